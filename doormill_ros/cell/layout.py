@@ -1,0 +1,96 @@
+"""Where the door, the tool and the robot stand in the cell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from doormill_ros.frames import rotation_x, transform
+from doormill_ros.resources import resource
+
+
+@dataclass(frozen=True)
+class DoorOffset:
+    """Displacement of the door from its nominal place.
+
+    Attributes:
+        y: Along base y [m].
+        z: Along base z [m].
+        rotation: About base x, at the door origin [rad].
+    """
+
+    y: float = 0.0
+    z: float = 0.0
+    rotation: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlacementLimits:
+    """Largest absolute door offset that the cell accepts: y, z [m], rotation [rad]."""
+
+    y: float
+    z: float
+    rotation: float
+
+
+@dataclass(frozen=True, eq=False)
+class CellLayout:
+    """Fixture, tool and robot of one cell.
+
+    Attributes:
+        robot: Name of the robot description.
+        rear_face_x: x of the door's rear face in the clamp [m].
+        centre_y: y on which doors stand centred [m].
+        bottom_z: z of the door's bottom edge [m].
+        limits: Accepted door offsets.
+        T_flange_tool: Tool centre point in the flange, shape (4, 4).
+    """
+
+    robot: str
+    rear_face_x: float
+    centre_y: float
+    bottom_z: float
+    limits: PlacementLimits
+    T_flange_tool: np.ndarray
+
+    def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> np.ndarray:
+        """Door frame in the base frame, shape (4, 4).
+
+        Args:
+            width: Door width [m].
+            thickness: Door thickness [m].
+            offset: Displacement from the nominal place; None for the nominal place.
+        """
+        offset = offset or DoorOffset()
+        origin = [
+            self.rear_face_x - thickness,
+            self.centre_y - width / 2.0 + offset.y,
+            self.bottom_z + offset.z,
+        ]
+        return transform(rotation_x(offset.rotation), origin)
+
+    def offset_of(self, T_base_door: np.ndarray, width: float) -> DoorOffset:
+        """The three free degrees of freedom of a door pose; inverse of `T_base_door`."""
+        return DoorOffset(
+            y=float(T_base_door[1, 3] - (self.centre_y - width / 2.0)),
+            z=float(T_base_door[2, 3] - self.bottom_z),
+            rotation=float(np.arctan2(T_base_door[2, 1], T_base_door[1, 1])),
+        )
+
+
+def load_layout(path: Path | None = None) -> CellLayout:
+    """Read config/cell.yaml, or another file of the same form."""
+    document = yaml.safe_load((path or resource("config/cell.yaml")).read_text(encoding="utf-8"))
+    T_flange_tool = transform(translation=np.array(document["tool"]["position"], dtype=float))
+    T_flange_tool.setflags(write=False)
+    return CellLayout(
+        robot=document["robot"],
+        rear_face_x=float(document["fixture"]["rear_face_x"]),
+        centre_y=float(document["fixture"]["centre_y"]),
+        bottom_z=float(document["fixture"]["bottom_z"]),
+        limits=PlacementLimits(**{k: float(v) for k, v in document["placement_limits"].items()}),
+        T_flange_tool=T_flange_tool,
+    )

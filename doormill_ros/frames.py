@@ -1,0 +1,122 @@
+"""Rigid transforms and the one rule by which they are named.
+
+`T_a_b` is a (4, 4) homogeneous matrix that maps coordinates in frame b into coordinates in
+frame a: `p_a = T_a_b @ p_b`, `T_a_c = T_a_b @ T_b_c`. It is also the pose of frame b seen
+from frame a. `R_a_b` is its rotation, `p_a_b` its translation.
+
+Frames: `base` (robot base, ROS name base_link), `flange`, `tool` (tool centre point, z along
+the spindle axis), `door`, `camera` (ROS name camera_optical_frame).
+
+Twists and wrenches are (6,) arrays, translation or force first. A wrench acts at a stated
+point and is written in the axes of a stated frame.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+BASE_FRAME = "base_link"
+DOOR_FRAME = "door"
+CAMERA_FRAME = "camera_optical_frame"
+FLANGE_FRAME = "flange"
+TOOL_FRAME = "tool"
+
+
+def check_transform(T_a_b: np.ndarray, name: str = "transform", tolerance: float = 1e-6) -> np.ndarray:
+    """Return a copied, read-only (4, 4) float64 matrix, or say what is wrong with it.
+
+    Args:
+        T_a_b: Array-like, shape (4, 4).
+        name: What the matrix is, for the message.
+        tolerance: Largest allowed deviation of R R^T from the identity.
+
+    Raises:
+        ValueError: Wrong shape, not finite, not a rotation, or a wrong last row.
+    """
+    matrix = np.array(T_a_b, dtype=float)
+    if matrix.shape != (4, 4):
+        raise ValueError(f"{name} has shape {matrix.shape}, allowed is (4, 4)")
+    if not np.all(np.isfinite(matrix)):
+        raise ValueError(f"{name} holds values that are not finite")
+    rotation = matrix[:3, :3]
+    error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    if error > tolerance or np.linalg.det(rotation) < 0:
+        raise ValueError(f"{name} is not a rotation: R R^T is off by {error:.2e}, allowed {tolerance:.0e}")
+    if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+        raise ValueError(f"{name} has last row {matrix[3].tolist()}, allowed is [0, 0, 0, 1]")
+    matrix.setflags(write=False)
+    return matrix
+
+
+def transform(rotation: np.ndarray | None = None, translation: np.ndarray | None = None) -> np.ndarray:
+    """Build T_a_b, shape (4, 4), from R_a_b, shape (3, 3), and p_a_b, shape (3,) [m]."""
+    T_a_b = np.eye(4)
+    if rotation is not None:
+        T_a_b[:3, :3] = rotation
+    if translation is not None:
+        T_a_b[:3, 3] = translation
+    return T_a_b
+
+
+def inverse(T_a_b: np.ndarray) -> np.ndarray:
+    """T_b_a of T_a_b; shapes (..., 4, 4)."""
+    T_a_b = np.asarray(T_a_b, dtype=float)
+    R_b_a = np.swapaxes(T_a_b[..., :3, :3], -1, -2)
+    T_b_a = np.zeros_like(T_a_b)
+    T_b_a[..., :3, :3] = R_b_a
+    T_b_a[..., :3, 3] = -(R_b_a @ T_a_b[..., :3, 3:4])[..., 0]
+    T_b_a[..., 3, 3] = 1.0
+    return T_b_a
+
+
+def apply(T_a_b: np.ndarray, p_b: np.ndarray) -> np.ndarray:
+    """Map points p_b, shape (..., 3) [m], into frame a."""
+    return np.asarray(p_b) @ T_a_b[:3, :3].T + T_a_b[:3, 3]
+
+
+def quaternion_xyzw(T_a_b: np.ndarray) -> np.ndarray:
+    """Unit quaternion (x, y, z, w) of R_a_b with w >= 0; shape (..., 4). ROS order."""
+    return Rotation.from_matrix(np.asarray(T_a_b)[..., :3, :3]).as_quat(canonical=True)
+
+
+def quaternion_wxyz(T_a_b: np.ndarray) -> np.ndarray:
+    """Unit quaternion (w, x, y, z) of R_a_b with w >= 0; shape (..., 4). RAPID order."""
+    return quaternion_xyzw(T_a_b)[..., [3, 0, 1, 2]]
+
+
+def from_xyzw(position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+    """T_a_b from p_a_b, shape (3,) [m], and a quaternion (x, y, z, w) of any positive norm."""
+    return transform(Rotation.from_quat(quaternion).as_matrix(), position)
+
+
+def from_wxyz(position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+    """T_a_b from p_a_b, shape (3,) [m], and a quaternion (w, x, y, z) of any positive norm."""
+    w, x, y, z = quaternion
+    return from_xyzw(position, np.array([x, y, z, w]))
+
+
+def rotation_x(angle: float) -> np.ndarray:
+    """R_a_b for a turn of b by `angle` [rad] about the x axis of a; shape (3, 3)."""
+    return Rotation.from_euler("x", angle).as_matrix()
+
+
+def apply_twist(T_a_b: np.ndarray, twist: np.ndarray) -> np.ndarray:
+    """Move frame b by a small twist given in the axes of frame a, taken at the origin of b.
+
+    Args:
+        T_a_b: Pose of b in a, shape (4, 4).
+        twist: Translation [m] and rotation vector [rad], shape (6,).
+
+    Returns:
+        The displaced T_a_b, shape (4, 4).
+    """
+    twist = np.asarray(twist, dtype=float)
+    rotation = Rotation.from_rotvec(twist[3:]).as_matrix() @ T_a_b[:3, :3]
+    return transform(rotation, T_a_b[:3, 3] + twist[:3])
+
+
+def twist_between(T_a_b: np.ndarray, T_a_c: np.ndarray) -> np.ndarray:
+    """The twist, shape (6,) [m, rad], axes of a, that `apply_twist` needs to move b onto c."""
+    rotvec = Rotation.from_matrix(T_a_c[:3, :3] @ T_a_b[:3, :3].T).as_rotvec()
+    return np.concatenate([T_a_c[:3, 3] - T_a_b[:3, 3], rotvec])
