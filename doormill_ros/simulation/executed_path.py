@@ -1,0 +1,68 @@
+"""What a robot really did while it ran a milling program."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class ExecutedPath:
+    """Samples of one executed program in the order of time; arrays are copied and read-only.
+
+    Between two samples of the same motion the tool moved on a straight line, so arcs must be
+    sampled finely enough for the purpose.
+
+    Attributes:
+        time: Seconds since the start, shape (n,), never decreasing.
+        T_base_tool: Where the tool really was, shape (n, 4, 4).
+        T_base_tool_commanded: Where the controller believed the tool was, shape (n, 4, 4).
+        q: Commanded joint angles, shape (n, 6) [rad].
+        motion: Index of the executed motion instruction, shape (n,), int.
+        cutting: Whether the motion cuts wood, shape (n,), bool.
+        feature: Feature that is being milled, empty between features, shape (n,), str.
+        wrench: Process wrench on the tool at the tool centre point, base axes, shape (n, 6) [N, N m].
+    """
+
+    time: np.ndarray
+    T_base_tool: np.ndarray
+    T_base_tool_commanded: np.ndarray
+    q: np.ndarray
+    motion: np.ndarray
+    cutting: np.ndarray
+    feature: np.ndarray
+    wrench: np.ndarray
+
+    def __post_init__(self) -> None:
+        """Copy, check shapes and freeze.
+
+        Raises:
+            ValueError: An array has the wrong shape, is not finite, or time runs backwards.
+        """
+        n = len(np.asarray(self.time))
+        shapes = {
+            "time": (n,),
+            "T_base_tool": (n, 4, 4),
+            "T_base_tool_commanded": (n, 4, 4),
+            "q": (n, 6),
+            "motion": (n,),
+            "cutting": (n,),
+            "feature": (n,),
+            "wrench": (n, 6),
+        }
+        kinds = {"motion": int, "cutting": bool, "feature": str}
+        for item in fields(self):
+            values = np.array(getattr(self, item.name), dtype=kinds.get(item.name, float))
+            if values.shape != shapes[item.name]:
+                raise ValueError(f"{item.name} has shape {values.shape}, allowed is {shapes[item.name]}")
+            if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
+                raise ValueError(f"{item.name} holds values that are not finite")
+            values.setflags(write=False)
+            object.__setattr__(self, item.name, values)
+        if np.any(np.diff(self.time) < 0.0):
+            raise ValueError("time runs backwards, allowed is a time that never decreases")
+
+    def __len__(self) -> int:
+        """Number of samples."""
+        return len(self.time)
