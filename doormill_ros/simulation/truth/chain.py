@@ -1,0 +1,71 @@
+"""Denavit-Hartenberg chain of the simulated truth, written apart from the robot package on purpose."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def turn(rotvec: np.ndarray) -> np.ndarray:
+    """Rotation matrices of rotation vectors by Rodrigues' formula.
+
+    Args:
+        rotvec: Shape (n, 3) [rad].
+
+    Returns:
+        Shape (n, 3, 3).
+    """
+    angle = np.linalg.norm(rotvec, axis=1)
+    axis = rotvec / np.where(angle > 0.0, angle, 1.0)[:, None]
+    x, y, z = axis.T
+    zero = np.zeros_like(x)
+    skew = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+    return np.eye(3) + s * skew + (1.0 - c) * (skew @ skew)
+
+
+def shift(rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
+    """Homogeneous matrices (n, 4, 4) from (n, 3, 3) and (n, 3) [m]."""
+    matrix = np.zeros((len(rotation), 4, 4))
+    matrix[:, :3, :3] = rotation
+    matrix[:, :3, 3] = translation
+    matrix[:, 3, 3] = 1.0
+    return matrix
+
+
+def joint_matrix(row: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """A_k = Rz(q + theta) Tz(d) Tx(a) Rx(alpha) (thesis eq. 2.2), multiplied out.
+
+    Args:
+        row: theta_offset [rad], d [m], a [m], alpha [rad], shape (4,).
+        angle: Joint angle, shape (n,) [rad].
+
+    Returns:
+        Frame k in frame k-1, shape (n, 4, 4).
+    """
+    theta, d, a, alpha = row
+    c, s = np.cos(angle + theta), np.sin(angle + theta)
+    ca, sa = np.cos(alpha), np.sin(alpha)
+    one, zero = np.ones_like(c), np.zeros_like(c)
+    rows = [
+        [c, -s * ca, s * sa, a * c],
+        [s, c * ca, -c * sa, a * s],
+        [zero, sa * one, ca * one, d * one],
+        [zero, zero, zero, one],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def chain(dh: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Frames 0 to 6 of the rigid robot in the base frame.
+
+    Args:
+        dh: Table, shape (6, 4).
+        q: Joint angles, shape (n, 6) [rad].
+
+    Returns:
+        Shape (n, 7, 4, 4).
+    """
+    frames = [np.broadcast_to(np.eye(4), (len(q), 4, 4))]
+    for k in range(6):
+        frames.append(frames[-1] @ joint_matrix(dh[k], q[:, k]))
+    return np.stack(frames, axis=1)
