@@ -1,1 +1,1 @@
-"""TODO."""
+"""The ABB side: target files, RAPID, transports and the handshake with the controller."""

@@ -1,0 +1,213 @@
+"""One robot target as a line of text, `x;y;z;q1;q2;q3;q4;cf1;cf4;cf6;cfx;`, and back.
+
+Millimetres and a unit quaternion, w first, live in this file only; outside it is SI. A RAPID
+string holds 80 characters. `ReadStr` is documented to stop at 80 characters or at the line
+feed, whichever comes first; where both come together the line feed may be left for the next
+call, which would shift every later target by one. The writer therefore stays one below.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.abb.errors import TargetLineError, TargetValueError
+from doormill_ros.frames import check_transform, from_wxyz, quaternion_wxyz
+from doormill_ros.toolpath.program import ConfData
+from doormill_ros.units import m_to_mm, mm_to_m
+
+RAPID_STRING = 80  #: characters that a RAPID string holds
+LINE_BUDGET = RAPID_STRING - 1  #: characters that the writer uses at most
+SEPARATOR = ";"
+FIELDS = ("x", "y", "z", "q1", "q2", "q3", "q4", "cf1", "cf4", "cf6", "cfx")
+
+#: Decimals of millimetres and of the quaternion, most useful first. A micrometre of position
+#: weighs more than a microradian about the tool centre point, so the quaternion gives way first.
+#: Below (3, 6) nothing is needed: that fits every target within REACH.
+DECIMALS = ((4, 7), (4, 6), (3, 6))
+REACH = 10.0  #: coordinates from here on are out of reach of any robot of this kind [m]
+#: Largest |q.q - 1| that RAPID takes as a unit quaternion without a word.
+NORM_TOLERANCE = 1e-5
+#: Turns of the axes that the robots of this class reach, in quarters.
+CONF_RANGE = {"cf1": (-4, 3), "cf4": (-4, 3), "cf6": (-4, 3), "cfx": (0, 7)}
+
+_DECIMAL = re.compile(r"-?\d{1,4}(\.\d{1,8})?")
+_INTEGER = re.compile(r"-?\d")
+
+
+@dataclass(frozen=True, eq=False)
+class TargetLine:
+    """What one line says.
+
+    Attributes:
+        T_base_tool: Pose of the tool, shape (4, 4).
+        conf: Robot configuration.
+        position_mm: x, y, z as written, shape (3,) [mm].
+        quaternion: q1..q4 as written, w first, shape (4,).
+        position_resolution: Half of the last decimal of x, y, z, shape (3,) [m].
+        quaternion_resolution: Half of the last decimal of q1..q4.
+    """
+
+    T_base_tool: np.ndarray
+    conf: ConfData
+    position_mm: np.ndarray
+    quaternion: np.ndarray
+    position_resolution: np.ndarray
+    quaternion_resolution: float
+
+
+def format_line(T_base_tool: np.ndarray, conf: ConfData, name: str = "") -> str:
+    """The line of one target, without the line feed.
+
+    Args:
+        T_base_tool: Pose of the tool as the robot shall be told it, shape (4, 4).
+        conf: Robot configuration of the pose.
+        name: What the target is called, for messages.
+
+    Raises:
+        TargetValueError: Not a pose, out of any robot's reach, or a configuration that no robot of
+            this class has.
+    """
+    label = f"target {name!r}" if name else "target"
+    try:
+        T_base_tool = check_transform(T_base_tool, label)
+    except ValueError as error:
+        raise TargetValueError(f"{error}: build the pose with doormill_ros.frames", target=name) from error
+    position = T_base_tool[:3, 3]
+    if np.abs(position).max() >= REACH:
+        raise TargetValueError(
+            f"{label} is at {np.round(position, 3).tolist()} m, allowed is less than {REACH:g} m along "
+            "each axis: check the units",
+            target=name,
+            position=position.tolist(),
+        )
+    conf_text = _format_conf(conf, label)
+    quaternion = quaternion_wxyz(T_base_tool)
+    for position_decimals, quaternion_decimals in DECIMALS:
+        numbers = [_format_position(value, position_decimals) for value in m_to_mm(position)]
+        numbers += _format_quaternion(quaternion, quaternion_decimals)
+        line = "".join(text + SEPARATOR for text in numbers + conf_text)
+        if len(line) <= LINE_BUDGET:
+            return line
+    if len(line) <= RAPID_STRING:
+        return line
+    raise TargetValueError(
+        f"{label} needs {len(line)} characters, allowed are {RAPID_STRING}: {line}", target=name, line=line
+    )
+
+
+def parse_line(line: str, number: int) -> TargetLine:
+    """Read one line back.
+
+    Args:
+        line: The line without its line feed.
+        number: Its number in the file, from 1, for messages.
+
+    Raises:
+        TargetLineError: Names line, field, what was found and what is allowed.
+    """
+    if len(line) > RAPID_STRING:
+        raise _error(number, f"has {len(line)} characters", f"at most {RAPID_STRING}, a RAPID string", line)
+    parts = line.split(SEPARATOR)
+    if len(parts) != len(FIELDS) + 1 or parts[-1]:
+        raise _error(
+            number,
+            f"has {line.count(SEPARATOR)} separators in {line!r}",
+            f"{len(FIELDS)} numbers with a '{SEPARATOR}' after each",
+            line,
+        )
+    texts = dict(zip(FIELDS, parts, strict=False))
+    values = {}
+    for field in FIELDS[:7]:
+        values[field] = _parse_field(
+            texts[field], _DECIMAL, "a decimal number such as -1234.567", field, number
+        )
+    for field in FIELDS[7:]:
+        values[field] = _parse_field(texts[field], _INTEGER, "an integer", field, number)
+        low, high = CONF_RANGE[field]
+        if not low <= values[field] <= high:
+            raise _error(number, f"has {field} = {texts[field]}", f"{low} to {high}", line)
+    quaternion = np.array([values[f] for f in FIELDS[3:7]])
+    defect = float(quaternion @ quaternion) - 1.0
+    if abs(defect) > NORM_TOLERANCE:
+        raise _error(
+            number,
+            f"has a quaternion whose squares sum to {1.0 + defect:.7f}",
+            f"1 within {NORM_TOLERANCE:g}",
+            line,
+        )
+    position_mm = np.array([values[f] for f in FIELDS[:3]])
+    resolution = [0.5 * 10.0 ** -_decimals(texts[f]) for f in FIELDS[:3]]
+    return TargetLine(
+        T_base_tool=from_wxyz(mm_to_m(position_mm), quaternion),
+        conf=ConfData(*(int(values[f]) for f in FIELDS[7:])),
+        position_mm=position_mm,
+        quaternion=quaternion,
+        position_resolution=mm_to_m(np.array(resolution)),
+        quaternion_resolution=0.5 * 10.0 ** -min(_decimals(texts[f]) for f in FIELDS[3:7]),
+    )
+
+
+def _format_position(value: float, decimals: int) -> str:
+    """Millimetres with the decimals that float32 can tell apart at this size."""
+    spacing = float(np.spacing(np.float32(abs(value))))
+    while decimals > 0 and 10.0**-decimals < spacing:
+        decimals -= 1
+    return _format(value, decimals)
+
+
+def _format_quaternion(quaternion: np.ndarray, decimals: int) -> list[str]:
+    """The rounded quaternion whose first component that is not zero is positive."""
+    rounded = np.round(quaternion, decimals)
+    leading = rounded[np.flatnonzero(rounded)[0]]
+    if leading < 0.0:
+        rounded = -rounded
+    return [_format(value, decimals) for value in rounded]
+
+
+def _format(value: float, decimals: int) -> str:
+    """Fixed decimals, and no minus sign before a zero."""
+    text = f"{value:.{decimals}f}"
+    return text[1:] if text.startswith("-") and not text.strip("-0.") else text
+
+
+def _format_conf(conf: ConfData, label: str) -> list[str]:
+    """Texts of cf1, cf4, cf6, cfx."""
+    texts = []
+    for field, (low, high) in CONF_RANGE.items():
+        value = getattr(conf, field)
+        if not isinstance(value, int | np.integer) or not low <= value <= high:
+            raise TargetValueError(
+                f"{label} has {field} = {value!r}, allowed is an integer from {low} to {high}: "
+                "choose another branch of the inverse kinematics",
+                field=field,
+                value=value,
+            )
+        texts.append(str(int(value)))
+    return texts
+
+
+def _parse_field(text: str, pattern: re.Pattern[str], allowed: str, field: str, number: int) -> float:
+    """The number in one field."""
+    if not (text.isascii() and pattern.fullmatch(text)):
+        raise _error(number, f"has {field} = {text!r}", allowed, text)
+    value = float(text)
+    if not math.isfinite(float(np.float32(value))):
+        raise _error(number, f"has {field} = {text!r}", "a finite number", text)
+    return value
+
+
+def _decimals(text: str) -> int:
+    """Number of digits after the decimal point."""
+    return len(text.partition(".")[2])
+
+
+def _error(number: int, found: str, allowed: str, line: str) -> TargetLineError:
+    return TargetLineError(
+        f"line {number} of the target file {found}, allowed is {allowed}: write the file anew",
+        line=number,
+        text=line,
+    )
