@@ -60,6 +60,8 @@ build() { # name, stamp, folders that it is made of
     if [[ -e $mark && -z $(find "$@" -newer "$mark" -not -path '*/__pycache__*' -print -quit) ]]; then return; fi
     say "3/3 building $name with colcon"
     mkdir -p install log
+    # What was renamed or removed since must not linger beside the new.
+    rm -rf "build/$name" "install/share/$name" "install/lib/$name" install/lib/python3.*/site-packages/"$name"*
     local begun; begun=$(mktemp install/.begun-XXXX)
     if ! ( . ./activate --build && colcon --log-base log build --merge-install --paths . doormill_interfaces \
             --packages-select "$name" --event-handlers console_direct- \

@@ -1,0 +1,147 @@
+"""Node /bag_recorder: every topic of the cell into an MCAP bag."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from datetime import UTC, datetime
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.qos import qos_document
+from doormill_ros.nodes.managed_node import ERROR, OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.run import run_nodes
+from doormill_ros.recording.bag_writer import BagWriter
+from doormill_ros.recording.bounded_queue import BoundedQueue, Received
+
+DISCOVERY_PERIOD = 0.5  # s
+WRITE_PERIOD = 0.1  # s
+
+
+class BagRecorder(ManagedNode):
+    """Subscribes to every topic it can see and writes what arrives, byte for byte."""
+
+    PARAMETERS = (
+        Parameter("bag", "", "folder to record into; empty: a new folder under `folder`"),
+        Parameter("folder", "out/bags", "where new bags are made when `bag` is empty"),
+        Parameter("split_size", 512 << 20, "begin a new file at this size [bytes]; 0: never", 0, 1 << 40),
+        Parameter("queue_size", 256 << 20, "most that may wait for the disk [bytes]", 1 << 20, 1 << 36),
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("bag_recorder", **kwargs)
+
+    def setup(self) -> None:
+        """Open the bag and subscribe to the cell's topics, and from then on to what else turns up."""
+        folder = self.value("bag")
+        if not folder:
+            name = datetime.now(UTC).strftime("%Y%m%dT%H%M%S%fZ")
+            folder = os.path.join(self.value("folder"), name)
+        self._subscribed: set[str] = set()
+        self._skipped: set[str] = set()
+        self._lock = threading.Lock()
+        self._queue = BoundedQueue(self.value("queue_size"))
+        self._writer = BagWriter(Path(folder), self.value("split_size"))
+        self._failure = ""
+        for topic in topics.ALL:
+            self._record(self.resolve_topic_name(topic.name), topic.type, topic.offered)
+        self._thread = threading.Thread(target=self._write, name="bag_writer", daemon=True)
+        self._thread.start()
+        self.every(DISCOVERY_PERIOD, self._discover)
+        self.get_logger().info(f"recording into {folder}")
+
+    def start(self) -> None:
+        """Record what arrives from now on, latched state first."""
+        self._discover()
+
+    def teardown(self) -> None:
+        """Write what still waits and close the bag."""
+        self._queue.close()
+        self._thread.join()
+        with self._lock:
+            self._writer.close()
+
+    def _discover(self) -> None:
+        for name, types in self.get_topic_names_and_types():
+            if name in self._subscribed or name in self._skipped:
+                continue
+            package, kind, message = types[0].split("/")
+            try:
+                message_type = getattr(import_module(f"{package}.{kind}"), message)
+            except (ImportError, AttributeError):
+                self._skipped.add(name)
+                self.get_logger().warning(f"{name} is not recorded: {types[0]} is not installed here")
+                continue
+            offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
+            if offers:
+                self._record(name, message_type, _matching(offers))
+        self._report()
+
+    def _record(self, name: str, message_type: Any, offered: QoSProfile) -> None:
+        module = message_type.__module__.split(".")
+        with self._lock:
+            self._writer.add_topic(
+                name, f"{module[0]}/{module[1]}/{message_type.__name__}", [qos_document(offered)]
+            )
+
+        def receive(data: bytes, info: Any = None) -> None:
+            if self.active or offered.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+                now = time.time_ns()
+                sent = info.get("source_timestamp", now) if isinstance(info, dict) else now
+                self._queue.put(Received(name, bytes(data), now, sent))
+
+        requested = QoSProfile(
+            depth=max(10, offered.depth), reliability=offered.reliability, durability=offered.durability
+        )
+        subscription = self.create_subscription(message_type, name, receive, requested, raw=True)
+        self.keep(self.destroy_subscription, subscription)
+        self._subscribed.add(name)
+
+    def _write(self) -> None:
+        while not self._queue.closed:
+            received = self._queue.take(WRITE_PERIOD)
+            try:
+                with self._lock:
+                    for item in received:
+                        self._writer.write(item.topic, item.data, item.received_ns, item.published_ns)
+                    self._writer.flush()
+            except OSError as error:
+                self._failure = f"the bag cannot be written: {error}; free the disk and restart the recorder"
+                self._queue.close()
+
+    def _report(self) -> None:
+        dropped = sum(self._queue.dropped.values())
+        counts = {"messages": sum(f.message_count for f in self._writer.record.files), "dropped": dropped}
+        if self._failure:
+            self.report(ERROR, self._failure, **counts)
+        elif dropped:
+            worst = ", ".join(f"{n} of {t}" for t, n in sorted(self._queue.dropped.items()))
+            self.report(WARN, f"messages were dropped because the disk is too slow: {worst}", **counts)
+        else:
+            self.report(OK, "recording", bag=str(self._writer.folder), **counts)
+
+
+def _matching(offers: list[QoSProfile]) -> QoSProfile:
+    """The strictest request that every publisher satisfies."""
+    reliable = all(o.reliability == ReliabilityPolicy.RELIABLE for o in offers)
+    latched = all(o.durability == DurabilityPolicy.TRANSIENT_LOCAL for o in offers)
+    return QoSProfile(
+        depth=100,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def main() -> int:
+    """Run the node."""
+    return run_nodes(BagRecorder)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Messages to domain types and back: no decisions, no arithmetic beyond that."""

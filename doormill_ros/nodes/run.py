@@ -1,0 +1,46 @@
+"""Start nodes, alone or together, and spin them until they are told to stop."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.resources import resource
+
+THREADS = 4
+
+
+def init(arguments: Sequence[str]) -> None:
+    """Initialize rclpy with the shipped parameter file and the user's ROS arguments."""
+    program, *rest = list(arguments)
+    shipped = ["--ros-args", "--params-file", str(resource("config/nodes.yaml")), "--"]
+    rclpy.init(args=[program, *shipped, *rest])
+
+
+def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None) -> int:
+    """Run nodes in this process until interrupted; the body of every node's executable."""
+    init(sys.argv if arguments is None else arguments)
+    executor = MultiThreadedExecutor(num_threads=THREADS)
+    nodes = [factory() for factory in factories]
+    for node in nodes:
+        executor.add_node(node)
+        node.bring_up()
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        shut_down(nodes)
+        executor.shutdown(timeout_sec=1.0)
+        rclpy.try_shutdown()
+    return 0
+
+
+def shut_down(nodes: Sequence[ManagedNode]) -> None:
+    """Let each node close its files and drop its signals, also when the context is already gone."""
+    for node in nodes:
+        node.close()

@@ -1,0 +1,108 @@
+"""Every topic of the cell once: its name, its type and its quality of service."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Bool
+from visualization_msgs.msg import MarkerArray
+
+from doormill_interfaces.msg import (
+    AbbStatus,
+    DoorLocalization,
+    DoorPlacement,
+    DoorRecipe,
+    ExecutedPath,
+    MilledDoor,
+    RunResult,
+    TargetArray,
+)
+
+#: The latest value counts and late joiners get it.
+STATE = QoSProfile(
+    depth=1,
+    history=HistoryPolicy.KEEP_LAST,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+#: Every message counts, late joiners do not get old ones.
+EVENT = QoSProfile(
+    depth=10,
+    history=HistoryPolicy.KEEP_LAST,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+)
+#: Pictures are offered reliably, so that a recorder loses none; who listens asks for best effort.
+PICTURE_OFFERED = QoSProfile(
+    depth=5,
+    history=HistoryPolicy.KEEP_LAST,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+)
+PICTURE_REQUESTED = QoSProfile(
+    depth=5,
+    history=HistoryPolicy.KEEP_LAST,
+    reliability=ReliabilityPolicy.BEST_EFFORT,
+    durability=DurabilityPolicy.VOLATILE,
+)
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic: relative name, message class, offered and requested quality of service."""
+
+    name: str
+    type: Any
+    offered: QoSProfile
+    requested: QoSProfile
+
+
+def _topic(name: str, message_type: Any, qos: QoSProfile, requested: QoSProfile | None = None) -> Topic:
+    return Topic(name, message_type, qos, requested or qos)
+
+
+IMAGE = _topic("camera/image_raw", Image, PICTURE_OFFERED, PICTURE_REQUESTED)
+CAMERA_INFO = _topic("camera/camera_info", CameraInfo, STATE)
+DOOR_POSE = _topic("door/pose", PoseStamped, EVENT)
+DOOR_LOCALIZATION = _topic("door/localization", DoorLocalization, EVENT)
+DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE_OFFERED, PICTURE_REQUESTED)
+DOOR_RECIPE = _topic("door/recipe", DoorRecipe, STATE)
+PATH_TARGETS = _topic("path/targets", TargetArray, EVENT)
+PATH_NOMINAL = _topic("path/nominal", Path, STATE)
+PATH_CORRECTED = _topic("path/corrected", Path, STATE)
+PATH_MARKERS = _topic("path/markers", MarkerArray, STATE)
+ABB_STATUS = _topic("abb/status", AbbStatus, STATE)
+ABB_REQUEST = _topic("abb/request", Bool, STATE)
+ABB_READY = _topic("abb/ready", Bool, STATE)
+RUN_RESULT = _topic("run/result", RunResult, STATE)
+DOOR_PLACEMENT = _topic("simulation/door_placement", DoorPlacement, STATE)
+EXECUTED_PATH = _topic("simulation/executed_path", ExecutedPath, STATE)
+MILLED_DOOR = _topic("simulation/milled_door", MilledDoor, STATE)
+DIAGNOSTICS = _topic("/diagnostics", DiagnosticArray, EVENT)
+
+ALL: tuple[Topic, ...] = (
+    IMAGE,
+    CAMERA_INFO,
+    DOOR_POSE,
+    DOOR_LOCALIZATION,
+    DOOR_OVERLAY,
+    DOOR_RECIPE,
+    PATH_TARGETS,
+    PATH_NOMINAL,
+    PATH_CORRECTED,
+    PATH_MARKERS,
+    ABB_STATUS,
+    ABB_REQUEST,
+    ABB_READY,
+    RUN_RESULT,
+    DOOR_PLACEMENT,
+    EXECUTED_PATH,
+    MILLED_DOOR,
+    DIAGNOSTICS,
+)

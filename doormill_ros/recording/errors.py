@@ -1,0 +1,21 @@
+"""What can be wrong with a bag."""
+
+from __future__ import annotations
+
+from doormill_ros.errors import DoormillError
+
+
+class BagError(DoormillError):
+    """Base of all bag errors."""
+
+
+class BagExistsError(BagError):
+    """The folder to record into holds something already."""
+
+    code = 601
+
+
+class UnknownTypeError(BagError):
+    """A message type has no definition in the ament index."""
+
+    code = 602

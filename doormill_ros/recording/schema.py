@@ -1,0 +1,84 @@
+"""Message definitions and their hashes, as the interface packages install them."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from doormill_ros.recording.errors import UnknownTypeError
+
+SEPARATOR = "=" * 80
+PRIMITIVES = {
+    "bool", "byte", "char", "float32", "float64", "int8", "uint8", "int16", "uint16",
+    "int32", "uint32", "int64", "uint64", "string", "wstring",
+}  # fmt: skip
+FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+\w+")
+
+
+@dataclass(frozen=True)
+class Schema:
+    """A message type as it travels in a bag.
+
+    Attributes:
+        name: Full type name, for example "std_msgs/msg/Bool".
+        text: Its definition followed by those of every type it uses (encoding "ros2msg").
+        type_hash: RIHS01 hash of the type description (REP 2016).
+    """
+
+    name: str
+    text: str
+    type_hash: str
+
+
+def _share_file(name: str, suffix: str) -> Path:
+    package, kind, message = name.split("/")
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        path = Path(prefix) / "share" / package / kind / f"{message}{suffix}"
+        if prefix and path.is_file():
+            return path
+    raise UnknownTypeError(
+        f"message type {name} has no {suffix} file in AMENT_PREFIX_PATH; install or source its package",
+        type=name,
+    )
+
+
+def _used_types(text: str, package: str) -> list[str]:
+    """Full names of the message types that a definition uses, in order of appearance."""
+    used = []
+    for line in text.splitlines():
+        match = FIELD.match(line.split("#")[0])
+        if not match or match[1] in PRIMITIVES:
+            continue
+        parts = match[1].split("/")
+        name = f"{package}/msg/{parts[0]}" if len(parts) == 1 else f"{parts[0]}/msg/{parts[-1]}"
+        if name not in used:
+            used.append(name)
+    return used
+
+
+@lru_cache(maxsize=None)
+def load_schema(name: str) -> Schema:
+    """Definition and hash of a message type, from the ament index.
+
+    Raises:
+        UnknownTypeError: The type's package is not installed.
+    """
+    text = _share_file(name, ".msg").read_text(encoding="utf-8")
+    parts, seen = [text], {name}
+    pending = _used_types(text, name.split("/")[0])
+    while pending:
+        used = pending.pop(0)
+        if used in seen:
+            continue
+        seen.add(used)
+        used_text = _share_file(used, ".msg").read_text(encoding="utf-8")
+        package, _, message = used.split("/")
+        parts.append(f"{SEPARATOR}\nMSG: {package}/{message}\n{used_text}")
+        pending.extend(_used_types(used_text, package))
+    description = json.loads(_share_file(name, ".json").read_text(encoding="utf-8"))
+    type_hash = next(e["hash_string"] for e in description["type_hashes"] if e["type_name"] == name)
+    return Schema(name, "\n".join(parts), type_hash)
