@@ -1,0 +1,1 @@
+"""Ways to reach a controller, one a file, all behind `doormill_ros.abb.transport.Transport`."""

@@ -1,0 +1,76 @@
+"""Run calls that may hang (a dead network share) one after the other, each with a time limit."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+from typing import Any
+
+
+class CallTimeout(Exception):
+    """The call did not return in time; it may still take effect."""
+
+
+class _Call:
+    """One call on its way to the worker and back."""
+
+    def __init__(self, function: Callable[[], Any]) -> None:
+        self.function = function
+        self.done = threading.Event()
+        self.result: Any = None
+        self.error: BaseException | None = None
+
+
+class BoundedCaller:
+    """A daemon thread that makes calls in order.
+
+    One thread, not a pool: a call that hangs keeps the later ones from overtaking it, so a late
+    "ready high" can never follow a "ready low" that was ordered after it.
+    """
+
+    def __init__(self, name: str) -> None:
+        """Start the thread.
+
+        Args:
+            name: Thread name.
+        """
+        self._queue: queue.SimpleQueue[_Call | None] = queue.SimpleQueue()
+        self._stuck: _Call | None = None
+        self._thread = threading.Thread(target=self._work, name=name, daemon=True)
+        self._thread.start()
+
+    def call(self, function: Callable[[], Any], timeout: float) -> Any:
+        """The function's result, or its exception.
+
+        Args:
+            function: What to do.
+            timeout: Limit [s].
+
+        Raises:
+            CallTimeout: Not done in time, or an earlier call still hangs (then this one is not made).
+        """
+        if self._stuck is not None:
+            if not self._stuck.done.wait(timeout):
+                raise CallTimeout
+            self._stuck = None
+        call = _Call(function)
+        self._queue.put(call)
+        if not call.done.wait(timeout):
+            self._stuck = call
+            raise CallTimeout
+        if call.error is not None:
+            raise call.error
+        return call.result
+
+    def close(self) -> None:
+        """Let the thread end when its last call returns; does not wait."""
+        self._queue.put(None)
+
+    def _work(self) -> None:
+        while (call := self._queue.get()) is not None:
+            try:
+                call.result = call.function()
+            except BaseException as error:
+                call.error = error
+            call.done.set()

@@ -1,0 +1,245 @@
+"""The thesis' way: a folder that PC and controller share, with the signals as files beside it.
+
+<folder>/Hei2.txt             the target file
+<folder>/io/doPathRequest     "0" or "1", see doormill_ros.abb.signals
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import fcntl
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from doormill_ros.abb import signals
+from doormill_ros.abb.link_errors import (
+    DownloadError,
+    FileMissingError,
+    FolderInUseError,
+    FolderMissingError,
+    ReadTimeoutError,
+    RemoveError,
+    SignalReadError,
+    SignalWriteError,
+    UploadError,
+    WriteTimeoutError,
+)
+from doormill_ros.abb.transport import check_file_name
+from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
+
+LOCK_FILE = ".doormill_ros.lock"
+# A reader on another machine can meet the instant between truncation and content when the other side
+# does not replace its signal file; that passes within a few milliseconds.
+_TORN_READS = 5
+_TORN_PAUSE = 0.002
+
+
+class SharedFolderTransport:
+    """Signals and target files in one folder; see `Transport` for the operations.
+
+    Calls run on one worker thread in order, because a dead network share blocks in the kernel where
+    no timeout reaches. As they cannot overtake each other nothing stays in doubt once a later one
+    succeeds, hence `in_doubt_time` is 0.
+    """
+
+    in_doubt_time = 0.0
+
+    def __init__(self, folder: str | Path, timeout: float = 2.0, poll_interval: float = 0.002) -> None:
+        """Take the folder for this process alone and remove what a killed writer left half done.
+
+        Args:
+            folder: The controller's HOME as this PC sees it; must exist.
+            timeout: Limit of one operation [s].
+            poll_interval: Longest sleep of `wait` [s].
+
+        Raises:
+            FolderMissingError: The folder is not there or cannot be used.
+            FolderInUseError: Another process holds it.
+            ReadTimeoutError: The folder does not answer.
+        """
+        self._folder = Path(folder)
+        self._io = self._folder / signals.IO_FOLDER
+        self._timeout = timeout
+        self._poll_interval = poll_interval
+        self._lock: int | None = None
+        self._worker = BoundedCaller("shared-folder")
+        try:
+            self._bounded(self._open, ReadTimeoutError, "opening")
+        except Exception:
+            self.close()
+            raise
+
+    def __repr__(self) -> str:
+        return f"SharedFolderTransport({str(self._folder)!r})"
+
+    def read_request(self) -> bool:
+        """The request signal, True when high."""
+        return self.read_signal(signals.REQUEST)
+
+    def read_ready(self) -> bool:
+        """The ready signal as it is in the folder."""
+        return self.read_signal(signals.READY)
+
+    def read_signal(self, name: str) -> bool:
+        """Any signal; a missing file is low."""
+        return self._bounded(lambda: self._read_signal(name), ReadTimeoutError, f"reading signal {name}")
+
+    def set_ready(self, value: bool) -> None:
+        """Replace the ready signal's file."""
+        self._bounded(lambda: self._set_ready(value), WriteTimeoutError, f"writing {signals.READY}")
+
+    def write_file(self, name: str, data: bytes) -> None:
+        """Write beside the target, flush to the medium, then replace in one step."""
+        path = self._folder / check_file_name(name)
+        self._bounded(lambda: self._replace(path, data, sync=True), WriteTimeoutError, f"writing {name}")
+
+    def read_file(self, name: str) -> bytes:
+        """The file's bytes."""
+        path = self._folder / check_file_name(name)
+        return self._bounded(lambda: _read(path), ReadTimeoutError, f"reading {name}")
+
+    def remove_file(self, name: str) -> None:
+        """Remove the file if it is there."""
+        path = self._folder / check_file_name(name)
+        self._bounded(lambda: _remove(path), WriteTimeoutError, f"removing {name}")
+
+    def wait(self, timeout: float) -> None:
+        """Sleep for one polling interval: network shares tell nobody about changes."""
+        time.sleep(max(0.0, min(timeout, self._poll_interval)))
+
+    def close(self) -> None:
+        """Give the folder back."""
+        if self._lock is not None:
+            with contextlib.suppress(OSError):
+                os.close(self._lock)
+            self._lock = None
+        self._worker.close()
+
+    def _bounded(self, function: Callable[[], Any], timeout_error: type, doing: str) -> Any:
+        try:
+            return self._worker.call(function, self._timeout)
+        except CallTimeout:
+            raise timeout_error(
+                f"{doing} in shared folder {self._folder} took longer than {self._timeout:g} s; "
+                "check the network share",
+                folder=str(self._folder),
+                timeout=self._timeout,
+            ) from None
+
+    def _open(self) -> None:
+        if not self._folder.is_dir():
+            raise FolderMissingError(
+                f"shared folder {self._folder} does not exist; mount the controller's HOME folder there "
+                "or correct the path",
+                folder=str(self._folder),
+            )
+        try:
+            self._io.mkdir(exist_ok=True)
+            self._lock = os.open(self._folder / LOCK_FILE, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            _lock(self._lock, self._folder)
+            for left_over in (*self._folder.glob(".*.doormill-tmp"), *self._io.glob(".*.doormill-tmp")):
+                left_over.unlink(missing_ok=True)
+        except OSError as error:
+            raise FolderMissingError(
+                f"shared folder {self._folder} cannot be used: {error.strerror}; give this user write access",
+                folder=str(self._folder),
+            ) from error
+
+    def _read_signal(self, name: str) -> bool:
+        path = self._io / check_file_name(name)
+        content = b""
+        for attempt in range(_TORN_READS):
+            if attempt:
+                time.sleep(_TORN_PAUSE)
+            try:
+                content = path.read_bytes().strip()
+            except FileNotFoundError:
+                if self._io.is_dir():
+                    return False
+                raise SignalReadError(
+                    f"signal {name} cannot be read: {self._io} is gone; mount the shared folder again",
+                    signal=name,
+                ) from None
+            except OSError as error:
+                raise SignalReadError(
+                    f"signal {name} cannot be read: {error.strerror} ({path}); check the share",
+                    signal=name,
+                ) from error
+            if content in (signals.LOW, signals.HIGH):
+                return content == signals.HIGH
+        raise SignalReadError(
+            f"signal {name} is {content[:20]!r} in {path}; allowed are '0' and '1': check who else writes it",
+            signal=name,
+        )
+
+    def _set_ready(self, value: bool) -> None:
+        path = self._io / signals.READY
+        try:
+            self._replace(path, signals.HIGH if value else signals.LOW, sync=False)
+        except UploadError as error:
+            # Lowering must work on a full disk too, and a missing file reads as low.
+            if not value:
+                with contextlib.suppress(OSError):
+                    path.unlink(missing_ok=True)
+                    return
+            raise SignalWriteError(
+                f"signal {signals.READY} cannot be written: {error.message}", signal=signals.READY
+            ) from error
+
+    def _replace(self, path: Path, data: bytes, sync: bool) -> None:
+        temporary = path.with_name(f".{path.name}.{os.getpid()}.doormill-tmp")
+        try:
+            with temporary.open("wb") as file:
+                file.write(data)
+                file.flush()
+                if sync:
+                    os.fsync(file.fileno())  # network file systems report a full disk only here
+            os.replace(temporary, path)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                temporary.unlink(missing_ok=True)
+            cause = "the disk is full" if error.errno in (errno.ENOSPC, errno.EDQUOT) else error.strerror
+            raise UploadError(
+                f"{path} cannot be written ({len(data)} bytes): {cause}; free space or check the share",
+                path=str(path),
+                errno=error.errno,
+            ) from error
+
+
+def _lock(descriptor: int, folder: Path) -> None:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise FolderInUseError(
+            f"shared folder {folder} is held by another process; two writers could mix their files: "
+            "stop the other abb_bridge first",
+            folder=str(folder),
+        ) from None
+    except OSError as error:
+        # Some network file systems know no locks; the handshake's own checks still hold there.
+        if error.errno not in (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL):
+            raise
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise FileMissingError(f"{path} does not exist; write it first", path=str(path)) from None
+    except OSError as error:
+        raise DownloadError(
+            f"{path} cannot be read: {error.strerror}; check the share", path=str(path)
+        ) from error
+
+
+def _remove(path: Path) -> None:
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise RemoveError(
+            f"{path} cannot be removed: {error.strerror}; close the program that holds it", path=str(path)
+        ) from error
