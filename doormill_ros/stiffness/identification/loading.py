@@ -1,0 +1,105 @@
+"""Static loadings of the robot, and how far each would move if one joint alone gave way.
+
+With the load W at a point of link l, joint k feels tau_k = J_load[:, k]^T W (thesis eq. 2.34) and turns
+by tau_k / K_k (2.36), which moves the reflector by J_reflector[:, k] tau_k / K_k (2.32). The displacement
+is therefore linear in the six compliances c = 1 / K: d = A c.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from doormill_ros.robot.chain import JOINTS
+from doormill_ros.robot.kinematics import Kinematics
+
+
+@dataclass(frozen=True, eq=False)
+class Loadings:
+    """n static loadings, each seen by one reflector.
+
+    Attributes:
+        q: Joint angles, shape (n, 6) [rad].
+        wrench: Load on the robot at the load point, base axes, shape (n, 6) [N, N m].
+        load_link: Moving link that carries the load, shape (n,), 6 is the flange.
+        load_point: Where the load acts, frame of that link, shape (n, 3) [m].
+        reflector_link: Moving link that carries the reflector, shape (n,).
+        reflector: Its position, frame of that link, shape (n, 3) [m].
+        displacement: Loaded minus unloaded reflector position, base axes, shape (n, 3) [m].
+        displacement_std: Standard deviation of one displacement component [m].
+        wrench_std: Standard deviation of the wrench components, shape (6,) [N, N m].
+    """
+
+    q: np.ndarray
+    wrench: np.ndarray
+    load_link: np.ndarray
+    load_point: np.ndarray
+    reflector_link: np.ndarray
+    reflector: np.ndarray
+    displacement: np.ndarray
+    displacement_std: float
+    wrench_std: np.ndarray
+
+    def __len__(self) -> int:
+        """Number of loadings."""
+        return len(self.q)
+
+    def pick(self, rows: np.ndarray) -> Loadings:
+        """The given loadings alone."""
+        names = ("q", "wrench", "load_link", "load_point", "reflector_link", "reflector", "displacement")
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
+
+
+def joint_torques(kinematics: Kinematics, loadings: Loadings) -> np.ndarray:
+    """Torque of the load about each joint, shape (n, 6) [N m] (thesis eq. 2.34)."""
+    return np.einsum("nik,ni->nk", load_jacobian(kinematics, loadings), loadings.wrench)
+
+
+def load_jacobian(kinematics: Kinematics, loadings: Loadings) -> np.ndarray:
+    """Jacobian of each load point, shape (n, 6, 6)."""
+    return _jacobian(kinematics, loadings.q, loadings.load_link, loadings.load_point)
+
+
+def reflector_jacobian(kinematics: Kinematics, loadings: Loadings) -> np.ndarray:
+    """Jacobian of each reflector, shape (n, 6, 6)."""
+    return _jacobian(kinematics, loadings.q, loadings.reflector_link, loadings.reflector)
+
+
+def displacement_per_compliance(kinematics: Kinematics, loadings: Loadings) -> np.ndarray:
+    """The matrix A of d = A c, shape (n, 3, 6) [m N m / rad]; column k is joint k alone."""
+    lever = reflector_jacobian(kinematics, loadings)[:, :3]
+    return lever * joint_torques(kinematics, loadings)[:, None, :]
+
+
+def predicted_displacement(
+    kinematics: Kinematics, loadings: Loadings, stiffness: np.ndarray, joints: tuple[int, ...] | None = None
+) -> np.ndarray:
+    """Reflector displacement with some or all joints giving way.
+
+    Args:
+        kinematics: Of the robot that is loaded.
+        loadings: The tests.
+        stiffness: Joint stiffness, shape (6,) [N m/rad].
+        joints: Numbers 1..6 of the joints that give way; all when None.
+
+    Returns:
+        Shape (n, 3), base axes [m].
+    """
+    compliance = 1.0 / np.asarray(stiffness, dtype=float)
+    if joints is not None:
+        keep = np.zeros(JOINTS, dtype=bool)
+        keep[[joint - 1 for joint in joints]] = True
+        compliance = np.where(keep, compliance, 0.0)
+    return displacement_per_compliance(kinematics, loadings) @ compliance
+
+
+def _jacobian(kinematics: Kinematics, q: np.ndarray, link: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """Jacobians of points on different links: one vectorised call for each distinct point."""
+    keys = np.column_stack([np.asarray(link, dtype=float), point])
+    distinct, group = np.unique(keys, axis=0, return_inverse=True)
+    J = np.empty((len(q), 6, JOINTS))
+    for index, key in enumerate(distinct):
+        rows = group.ravel() == index
+        J[rows] = kinematics.link_jacobian(q[rows], int(key[0]), key[1:])
+    return J

@@ -1,0 +1,143 @@
+"""All joints at once: weighted least squares of the compliances, with standard deviations.
+
+The model d = A c (see `loading`) is linear in the compliances c = 1 / K. Two things scatter: the
+displacement, and the wrench from which A is computed. The wrench's share of a residual's variance depends on
+c itself, so the fit is repeated with the weights of the last c (effective variance method) until it stands.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.robot.chain import JOINTS
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.stiffness.identification.errors import IdentifiabilityError
+from doormill_ros.stiffness.identification.loading import (
+    Loadings,
+    displacement_per_compliance,
+    load_jacobian,
+    reflector_jacobian,
+)
+
+#: A joint counts as identified when its compliance is known better than to this share.
+WORST_RELATIVE_STD = 0.5
+_MAX_ROUNDS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class StiffnessFit:
+    """Outcome of a weighted fit; what the loadings do not tell is NaN.
+
+    Attributes:
+        stiffness: Joint stiffness, shape (6,) [N m/rad].
+        std: Its standard deviation, shape (6,) [N m/rad].
+        compliance: 1 / stiffness, shape (6,) [rad/(N m)].
+        compliance_covariance: Shape (6, 6); NaN where a joint is not identified.
+        residual: Measured minus predicted displacement, shape (n, 3) [m].
+        rmse: Root mean square of the residual [m].
+        chi_square: Sum of squared residuals over their variance.
+        degrees_of_freedom: Displacement components minus fitted compliances.
+        rounds: Reweighted fits that were needed.
+    """
+
+    stiffness: np.ndarray
+    std: np.ndarray
+    compliance: np.ndarray
+    compliance_covariance: np.ndarray
+    residual: np.ndarray
+    rmse: float
+    chi_square: float
+    degrees_of_freedom: int
+    rounds: int
+
+    @property
+    def identified(self) -> np.ndarray:
+        """Which joints the loadings tell, shape (6,) bool."""
+        return np.isfinite(self.stiffness)
+
+
+def fit_stiffness(kinematics: Kinematics, loadings: Loadings) -> StiffnessFit:
+    """Fit the six joint stiffnesses to measured displacements.
+
+    A joint that no loading turns, that cannot be told from others, or whose compliance comes out
+    less certain than `WORST_RELATIVE_STD` (or negative) is left NaN and its column dropped.
+
+    Raises:
+        IdentifiabilityError: No joint is left.
+    """
+    A = displacement_per_compliance(kinematics, loadings)  # (n, 3, 6)
+    # Share of each wrench component in each displacement component, per compliance: (n, 3, 6 wrench, 6 joint).
+    lever = reflector_jacobian(kinematics, loadings)[:, :3]
+    gain = np.einsum("nik,nwk->niwk", lever, load_jacobian(kinematics, loadings))
+    joints = np.flatnonzero(np.linalg.norm(A.reshape(-1, JOINTS), axis=0) > 0.0)
+    while joints.size:
+        compliance, covariance, inverse_std, rounds = _reweighted(A, gain, loadings, joints)
+        std = np.sqrt(np.diag(covariance))
+        relative = np.where(compliance > 0.0, std / np.abs(compliance), np.inf)
+        relative[~np.isfinite(relative)] = np.inf
+        if relative.max() <= WORST_RELATIVE_STD:
+            return _report(A, loadings, joints, compliance, covariance, inverse_std, rounds)
+        joints = np.delete(joints, int(relative.argmax()))
+    raise IdentifiabilityError(
+        f"{len(loadings)} loadings tell the stiffness of no joint to better than "
+        f"{WORST_RELATIVE_STD:.0%}; load the joints harder or in more configurations"
+    )
+
+
+def _reweighted(
+    A: np.ndarray, gain: np.ndarray, loadings: Loadings, joints: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    design = A[:, :, joints].reshape(-1, joints.size)
+    target = loadings.displacement.reshape(-1)
+    inverse_std = np.full(target.shape, 1.0 / loadings.displacement_std)
+    last = np.full(joints.size, np.inf)
+    for rounds in range(1, _MAX_ROUNDS + 1):
+        compliance, covariance = _solve(design * inverse_std[:, None], target * inverse_std)
+        from_wrench = gain[..., joints] @ compliance * loadings.wrench_std  # (n, 3, 6 wrench)
+        variance = loadings.displacement_std**2 + (from_wrench**2).sum(axis=-1).reshape(-1)
+        inverse_std = 1.0 / np.sqrt(variance)
+        if np.all(np.abs(compliance - last) <= 1e-10 * np.abs(compliance)):
+            break
+        last = compliance
+    return compliance, covariance, inverse_std, rounds
+
+
+def _solve(design: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least squares with columns scaled to one, since compliances differ by a factor of 50."""
+    scale = np.linalg.norm(design, axis=0)
+    u, s, vt = np.linalg.svd(design / scale, full_matrices=False)
+    inverse = np.where(s > s[0] * 1e-10, 1.0 / np.maximum(s, np.finfo(float).tiny), 0.0)
+    solution = vt.T @ (inverse * (u.T @ target)) / scale
+    # A direction without information has infinite variance, not none.
+    spread = np.where(inverse > 0.0, inverse, 1e12)
+    half = vt.T * spread
+    return solution, half @ half.T / np.outer(scale, scale)
+
+
+def _report(
+    A: np.ndarray,
+    loadings: Loadings,
+    joints: np.ndarray,
+    found: np.ndarray,
+    covariance: np.ndarray,
+    inverse_std: np.ndarray,
+    rounds: int,
+) -> StiffnessFit:
+    compliance = np.full(JOINTS, np.nan)
+    compliance[joints] = found
+    full = np.full((JOINTS, JOINTS), np.nan)
+    full[np.ix_(joints, joints)] = covariance
+    residual = loadings.displacement - A[:, :, joints] @ found
+    return StiffnessFit(
+        stiffness=1.0 / compliance,
+        std=np.sqrt(np.diag(full)) / compliance**2,
+        compliance=compliance,
+        compliance_covariance=full,
+        residual=residual,
+        rmse=float(np.sqrt(np.mean(residual**2))),
+        chi_square=float(np.sum((residual.reshape(-1) * inverse_std) ** 2)),
+        degrees_of_freedom=int(residual.size - joints.size),
+        rounds=rounds,
+    )

@@ -1,0 +1,100 @@
+"""Stiffness from measurement sets that the simulated truth generated."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from doormill_ros.diagnosis.measurement_set import read_measurement_set
+from doormill_ros.stiffness.identification.errors import IdentifiabilityError
+from doormill_ros.stiffness.identification.joint_by_joint import identify_joint_by_joint
+from doormill_ros.stiffness.identification.loading import predicted_displacement
+from doormill_ros.stiffness.identification.measured import loadings_of_set
+from doormill_ros.stiffness.identification.weighted import fit_stiffness
+
+# Not the shipped stiffness, so that nothing can come out right because it went in.
+TRUE = np.array([3.1e6, 1.7e6, 2.2e6, 2.6e5, 1.6e5, 6.1e4])
+
+
+def loadings(kinematics, truth):
+    return loadings_of_set(kinematics, read_measurement_set(truth.folder))
+
+
+def test_without_noise_the_truth_comes_out(kinematics, make_set):
+    """The truth chains finite rotations, so a linear model may differ by their squares (1e-3 of 1e-3 rad)."""
+    data = loadings(kinematics, make_set(TRUE, noise=(1e-12, 1e-9, 1e-9)))
+    fit = fit_stiffness(kinematics, data)
+    assert fit.stiffness == pytest.approx(TRUE, rel=2e-3)
+    steps = identify_joint_by_joint(kinematics, data, TRUE)
+    assert {step.joint for step in steps} == {1, 2, 3, 4, 5, 6}
+
+
+def test_prediction_agrees_with_the_truth(kinematics, make_set):
+    data = loadings(kinematics, make_set(TRUE, noise=(1e-12, 1e-9, 1e-9)))
+    predicted = predicted_displacement(kinematics, data, TRUE)
+    assert np.abs(predicted - data.displacement).max() < 2e-3 * np.abs(data.displacement).max()
+
+
+def test_deviations_are_as_large_as_the_standard_deviations_say(kinematics, make_set):
+    """Pulls (error over standard deviation) of 6 joints in 12 sets have unit variance."""
+    pulls, chi = [], []
+    for seed in range(12):
+        fit = fit_stiffness(kinematics, loadings(kinematics, make_set(TRUE, seed=seed)))
+        pulls.append((fit.compliance - 1.0 / TRUE) / np.sqrt(np.diag(fit.compliance_covariance)))
+        chi.append(fit.chi_square / fit.degrees_of_freedom)
+    # chi-square with 72 degrees: 5 sigma bounds of the mean square are 1 +- 5 sqrt(2/72).
+    assert np.mean(np.square(pulls)) == pytest.approx(1.0, abs=5 * np.sqrt(2 / 72))
+    # Each set has 174 degrees of freedom: 12 of them leave 5 sigma = 5 sqrt(2 / 2088).
+    assert np.mean(chi) == pytest.approx(1.0, abs=5 * np.sqrt(2 / 2088))
+
+
+def test_weights_of_the_wrench_matter(kinematics, make_set):
+    """With a noisy sensor the reported deviation grows and still covers the truth."""
+    quiet = fit_stiffness(kinematics, loadings(kinematics, make_set(TRUE, seed=3)))
+    loud = fit_stiffness(kinematics, loadings(kinematics, make_set(TRUE, seed=3, noise=(8e-6, 8.0, 1.0))))
+    assert np.all(loud.std > quiet.std)
+    assert loud.chi_square / loud.degrees_of_freedom == pytest.approx(1.0, abs=5 * np.sqrt(2 / 174))
+    assert loud.rounds > 1
+
+
+def test_joint_by_joint_lies_near_the_truth(kinematics, make_set):
+    """Formulas divide magnitudes, so noise biases them; a tenth is what a hundred trials give."""
+    data = loadings(kinematics, make_set(TRUE, n=150))
+    steps = identify_joint_by_joint(kinematics, data, TRUE)
+    found = {step.joint: step for step in steps}
+    weighted = fit_stiffness(kinematics, data)
+    for joint, step in found.items():
+        if np.isfinite(step.stiffness) and step.isolation > 0.9:
+            assert step.stiffness == pytest.approx(TRUE[joint - 1], rel=0.1), joint
+    assert sum(np.isfinite(step.stiffness) for step in steps) >= 4
+    assert np.abs(weighted.stiffness / TRUE - 1).max() < 0.05
+    # Each step subtracts exactly the joints that came before it.
+    before: set[int] = set()
+    for step in steps:
+        assert set(step.subtracted) == before
+        before |= {step.joint} if np.isfinite(step.stiffness) else set()
+
+
+def test_a_joint_that_no_trial_turns_stays_unknown(kinematics, make_set):
+    """Reflectors on link 1 only: joints 2 to 6 move nothing that is seen."""
+    data = loadings(kinematics, make_set(TRUE, noise=(1e-9, 1e-9, 1e-9)))
+    data = data.pick(np.flatnonzero(data.reflector_link == 1))
+    fit = fit_stiffness(kinematics, data)
+    assert fit.identified.tolist() == [True, False, False, False, False, False]
+    assert fit.stiffness[0] == pytest.approx(TRUE[0], rel=2e-3)
+    steps = identify_joint_by_joint(kinematics, data, TRUE)
+    assert [step.joint for step in steps if np.isfinite(step.stiffness)] == [1]
+
+
+def test_two_joints_that_cannot_be_told_apart_are_not_both_named(kinematics, make_set):
+    """One trial repeated tells one combination of compliances, never six."""
+    data = loadings(kinematics, make_set(TRUE, noise=(1e-9, 1e-9, 1e-9)))
+    row = int(np.flatnonzero(data.reflector_link == 6)[0])
+    fit = fit_stiffness(kinematics, data.pick(np.array([row] * 5)))
+    assert fit.identified.sum() <= 3
+
+
+def test_noise_alone_identifies_nothing(kinematics, make_set):
+    data = loadings(kinematics, make_set(np.full(6, 1e15)))
+    with pytest.raises(IdentifiabilityError, match="no joint"):
+        fit_stiffness(kinematics, data)
