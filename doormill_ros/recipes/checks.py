@@ -1,0 +1,205 @@
+"""Checks of a whole recipe: does everything fit into the wood, past each other, and the tools."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from doormill_ros.recipes.door import DENSITY, Side
+from doormill_ros.recipes.errors import (
+    ChipTooThick,
+    FeaturesApart,
+    FeaturesMeet,
+    ImplausibleMass,
+    LeavesWood,
+    NotAChoice,
+    OutOfRange,
+    SpindleTooFast,
+    ThinFloor,
+    ToolTooShort,
+    ToolTooWide,
+    UnknownReference,
+)
+from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.features.face_plate import FacePlate
+from doormill_ros.recipes.features.lock_case import LockCase
+from doormill_ros.recipes.solid import Prism, prism
+from doormill_ros.recipes.wrench import check_segments
+from doormill_ros.units import m_to_mm
+
+if TYPE_CHECKING:
+    from doormill_ros.recipes.recipe import Recipe
+
+MIN_WALL = 2e-3  #: m of wood between features, and between a feature and an edge of the door
+MIN_FLOOR = 3e-3  #: m of wood under a pocket
+MIN_TURN = 0.5e-3  #: m, smallest radius of the tool centre's path round a half-turn
+ROUNDING = 1e-9  #: m; the grid of a recipe is 1 nm
+
+
+def check_geometry(recipe: Recipe) -> None:
+    """Refuse a recipe whose features do not go with the door, each other or their tools.
+
+    Raises:
+        FieldError: The leaf class says what is wrong, `field` where.
+    """
+    _check_mass(recipe)
+    for index, feature in enumerate(recipe.features):
+        path = f"features.{index}"
+        _check_outline(feature, path)
+        check_segments(feature.wrench_table, feature.segment_names, f"{path}.wrench_n_nm")
+        _check_tool(recipe, feature, path)
+        _check_wood(recipe, feature, path)
+    prisms = {feature.id: prism(feature, recipe.size) for feature in recipe.features}
+    for index, feature in enumerate(recipe.features):
+        _check_reference(recipe, feature, prisms, f"features.{index}.lock_case")
+    _check_walls(recipe, prisms)
+
+
+def _check_mass(recipe: Recipe) -> None:
+    volume = recipe.height * recipe.width * recipe.thickness
+    density, (low, high) = recipe.mass / volume, DENSITY
+    if not low <= density <= high:
+        raise ImplausibleMass(
+            "mass_kg",
+            f"found {recipe.mass:g} kg, that is {density:.0f} kg/m^3 for a door of this size, allowed are "
+            f"{low * volume:.1f} to {high * volume:.1f} kg",
+            found=recipe.mass,
+        )
+
+
+def _check_outline(feature: Feature, path: str) -> None:
+    if feature.side not in feature.sides:
+        allowed = [side.value for side in feature.sides]
+        raise NotAChoice(
+            f"{path}.side", f"found {feature.side.value!r}, allowed for a {feature.kind} is one of {allowed}"
+        )
+    shape = feature.shape
+    largest = min(shape.width, shape.length) / 2.0
+    if shape.radius > largest + ROUNDING:
+        raise OutOfRange(
+            f"{path}.corner_radius_mm",
+            f"found {m_to_mm(shape.radius):g} mm, allowed is at most {m_to_mm(largest):g} mm, half the "
+            "shorter side of the outline",
+            found=shape.radius,
+        )
+
+
+def _check_tool(recipe: Recipe, feature: Feature, path: str) -> None:
+    tool, shape = feature.tool, feature.shape
+    narrow = min(shape.width, shape.length)
+    round_end = abs(shape.radius - narrow / 2.0) < ROUNDING
+    widest = narrow - 2.0 * MIN_TURN if round_end else min(narrow, 2.0 * shape.radius)
+    if tool.diameter > widest + ROUNDING:
+        reason = (
+            "the outline is too narrow"
+            if round_end or narrow <= 2 * shape.radius
+            else "the corners are too sharp"
+        )
+        raise ToolTooWide(
+            f"{path}.tool",
+            f"found {tool.name!r} with a diameter of {m_to_mm(tool.diameter):g} mm, allowed is at most "
+            f"{m_to_mm(max(widest, 0.0)):g} mm: {reason}",
+            found=tool.diameter,
+        )
+    depth = feature.cut_depth(recipe.size)
+    if depth > tool.cutting_length + ROUNDING:
+        raise ToolTooShort(
+            f"{path}.tool",
+            f"found {tool.name!r}, which cuts {m_to_mm(tool.cutting_length):g} mm deep, allowed is at least "
+            f"{m_to_mm(depth):g} mm, the depth of the feature",
+            found=tool.cutting_length,
+        )
+    _check_speeds(feature, path)
+
+
+def _check_speeds(feature: Feature, path: str) -> None:
+    tool, cutting = feature.tool, feature.cutting
+    spindle = cutting.spindle(tool)
+    if spindle > tool.max_spindle_speed * (1.0 + 1e-9):
+        key = "spindle_speed_rpm" if cutting.spindle_speed is not None else "surface_speed_m_min"
+        rpm = 60.0 / 6.283185307179586
+        raise SpindleTooFast(
+            f"{path}.cutting.{key}",
+            f"found {spindle * rpm:.0f} rpm for {tool.name!r}, allowed are at most "
+            f"{tool.max_spindle_speed * rpm:.0f} rpm",
+            found=spindle,
+        )
+    chip = cutting.chip(tool)
+    if tool.max_chip_load is not None and chip > tool.max_chip_load * (1.0 + 1e-9):
+        key = "feed_mm_s" if cutting.feed is not None else "chip_load_mm"
+        raise ChipTooThick(
+            f"{path}.cutting.{key}",
+            f"found a chip load of {m_to_mm(chip):.3f} mm for {tool.name!r}, allowed is at most "
+            f"{m_to_mm(tool.max_chip_load):.3f} mm",
+            found=chip,
+        )
+
+
+def _check_wood(recipe: Recipe, feature: Feature, path: str) -> None:
+    """The outline stays inside its surface, the floor inside the wood."""
+    size, shape = recipe.size, feature.shape
+    across_key = "offset_mm" if feature.side.is_edge else "backset_mm"
+    extent = size.thickness if feature.side.is_edge else size.width
+    spans = (
+        (f"{path}.{across_key}", feature.across(size), shape.width, extent, "across"),
+        (f"{path}.height_mm", feature.centre_height(size), shape.length, size.height, "along the height"),
+    )
+    for field, centre, length, available, where in spans:
+        low, high = centre - length / 2.0, centre + length / 2.0
+        if low < MIN_WALL - ROUNDING or high > available - MIN_WALL + ROUNDING:
+            raise LeavesWood(
+                field,
+                f"the outline reaches from {m_to_mm(low):.1f} to {m_to_mm(high):.1f} mm {where}, allowed are "
+                f"{m_to_mm(MIN_WALL):.1f} to {m_to_mm(available - MIN_WALL):.1f} mm on this door",
+                found=(low, high),
+            )
+    if feature.through:
+        return
+    wood = size.width if feature.side.is_edge else size.thickness
+    depth = feature.cut_depth(size)
+    if depth > wood - MIN_FLOOR + ROUNDING:
+        raise ThinFloor(
+            f"{path}.depth_mm",
+            f"found {m_to_mm(depth):g} mm, allowed are at most {m_to_mm(wood - MIN_FLOOR):g} mm on this door",
+            found=depth,
+        )
+
+
+def _check_reference(recipe: Recipe, feature: Feature, prisms: dict[str, Prism], path: str) -> None:
+    name = getattr(feature, "lock_case", None)
+    if name is None:
+        return
+    cases = {item.id: item for item in recipe.features if isinstance(item, LockCase)}
+    if name not in cases:
+        raise UnknownReference(
+            path, f"found {name!r}, allowed is one of the lock cases {sorted(cases)}", found=name
+        )
+    case = cases[name]
+    if isinstance(feature, FacePlate):
+        apart = feature.side is not case.side or not prisms[feature.id].polygon.contains(prisms[name].polygon)
+        wish = "surround the mouth of the lock case on the same edge"
+    else:
+        apart = not prisms[feature.id].meets(prisms[name])
+        wish = "lead through the lock case"
+    if apart:
+        raise FeaturesApart(path, f"{feature.id!r} must {wish} {name!r}, and does not", found=name)
+
+
+def _check_walls(recipe: Recipe, prisms: dict[str, Prism]) -> None:
+    for (_, first), (index, second) in combinations(enumerate(recipe.features), 2):
+        if _belong(first, second) or _belong(second, first):
+            continue
+        if prisms[first.id].grown(MIN_WALL).meets(prisms[second.id]):
+            raise FeaturesMeet(
+                f"features.{index}",
+                f"{second.id!r} meets {first.id!r}; allowed is at least {m_to_mm(MIN_WALL):g} mm of wood "
+                "between two features, move one of them",
+                found=(first.id, second.id),
+            )
+
+
+def _belong(part: Feature, whole: Feature) -> bool:
+    return getattr(part, "lock_case", None) == whole.id
+
+
+__all__ = ["MIN_FLOOR", "MIN_TURN", "MIN_WALL", "Side", "check_geometry"]

@@ -1,0 +1,130 @@
+"""Read and write recipe documents as YAML and JSON text, and find the recipes that ship."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from doormill_ros.recipes.errors import DuplicateField, FieldError, UnreadableFile
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.resources import resource
+
+SHIPPED = "config/recipes"
+
+
+class _StrictLoader(yaml.SafeLoader):
+    """Refuses a key that is given twice, and leaves times as text."""
+
+
+def _mapping(loader: _StrictLoader, node: yaml.MappingNode) -> dict[Any, Any]:
+    seen = set()
+    for key, _ in node.value:
+        if key.value in seen:
+            raise DuplicateField(
+                str(key.value), f"is given twice, the second time in line {key.start_mark.line + 1}"
+            )
+        seen.add(key.value)
+    return loader.construct_mapping(node, deep=True)
+
+
+_StrictLoader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
+_StrictLoader.add_constructor("tag:yaml.org,2002:timestamp", lambda loader, node: node.value)
+
+
+def parse_yaml(text: str, name: str = "document") -> Any:
+    """The value of a YAML text.
+
+    Raises:
+        UnreadableFile: The text is not YAML; the message has line and column.
+        DuplicateField: A field is given twice.
+    """
+    try:
+        return yaml.load(text, Loader=_StrictLoader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = f" line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise UnreadableFile(f"{name}{where}: not YAML, {error.problem}") from error
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        raise UnreadableFile(f"{name}: not YAML, {' '.join(str(error).split())}") from error
+
+
+def parse_json(text: str, name: str = "document") -> Any:
+    """The value of a JSON text.
+
+    Raises:
+        UnreadableFile: The text is not JSON; the message has line and column.
+        DuplicateField: A field is given twice.
+    """
+    try:
+        return json.loads(text, object_pairs_hook=_unique)
+    except json.JSONDecodeError as error:
+        raise UnreadableFile(
+            f"{name} line {error.lineno}, column {error.colno}: not JSON, {error.msg}"
+        ) from error
+    except RecursionError as error:
+        raise UnreadableFile(f"{name}: not a recipe, nested too deeply") from error
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    document: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in document:
+            raise DuplicateField(key, "is given twice")
+        document[key] = value
+    return document
+
+
+def to_yaml(recipe: Recipe) -> str:
+    """YAML text of a recipe."""
+    return yaml.safe_dump(recipe.to_document(), sort_keys=False, allow_unicode=True, width=110)
+
+
+def to_json(recipe: Recipe) -> str:
+    """JSON text of a recipe, one line."""
+    return json.dumps(recipe.to_document(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def read_text(path: Path) -> str:
+    """The text of a file.
+
+    Raises:
+        UnreadableFile: Absent, a folder, or not UTF-8.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise UnreadableFile(f"{path}: cannot be read, {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise UnreadableFile(f"{path}: not UTF-8 text (byte {error.start}), save it as UTF-8") from error
+
+
+def load_recipe(name_or_path: str | Path) -> Recipe:
+    """A recipe from a YAML or JSON file, or a shipped one by its door id.
+
+    Raises:
+        UnreadableFile: No such file, or not YAML or JSON.
+        FieldError: The recipe is wrong; see `Recipe.from_document`.
+    """
+    path = Path(name_or_path)
+    if path.suffix.lower() not in (".yaml", ".yml", ".json"):
+        try:
+            path = resource(f"{SHIPPED}/{name_or_path}.yaml")
+        except FileNotFoundError as error:
+            raise UnreadableFile(
+                f"{name_or_path}: no such recipe file, and no recipe of that name ships"
+            ) from error
+    parse = parse_json if path.suffix.lower() == ".json" else parse_yaml
+    try:
+        return Recipe.from_document(parse(read_text(path), str(path)))
+    except FieldError as error:
+        error.args = (f"{path}: {error.message}",)
+        raise
+
+
+def shipped_recipes() -> dict[str, Recipe]:
+    """Every recipe of config/recipes by door id."""
+    paths = sorted(resource(SHIPPED).glob("*.yaml"))
+    return {recipe.door_id: recipe for recipe in map(load_recipe, paths)}

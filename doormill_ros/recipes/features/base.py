@@ -1,0 +1,152 @@
+"""What every feature of a door has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, ClassVar
+
+import numpy as np
+
+from doormill_ros.frames import transform
+from doormill_ros.recipes.cutting import Cutting, Direction, Passes
+from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, DoorSize, Side
+from doormill_ros.recipes.errors import UnknownReference, WrongType
+from doormill_ros.recipes.fields import NAME, Choice, Codec, Nested, Quantity, entry
+from doormill_ros.recipes.outline import Outline, RoundedRectangle
+from doormill_ros.recipes.tool import Tool
+from doormill_ros.recipes.wrench import WrenchRows, WrenchTable
+
+PLUNGE = "plunge"  #: segment name of the way into the wood along the tool axis
+CLEARING = "clearing"  #: segment name of cuts that do not touch the outline
+
+
+class HeightFrom(str, Enum):
+    """The edge from which a height is measured."""
+
+    BOTTOM = "bottom"
+    TOP = "top"
+
+
+@dataclass(frozen=True)
+class ToolName(Codec):
+    """A tool by the name under which the recipe's `tools` list it."""
+
+    def read(self, value: Any, path: str, context: Mapping[str, Any]) -> Tool:
+        """See the base class."""
+        if not isinstance(value, str):
+            raise WrongType(path, f"found {value!r}, allowed is the name of a tool", found=value)
+        tools = context.get("tools", {})
+        if value not in tools:
+            raise UnknownReference(
+                path, f"found {value!r}, allowed is one of {sorted(tools)} listed in tools", found=value
+            )
+        return tools[value]
+
+    def write(self, value: Tool) -> str:
+        """See the base class."""
+        return value.name
+
+
+@dataclass(frozen=True, kw_only=True)
+class Feature:
+    """A pocket or hole with a rounded rectangular outline.
+
+    The feature frame lies in the surface that the tool enters: origin in the centre of the
+    outline, x to the right and y up as in the thesis' figures, z into the wood along the tool axis.
+
+    Attributes:
+        id: Name within the recipe.
+        side: Surface of the door.
+        height: Distance of the centre from the bottom or the top edge [m].
+        height_from: The edge that `height` counts from.
+        depth: Depth of the pocket [m].
+        tool: Mill.
+        cutting: Speed and feed.
+        passes: Depth steps and finishing.
+        direction: Climb or conventional milling.
+        wrench_table: Process wrench by segment, as measured.
+        wrench_point: How far behind the tool centre point, along the tool axis, the wrenches of
+            the table are given [m].
+    """
+
+    kind: ClassVar[str] = ""
+    sides: ClassVar[tuple[Side, ...]] = tuple(Side)
+
+    id: str = entry(NAME)
+    side: Side = entry(Choice(Side))
+    height: float = entry(Quantity("mm", 0.0, 3000.0))
+    height_from: HeightFrom = entry(Choice(HeightFrom), default=HeightFrom.BOTTOM)
+    tool: Tool = entry(ToolName())
+    cutting: Cutting = entry(Nested(Cutting))
+    passes: Passes = entry(Nested(Passes))
+    direction: Direction = entry(Choice(Direction), default=Direction.CLIMB)
+    wrench_table: WrenchTable = entry(WrenchRows())
+    wrench_point: float = entry(Quantity("mm", 0.0, 1000.0), default=0.0)
+
+    @property
+    def shape(self) -> RoundedRectangle:
+        """Outline shape in the feature's xy plane."""
+        raise NotImplementedError
+
+    @property
+    def split_lines(self) -> bool:
+        """True when the side lines have a point in the middle."""
+        return False
+
+    def across(self, door: DoorSize) -> float:
+        """Distance of the centre from the front face (edge features) or hinge edge (others) [m]."""
+        raise NotImplementedError
+
+    def cut_depth(self, door: DoorSize) -> float:
+        """How far the outline reaches into the wood [m]."""
+        raise NotImplementedError
+
+    @property
+    def through(self) -> bool:
+        """True when the feature comes out on the other side."""
+        return False
+
+    def outline(self, inset: float = 0.0) -> Outline:
+        """The contour in the feature's xy plane, in climb order.
+
+        Args:
+            inset: How far inside the finished wall [m]; the tool radius gives the tool centre's path.
+        """
+        return self.shape.inset(inset).outline(self.split_lines)
+
+    def centre_height(self, door: DoorSize) -> float:
+        """Height of the centre above the bottom edge [m]."""
+        return self.height if self.height_from is HeightFrom.BOTTOM else door.height - self.height
+
+    def T_door_feature(self, door: DoorSize) -> np.ndarray:
+        """Feature frame in the door frame, shape (4, 4)."""
+        z = self.centre_height(door)
+        across = self.across(door)
+        origin = {
+            Side.FRONT: [0.0, across, z],
+            Side.REAR: [door.thickness, across, z],
+            Side.HINGE_EDGE: [across, 0.0, z],
+            Side.LOCK_EDGE: [across, door.width, z],
+        }[self.side]
+        return transform(R_DOOR_FEATURE[self.side], origin)
+
+    def T_door_tool(self, door: DoorSize, x: float = 0.0, y: float = 0.0, depth: float = 0.0) -> np.ndarray:
+        """Nominal tool pose in the door frame at a point of the feature, shape (4, 4)."""
+        return self.T_door_feature(door) @ transform(R_FEATURE_TOOL, [x, y, depth])
+
+    def wrench(self, segment: str) -> np.ndarray:
+        """Wrench on the tool at the tool centre point, nominal tool axes, shape (6,) [N, N m].
+
+        A wrench known at p becomes M_tcp = M_p + (p - tcp) x F.
+        """
+        wrench = self.wrench_table.get(segment)
+        wrench[3:] += np.cross([0.0, 0.0, -self.wrench_point], wrench[:3])
+        return wrench
+
+    @property
+    def segment_names(self) -> tuple[str, ...]:
+        """Names of the segments for which a wrench may be given, in the order of the outline."""
+        names = dict.fromkeys(segment.name for segment in self.outline().segments)
+        return (*names, PLUNGE, CLEARING)

@@ -1,0 +1,30 @@
+"""The shallow recess for the face plate of a lock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from doormill_ros.recipes.features.lock_case import EdgePocket
+from doormill_ros.recipes.fields import NAME, Quantity, entry
+from doormill_ros.recipes.outline import RoundedRectangle
+
+
+@dataclass(frozen=True, kw_only=True)
+class FacePlate(EdgePocket):
+    """A face-plate recess round the mouth of a lock case.
+
+    Attributes:
+        corner_radius: Radius of the corners [m].
+        lock_case: Identifier of the lock case whose mouth it surrounds, or None.
+    """
+
+    kind: ClassVar[str] = "face_plate"
+
+    corner_radius: float = entry(Quantity("mm", 0.0, 50.0))
+    lock_case: str | None = entry(NAME, default=None)
+
+    @property
+    def shape(self) -> RoundedRectangle:
+        """See the base class."""
+        return RoundedRectangle(self.width, self.length, self.corner_radius)

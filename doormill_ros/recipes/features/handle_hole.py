@@ -1,0 +1,50 @@
+"""Round holes through the door for a handle or a cylinder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from doormill_ros.recipes.door import DoorSize, Side
+from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.fields import NAME, Flag, Quantity, entry
+from doormill_ros.recipes.outline import RoundedRectangle
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandleHole(Feature):
+    """A round hole through the face.
+
+    Attributes:
+        backset: Distance of the centre from the lock edge [m].
+        diameter: Diameter [m].
+        from_both_sides: True when, in a cell with a robot on either side, each mills half the
+            thickness (thesis appendix A.1); a single robot mills all of it.
+        lock_case: Identifier of the lock case that the hole leads through, or None.
+    """
+
+    kind: ClassVar[str] = "handle_hole"
+    sides: ClassVar[tuple[Side, ...]] = (Side.FRONT, Side.REAR)
+
+    backset: float = entry(Quantity("mm", 0.0, 1350.0))
+    diameter: float = entry(Quantity("mm", 5.0, 150.0))
+    from_both_sides: bool = entry(Flag(), default=False)
+    lock_case: str | None = entry(NAME, default=None)
+
+    @property
+    def shape(self) -> RoundedRectangle:
+        """See the base class."""
+        return RoundedRectangle(self.diameter, self.diameter, self.diameter / 2.0)
+
+    @property
+    def through(self) -> bool:
+        """See the base class."""
+        return True
+
+    def across(self, door: DoorSize) -> float:
+        """See the base class."""
+        return door.width - self.backset
+
+    def cut_depth(self, door: DoorSize) -> float:
+        """See the base class."""
+        return door.thickness
