@@ -33,8 +33,8 @@ class JointStep:
 
     Attributes:
         joint: Number 1..6.
-        stiffness: Mean over the trials used [N m/rad], NaN when no trial isolates the joint.
-        std: Standard deviation of that mean [N m/rad], NaN when unknown.
+        stiffness: Pooled over the trials used [N m/rad], NaN when no trial isolates the joint.
+        std: Standard deviation from the scatter between trials [N m/rad], NaN when unknown.
         isolation: Mean share of the joint in the displacement of unknown joints, 0..1.
         trials: Rows of the trials used.
         subtracted: Numbers of the joints whose displacement was taken off first.
@@ -94,11 +94,16 @@ def _step(
     for other, stiffness in known.items():
         own -= A[rows, :, other] / stiffness  # (3.6), (3.31)
     torque_times_lever = np.linalg.norm(A[rows, :, joint], axis=1)  # F L_1 L_2
-    values = torque_times_lever / np.linalg.norm(own, axis=1)  # (3.1), (3.3), (3.5), (3.30)
-    spread = values.std(ddof=1) / np.sqrt(values.size) if values.size > 1 else float("nan")
+    length = np.linalg.norm(own, axis=1)  # L
+    # (3.1), (3.3), (3.5), (3.30), pooled: a trial counts as much as its displacement is long.
+    stiffness = torque_times_lever.sum() / length.sum()
+    scatter = torque_times_lever / stiffness - length
+    spread = float("nan")
+    if rows.size > 1:
+        spread = stiffness * scatter.std(ddof=1) * np.sqrt(rows.size) / length.sum()
     return JointStep(
         joint=joint + 1,
-        stiffness=float(values.mean()),
+        stiffness=float(stiffness),
         std=float(spread),
         isolation=isolation,
         trials=tuple(int(row) for row in np.sort(rows)),

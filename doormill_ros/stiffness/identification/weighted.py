@@ -68,7 +68,7 @@ def fit_stiffness(kinematics: Kinematics, loadings: Loadings) -> StiffnessFit:
         IdentifiabilityError: No joint is left.
     """
     A = displacement_per_compliance(kinematics, loadings)  # (n, 3, 6)
-    # Share of each wrench component in each displacement component, per compliance: (n, 3, 6 wrench, 6 joint).
+    # Displacement per wrench component and compliance: (n, 3, 6 wrench components, 6 joints).
     lever = reflector_jacobian(kinematics, loadings)[:, :3]
     gain = np.einsum("nik,nwk->niwk", lever, load_jacobian(kinematics, loadings))
     joints = np.flatnonzero(np.linalg.norm(A.reshape(-1, JOINTS), axis=0) > 0.0)
@@ -93,7 +93,9 @@ def _reweighted(
     target = loadings.displacement.reshape(-1)
     inverse_std = np.full(target.shape, 1.0 / loadings.displacement_std)
     last = np.full(joints.size, np.inf)
-    for rounds in range(1, _MAX_ROUNDS + 1):
+    rounds = 0
+    while rounds < _MAX_ROUNDS:
+        rounds += 1
         compliance, covariance = _solve(design * inverse_std[:, None], target * inverse_std)
         from_wrench = gain[..., joints] @ compliance * loadings.wrench_std  # (n, 3, 6 wrench)
         variance = loadings.displacement_std**2 + (from_wrench**2).sum(axis=-1).reshape(-1)

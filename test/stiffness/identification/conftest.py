@@ -71,10 +71,9 @@ def write_set(folder: Path, truth: TruthRobot, seed: int, n: int = 60, noise=(8e
         numbers = [*q[i], *([0] * 6), *f, *m]
         rows.append([i, 10.0 * i, 5.0, "", *map(repr, map(float, numbers[:6])), *numbers[6:12],
                      *map(repr, map(float, numbers[12:])), names[i], *map(repr, map(float, d))])  # fmt: skip
-    header = ["trial", "t", "dt", "temperature", *(f"q{k}" for k in range(1, 7)), *(f"a{k}" for k in range(1, 7)),
-              "fx", "fy", "fz", "mx", "my", "mz", "reflector", "dx", "dy", "dz"]  # fmt: skip
+    header = "trial t dt temperature q1 q2 q3 q4 q5 q6 a1 a2 a3 a4 a5 a6 fx fy fz mx my mz reflector dx dy dz"
     with open(folder / "trials.csv", "w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([header, *rows])
+        csv.writer(file).writerows([header.split(), *rows])
     document = {
         "schema": "doormill/measurement-set/1",
         "robot": "irb6600_175_255",

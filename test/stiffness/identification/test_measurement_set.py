@@ -58,13 +58,13 @@ def test_weights_of_the_wrench_matter(kinematics, make_set):
 
 
 def test_joint_by_joint_lies_near_the_truth(kinematics, make_set):
-    """Formulas divide magnitudes, so noise biases them; a tenth is what a hundred trials give."""
+    """Formulas divide magnitudes and errors of one joint pass to the next: a tenth is what they give."""
     data = loadings(kinematics, make_set(TRUE, n=150))
     steps = identify_joint_by_joint(kinematics, data, TRUE)
     found = {step.joint: step for step in steps}
     weighted = fit_stiffness(kinematics, data)
     for joint, step in found.items():
-        if np.isfinite(step.stiffness) and step.isolation > 0.9:
+        if np.isfinite(step.stiffness) and step.isolation > 0.8:
             assert step.stiffness == pytest.approx(TRUE[joint - 1], rel=0.1), joint
     assert sum(np.isfinite(step.stiffness) for step in steps) >= 4
     assert np.abs(weighted.stiffness / TRUE - 1).max() < 0.05
