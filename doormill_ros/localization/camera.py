@@ -1,0 +1,132 @@
+"""The camera: intrinsics, lens distortion and where the slider puts it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import yaml
+from scipy.spatial.transform import Rotation
+
+from doormill_ros.frames import transform
+from doormill_ros.localization.errors import BadCameraFile
+from doormill_ros.resources import resource
+
+# Columns are camera x, y, z in base axes: z into the picture is base x, x right is -y, y down is -z.
+R_BASE_CAMERA_NOMINAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+
+_UNDISTORT_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
+
+
+def _frozen(values: object, shape: tuple[int, ...], name: str) -> np.ndarray:
+    array = np.array(values, dtype=float)
+    if array.shape != shape or not np.all(np.isfinite(array)):
+        raise BadCameraFile(
+            f"camera {name} has shape {array.shape}, allowed are finite numbers of shape {shape}; correct it",
+            name=name,
+        )
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class CameraModel:
+    """A pin-hole camera with Brown distortion on a slider.
+
+    Attributes:
+        k: Intrinsic matrix [px], shape (3, 3), thesis eq. 3.43.
+        distortion: k1, k2, p1, p2, k3 of the Brown model, shape (5,).
+        size: Picture width and height [px].
+        position: x, y at a door width of zero, z of the projection centre in base [m], shape (3,).
+        rotation_vector: Turn from the nominal viewing directions, camera axes [rad], shape (3,).
+    """
+
+    k: np.ndarray
+    distortion: np.ndarray
+    size: tuple[int, int]
+    position: np.ndarray
+    rotation_vector: np.ndarray
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays.
+
+        Raises:
+            BadCameraFile: A wrong shape, a value that is not finite or a focal length that is not positive.
+        """
+        for name, shape in (
+            ("k", (3, 3)),
+            ("distortion", (5,)),
+            ("position", (3,)),
+            ("rotation_vector", (3,)),
+        ):
+            object.__setattr__(self, name, _frozen(getattr(self, name), shape, name))
+        width, height = (int(v) for v in self.size)
+        object.__setattr__(self, "size", (width, height))
+        if min(width, height) < 1 or self.k[0, 0] <= 0 or self.k[1, 1] <= 0:
+            raise BadCameraFile(
+                f"camera of {width} x {height} px has focal lengths {self.k[0, 0]:g} and {self.k[1, 1]:g} px, "
+                "allowed are positive numbers; calibrate it again",
+            )
+
+    def with_intrinsics(self, k: np.ndarray, distortion: np.ndarray, size: tuple[int, int]) -> CameraModel:
+        """This camera with intrinsics from elsewhere, for example those sent with a picture."""
+        return replace(self, k=k, distortion=distortion, size=size)
+
+    def T_base_camera(self, width: float) -> np.ndarray:
+        """Camera frame in base for a door of `width` [m], shape (4, 4): the slider follows the hinge edge."""
+        rotation = R_BASE_CAMERA_NOMINAL @ Rotation.from_rotvec(self.rotation_vector.copy()).as_matrix()
+        return transform(rotation, self.position - [0.0, width / 2.0, 0.0])
+
+    def distort(self, rays: np.ndarray) -> np.ndarray:
+        """Pixels (..., 2) of ideal rays x/z, y/z (..., 2); Brown's model."""
+        k1, k2, p1, p2, k3 = self.distortion
+        x, y = rays[..., 0], rays[..., 1]
+        r2 = x * x + y * y
+        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
+        yd = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+        k = self.k
+        return np.stack([k[0, 0] * xd + k[0, 1] * yd + k[0, 2], k[1, 1] * yd + k[1, 2]], axis=-1)
+
+    def undistort(self, pixels: np.ndarray) -> np.ndarray:
+        """Ideal rays x/z, y/z (n, 2) of pixels (n, 2); inverse of `distort`."""
+        pixels = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 1, 2)
+        return cv2.undistortPoints(pixels, self.k, self.distortion, criteria=_UNDISTORT_STOP)[:, 0]
+
+    def project(self, points: np.ndarray, width: float) -> np.ndarray:
+        """Pixels (..., 2) of points in base (..., 3) [m], the slider standing at `width`."""
+        T_base_camera = self.T_base_camera(width)
+        seen = (np.asarray(points) - T_base_camera[:3, 3]) @ T_base_camera[:3, :3]
+        return self.distort(seen[..., :2] / seen[..., 2:])
+
+    def on_plane(self, rays: np.ndarray, width: float, x: float) -> np.ndarray:
+        """Base y, z (n, 2) [m] where rays (n, 2) meet the plane base x = `x` [m]."""
+        T_base_camera = self.T_base_camera(width)
+        directions = rays @ T_base_camera[:3, :2].T + T_base_camera[:3, 2]
+        reach = (x - T_base_camera[0, 3]) / directions[:, :1]
+        return T_base_camera[1:3, 3] + reach * directions[:, 1:]
+
+
+def load_camera(path: Path | None = None) -> CameraModel:
+    """Read config/camera.yaml, or another file of the same form.
+
+    Raises:
+        BadCameraFile: A key is missing or a value out of bounds.
+    """
+    path = path or resource("config/camera.yaml")
+    document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    try:
+        mounting = document["mounting"]
+        return CameraModel(
+            k=document["intrinsics"]["k"],
+            distortion=document["distortion"]["coefficients"],
+            size=tuple(document["size"]),
+            position=[mounting["x"], mounting["slider_y"], mounting["z"]],
+            rotation_vector=mounting["rotation_vector"],
+        )
+    except (KeyError, TypeError) as error:
+        raise BadCameraFile(
+            f"{path} lacks {error}; compare it with config/camera.yaml", path=str(path)
+        ) from error

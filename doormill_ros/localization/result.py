@@ -1,0 +1,62 @@
+"""What a picture tells about the door: the pose, how sure it is, and what it was read from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.cell.layout import DoorOffset
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeTrace:
+    """One edge of the door's face as found in the picture.
+
+    Attributes:
+        name: "hinge" or "bottom".
+        pixels: Sub-pixel edge points u, v [px], shape (n, 2).
+        inlier: Which points agree with the line, shape (n,), bool.
+        line: Fitted line drawn through the lens, u, v [px], shape (m, 2), from the corner outwards.
+        residual: RMS distance of the inliers from the line [m].
+        contrast: Step across the edge, inside minus outside [grey levels].
+        blur: Standard deviation of the edge's point spread [px].
+    """
+
+    name: str
+    pixels: np.ndarray
+    inlier: np.ndarray
+    line: np.ndarray
+    residual: float
+    contrast: float
+    blur: float
+
+
+@dataclass(frozen=True, eq=False)
+class Localization:
+    """The door's pose from one picture.
+
+    Attributes:
+        T_base_door: Pose of the door, shape (4, 4).
+        offset: Its offset from the nominal place.
+        covariance: Of offset y, z [m] and rotation [rad], shape (3, 3).
+        residual: RMS distance of the edge points in use from their lines [m].
+        inlier_share: Share of the visible edge length that agrees with the lines, 0..1.
+        quality: 0..1, how far the picture is from being refused; 1 is best.
+        corner: The door's corner in the picture, u, v [px], shape (2,).
+        edges: The hinge edge and the bottom edge.
+    """
+
+    T_base_door: np.ndarray
+    offset: DoorOffset
+    covariance: np.ndarray
+    residual: float
+    inlier_share: float
+    quality: float
+    corner: np.ndarray
+    edges: tuple[EdgeTrace, EdgeTrace]
+
+    @property
+    def deviations(self) -> np.ndarray:
+        """Standard deviations of y, z [m] and rotation [rad], shape (3,)."""
+        return np.sqrt(np.diag(self.covariance))

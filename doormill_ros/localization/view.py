@@ -1,0 +1,76 @@
+"""How the camera sees the plane of the door's face.
+
+Points of that plane are written relative to the nominal corner: (y, z) in base axes [m].
+The pose of the door in it is `(y, z, rotation)`, the three degrees of freedom that the clamp
+leaves open. An edge is named "hinge" (door z axis) or "bottom" (door y axis).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from doormill_ros.cell.layout import CellLayout
+from doormill_ros.localization.camera import CameraModel
+
+HINGE, BOTTOM = "hinge", "bottom"
+
+
+def directions(rotation: float) -> tuple[np.ndarray, np.ndarray]:
+    """Door y axis and door z axis in base (y, z), each shape (2,)."""
+    c, s = np.cos(rotation), np.sin(rotation)
+    return np.array([c, s]), np.array([-s, c])
+
+
+class FaceView:
+    """The face plane of a door of given width and thickness, seen by a camera.
+
+    Attributes:
+        camera: The camera.
+        pixel: Size of a pixel on the face at the nominal corner [m]; the thesis' dynamic scale.
+    """
+
+    def __init__(self, camera: CameraModel, layout: CellLayout, width: float, thickness: float) -> None:
+        """Put the nominal door before the camera; width and thickness in [m]."""
+        self.camera = camera
+        self._T_base_camera = camera.T_base_camera(width)
+        self._corner = layout.T_base_door(width, thickness)[:3, 3]
+        self.pixel = (self._corner[0] - self._T_base_camera[0, 3]) / np.sqrt(camera.k[0, 0] * camera.k[1, 1])
+
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """Pixels u, v (..., 2) of face points (..., 2) [m]."""
+        points = np.asarray(points, dtype=float)
+        rotation = self._T_base_camera[:3, :3]
+        seen = (self._corner - self._T_base_camera[:3, 3]) @ rotation + points @ rotation[1:3]
+        return self.camera.distort(seen[..., :2] / seen[..., 2:])
+
+    def points(self, pixels: np.ndarray) -> np.ndarray:
+        """Face points (n, 2) [m] of pixels u, v (n, 2)."""
+        rays = self.camera.undistort(pixels)
+        rotation = self._T_base_camera[:3, :3]
+        ahead = rays @ rotation[:, :2].T + rotation[:, 2]
+        reach = (self._corner[0] - self._T_base_camera[0, 3]) / ahead[:, :1]
+        return self._T_base_camera[1:3, 3] - self._corner[1:] + reach * ahead[:, 1:]
+
+    @lru_cache(maxsize=8)  # noqa: B019  views are few and live in a cache themselves
+    def length(self, edge: str) -> float:
+        """Length of the nominal edge inside the picture [m]."""
+        along = np.arange(0.0, 0.5, self.pixel)
+        points = np.zeros((along.size, 2))
+        points[:, 1 if edge == HINGE else 0] = along
+        u, v = self.pixels(points).T
+        width, height = self.camera.size
+        outside = np.flatnonzero((u < 0) | (v < 0) | (u > width - 1) | (v > height - 1))
+        return float(along[outside[0] - 1]) if outside.size and outside[0] > 0 else 0.0
+
+    def line(self, edge: str, pose: np.ndarray, along: np.ndarray) -> np.ndarray:
+        """Face points (n, 2) on an edge of a door at `pose` (3,), `along` (n,) [m] from its corner."""
+        y_axis, z_axis = directions(pose[2])
+        return pose[:2] + np.asarray(along)[:, None] * (z_axis if edge == HINGE else y_axis)
+
+
+@lru_cache(maxsize=32)
+def face_view(camera: CameraModel, layout: CellLayout, width: float, thickness: float) -> FaceView:
+    """A view, made once for each door size."""
+    return FaceView(camera, layout, width, thickness)
