@@ -1,1 +1,1 @@
-"""TODO."""
+"""Six-axis robots: description, kinematics, inverse kinematics, configurations and branch choice."""

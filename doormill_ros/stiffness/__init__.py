@@ -1,1 +1,1 @@
-"""TODO."""
+"""Elastostatics: how far a loaded robot gives way, and how stiff it is where."""

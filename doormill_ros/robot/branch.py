@@ -1,0 +1,286 @@
+"""Choose one configuration for a whole path: reachable, away from trouble, as stiff as can be."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from doormill_ros.robot.chain import JOINTS
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.errors import (
+    BranchError,
+    JointLimitError,
+    RobotError,
+    SingularityError,
+    UnreachableError,
+)
+from doormill_ros.robot.inverse import BRANCHES, inverse_branches
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot.singularity import Clearance, clearance
+from doormill_ros.units import DEG, rad_to_deg
+
+_TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True)
+class BranchRules:
+    """What a configuration must keep to along the path.
+
+    Attributes:
+        limit_margin: Distance of every joint from its limits [rad].
+        wrist: Smallest angle of axis 5 from straight [rad].
+        elbow: Smallest angle of the forearm from in line with the lower arm [rad].
+        shoulder: Smallest distance of the wrist centre from axis 1 [m].
+        max_step: Largest move of a joint between neighbouring poses [rad].
+        equal_compliance: Ratio up to which two candidates count as equally stiff; the one farther
+            from its limits, or nearer to the start, then wins.
+    """
+
+    limit_margin: float = 1.0 * DEG
+    wrist: float = 5.0 * DEG
+    elbow: float = 5.0 * DEG
+    shoulder: float = 0.1
+    max_step: float = 90.0 * DEG
+    equal_compliance: float = 1.02
+
+
+@dataclass(eq=False)
+class _Rejected:
+    """Why candidates failed, with the one that came closest for the message."""
+
+    limits: list[tuple[float, int, int]] = field(default_factory=list)
+    singular: list[tuple[str, int]] = field(default_factory=list)
+    steps: list[tuple[float, int, int]] = field(default_factory=list)
+
+
+def choose_branch(
+    robot: Robot,
+    T_base_flange: np.ndarray,
+    *,
+    rules: BranchRules | None = None,
+    start: np.ndarray | None = None,
+    compliance: Callable[[np.ndarray], np.ndarray] | None = None,
+    segment: np.ndarray | None = None,
+) -> np.ndarray:
+    """Joint angles along a path in one configuration.
+
+    A candidate is a branch, followed continuously along the path, with the whole turns of its
+    joints. Of those that keep to the rules the one whose softest pose is stiffest wins.
+
+    Args:
+        robot: The robot.
+        T_base_flange: Poses in the order of the path, shape (n, 4, 4).
+        rules: What to keep to; None for the defaults.
+        start: Joint angles before the path, shape (6,) [rad]; among equally stiff candidates the
+            nearest is taken. None to take the one farthest from its limits.
+        compliance: Function of joint angles (n, 6) giving a compliance (n,) that decides what is
+            stiff, in any unit; None for the translational compliance of the flange under the
+            robot's own joint stiffness.
+        segment: Label of the segment each pose belongs to, shape (n,). Between neighbouring segments
+            the robot is free to move joint by joint; when no one configuration serves the whole
+            path the wrist may flip there. None for a path that allows no change.
+
+    Returns:
+        Joint angles, shape (n, 6) [rad].
+
+    Raises:
+        UnreachableError: A pose is out of reach.
+        JointLimitError: Every way exceeds a joint limit.
+        SingularityError: Every way within the limits passes too close to a singularity.
+        BranchError: Each pose can be reached, yet no configuration serves the path.
+        GeometryError: The robot has no closed-form inverse here.
+    """
+    rules = rules or BranchRules()
+    T_base_flange = np.asarray(T_base_flange, dtype=float)
+    if T_base_flange.ndim != 3 or T_base_flange.shape[1:] != (4, 4) or not len(T_base_flange):
+        raise ValueError(f"the path has shape {T_base_flange.shape}, allowed is (n, 4, 4) with n > 0")
+    compliance = compliance or _flange_compliance(robot)
+    branches = inverse_branches(robot, T_base_flange)
+    _check_reach(robot, T_base_flange, branches)
+    n = len(branches)
+    labels = np.zeros(n, dtype=int) if segment is None else np.asarray(segment)
+    if labels.shape != (n,):
+        raise ValueError(f"segment has shape {labels.shape}, allowed is ({n},), one label a pose")
+    borders = [0, *(np.nonzero(labels[1:] != labels[:-1])[0] + 1).tolist(), n]
+    search = _Search(robot, rules, compliance)
+    try:
+        return search.best(branches, range(BRANCHES), borders, start)[1]
+    except (JointLimitError, SingularityError, BranchError):
+        if len(borders) == 2:
+            raise
+    return _piecewise(search, branches, borders, start)
+
+
+def _piecewise(
+    search: _Search, branches: np.ndarray, borders: list[int], start: np.ndarray | None
+) -> np.ndarray:
+    """One configuration a segment. The wrist may flip between segments; the arm keeps its posture,
+    because turning elbow or base over in front of a door sweeps the whole cell.
+    """
+    found: list[tuple[float, np.ndarray]] = []
+    refusal: RobotError | None = None
+    for arm in range(0, BRANCHES, 2):
+        parts: list[np.ndarray] = []
+        softness = 0.0
+        try:
+            for first, last in itertools.pairwise(borders):
+                before = parts[-1][-1] if parts else start
+                soft, q = search.best(branches[first:last], (arm, arm + 1), [0, last - first], before, first)
+                softness = max(softness, soft)
+                parts.append(q)
+        except RobotError as error:
+            refusal = refusal or error
+            continue
+        found.append((softness, np.concatenate(parts)))
+    if not found:
+        raise refusal
+    return min(found, key=lambda item: item[0])[1]
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    robot: Robot
+    rules: BranchRules
+    compliance: Callable[[np.ndarray], np.ndarray]
+
+    def best(
+        self,
+        branches: np.ndarray,
+        allowed: Iterable[int],
+        borders: list[int],
+        start: np.ndarray | None,
+        first: int = 0,
+    ) -> tuple[float, np.ndarray]:
+        """Largest compliance and joint angles of the best candidate; `first` numbers its first pose."""
+        rejected = _Rejected()
+        best: tuple[float, float, np.ndarray] | None = None
+        for branch in allowed:
+            if np.isnan(branches[:, branch]).any():
+                continue
+            path = np.unwrap(branches[:, branch], axis=0, period=_TURN)
+            candidates = _turns(self.robot, path, self.rules, rejected, first)
+            if not candidates or not self._passable(path, borders, rejected, first):
+                continue
+            softness = float(np.max(self.compliance(path)))
+            for candidate in candidates:
+                merit = _closeness(self.robot, candidate, start)
+                if best is None or _better((softness, merit), best[:2], self.rules.equal_compliance):
+                    best = (softness, merit, candidate)
+        if best is None:
+            raise _refusal(self.robot, rejected, self.rules, len(branches), first)
+        return best[0], best[2]
+
+    def _passable(self, path: np.ndarray, borders: list[int], rejected: _Rejected, first: int) -> bool:
+        reason = _too_close(clearance(self.robot, path), self.rules, first)
+        if reason:
+            rejected.singular.append(reason)
+            return False
+        step = np.abs(np.diff(path, axis=0))
+        step[np.array(borders[1:-1], dtype=int) - 1] = 0.0  # between segments the robot moves freely
+        if step.size and step.max() > self.rules.max_step:
+            at, joint = np.unravel_index(step.argmax(), step.shape)
+            rejected.steps.append((float(step.max()), first + int(at), int(joint)))
+            return False
+        return True
+
+
+def _turns(
+    robot: Robot, path: np.ndarray, rules: BranchRules, rejected: _Rejected, first: int
+) -> list[np.ndarray]:
+    """The path shifted by whole turns of its joints, all poses within the limits."""
+    shifts: list[list[float]] = []
+    for joint in range(JOINTS):
+        low, high = path[:, joint].min(), path[:, joint].max()
+        floor, ceiling = robot.lower[joint] + rules.limit_margin, robot.upper[joint] - rules.limit_margin
+        turns = range(int(np.ceil((floor - low) / _TURN)), int(np.floor((ceiling - high) / _TURN)) + 1)
+        if not turns:
+            over = min(max(floor - low - t * _TURN, high + t * _TURN - ceiling) for t in (-1, 0, 1))
+            rejected.limits.append((float(over), joint, first + int(np.argmax(np.abs(path[:, joint])))))
+            return []
+        shifts.append([turn * _TURN for turn in turns])
+    grid = np.stack(np.meshgrid(*shifts, indexing="ij"), axis=-1).reshape(-1, JOINTS)
+    return [path + shift for shift in grid]
+
+
+def _closeness(robot: Robot, path: np.ndarray, start: np.ndarray | None) -> float:
+    """Smaller is better: the way to the first pose, or how near the limits come, of the half range."""
+    if start is not None:
+        return float(np.max(np.abs(path[0] - start) / robot.max_velocity))
+    middle, half = (robot.upper + robot.lower) / 2.0, (robot.upper - robot.lower) / 2.0
+    return float(np.max(np.abs(path - middle) / half))
+
+
+def _better(new: tuple[float, float], old: tuple[float, float], equal: float) -> bool:
+    if new[0] * equal < old[0]:
+        return True
+    return new[0] <= old[0] * equal and new[1] < old[1] - 1e-9
+
+
+def _too_close(found: Clearance, rules: BranchRules, first: int) -> tuple[str, int] | None:
+    for name, values, allowed, unit in (
+        ("axis 5 is", rad_to_deg(found.wrist), rad_to_deg(rules.wrist), "deg from straight"),
+        ("the elbow is", rad_to_deg(found.elbow), rad_to_deg(rules.elbow), "deg from stretched"),
+        ("the wrist centre is", found.shoulder, rules.shoulder, "m from axis 1"),
+    ):
+        at = int(values.argmin())
+        if values[at] < allowed:
+            return f"{name} {values[at]:.3g} {unit}, allowed is {allowed:.3g}", first + at
+    return None
+
+
+def _check_reach(robot: Robot, T_base_flange: np.ndarray, branches: np.ndarray) -> None:
+    lost = np.isnan(branches[..., 0]).all(axis=1)
+    if lost.any():
+        at = int(lost.argmax())
+        x, y, z = T_base_flange[at, :3, 3]
+        raise UnreachableError(
+            f"{robot.label} cannot reach pose {at + 1} of {len(lost)} of the path, flange at "
+            f"({x:.3f}, {y:.3f}, {z:.3f}) m; move the work or the robot",
+            pose=at,
+        )
+
+
+def _refusal(robot: Robot, rejected: _Rejected, rules: BranchRules, n: int, first: int) -> RobotError:
+    where = f"poses {first + 1} to {first + n}"
+    if rejected.singular:
+        reason, at = rejected.singular[0]
+        return SingularityError(
+            f"{robot.label} passes too close to a singularity on {where}: at pose {at + 1} {reason}; "
+            "move the work sideways or the robot's foot",
+            pose=at,
+        )
+    if rejected.steps:
+        step, at, joint = min(rejected.steps)
+        return BranchError(
+            f"{robot.label} keeps no configuration on {where}: joint {joint + 1} moves "
+            f"{rad_to_deg(step):.0f} deg after pose {at + 1}, allowed is {rad_to_deg(rules.max_step):.0f}; "
+            "add poses between or allow a change",
+            pose=at,
+        )
+    if rejected.limits:
+        over, joint, at = min(rejected.limits)
+        return JointLimitError(
+            f"{robot.label} reaches {where} only with joint {joint + 1} {rad_to_deg(over):.2f} deg "
+            f"beyond its range of {rad_to_deg(robot.lower[joint]):.0f} to {rad_to_deg(robot.upper[joint]):.0f} deg less "
+            f"{rad_to_deg(rules.limit_margin):.1f} deg; move the work or the robot",
+            pose=at,
+            joint=joint + 1,
+        )
+    return BranchError(
+        f"{robot.label} reaches every one of {where}, but no branch reaches them all; split the path"
+    )
+
+
+def _flange_compliance(robot: Robot) -> Callable[[np.ndarray], np.ndarray]:
+    """Root mean square translation of the flange per unit force, over all directions [m/N]."""
+    kinematics = Kinematics(robot)
+
+    def compliance(q: np.ndarray) -> np.ndarray:
+        J = kinematics.jacobian(q)[..., :3, :]
+        C = np.einsum("...ij,j,...kj->...ik", J, 1.0 / robot.stiffness, J)
+        return np.sqrt(np.einsum("...ij,...ij->...", C, C) / 3.0)
+
+    return compliance

@@ -1,0 +1,130 @@
+"""Kinematics of many configurations at once: arrays with the configurations last.
+
+Each number of the result is a contiguous row over all configurations, so that every numpy call
+is one pass over memory. `Kinematics` wraps this in the usual shapes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.robot.denavit_hartenberg import ALPHA, THETA_OFFSET, A, D
+
+JOINTS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class ChainFrames:
+    """Denavit-Hartenberg frames 0..6 of n configurations, base axes.
+
+    Attributes:
+        x: Unit x axes, shape (7, 3, n).
+        y: Unit y axes, shape (7, 3, n).
+        z: Unit z axes, shape (7, 3, n); z[j] is the axis of joint j + 1.
+        origin: Origins, shape (7, 3, n) [m].
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    origin: np.ndarray
+
+    def point(self, link: int, position: np.ndarray) -> np.ndarray:
+        """Base coordinates, shape (3, n) [m], of a point of a link's frame, shape (3,) [m]."""
+        result = self.origin[link]
+        for axis, coordinate in zip((self.x, self.y, self.z), position, strict=True):
+            if coordinate != 0.0:
+                result = result + coordinate * axis[link]
+        return result
+
+
+def chain_frames(dh: np.ndarray, q: np.ndarray) -> ChainFrames:
+    """Frames of every link (thesis eq. 2.1).
+
+    Args:
+        dh: Denavit-Hartenberg table, shape (6, 4).
+        q: Joint angles, configurations last, shape (6, n) [rad].
+    """
+    n = q.shape[1]
+    x, y, z, origin = (np.empty((JOINTS + 1, 3, n)) for _ in range(4))
+    for array, start in ((x, (1.0, 0.0, 0.0)), (y, (0.0, 1.0, 0.0)), (z, (0.0, 0.0, 1.0))):
+        array[0] = np.array(start)[:, None]
+    origin[0] = 0.0
+    sin_q, cos_q = np.sin(q), np.cos(q)
+    for joint, row in enumerate(dh):
+        s, c = _turned(sin_q[joint], cos_q[joint], row[THETA_OFFSET])
+        before, after = joint, joint + 1
+        np.multiply(x[before], c, out=x[after])
+        x[after] += s * y[before]
+        across = c * y[before]
+        across -= s * x[before]
+        sin_alpha, cos_alpha = _exact_sin_cos(row[ALPHA])
+        if sin_alpha == 0.0:
+            y[after] = cos_alpha * across
+            z[after] = cos_alpha * z[before]
+        elif cos_alpha == 0.0:
+            np.multiply(z[before], sin_alpha, out=y[after])
+            np.multiply(across, -sin_alpha, out=z[after])
+        else:
+            y[after] = cos_alpha * across + sin_alpha * z[before]
+            z[after] = cos_alpha * z[before] - sin_alpha * across
+        origin[after] = origin[before]
+        if row[D] != 0.0:
+            origin[after] += row[D] * z[before]
+        if row[A] != 0.0:
+            origin[after] += row[A] * x[after]
+    return ChainFrames(x, y, z, origin)
+
+
+def jacobian_columns(frames: ChainFrames, point: np.ndarray, link: int = JOINTS) -> np.ndarray:
+    """Translational Jacobian of a point (thesis eq. 2.29, upper half).
+
+    Args:
+        frames: Frames of n configurations.
+        point: Base coordinates of the point, shape (3, n) [m].
+        link: Moving link that carries it; joints behind it do not move it.
+
+    Returns:
+        Velocity of the point per joint velocity, joints first, shape (6, 3, n) [m/rad]. The
+        rotational half is `frames.z[:6]`, zero for joints behind `link`.
+    """
+    columns = np.zeros((JOINTS, *point.shape))
+    cross(frames.z[:link], point - frames.origin[:link], out=columns[:link])
+    return columns
+
+
+def cross(a: np.ndarray, b: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
+    """Vector product along the last but one axis; shapes (..., 3, n), broadcast."""
+    if out is None:
+        out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.multiply(a[..., j, :], b[..., k, :], out=out[..., i, :])
+        out[..., i, :] -= a[..., k, :] * b[..., j, :]
+    return out
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Scalar product along the last but one axis; shapes (..., 3, n) to (..., n)."""
+    result = a[..., 0, :] * b[..., 0, :]
+    result += a[..., 1, :] * b[..., 1, :]
+    result += a[..., 2, :] * b[..., 2, :]
+    return result
+
+
+def _turned(sin_q: np.ndarray, cos_q: np.ndarray, offset: float) -> tuple[np.ndarray, np.ndarray]:
+    """Sine and cosine of q + offset, exact when the offset is whole quarter turns."""
+    s, c = _exact_sin_cos(offset)
+    if s == 0.0:
+        return sin_q * c, cos_q * c
+    if c == 0.0:
+        return cos_q * s, -sin_q * s
+    return sin_q * c + cos_q * s, cos_q * c - sin_q * s
+
+
+def _exact_sin_cos(angle: float) -> tuple[float, float]:
+    quarter = round(angle / (np.pi / 2))
+    if angle == quarter * (np.pi / 2):
+        return (0.0, 1.0, 0.0, -1.0)[quarter % 4], (1.0, 0.0, -1.0, 0.0)[quarter % 4]
+    return float(np.sin(angle)), float(np.cos(angle))

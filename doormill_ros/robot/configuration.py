@@ -1,0 +1,47 @@
+"""RAPID's name for the branch and the turns of a set of joint angles: confdata."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from doormill_ros.robot.chain import chain_frames, cross, dot
+from doormill_ros.robot.description import Robot, load_robot
+from doormill_ros.toolpath.program import ConfData
+
+DEFAULT_ROBOT = "irb6600_175_255"
+_QUARTER = np.pi / 2.0
+_SLACK = 1e-9  # rad or m: rounding noise below a border counts as on it
+
+
+def conf_data(q: np.ndarray, robot: Robot | None = None) -> ConfData:
+    """Configuration of joint angles q, shape (6,) [rad].
+
+    cf1, cf4 and cf6 count the quarter turns of axes 1, 4 and 6: 0 for [0, 90) deg, -1 for
+    [-90, 0) deg. cfx is 4 when the wrist centre is behind axis 1, plus 2 when it is behind the
+    lower arm, plus 1 when axis 5 is negative (serial arms of the IRB 6600 kind).
+
+    Args:
+        q: Joint angles.
+        robot: Whose lengths decide cfx; None for the IRB 6600-175/2.55.
+    """
+    q = np.asarray(q, dtype=float)
+    quarters = np.floor((q[[0, 3, 5]] + _SLACK) / _QUARTER).astype(int)
+    cfx = configuration_index(robot or _default_robot(), q[None])[0]
+    return ConfData(int(quarters[0]), int(quarters[1]), int(quarters[2]), int(cfx))
+
+
+def configuration_index(robot: Robot, q: np.ndarray) -> np.ndarray:
+    """cfx, shape (n,), of joint angles q, shape (n, 6) [rad]."""
+    frames = chain_frames(robot.dh, np.ascontiguousarray(np.asarray(q, dtype=float).T))
+    shoulder, elbow, wrist = frames.origin[1], frames.origin[2], frames.origin[4]
+    # x of frame 1 without its height: the direction in which axis 1 faces.
+    behind_axis_1 = dot(frames.x[1], wrist - frames.origin[0]) < -_SLACK
+    bend = dot(cross(elbow - shoulder, wrist - elbow), frames.z[1])
+    return 4 * behind_axis_1 + 2 * (bend < -_SLACK) + (q[:, 4] < -_SLACK)
+
+
+@functools.cache
+def _default_robot() -> Robot:
+    return load_robot(DEFAULT_ROBOT)

@@ -1,0 +1,189 @@
+"""A robot as data: geometry from a URDF, everything else from a YAML that names its sources."""
+
+from __future__ import annotations
+
+import functools
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from doormill_ros.resources import resource
+from doormill_ros.robot.denavit_hartenberg import table_of_chain
+from doormill_ros.robot.errors import RobotDescriptionError
+from doormill_ros.robot.urdf import JOINTS, read_chain
+from doormill_ros.units import deg_to_rad, rad_to_deg
+
+SCHEMA = "doormill/robot/1"
+_FIGURES = ("reach", "payload", "limits", "max_velocity", "stiffness")
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a figure comes from, and whether somebody measured it on a robot of this type."""
+
+    source: str
+    measured: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """One six-axis robot. Arrays are read-only.
+
+    Attributes:
+        name: Folder name in config/robots.
+        label: Maker's name.
+        urdf: Path of the URDF.
+        flange_link: Name of the flange in the URDF.
+        dh: Denavit-Hartenberg table, shape (6, 4) [theta_offset rad, d m, a m, alpha rad].
+        lower: Lower joint limits, shape (6,) [rad].
+        upper: Upper joint limits, shape (6,) [rad].
+        max_velocity: Largest joint velocities, shape (6,) [rad/s].
+        stiffness: Joint stiffness, shape (6,) [N m/rad].
+        payload: Largest mass at the flange [kg].
+        reach: Distance of the stretched wrist centre from axis 1 [m].
+        provenance: Source of reach, payload, limits, max_velocity and stiffness.
+    """
+
+    name: str
+    label: str
+    urdf: Path
+    flange_link: str
+    dh: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    max_velocity: np.ndarray
+    stiffness: np.ndarray
+    payload: float
+    reach: float
+    provenance: dict[str, Provenance]
+
+    def unmeasured(self) -> list[str]:
+        """Names of the figures that nobody measured."""
+        return [name for name, origin in self.provenance.items() if not origin.measured]
+
+
+def load_robot(name_or_path: str | Path) -> Robot:
+    """Read a robot that ships with the project, or a folder or robot.yaml of one's own.
+
+    Args:
+        name_or_path: Folder name in config/robots, or the path of such a folder or of its YAML.
+
+    Raises:
+        RobotDescriptionError: Nothing there, or the files contradict the form or each other.
+    """
+    path = Path(name_or_path)
+    if path.is_dir():
+        path = path / "robot.yaml"
+    elif path.suffix not in (".yaml", ".yml"):
+        try:
+            path = resource(f"config/robots/{name_or_path}/robot.yaml")
+        except FileNotFoundError as error:
+            shipped = sorted(folder.name for folder in resource("config/robots").iterdir())
+            raise RobotDescriptionError(
+                f"no robot '{name_or_path}': it is no folder and not one of {', '.join(shipped)}",
+                robot=str(name_or_path),
+            ) from error
+    return _load(path.resolve())
+
+
+@functools.cache
+def _load(path: Path) -> Robot:
+    # Cached so that a figure nobody measured is warned of once, not once a cycle.
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise RobotDescriptionError(f"{path} cannot be read: {error}", path=str(path)) from error
+    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+        found = document.get("schema") if isinstance(document, dict) else type(document).__name__
+        raise RobotDescriptionError(f"{path} has schema {found}, allowed is {SCHEMA}", path=str(path))
+    figures = {name: _figure(path, document, name) for name in _FIGURES}
+    provenance = {name: _provenance(path, figure, name) for name, figure in figures.items()}
+    chain = read_chain(path.parent / str(document.get("urdf", "robot.urdf")))
+    lower = deg_to_rad(_vector(path, figures["limits"], "limits", "lower"))
+    upper = deg_to_rad(_vector(path, figures["limits"], "limits", "upper"))
+    _check_limits(path, lower, upper, chain.lower, chain.upper)
+    robot = Robot(
+        name=path.parent.name,
+        label=str(document.get("label", path.parent.name)),
+        urdf=path.parent / str(document.get("urdf", "robot.urdf")),
+        flange_link=chain.flange,
+        dh=_frozen(table_of_chain(chain)),
+        lower=_frozen(lower),
+        upper=_frozen(upper),
+        max_velocity=_frozen(deg_to_rad(_positive(path, figures["max_velocity"], "max_velocity"))),
+        stiffness=_frozen(_positive(path, figures["stiffness"], "stiffness")),
+        payload=_scalar(path, figures["payload"], "payload"),
+        reach=_scalar(path, figures["reach"], "reach"),
+        provenance=provenance,
+    )
+    if robot.unmeasured():
+        _log.warning("%s: nobody measured %s; see %s", robot.label, ", ".join(robot.unmeasured()), path)
+    return robot
+
+
+def _figure(path: Path, document: dict[str, Any], name: str) -> dict[str, Any]:
+    figure = document.get(name)
+    if not isinstance(figure, dict):
+        raise RobotDescriptionError(f"{path} has no figure '{name}'; it needs value, source and measured")
+    return figure
+
+
+def _provenance(path: Path, figure: dict[str, Any], name: str) -> Provenance:
+    source, measured = figure.get("source"), figure.get("measured")
+    if not source or not isinstance(measured, bool):
+        raise RobotDescriptionError(
+            f"{path}: '{name}' has source {source!r} and measured {measured!r}; "
+            "say where it comes from and true or false"
+        )
+    return Provenance(str(source), measured)
+
+
+def _vector(path: Path, figure: dict[str, Any], name: str, key: str = "value") -> np.ndarray:
+    try:
+        vector = np.array(figure.get(key), dtype=float)
+    except (TypeError, ValueError):
+        vector = np.empty(0)
+    if vector.shape != (JOINTS,) or not np.all(np.isfinite(vector)):
+        raise RobotDescriptionError(
+            f"{path}: '{name}' has {key} {figure.get(key)!r}, allowed are {JOINTS} finite numbers"
+        )
+    return vector
+
+
+def _positive(path: Path, figure: dict[str, Any], name: str) -> np.ndarray:
+    vector = _vector(path, figure, name)
+    if np.any(vector <= 0):
+        raise RobotDescriptionError(f"{path}: '{name}' has {vector.tolist()}, allowed are positive numbers")
+    return vector
+
+
+def _scalar(path: Path, figure: dict[str, Any], name: str) -> float:
+    value = figure.get("value")
+    if not isinstance(value, int | float) or isinstance(value, bool) or not value > 0:
+        raise RobotDescriptionError(f"{path}: '{name}' has value {value!r}, allowed is a positive number")
+    return float(value)
+
+
+def _check_limits(
+    path: Path, lower: np.ndarray, upper: np.ndarray, urdf_lower: np.ndarray, urdf_upper: np.ndarray
+) -> None:
+    for joint in range(JOINTS):
+        low, high = lower[joint], upper[joint]
+        # A micro-radian for the URDF's finite decimals.
+        if not low < high or low < urdf_lower[joint] - 1e-6 or high > urdf_upper[joint] + 1e-6:
+            raise RobotDescriptionError(
+                f"{path}: joint {joint + 1} has limits {rad_to_deg(low):.3f} to {rad_to_deg(high):.3f} deg, "
+                f"allowed is a range within the URDF's {rad_to_deg(urdf_lower[joint]):.3f} to "
+                f"{rad_to_deg(urdf_upper[joint]):.3f} deg"
+            )
+
+
+def _frozen(array: np.ndarray) -> np.ndarray:
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,144 @@
+"""Closed-form inverse kinematics: every branch and every extra turn that the limits allow.
+
+The eight branches come from py-opw-kinematics. Branches are numbered like RAPID's cfx: 4 when
+the wrist centre is behind axis 1, plus 2 when it is behind the lower arm, plus 1 when axis 5 is
+negative.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import py_opw_kinematics as opw
+
+from doormill_ros.robot.chain import JOINTS, chain_frames
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.ortho_parallel import OrthoParallel, ortho_parallel
+
+BRANCHES = 8
+_TURN = 2.0 * np.pi
+_SLOT_OF_BRANCH = [4 * (b & 1) + 2 * (b >> 2 & 1) + (b >> 1 & 1) for b in range(BRANCHES)]
+_LIMIT_SLACK = 1e-9  # rad; a pose computed at a limit must not be lost to rounding
+_FLAT_WRIST = 1e-3  # sine of axis 5 below which the library's arc cosine loses digits
+_ALIGNED_WRIST = 1e-10  # sine of axis 5 below which only the sum of axes 4 and 6 is defined
+# Limits that nothing satisfies: the library then skips singular values that nobody asked for.
+_NO_LIMITS = np.tile([1e3, 1e3 + 1.0], (JOINTS, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Solutions:
+    """All solutions of many poses.
+
+    Attributes:
+        q: Joint angles within the limits, shape (m, 6) [rad].
+        pose: Index of the pose that each row solves, ascending, shape (m,).
+        branch: Branch 0..7 of each row, shape (m,).
+    """
+
+    q: np.ndarray
+    pose: np.ndarray
+    branch: np.ndarray
+
+
+def inverse(robot: Robot, T_base_flange: np.ndarray) -> np.ndarray:
+    """All joint angles within the limits that reach one pose, shape (n, 6) [rad].
+
+    Empty, shape (0, 6), when the pose is out of reach or beyond the limits. At a wrist
+    singularity axes 4 and 6 turn about one line; axis 4 is then given as zero or a half turn.
+
+    Args:
+        robot: The robot.
+        T_base_flange: The pose, shape (4, 4).
+
+    Raises:
+        GeometryError: The robot has no closed-form inverse here.
+    """
+    return inverse_all(robot, np.asarray(T_base_flange, dtype=float)[None]).q
+
+
+def inverse_all(robot: Robot, T_base_flange: np.ndarray) -> Solutions:
+    """All joint angles within the limits that reach each of many poses.
+
+    Args:
+        robot: The robot.
+        T_base_flange: Poses, shape (n, 4, 4).
+
+    Raises:
+        GeometryError: The robot has no closed-form inverse here.
+    """
+    branches = inverse_branches(robot, T_base_flange)
+    pose, branch = np.nonzero(np.isfinite(branches[..., 0]))
+    q = branches[pose, branch]
+    for joint in range(JOINTS):
+        q, pose, branch = _with_turns(robot, joint, q, pose, branch)
+    order = np.lexsort((np.abs(q).max(axis=1), branch, pose))
+    return Solutions(q[order], pose[order], branch[order])
+
+
+def inverse_branches(robot: Robot, T_base_flange: np.ndarray) -> np.ndarray:
+    """The eight branches without regard to limits, each angle in (-pi, pi].
+
+    Args:
+        robot: The robot.
+        T_base_flange: Poses, shape (n, 4, 4).
+
+    Returns:
+        Shape (n, 8, 6) [rad]; NaN where a branch does not exist.
+
+    Raises:
+        GeometryError: The robot has no closed-form inverse here.
+    """
+    solver = _solver(ortho_parallel(robot.dh, robot.label))
+    poses = opw.RigidTransform.from_matrix(np.asarray(T_base_flange, dtype=float))
+    q = solver.reach(poses, _NO_LIMITS).joints[:, _SLOT_OF_BRANCH]
+    q -= _TURN * np.round(q / _TURN)
+    q[q <= -np.pi] += _TURN
+    pose, branch = np.nonzero(np.abs(np.sin(q[..., 4])) < _FLAT_WRIST)
+    if len(pose):
+        q[pose, branch] = _exact_wrist(robot, q[pose, branch], T_base_flange[pose], branch & 1)
+    return q
+
+
+@functools.cache
+def _solver(arm: OrthoParallel) -> opw.Robot:
+    return opw.Robot(opw.KinematicModel(**asdict(arm)), degrees=False)
+
+
+def _with_turns(
+    robot: Robot, joint: int, q: np.ndarray, pose: np.ndarray, branch: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Repeat the rows for each whole turn of a joint that lands within its limits."""
+    low, high = robot.lower[joint] - _LIMIT_SLACK, robot.upper[joint] + _LIMIT_SLACK
+    parts = []
+    for turn in range(int(np.floor((low + np.pi) / _TURN)), int(np.ceil((high - np.pi) / _TURN)) + 1):
+        angle = q[:, joint] + turn * _TURN
+        inside = np.nonzero((angle >= low) & (angle <= high))[0]
+        rows = q[inside]
+        rows[:, joint] = angle[inside]
+        parts.append((rows, pose[inside], branch[inside]))
+    return tuple(np.concatenate(columns) for columns in zip(*parts, strict=True))
+
+
+def _exact_wrist(robot: Robot, q: np.ndarray, T_base_flange: np.ndarray, flip: np.ndarray) -> np.ndarray:
+    """Axes 4 to 6 from the wrist rotation by arc tangents, exact where axis 5 is almost straight.
+
+    Follows thesis eq. 2.24 to 2.27 with atan2 in place of the arc cosine. `flip` is 1 where axis 5 is
+    to be negative.
+    """
+    frames = chain_frames(robot.dh, np.ascontiguousarray(q.T))
+    R_base_3 = np.stack([frames.x[3], frames.y[3], frames.z[3]], axis=1).transpose(2, 0, 1)  # (m, 3, 3)
+    R = R_base_3.transpose(0, 2, 1) @ T_base_flange[:, :3, :3]
+    sign = 1.0 - 2.0 * flip
+    # With twists 90, -90, 0 deg: R = Rz(t4) Ry(-t5) Rz(t6) for table angles t = q + theta_offset.
+    sine = np.hypot(R[:, 0, 2], R[:, 1, 2])
+    theta5 = sign * np.arctan2(sine, R[:, 2, 2])
+    aligned = sine < _ALIGNED_WRIST
+    theta4 = np.where(aligned, np.pi * flip, np.arctan2(-sign * R[:, 1, 2], -sign * R[:, 0, 2]))
+    c4, s4 = np.cos(theta4), np.sin(theta4)
+    theta6 = np.arctan2(c4 * R[:, 1, 0] - s4 * R[:, 0, 0], c4 * R[:, 1, 1] - s4 * R[:, 0, 1])
+    q = q.copy()
+    q[:, 3:] = np.stack([theta4, theta5, theta6], axis=1) - robot.dh[3:, 0]
+    q[:, 3:] -= _TURN * np.round(q[:, 3:] / _TURN)
+    return q

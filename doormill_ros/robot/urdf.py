@@ -1,0 +1,137 @@
+"""Read the one serial chain of six revolute joints out of a URDF."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from doormill_ros.frames import transform
+from doormill_ros.robot.errors import RobotDescriptionError
+
+JOINTS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """A serial chain in its zero position.
+
+    Attributes:
+        base: Name of the root link.
+        flange: Name of the last link.
+        axes: Unit vectors of the joint axes, base axes, shape (6, 3).
+        points: One point on each axis, base frame, shape (6, 3) [m].
+        T_base_flange: Flange in the base frame, shape (4, 4).
+        lower: Lower joint limits, shape (6,) [rad].
+        upper: Upper joint limits, shape (6,) [rad].
+    """
+
+    base: str
+    flange: str
+    axes: np.ndarray
+    points: np.ndarray
+    T_base_flange: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+
+
+def read_chain(path: Path) -> Chain:
+    """Walk the URDF from its root link to its only leaf behind six revolute joints.
+
+    Links that end beside the chain (a balancing cylinder, a second base frame) are passed by:
+    among all leaves the one behind six moving joints counts; of several the deepest.
+
+    Raises:
+        RobotDescriptionError: Not XML, several roots, a loop, or not exactly six moving joints.
+    """
+    try:
+        root = ElementTree.parse(path).getroot()
+    except (OSError, ElementTree.ParseError) as error:
+        raise RobotDescriptionError(f"{path} is not a readable URDF: {error}", path=str(path)) from error
+    parent_joint: dict[str, ElementTree.Element] = {}
+    for joint in root.findall("joint"):
+        child = _link(path, joint, "child")
+        if child in parent_joint:
+            raise RobotDescriptionError(f"{path}: link {child} hangs on two joints, allowed is one")
+        parent_joint[child] = joint
+    links = [link.get("name", "") for link in root.findall("link")]
+    roots = [link for link in links if link not in parent_joint]
+    if len(roots) != 1:
+        raise RobotDescriptionError(f"{path} has root links {roots}, allowed is exactly one")
+
+    def joints_to(link: str) -> list[ElementTree.Element]:
+        steps: list[ElementTree.Element] = []
+        while link in parent_joint:
+            steps.append(parent_joint[link])
+            link = _link(path, parent_joint[link], "parent")
+            if len(steps) > len(parent_joint):
+                raise RobotDescriptionError(f"{path}: the joints above link {link} form a loop")
+        return steps[::-1]
+
+    candidates = []
+    for link in links:
+        steps = joints_to(link)
+        moving = [joint for joint in steps if joint.get("type") != "fixed"]
+        mimics = any(joint.find("mimic") is not None for joint in moving)
+        if len(moving) == JOINTS and not mimics:
+            candidates.append((len(steps), link, steps))
+    if not candidates:
+        raise RobotDescriptionError(f"{path} has no chain of exactly {JOINTS} moving joints")
+    _, flange, steps = max(candidates, key=lambda candidate: candidate[0])
+    return _zero_position(path, roots[0], flange, steps)
+
+
+def _zero_position(path: Path, base: str, flange: str, steps: list[ElementTree.Element]) -> Chain:
+    T_base_link = np.eye(4)
+    axes, points, lower, upper = [], [], [], []
+    for joint in steps:
+        T_base_link = T_base_link @ _origin(path, joint)
+        if joint.get("type") == "fixed":
+            continue
+        if joint.get("type") not in ("revolute", "continuous"):
+            raise RobotDescriptionError(
+                f"{path}: joint {joint.get('name')} is {joint.get('type')}, allowed is revolute"
+            )
+        element = joint.find("axis")
+        axis = _numbers(path, joint, "1 0 0" if element is None else element.get("xyz", "1 0 0"))
+        norm = np.linalg.norm(axis)
+        if norm < 1e-9:
+            raise RobotDescriptionError(f"{path}: the axis of joint {joint.get('name')} has no length")
+        axes.append(T_base_link[:3, :3] @ (axis / norm))
+        points.append(T_base_link[:3, 3].copy())
+        limit = joint.find("limit")
+        lower.append(float(limit.get("lower", "-inf")) if limit is not None else -np.inf)
+        upper.append(float(limit.get("upper", "inf")) if limit is not None else np.inf)
+    return Chain(
+        base, flange, np.array(axes), np.array(points), T_base_link, np.array(lower), np.array(upper)
+    )
+
+
+def _origin(path: Path, joint: ElementTree.Element) -> np.ndarray:
+    element = joint.find("origin")
+    if element is None:
+        return np.eye(4)
+    rotation = Rotation.from_euler("xyz", _numbers(path, joint, element.get("rpy", "0 0 0"))).as_matrix()
+    return transform(rotation, _numbers(path, joint, element.get("xyz", "0 0 0")))
+
+
+def _numbers(path: Path, joint: ElementTree.Element, text: str) -> np.ndarray:
+    try:
+        values = np.array([float(word) for word in text.split()])
+    except ValueError:
+        values = np.empty(0)
+    if values.shape != (3,) or not np.all(np.isfinite(values)):
+        raise RobotDescriptionError(
+            f"{path}: joint {joint.get('name')} has '{text}' where three finite numbers belong"
+        )
+    return values
+
+
+def _link(path: Path, joint: ElementTree.Element, tag: str) -> str:
+    element = joint.find(tag)
+    if element is None or not element.get("link"):
+        raise RobotDescriptionError(f"{path}: joint {joint.get('name')} names no {tag} link")
+    return element.get("link", "")

@@ -1,0 +1,105 @@
+"""The thesis' compliance model: rigid links on six torsion springs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.kinematics import Kinematics
+
+
+class JointSpringModel:
+    """Small deflections of a robot whose joints are linear springs (implements ComplianceModel).
+
+    Every joint between the base and the load gives way; the complementary stiffness matrix, which
+    `cartesian.py` has, is left out here as in the thesis (section 3.4).
+    """
+
+    def __init__(self, robot: Robot, stiffness: np.ndarray | None = None) -> None:
+        """Take a robot and, in place of its own, joint stiffness values.
+
+        Args:
+            robot: The robot.
+            stiffness: Joint stiffness, shape (6,) [N m/rad]; infinity for a rigid joint.
+
+        Raises:
+            ValueError: Not six positive numbers.
+        """
+        values = np.array(robot.stiffness if stiffness is None else stiffness, dtype=float)
+        if values.shape != (6,) or not np.all(values > 0):
+            raise ValueError(f"joint stiffness is {values}, allowed are 6 positive numbers in N m/rad")
+        self.robot = robot
+        self.kinematics = Kinematics(robot)
+        self.stiffness = values
+        self.stiffness.setflags(write=False)
+
+    def torque(self, q: np.ndarray, wrench: np.ndarray, load_point: np.ndarray, link: int = 6) -> np.ndarray:
+        """Joint torques that a wrench causes (thesis eq. 2.34).
+
+        Args:
+            q: Joint angles, shape (..., 6) [rad].
+            wrench: Wrench on the robot at the load point, base axes, shape (..., 6) [N, N m].
+            load_point: Point of the link's frame at which it acts, shape (3,) [m].
+            link: Link that carries the load point; 6 is the flange.
+
+        Returns:
+            Shape (..., 6) [N m].
+        """
+        J = self.kinematics.link_jacobian(q, link, load_point)
+        return np.einsum("...ij,...i->...j", J, np.asarray(wrench, dtype=float))
+
+    def joint_deflection(
+        self, q: np.ndarray, wrench: np.ndarray, load_point: np.ndarray, link: int = 6
+    ) -> np.ndarray:
+        """Joint angles by which the springs give way, shape (..., 6) [rad] (thesis eq. 3.44)."""
+        return self.torque(q, wrench, load_point, link) / self.stiffness
+
+    def deflection(
+        self,
+        q: np.ndarray,
+        wrench: np.ndarray,
+        load_point: np.ndarray,
+        direction: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Twist of the loaded tool (thesis eq. 3.45).
+
+        Args:
+            q: Commanded joint angles, shape (n, 6) [rad].
+            wrench: Wrench on the robot at the load point, base axes, shape (n, 6) [N, N m].
+            load_point: Point in the flange frame at which the wrench acts, shape (3,) [m].
+            direction: Not used: linear springs do not remember how a joint arrived.
+
+        Returns:
+            Displacement of the load point and rotation of the flange, base axes, shape (n, 6) [m, rad].
+        """
+        del direction
+        J = self.kinematics.jacobian(q, load_point)
+        torque = np.einsum("...ij,...i->...j", J, np.asarray(wrench, dtype=float))
+        return np.einsum("...ij,...j->...i", J, torque / self.stiffness)
+
+    def displacement(
+        self,
+        q: np.ndarray,
+        wrench: np.ndarray,
+        load_point: np.ndarray,
+        reflector_link: int,
+        reflector: np.ndarray,
+        load_link: int = 6,
+    ) -> np.ndarray:
+        """How far a reflector anywhere on the robot moves under a load anywhere on the robot.
+
+        Args:
+            q: Joint angles, shape (..., 6) [rad].
+            wrench: Wrench on the robot at the load point, base axes, shape (..., 6) [N, N m].
+            load_point: Point at which it acts, frame of `load_link`, shape (3,) [m].
+            reflector_link: Link that carries the reflector, 0 (base) to 6 (flange).
+            reflector: Its position in that link's Denavit-Hartenberg frame, shape (3,) [m].
+            load_link: Link that carries the load point.
+
+        Returns:
+            Displacement, base axes, shape (..., 3) [m]. Joints behind the reflector do not move
+            it; joints behind the load are not loaded.
+        """
+        bent = self.joint_deflection(q, wrench, load_point, load_link)
+        J = self.kinematics.link_jacobian(q, reflector_link, reflector)
+        return np.einsum("...ij,...j->...i", J[..., :3, :], bent)
