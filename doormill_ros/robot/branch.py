@@ -117,8 +117,10 @@ def choose_branch(
 def _piecewise(
     search: _Search, branches: np.ndarray, borders: list[int], start: np.ndarray | None
 ) -> np.ndarray:
-    """One configuration a segment. The wrist may flip between segments; the arm keeps its posture,
-    because turning elbow or base over in front of a door sweeps the whole cell.
+    """One configuration a segment.
+
+    The wrist may flip between segments; the arm keeps its posture, because turning elbow or base
+    over in front of a door sweeps the whole cell.
     """
     found: list[tuple[float, np.ndarray]] = []
     refusal: RobotError | None = None
@@ -206,11 +208,11 @@ def _turns(
 
 
 def _closeness(robot: Robot, path: np.ndarray, start: np.ndarray | None) -> float:
-    """Smaller is better: the way to the first pose, or how near the limits come, of the half range."""
+    """Smaller is better: time to the first pose [s], or how far joints stray from mid-range [-]."""
     if start is not None:
         return float(np.max(np.abs(path[0] - start) / robot.max_velocity))
     middle, half = (robot.upper + robot.lower) / 2.0, (robot.upper - robot.lower) / 2.0
-    return float(np.max(np.abs(path - middle) / half))
+    return float(np.linalg.norm(np.abs((path - middle) / half).max(axis=0)))
 
 
 def _better(new: tuple[float, float], old: tuple[float, float], equal: float) -> bool:
@@ -264,8 +266,9 @@ def _refusal(robot: Robot, rejected: _Rejected, rules: BranchRules, n: int, firs
         over, joint, at = min(rejected.limits)
         return JointLimitError(
             f"{robot.label} reaches {where} only with joint {joint + 1} {rad_to_deg(over):.2f} deg "
-            f"beyond its range of {rad_to_deg(robot.lower[joint]):.0f} to {rad_to_deg(robot.upper[joint]):.0f} deg less "
-            f"{rad_to_deg(rules.limit_margin):.1f} deg; move the work or the robot",
+            f"beyond its range of {rad_to_deg(robot.lower[joint]):.0f} to "
+            f"{rad_to_deg(robot.upper[joint]):.0f} deg less {rad_to_deg(rules.limit_margin):.1f} deg; "
+            "move the work or the robot",
             pose=at,
             joint=joint + 1,
         )
