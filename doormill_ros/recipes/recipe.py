@@ -94,7 +94,7 @@ class Recipe:
         hinge_side: Where the hinges are, seen from the side to which the door opens.
         material: What the door is made of.
         mass: Mass before milling [kg].
-        placement: Where a simulated clamp puts the door.
+        placement: Where a simulated clamp puts the door; None to leave it to the simulation.
         features: What is milled, in the order of milling.
     """
 
@@ -109,7 +109,7 @@ class Recipe:
     hinge_side: HingeSide = entry(Choice(HingeSide))
     material: Material = entry(Choice(Material))
     mass: float = entry(Quantity("kg", *limits.MASS_KG))
-    placement: Placement = entry(Nested(Placement), default=Placement())
+    placement: Placement | None = entry(Nested(Placement), default=None)
     features: tuple[Feature, ...] = field(default=())
 
     @property
