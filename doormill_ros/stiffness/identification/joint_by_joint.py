@@ -69,7 +69,7 @@ def identify_joint_by_joint(
     left = list(range(JOINTS))
     while left:
         # A share of a displacement that drowns in noise isolates nothing.
-        floor = 3.0 * loadings.displacement_std
+        floor = 3.0 * loadings.displacement_std.mean()
         share = expected[:, left] / (expected[:, left].sum(axis=1, keepdims=True) + floor)  # (n, left)
         count = min(TRIALS, len(loadings))
         best = np.sort(share, axis=0)[-count:].mean(axis=0)

@@ -7,7 +7,7 @@ is therefore linear in the six compliances c = 1 / K: d = A c.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -27,8 +27,8 @@ class Loadings:
         reflector_link: Moving link that carries the reflector, shape (n,).
         reflector: Its position, frame of that link, shape (n, 3) [m].
         displacement: Loaded minus unloaded reflector position, base axes, shape (n, 3) [m].
-        displacement_std: Standard deviation of one displacement component [m].
-        wrench_std: Standard deviation of the wrench components, shape (6,) [N, N m].
+        displacement_std: Standard deviation of the displacement components, shape (n, 3) [m].
+        wrench_std: Standard deviation of the wrench components, shape (n, 6) [N, N m].
     """
 
     q: np.ndarray
@@ -38,7 +38,7 @@ class Loadings:
     reflector_link: np.ndarray
     reflector: np.ndarray
     displacement: np.ndarray
-    displacement_std: float
+    displacement_std: np.ndarray
     wrench_std: np.ndarray
 
     def __len__(self) -> int:
@@ -47,8 +47,7 @@ class Loadings:
 
     def pick(self, rows: np.ndarray) -> Loadings:
         """The given loadings alone."""
-        names = ("q", "wrench", "load_link", "load_point", "reflector_link", "reflector", "displacement")
-        return replace(self, **{name: getattr(self, name)[rows] for name in names})
+        return replace(self, **{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
 def joint_torques(kinematics: Kinematics, loadings: Loadings) -> np.ndarray:

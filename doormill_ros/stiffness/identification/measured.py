@@ -25,6 +25,6 @@ def loadings_of_set(kinematics: Kinematics, measurements: MeasurementSet) -> Loa
         reflector_link=measurements.reflector_link,
         reflector=measurements.reflector_position,
         displacement=measurements.displacement,
-        displacement_std=noise.displacement,
-        wrench_std=np.array([noise.force] * 3 + [noise.torque] * 3),
+        displacement_std=np.full((n, 3), noise.displacement),
+        wrench_std=np.tile([noise.force] * 3 + [noise.torque] * 3, (n, 1)),
     )

@@ -91,15 +91,15 @@ def _reweighted(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
     design = A[:, :, joints].reshape(-1, joints.size)
     target = loadings.displacement.reshape(-1)
-    inverse_std = np.full(target.shape, 1.0 / loadings.displacement_std)
+    inverse_std = 1.0 / loadings.displacement_std.reshape(-1)
     last = np.full(joints.size, np.inf)
     rounds = 0
     while rounds < _MAX_ROUNDS:
         rounds += 1
         compliance, covariance = _solve(design * inverse_std[:, None], target * inverse_std)
-        from_wrench = gain[..., joints] @ compliance * loadings.wrench_std  # (n, 3, 6 wrench)
-        variance = loadings.displacement_std**2 + (from_wrench**2).sum(axis=-1).reshape(-1)
-        inverse_std = 1.0 / np.sqrt(variance)
+        from_wrench = gain[..., joints] @ compliance * loadings.wrench_std[:, None]  # (n, 3, 6 wrench)
+        variance = loadings.displacement_std**2 + (from_wrench**2).sum(axis=-1)
+        inverse_std = 1.0 / np.sqrt(variance.reshape(-1))
         if np.all(np.abs(compliance - last) <= 1e-10 * np.abs(compliance)):
             break
         last = compliance
