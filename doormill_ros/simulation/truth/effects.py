@@ -50,6 +50,8 @@ MEASURING = {
     "tracker_scale",
     "thermal_drift",
     "reflector_position",
+    "tracker_jump",
+    "warm_springs",
 }
 
 

@@ -1,0 +1,75 @@
+"""A joint that first falls through a gap when its last motion went along the load."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import ndtr
+
+from doormill_ros.diagnosis.causes.cause import Cause, Parameter, number
+from doormill_ros.diagnosis.load_case import LoadCase
+
+_GAP = 1e-4  #: theta 1 is a gap of this size [rad]
+
+
+class JointBacklash(Cause):
+    """Theta is the gap over 1e-4 rad, and the crossing torque over the largest torque of the test.
+
+    A joint that came from the other side lies against its flank (pre-loaded, section 3.3 of the
+    thesis) and shows its spring alone. One that moved along the load shows the gap on top, all
+    of it from the crossing torque on, in proportion to the torque below.
+    """
+
+    name = "joint_backlash"
+    parameters = (Parameter("gap", "rad", 0.0, 2e-2), Parameter("crossing", "N m", 0.0, 1e3))
+    scale = np.array([3.0, 0.3])
+    lower = np.array([0.0, 0.0])
+    upper = np.array([200.0, 1.0])
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return (
+            f"the residual of {self.where} is there only when its last motion went along the load, "
+            "and then hardly grows with the torque"
+        )
+
+    def starts(self) -> list[np.ndarray]:
+        """Steps and ramps of several sizes."""
+        return [np.array([gap, crossing]) for crossing in (0.0, 0.25, 0.7) for gap in (0.3, 3.0)]
+
+    def hidden_state(self, case: LoadCase) -> np.ndarray | None:
+        """Unknown direction, or a torque too small to tell its sign."""
+        k = number(self.where)
+        direction, torque = case.direction[:, k], case.torque[:, k]
+        noise = np.maximum(case.torque_noise[:, k], 1e-12)
+        along = np.where(direction == 0.0, 0.5, ndtr(direction * torque / noise))
+        return np.where(along < 1e-6, 0.0, np.where(along > 1.0 - 1e-6, 1.0, along))
+
+    def _ramp(self, case: LoadCase, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        k = number(self.where)
+        direction, torque = case.direction[:, k], case.torque[:, k]
+        share = np.abs(torque) / max(case.largest_torque[k], 1e-9)
+        full = share >= theta[1]
+        ramp = np.where(full, 1.0, share / max(theta[1], 1e-12))
+        slope = np.where(full, 0.0, -share / max(theta[1], 1e-12) ** 2)
+        # The gap opens along the last motion; only where that is unknown does the load decide.
+        sign = np.where(direction == 0.0, np.sign(torque), direction)
+        return sign, ramp, slope
+
+    def twist(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+        """With the gap open in every trial that may be open; the fit weighs by the hidden state."""
+        sign, ramp, _ = self._ramp(case, theta)
+        return (_GAP * theta[0] * sign * ramp)[:, None] * case.joint_twist(number(self.where))
+
+    def derivative(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+        """By gap and crossing."""
+        sign, ramp, slope = self._ramp(case, theta)
+        unit = _GAP * sign[:, None] * case.joint_twist(number(self.where))
+        return np.stack([ramp[:, None] * unit, theta[0] * slope[:, None] * unit], axis=2)
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Gap and crossing torque."""
+        return np.array([_GAP * theta[0], theta[1] * case.largest_torque[number(self.where)]])
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From gap and crossing torque."""
+        return np.array([values[0] / _GAP, values[1] / case.largest_torque[number(self.where)]])

@@ -1,0 +1,218 @@
+"""Robust weighted least squares for any list of causes, and its held-out score."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.diagnosis.causes.cause import Cause
+from doormill_ros.diagnosis.problem import Prediction, Problem
+
+GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
+OUTLIER_SHARE = 0.1  #: at most this share of the trials is set aside
+_HUBER = 4.0  #: standard deviations up to which a trial keeps its full weight
+_MEDIAN = 2.366  #: median of chi-square with three degrees of freedom
+_RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model that was fitted to all trials.
+
+    Attributes:
+        members: Causes.
+        theta: Fitted numbers, shape (p,).
+        covariance: Their covariance, shape (p, p); zero for numbers that sit on a bound.
+        prediction: At theta, with Jacobian.
+        weights: Weight of each trial, shape (n,); 0 for those set aside.
+        score: Robust sum of squared distances.
+        held_out: Residual of each trial predicted without its fold, shape (n, 3) [m].
+        held_out_cost: Cost of each trial predicted without its fold, shape (n,).
+        held_out_score: Robust sum of those.
+        free: Numbers that do not sit on a bound, shape (p,).
+    """
+
+    members: tuple[Cause, ...]
+    theta: np.ndarray
+    covariance: np.ndarray
+    prediction: Prediction
+    weights: np.ndarray
+    score: float
+    held_out: np.ndarray
+    held_out_cost: np.ndarray
+    held_out_score: float
+    free: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """Number of fitted numbers."""
+        return len(self.theta)
+
+    def part(self, cause: Cause) -> slice:
+        """Where a member's numbers stand in theta."""
+        at = 0
+        for member in self.members:
+            if member is cause:
+                return slice(at, at + member.size)
+            at += member.size
+        raise KeyError(cause)
+
+
+def robust_sum(cost: np.ndarray) -> float:
+    """Sum of costs in which the worst tenth counts no more than GROSS each."""
+    ordered = np.sort(cost)[::-1]
+    spared = int(OUTLIER_SHARE * len(cost))
+    return float(np.minimum(ordered[:spared], GROSS).sum() + ordered[spared:].sum())
+
+
+def trial_weights(distance: np.ndarray, reject: bool) -> np.ndarray:
+    """Huber weights of squared distances, shape (n,); with `reject` gross errors get zero."""
+    scale2 = max(1.0, float(np.median(distance)) / _MEDIAN)
+    size = np.sqrt(np.maximum(distance / scale2, 1e-12))
+    weights = np.minimum(1.0, _HUBER / size)
+    spared = int(OUTLIER_SHARE * len(distance))
+    if reject and spared:
+        worst = np.argsort(distance)[::-1][:spared]
+        weights[worst[distance[worst] > GROSS * scale2]] = 0.0
+    return weights
+
+
+def fit(problem: Problem, members: Sequence[Cause], start: np.ndarray | None = None) -> Fit:
+    """Fit a model from the best of its starts, or from the one given."""
+    members = tuple(members)
+    starts = [start] if start is not None else _starts(members)
+    best: tuple[float, np.ndarray, np.ndarray] | None = None
+    if len(starts) > 3:
+        costs = [robust_sum(problem.predict(members, theta).cost) for theta in starts]
+        starts = [starts[i] for i in np.argsort(costs)[:3]]
+    for theta in starts:
+        found, weights = _descend(problem, members, theta)
+        score = robust_sum(problem.predict(members, found).cost)
+        if best is None or score < best[0] - 1e-9:
+            best = (score, found, weights)
+    assert best is not None  # starts is never empty
+    return _finish(problem, members, best[1], best[2], best[0])
+
+
+def _starts(members: tuple[Cause, ...]) -> list[np.ndarray]:
+    starts = [np.zeros(0)]
+    for cause in members:
+        starts = [np.concatenate([theta, part]) for theta in starts for part in cause.starts()]
+    return starts
+
+
+def _bounds(members: tuple[Cause, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    none = [np.zeros(0)]
+    return (
+        np.concatenate(none + [c.lower for c in members]),
+        np.concatenate(none + [c.upper for c in members]),
+        np.concatenate(none + [c.scale for c in members]),
+    )
+
+
+def _normal(prediction: Prediction, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Hessian (p, p) and descent (p,) of half the weighted cost."""
+    jacobian, white = prediction.jacobian, prediction.white
+    weighted = jacobian * weights[:, None, None]
+    hessian = np.einsum("nip,niq->pq", weighted, jacobian)
+    descent = np.einsum("nip,ni->p", weighted, white)
+    if prediction.spread is not None:
+        rows, slope = prediction.spread
+        weighted = slope * weights[:, None, None]
+        hessian = hessian + np.einsum("nip,niq->pq", weighted, slope)
+        descent = descent + np.einsum("nip,ni->p", weighted, rows)
+    return hessian, descent
+
+
+def _descend(
+    problem: Problem, members: tuple[Cause, ...], theta: np.ndarray, steps: int = 25
+) -> tuple[np.ndarray, np.ndarray]:
+    lower, upper, scale = _bounds(members)
+    ridge = _RIDGE / scale**2
+    prediction = problem.predict(members, theta, derivative=True)
+    weights = trial_weights(prediction.cost, reject=False)
+    for step in range(steps):
+        hessian, descent = _normal(prediction, weights)
+        descent = descent - ridge * theta
+        free = ~(((theta <= lower) & (descent < 0.0)) | ((theta >= upper) & (descent > 0.0)))
+        if not free.any():
+            break
+        move = np.zeros_like(theta)
+        matrix = (hessian + np.diag(ridge))[np.ix_(free, free)]
+        move[free] = np.linalg.solve(matrix, descent[free])
+        objective = float(weights @ prediction.cost)
+        for _ in range(6):
+            moved = np.clip(theta + move, lower, upper)
+            trial = problem.predict(members, moved, derivative=True)
+            if float(weights @ trial.cost) <= objective + 1e-6 * abs(objective):
+                break
+            move = 0.3 * move
+        change = moved - theta
+        theta, prediction = moved, trial
+        settled = float(change @ (hessian @ change)) < 1e-6
+        weights = trial_weights(prediction.cost, reject=step >= 3 or settled)
+        if settled and step >= 1:
+            break
+    return theta, weights
+
+
+def _finish(
+    problem: Problem, members: tuple[Cause, ...], theta: np.ndarray, weights: np.ndarray, score: float
+) -> Fit:
+    """Covariance and held-out residuals by one exact step away from the fit to all trials."""
+    prediction = problem.predict(members, theta, derivative=True)
+    if not members:
+        cost = prediction.cost
+        return Fit(
+            members,
+            theta,
+            np.zeros((0, 0)),
+            prediction,
+            trial_weights(cost, reject=True),
+            score,
+            prediction.residual,
+            cost,
+            score,
+            np.zeros(0, dtype=bool),
+        )
+    lower, upper, scale = _bounds(members)
+    hessian, _ = _normal(prediction, weights)
+    hessian = hessian + np.diag(_RIDGE / scale**2)
+    free = (theta > lower) & (theta < upper)
+    covariance = np.zeros_like(hessian)
+    if free.any():
+        covariance[np.ix_(free, free)] = np.linalg.inv(hessian[np.ix_(free, free)])
+    held_white = prediction.white.copy()
+    for fold in range(problem.folds.max() + 1):
+        rows = problem.folds == fold
+        if not free.any():
+            break
+        part = Prediction(
+            prediction.residual[rows],
+            prediction.white[rows],
+            prediction.cost[rows],
+            prediction.jacobian[rows],
+            None if prediction.spread is None else (prediction.spread[0][rows], prediction.spread[1][rows]),
+        )
+        own_hessian, own_descent = _normal(part, weights[rows])
+        matrix = (hessian - own_hessian)[np.ix_(free, free)]
+        change = np.zeros_like(theta)
+        change[free] = np.linalg.solve(matrix, -own_descent[free])
+        change = np.clip(theta + change, lower, upper) - theta
+        held_white[rows] -= prediction.jacobian[rows] @ change
+    held_cost = prediction.cost + np.sum(held_white**2, axis=1) - np.sum(prediction.white**2, axis=1)
+    held_out = np.linalg.solve(problem.whiten, held_white[:, :, None])[:, :, 0]
+    return Fit(
+        members,
+        theta,
+        covariance,
+        prediction,
+        weights,
+        score,
+        held_out,
+        held_cost,
+        robust_sum(held_cost),
+        free,
+    )

@@ -1,0 +1,143 @@
+"""Geometry and loads of many static loadings at once, in the base frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from doormill_ros.robot.kinematics import Kinematics
+
+
+@dataclass(frozen=True, eq=False)
+class LoadCase:
+    """n loadings of one robot and the points whose motion is asked for.
+
+    Attributes:
+        axes: R_base_i of the link frames 0..6, shape (n, 7, 3, 3).
+        origin: Origins of the link frames, shape (n, 7, 3) [m].
+        force: Load on the robot, shape (n, 3) [N].
+        moment: Moment of the load about each origin, shape (n, 7, 3) [N m].
+        torque: Moment about each joint axis, shape (n, 6) [N m] (thesis eq. 2.34).
+        point: Points asked for, shape (n, 3) [m].
+        link: Link that carries each point, shape (n,).
+        direction: Last motion of each joint, shape (n, 6).
+        joint_stiffness: Springs of the model in question, shape (6,) [N m / rad].
+        torque_noise: Standard deviation of each joint torque, shape (n, 6) [N m].
+        largest_torque: Largest torque of each joint over the whole test, shape (6,) [N m].
+        cache: Unit twists of causes that have been asked for.
+    """
+
+    axes: np.ndarray
+    origin: np.ndarray
+    force: np.ndarray
+    moment: np.ndarray
+    torque: np.ndarray
+    point: np.ndarray
+    link: np.ndarray
+    direction: np.ndarray
+    joint_stiffness: np.ndarray
+    torque_noise: np.ndarray
+    largest_torque: np.ndarray
+    cache: dict[object, np.ndarray] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.force)
+
+    def axis(self, k: int) -> np.ndarray:
+        """Axis of joint k (0..5), shape (n, 3)."""
+        return self.axes[:, k, :, 2]
+
+    def rotate(self, rotation: np.ndarray, origin: int, first_link: int) -> np.ndarray:
+        """Twist of each point when everything from a link on turns about a frame's origin.
+
+        Args:
+            rotation: Rotation vector, shape (n, 3) [rad].
+            origin: Frame 0..6 about whose origin it turns.
+            first_link: First link that turns with it.
+
+        Returns:
+            Displacement and rotation of the point, zero on links before, shape (n, 6).
+        """
+        twist = np.concatenate([np.cross(rotation, self.point - self.origin[:, origin]), rotation], axis=1)
+        twist[self.link < first_link] = 0.0
+        return twist
+
+    def joint_twist(self, k: int) -> np.ndarray:
+        """Twist of each point for one radian of joint k (0..5), shape (n, 6): thesis eq. 2.29."""
+        key = ("joint", k)
+        if key not in self.cache:
+            self.cache[key] = self.rotate(self.axis(k), k, k + 1)
+        return self.cache[key]
+
+    def springs(self) -> np.ndarray:
+        """Twist of each point by the linear joint springs, shape (n, 6) (thesis eq. 2.40)."""
+        if "springs" not in self.cache:
+            give = self.torque / self.joint_stiffness
+            self.cache["springs"] = sum(give[:, k, None] * self.joint_twist(k) for k in range(6))
+        return self.cache["springs"]
+
+
+def build_load_case(
+    kinematics: Kinematics,
+    q: np.ndarray,
+    wrench: np.ndarray,
+    load_point: np.ndarray,
+    *,
+    wrench_rotation: float | None = None,
+    points: np.ndarray | None = None,
+    links: np.ndarray | None = None,
+    direction: np.ndarray | None = None,
+    joint_stiffness: np.ndarray,
+    noise: tuple[float, float] = (0.0, 0.0),
+    largest_torque: np.ndarray | None = None,
+) -> LoadCase:
+    """Work out where everything is and how the load acts on it.
+
+    Args:
+        kinematics: Of the robot.
+        q: Joint angles, shape (n, 6) [rad].
+        wrench: Wrench at the load point, shape (n, 6) [N, N m]; base axes, or sensor axes when
+            `wrench_rotation` is given.
+        load_point: Flange frame, shape (3,) [m].
+        wrench_rotation: Rotation about flange z from sensor axes to flange axes [rad].
+        points: Position of the points in their links' frames, shape (n, 3) [m]; default the load point.
+        links: Links of the points, shape (n,); default the flange.
+        direction: Last motion of the joints, shape (n, 6); default unknown.
+        joint_stiffness: Shape (6,) [N m / rad].
+        noise: Standard deviation of force [N] and torque [N m].
+        largest_torque: To scale laws with; default from these loadings.
+    """
+    q = np.asarray(q, dtype=float)
+    n = len(q)
+    frames = kinematics.link_frames(q)
+    axes, origin = frames[..., :3, :3], frames[..., :3, 3]
+    force, couple = wrench[:, :3], wrench[:, 3:]
+    if wrench_rotation is not None:
+        c, s = np.cos(wrench_rotation), np.sin(wrench_rotation)
+        to_base = axes[:, 6] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        force = np.einsum("nij,nj->ni", to_base, force)
+        couple = np.einsum("nij,nj->ni", to_base, couple)
+    load = origin[:, 6] + axes[:, 6] @ np.asarray(load_point, dtype=float)
+    moment = couple[:, None] + np.cross(load[:, None] - origin, force[:, None])
+    joint_axes = axes[:, :6, :, 2]
+    torque = np.einsum("nki,nki->nk", joint_axes, moment[:, :6])
+    arm = np.cross(joint_axes, load[:, None] - origin[:, :6])
+    torque_noise = np.sqrt((noise[0] * np.linalg.norm(arm, axis=2)) ** 2 + noise[1] ** 2)
+    if points is None:
+        points, links = np.broadcast_to(load_point, (n, 3)), np.full(n, 6)
+    rows = np.arange(n)
+    point = origin[rows, links] + np.einsum("nij,nj->ni", axes[rows, links], points)
+    return LoadCase(
+        axes=axes,
+        origin=origin,
+        force=force,
+        moment=moment,
+        torque=torque,
+        point=point,
+        link=np.asarray(links),
+        direction=np.zeros((n, 6)) if direction is None else np.asarray(direction, dtype=float),
+        joint_stiffness=np.asarray(joint_stiffness, dtype=float),
+        torque_noise=torque_noise,
+        largest_torque=np.abs(torque).max(axis=0) if largest_torque is None else largest_torque,
+    )
