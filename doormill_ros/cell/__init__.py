@@ -1,1 +1,1 @@
-"""TODO."""
+"""The cell as a whole: where things stand, and how a run of one door goes."""

@@ -19,3 +19,9 @@ class UnknownTypeError(BagError):
     """A message type has no definition in the ament index."""
 
     code = 602
+
+
+class UnreadableBagError(BagError):
+    """The bag is not there, or damaged beyond reading."""
+
+    code = 603

@@ -9,7 +9,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.errors import PictureEncodingError
+from doormill_ros.localization.errors import BadPicture
 
 CHANNELS = {"mono8": 1, "8UC1": 1, "rgb8": 3, "bgr8": 3}
 GREY = {"rgb8": np.array([0.299, 0.587, 0.114]), "bgr8": np.array([0.114, 0.587, 0.299])}
@@ -19,18 +19,18 @@ def picture_of(message: Image) -> np.ndarray:
     """Grey picture, shape (height, width) uint8.
 
     Raises:
-        PictureEncodingError: An encoding other than mono8, 8UC1, rgb8 or bgr8, or too few bytes.
+        BadPicture: An encoding other than mono8, 8UC1, rgb8 or bgr8, or too few bytes.
     """
     channels = CHANNELS.get(message.encoding)
     if channels is None:
-        raise PictureEncodingError(
+        raise BadPicture(
             f"picture has encoding {message.encoding!r}, allowed are {', '.join(CHANNELS)}; "
             "set the camera driver to mono8",
             encoding=message.encoding,
         )
     data = np.frombuffer(message.data, dtype=np.uint8)
     if message.step < message.width * channels or data.size < message.height * message.step:
-        raise PictureEncodingError(
+        raise BadPicture(
             f"picture of {message.width} x {message.height} pixels came with {data.size} bytes in rows of "
             f"{message.step}, needed are {message.height * message.width * channels}; check the camera driver",
             size=int(data.size),

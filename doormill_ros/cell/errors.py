@@ -1,0 +1,44 @@
+"""What can end a run that is nobody's fault in particular; codes 800..899."""
+
+from __future__ import annotations
+
+from doormill_ros.errors import DoormillError
+
+
+class CellError(DoormillError):
+    """Base of the errors of a run as a whole."""
+
+
+class StageTimeoutError(CellError):
+    """A stage gave no answer in time."""
+
+    code = 801
+
+
+class CellBusyError(CellError):
+    """Another door is being milled."""
+
+    code = 802
+
+
+class RunCanceledError(CellError):
+    """The run was canceled by whoever started it."""
+
+    code = 803
+
+
+class NodeInactiveError(CellError):
+    """A node that the run needs is not active."""
+
+    code = 804
+
+
+class StageRefusedError(CellError):
+    """Another node refused the run; `stage_code` is the code it gave."""
+
+    code = 805
+
+    def __init__(self, message: str, stage_code: int) -> None:
+        """Keep the node's sentence and code."""
+        super().__init__(message, stage_code=stage_code)
+        self.stage_code = stage_code

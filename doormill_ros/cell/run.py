@@ -1,0 +1,100 @@
+"""One run of one door as seen by who started it: what was heard of each stage, and when."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import Any
+
+from doormill_ros.cell.errors import RunCanceledError, StageRefusedError, StageTimeoutError
+
+
+def new_run_id() -> str:
+    """A name no run had before: UTC time to the microsecond."""
+    return datetime.now(UTC).strftime("%Y%m%dT%H%M%S%fZ")
+
+
+@dataclass(frozen=True)
+class StageLimits:
+    """How long a run waits for each stage [s]."""
+
+    recipe: float = 5.0
+    picture: float = 10.0
+    targets: float = 10.0
+    request: float = 20.0
+    ready: float = 10.0
+    milling: float = 600.0
+
+
+@dataclass
+class Run:
+    """A run in hand. `deliver` and `cancel` come from any thread, `wait_for` from the run's own.
+
+    Attributes:
+        run_id: Unique name.
+        door_id: What is milled.
+        times: Wall-clock time at which each stage was heard of [s since the epoch].
+    """
+
+    run_id: str
+    door_id: str
+    times: dict[str, float] = field(default_factory=dict)
+    _heard: dict[str, Any] = field(default_factory=dict)
+    _canceled: bool = False
+    _changed: threading.Condition = field(default_factory=threading.Condition)
+
+    def deliver(self, stage: str, answer: Any) -> None:
+        """Note the answer of a stage; the first one counts."""
+        with self._changed:
+            if stage not in self._heard:
+                self._heard[stage] = answer
+                self.times[stage] = time.time()
+                self._changed.notify_all()
+
+    def cancel(self) -> None:
+        """End the run at its next wait."""
+        with self._changed:
+            self._canceled = True
+            self._changed.notify_all()
+
+    def notify(self) -> None:
+        """Look again: something outside may have changed what `wait_until` waits for."""
+        with self._changed:
+            self._changed.notify_all()
+
+    def wait_until(self, condition: Callable[[], Any], limit: float, otherwise: str) -> Any:
+        """The first true value of `condition`.
+
+        Args:
+            condition: Looked at whenever something was heard, at least every 50 ms.
+            limit: Longest wait [s].
+            otherwise: What went missing and what to do, for the error.
+
+        Raises:
+            StageTimeoutError: Nothing within the limit.
+            RunCanceledError: The run was canceled.
+        """
+        deadline = time.monotonic() + limit
+        with self._changed:
+            while not (value := condition()):
+                if self._canceled:
+                    raise RunCanceledError("the run was canceled; start it again when the cell is free")
+                left = deadline - time.monotonic()
+                if left <= 0.0:
+                    raise StageTimeoutError(f"{otherwise} (waited {limit:g} s)", limit=limit)
+                self._changed.wait(min(left, 0.05))
+            return value
+
+    def wait_for(self, stage: str, limit: float, otherwise: str) -> Any:
+        """The answer of a stage; see `wait_until` for the errors.
+
+        Raises:
+            StageRefusedError: The stage answered that it cannot be done.
+        """
+        answer = self.wait_until(lambda: self._heard.get(stage), limit, otherwise)
+        if not answer.accepted:
+            raise StageRefusedError(answer.reason, answer.error_code)
+        return answer

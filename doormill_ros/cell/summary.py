@@ -1,0 +1,62 @@
+"""summary.json: how one simulated run ended, in numbers (schema doormill/run/1)."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from doormill_ros.cell.layout import DoorOffset
+
+SCHEMA = "doormill/run/1"
+TOLERANCE = 0.5e-3  # m, section 1.3 of the thesis
+
+
+@dataclass(frozen=True)
+class StageDurations:
+    """How long each stage took [s]; zero for a stage that was not reached."""
+
+    picture_to_pose: float = 0.0
+    pose_to_targets: float = 0.0
+    targets_to_ready: float = 0.0
+    request_to_ready: float = 0.0
+
+
+@dataclass(frozen=True)
+class FeatureError:
+    """Largest distance of the milled contours from the recipe on the true door [m]."""
+
+    uncorrected_max: float = 0.0
+    corrected_max: float = 0.0
+    tolerance: float = TOLERANCE
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """Content of summary.json; metres, seconds, radians."""
+
+    door_id: str
+    success: bool
+    message: str
+    error_code: int = 0
+    run_id: str = ""
+    recipe_version: int = 0
+    target_file: str = ""
+    sha256: str = ""
+    bag: str = ""
+    report: str = ""
+    largest_correction: float = 0.0
+    times: StageDurations = field(default_factory=StageDurations)
+    localization_error: DoorOffset = field(default_factory=DoorOffset)
+    feature_error: FeatureError = field(default_factory=FeatureError)
+
+    def write(self, path: Path) -> None:
+        """Write the file at once, so that no reader sees half of it."""
+        part = path.with_suffix(".part")
+        part.write_text(json.dumps({"schema": SCHEMA, **asdict(self)}, indent=2) + "\n", encoding="utf-8")
+        part.replace(path)
+
+
+def localization_error(found: DoorOffset, true: DoorOffset) -> DoorOffset:
+    """Localized minus true offset."""
+    return DoorOffset(found.y - true.y, found.z - true.z, found.rotation - true.rotation)

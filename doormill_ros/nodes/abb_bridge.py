@@ -1,0 +1,144 @@
+"""Node /abb_bridge: targets in, RAPID target file and ready signal out; serves the action mill_door."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from rclpy.callback_groups import ReentrantCallbackGroup
+from std_msgs.msg import Bool
+
+from doormill_interfaces.msg import AbbStatus, TargetArray
+from doormill_ros.abb.handshake import Handshake
+from doormill_ros.abb.handshake_loop import HandshakeLoop
+from doormill_ros.abb.handshake_state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
+from doormill_ros.abb.target_file import read_target_file, render_target_file
+from doormill_ros.abb.transports.registry import open_transport
+from doormill_ros.errors import DoormillError
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.program import program_of
+from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.mill_door import MillDoorServer
+from doormill_ros.nodes.run import run_nodes
+
+
+class AbbBridge(ManagedNode):
+    """Owns the handshake with the controller; nothing else writes the target file or the ready signal."""
+
+    PARAMETERS = (
+        Parameter("transport", "shared_folder", "way to the controller: shared_folder, rws1, rws2"),
+        Parameter("address", "out/controller/HOME", "folder of shared_folder, URL of rws1 and rws2"),
+        Parameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
+        Parameter("limit.recipe", 5.0, "longest wait for the recipe [s]", 0.1, 600.0),
+        Parameter("limit.picture", 10.0, "longest wait for picture and door pose [s]", 0.1, 600.0),
+        Parameter("limit.targets", 10.0, "longest wait for the targets [s]", 0.1, 600.0),
+        Parameter("limit.request", 20.0, "longest wait for the controller's request [s]", 0.1, 3600.0),
+        Parameter("limit.ready", 10.0, "longest wait for the file to be written and verified [s]", 0.1, 600.0),
+        Parameter("limit.milling", 600.0, "longest wait for the end of milling [s]", 1.0, 36000.0),
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("abb_bridge", **kwargs)
+        self._action = MillDoorServer(self, ReentrantCallbackGroup())
+
+    def setup(self) -> None:
+        """Open the transport, clear the controller, subscribe."""
+        self._status = self.publisher(topics.ABB_STATUS)
+        self._request = self.publisher(topics.ABB_REQUEST)
+        self._ready = self.publisher(topics.ABB_READY)
+        self._shown: tuple[bool, bool] | None = None
+        transport = open_transport(self.value("transport"), self.value("address"))
+        self.handshake = Handshake(
+            transport,
+            timeouts=HandshakeTimeouts(milling=self.value("limit.milling")),
+            check=lambda data, run_id, door_id: read_target_file(data).check_for(door_id),
+            on_change=self._changed,
+        )
+        self._loop = HandshakeLoop(self.handshake)
+        self._loop.start()
+        self._action.open()
+        self.subscribe(topics.PATH_TARGETS, self._take_targets)
+        self.subscribe(topics.DOOR_LOCALIZATION, lambda m: self._action.deliver("localization", m))
+        self.every(0.5, self._watch)
+
+    def stop(self) -> None:
+        """Give up the run in hand; the handshake lowers ready and removes the file."""
+        self._action.cancel()
+        self.handshake.abort("the bridge was deactivated by its operator")
+
+    def teardown(self) -> None:
+        """Lower ready, remove the file, close the transport."""
+        self._action.close()
+        self._loop.stop()
+
+    def submit(self, message: TargetArray) -> tuple[Path, bytes]:
+        """Render the target file, keep a copy and hand it to the controller.
+
+        Returns:
+            Path of the copy and the file's bytes.
+
+        Raises:
+            AbbError: The targets cannot be written, or the handshake does not take them.
+        """
+        data = render_target_file(program_of(message), message.run_id)
+        self.handshake.submit(message.run_id, message.door_id, data)
+        archive = Path(self.value("archive"))
+        archive.mkdir(parents=True, exist_ok=True)
+        path = (archive / f"{message.run_id}.txt").resolve()
+        path.write_bytes(data)
+        return path, data
+
+    def _take_targets(self, message: TargetArray) -> None:
+        if self._action.deliver("targets", message) or not message.accepted:
+            return
+        # Targets that no action asked for: an integrator drives the bridge himself.
+        try:
+            self.submit(message)
+        except DoormillError as error:
+            self.get_logger().warning(f"targets of run {message.run_id!r} were not handed over: {error}")
+
+    def _changed(self, snapshot: HandshakeSnapshot) -> None:
+        self._action.notify()
+        if not self.context.ok():
+            return
+        now = self.get_clock().now().to_msg()
+        ready = snapshot.state is HandshakeState.READY
+        status = AbbStatus(
+            state=snapshot.state.value,
+            reason=snapshot.reason,
+            since=_wall_time(snapshot.since),
+            run_id=snapshot.run_id,
+            door_id=snapshot.door_id,
+            request=snapshot.request,
+            ready=ready,
+            error_code=snapshot.error_code,
+        )
+        status.header.stamp = now
+        self._status.publish(status)
+        if (snapshot.request, ready) != self._shown:
+            self._shown = (snapshot.request, ready)
+            self._request.publish(Bool(data=snapshot.request))
+            self._ready.publish(Bool(data=ready))
+        healthy = snapshot.error_code == 0
+        self.report(OK if healthy else WARN, f"{snapshot.state.value}: {snapshot.reason}")
+
+    def _watch(self) -> None:
+        if not self._loop.alive:
+            raise RuntimeError(f"the handshake ended: {self._loop.failure!r}; restart the bridge")
+
+
+def _wall_time(monotonic: float) -> Time:
+    nanoseconds = time.time_ns() - int((time.monotonic() - monotonic) * 1e9)
+    return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+
+
+def main() -> int:
+    """Run the node."""
+    return run_nodes(AbbBridge)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,145 @@
+"""Node /camera_simulator: clamps a door somewhere near its place and takes pictures of it."""
+
+from __future__ import annotations
+
+import threading
+import zlib
+from typing import Any
+
+import numpy as np
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Bool, Header
+
+from doormill_interfaces.msg import DoorLocalization, DoorPlacement, DoorRecipe, RunResult
+from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.geometry import pose_message
+from doormill_ros.nodes.convert.picture import picture_message
+from doormill_ros.nodes.convert.recipe import recipe_of
+from doormill_ros.nodes.managed_node import OK, ManagedNode, Parameter
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.simulation.picture import render_picture
+from doormill_ros.simulation.picture_scene import PictureScene, SceneCamera
+
+RETRY_PERIOD = 1.0  # s
+UNSET = 999.0
+
+
+class CameraSimulator(ManagedNode):
+    """Plays the handling robot and the camera: a door for each recipe, a picture for each request."""
+
+    PARAMETERS = (
+        Parameter("seed", 0, "of placement and picture noise, together with the door's id", 0, 2**31 - 1),
+        Parameter("scatter_y", 0.008, "doors stand up to this far off along base y [m]", 0.0, 0.1),
+        Parameter("scatter_z", 0.008, "doors stand up to this far off along base z [m]", 0.0, 0.1),
+        Parameter("scatter_rotation", 0.03, "doors are turned up to this far about base x [rad]", 0.0, 0.5),
+        Parameter("offset_y", UNSET, "fixed offset along base y instead [m]; 999: scattered"),
+        Parameter("offset_z", UNSET, "fixed offset along base z instead [m]; 999: scattered"),
+        Parameter("offset_rotation", UNSET, "fixed rotation about base x instead [rad]; 999: scattered"),
+        Parameter("pictures", True, "false: the camera is broken and sends nothing"),
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("camera_simulator", **kwargs)
+
+    def setup(self) -> None:
+        """Load the true camera; subscribe."""
+        self._camera = SceneCamera.load()
+        self._layout = load_layout()
+        self._run_id = ""
+        self._picture: np.ndarray | None = None
+        self._request = False
+        self._lock = threading.Lock()
+        self._image = self.publisher(topics.IMAGE)
+        self._info = self.publisher(topics.CAMERA_INFO)
+        self._placement = self.publisher(topics.DOOR_PLACEMENT)
+        self.subscribe(topics.DOOR_RECIPE, self._place)
+        self.subscribe(topics.ABB_REQUEST, self._take_request)
+        self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
+        self.subscribe(topics.RUN_RESULT, self._take_result)
+        self.every(RETRY_PERIOD, self._expose)
+
+    def start(self) -> None:
+        """Tell the intrinsics once; they go out with every picture too."""
+        self._info.publish(self._camera_info(Header(stamp=self.get_clock().now().to_msg())))
+
+    def _offset(self, recipe: Recipe) -> DoorOffset:
+        rng = np.random.default_rng([self.value("seed"), zlib.crc32(recipe.door_id.encode())])
+        names = ("y", "z", "rotation")
+        drawn = [self.value(f"scatter_{name}") * rng.uniform(-1.0, 1.0) for name in names]
+        if recipe.placement is not None:  # a recipe that says where the door stands is obeyed
+            drawn = [getattr(recipe.placement, name) for name in names]
+        fixed = [self.value(f"offset_{name}") for name in names]
+        return DoorOffset(*(d if f == UNSET else f for d, f in zip(drawn, fixed, strict=True)))
+
+    def _place(self, message: DoorRecipe) -> None:
+        if message.run_id == self._run_id:
+            return
+        recipe = recipe_of(message)
+        offset = self._offset(recipe)
+        scene = PictureScene(
+            width=recipe.width,
+            thickness=recipe.thickness,
+            offset=offset,
+            camera=self._camera,
+            layout=self._layout,
+        )
+        picture = render_picture(scene, zlib.crc32(f"{self.value('seed')} {recipe.door_id}".encode()))
+        with self._lock:
+            self._run_id, self._picture = message.run_id, picture
+        placement = DoorPlacement(
+            run_id=message.run_id,
+            door_id=recipe.door_id,
+            pose=pose_message(self._layout.T_base_door(recipe.width, recipe.thickness, offset)),
+            offset_y=offset.y,
+            offset_z=offset.z,
+            offset_rotation=offset.rotation,
+        )
+        placement.header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
+        self._placement.publish(placement)
+        self.report(OK, "door clamped", door_id=recipe.door_id)
+        self._expose()
+
+    def _take_request(self, request: Bool) -> None:
+        rose = request.data and not self._request
+        self._request = request.data
+        if rose:
+            self._expose()
+
+    def _take_localization(self, found: DoorLocalization) -> None:
+        if found.run_id == self._run_id:
+            self._forget()
+
+    def _take_result(self, result: RunResult) -> None:
+        if result.run_id == self._run_id:
+            self._forget()
+
+    def _forget(self) -> None:
+        with self._lock:
+            self._picture = None
+
+    def _expose(self) -> None:
+        """Take the picture once door and request are there; again until somebody has used it."""
+        with self._lock:
+            picture = self._picture
+        if picture is None or not self._request or not self.value("pictures"):
+            return
+        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=CAMERA_FRAME)
+        self._info.publish(self._camera_info(header))
+        self._image.publish(picture_message(picture, header))
+
+    def _camera_info(self, header: Header) -> CameraInfo:
+        header.frame_id = CAMERA_FRAME
+        k = self._camera.matrix
+        rows, columns = self._camera.shape
+        return CameraInfo(
+            header=header,
+            height=rows,
+            width=columns,
+            distortion_model="plumb_bob",
+            d=[float(v) for v in self._camera.brown],
+            k=[float(v) for v in k.ravel()],
+            r=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+            p=[float(v) for v in np.hstack([k, np.zeros((3, 1))]).ravel()],
+        )

@@ -1,0 +1,65 @@
+"""Recipes."""
+
+from __future__ import annotations
+
+import json
+
+from std_msgs.msg import Header
+
+from doormill_interfaces.msg import DoorFeature, DoorRecipe, RecipeSummary
+from doormill_ros.frames import DOOR_FRAME
+from doormill_ros.nodes.convert.geometry import pose_message
+from doormill_ros.recipes.database import RecipeRecord
+from doormill_ros.recipes.recipe import Recipe
+
+
+def recipe_message(recipe: Recipe, run_id: str, header: Header) -> DoorRecipe:
+    """A recipe for a run; the JSON document is what `recipe_of` reads."""
+    header.frame_id = DOOR_FRAME
+    return DoorRecipe(
+        header=header,
+        run_id=run_id,
+        door_id=recipe.door_id,
+        bar_code=recipe.bar_code,
+        version=recipe.version,
+        author=recipe.author,
+        created=recipe.created.isoformat() if recipe.created else "",
+        width=recipe.width,
+        height=recipe.height,
+        thickness=recipe.thickness,
+        hinge_side=recipe.hinge_side.value,
+        material=recipe.material.value,
+        mass=recipe.mass,
+        features=[
+            DoorFeature(
+                id=feature.id,
+                kind=feature.kind,
+                pose=pose_message(recipe.T_door_feature(feature)),
+                depth=feature.depth,
+                tool=feature.tool.name,
+                document=json.dumps(document, sort_keys=True),
+            )
+            for feature, document in zip(recipe.features, recipe.to_document()["features"], strict=True)
+        ],
+        document=json.dumps(recipe.to_document(), sort_keys=True),
+    )
+
+
+def recipe_of(message: DoorRecipe) -> Recipe:
+    """The recipe of a message, checked again.
+
+    Raises:
+        RecipeError: The document in the message is not a valid recipe.
+    """
+    return Recipe.from_document(json.loads(message.document))
+
+
+def summary_message(record: RecipeRecord) -> RecipeSummary:
+    """One line of a recipe list."""
+    return RecipeSummary(
+        door_id=record.door_id,
+        bar_code=record.bar_code,
+        version=record.version,
+        author=record.author,
+        created=record.created.isoformat(),
+    )

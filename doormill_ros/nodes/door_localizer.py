@@ -1,0 +1,139 @@
+"""Node /door_localizer: pictures in, the door's pose out, or the reason why there is none."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped
+from rclpy.time import Time
+from sensor_msgs.msg import CameraInfo, Image
+
+from doormill_interfaces.msg import DoorLocalization, DoorRecipe
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.frames import BASE_FRAME
+from doormill_ros.localization.camera import CameraModel, load_camera
+from doormill_ros.localization.errors import LocalizationError
+from doormill_ros.localization.localizer import localize
+from doormill_ros.localization.overlay import draw_overlay
+from doormill_ros.localization.result import Localization
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.geometry import pose_message
+from doormill_ros.nodes.convert.picture import picture_message, picture_of
+from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.run import run_nodes
+
+FREE = (1, 2, 3)  # rows of the 6 x 6 pose covariance: y, z, rotation about x
+
+
+class DoorLocalizer(ManagedNode):
+    """Localizes the door of the recipe in hand in every picture that arrives."""
+
+    PARAMETERS = (
+        Parameter("check_age", True, "refuse pictures that are too old; false when a bag is replayed"),
+        Parameter("camera_info_wait", 0.3, "how long a picture waits for the first camera info [s]", 0.0, 5.0),
+        Parameter("overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8),
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("door_localizer", **kwargs)
+
+    def setup(self) -> None:
+        """Load camera mounting and cell layout; subscribe."""
+        self._layout = load_layout()
+        self._mounted = load_camera()
+        self._camera: CameraModel | None = None
+        self._recipe: DoorRecipe | None = None
+        self._waiting: tuple[Image, float] | None = None
+        self._pose = self.publisher(topics.DOOR_POSE)
+        self._localization = self.publisher(topics.DOOR_LOCALIZATION)
+        self._overlay = self.publisher(topics.DOOR_OVERLAY)
+        self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
+        self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
+        self.subscribe(topics.IMAGE, self._take_picture)
+        self.every(0.05, self._give_up_waiting)
+
+    def _take_recipe(self, recipe: DoorRecipe) -> None:
+        self._recipe = recipe
+
+    def _take_camera_info(self, info: CameraInfo) -> None:
+        distortion = np.zeros(5)
+        distortion[: min(5, len(info.d))] = info.d[:5]
+        self._camera = self._mounted.with_intrinsics(
+            np.array(info.k).reshape(3, 3), distortion, (info.width, info.height)
+        )
+        if self._waiting is not None:
+            (picture, _), self._waiting = self._waiting, None
+            self._localize(picture)
+
+    def _take_picture(self, picture: Image) -> None:
+        if self._camera is None:
+            self._waiting = (picture, time.monotonic() + self.value("camera_info_wait"))
+        else:
+            self._localize(picture)
+
+    def _give_up_waiting(self) -> None:
+        if self._waiting is not None and time.monotonic() > self._waiting[1]:
+            (picture, _), self._waiting = self._waiting, None
+            self._localize(picture)
+
+    def _localize(self, message: Image) -> None:
+        recipe = self._recipe
+        if recipe is None:
+            self.report(WARN, "a picture came while no recipe is in hand; it is left aside")
+            return
+        now = self.get_clock().now()
+        age = (now - Time.from_msg(message.header.stamp)).nanoseconds * 1e-9
+        answer = DoorLocalization(run_id=recipe.run_id, door_id=recipe.door_id)
+        answer.header.stamp = message.header.stamp
+        answer.header.frame_id = BASE_FRAME
+        begun = time.perf_counter()
+        try:
+            picture = picture_of(message)
+            found = localize(
+                picture,
+                self._camera,
+                self._layout,
+                recipe.width,
+                recipe.thickness,
+                age=age if self.value("check_age") else 0.0,
+            )
+        except LocalizationError as error:
+            answer.duration = time.perf_counter() - begun
+            answer.error_code = error.code
+            answer.reason = error.message
+            self._localization.publish(answer)
+            self.report(WARN, f"door {recipe.door_id}: {error.message}", error_code=error.code)
+            return
+        answer.duration = time.perf_counter() - begun
+        self._publish(answer, found)
+        self.report(OK, "door found", door_id=recipe.door_id, residual=found.residual, quality=found.quality)
+        step = self.value("overlay_step")
+        if step:
+            overlay = draw_overlay(picture, found)[::step, ::step]
+            self._overlay.publish(picture_message(overlay, message.header))
+
+    def _publish(self, answer: DoorLocalization, found: Localization) -> None:
+        answer.accepted = True
+        answer.pose.pose = pose_message(found.T_base_door)
+        covariance = np.zeros((6, 6))
+        covariance[np.ix_(FREE, FREE)] = found.covariance
+        answer.pose.covariance = covariance.ravel()
+        answer.offset_y = found.offset.y
+        answer.offset_z = found.offset.z
+        answer.offset_rotation = found.offset.rotation
+        answer.residual = found.residual
+        answer.quality = found.quality
+        self._pose.publish(PoseStamped(header=answer.header, pose=answer.pose.pose))
+        self._localization.publish(answer)
+
+
+def main() -> int:
+    """Run the node."""
+    return run_nodes(DoorLocalizer)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,228 @@
+"""The action mill_door: takes one door through all stages and says how it ended."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from typing import TYPE_CHECKING, Any
+
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import CallbackGroup
+
+from doormill_interfaces.action import MillDoor
+from doormill_interfaces.msg import RunResult, StageTimes
+from doormill_interfaces.srv import GetRecipe
+from doormill_ros.abb.handshake_state import HandshakeState
+from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefusedError
+from doormill_ros.cell.run import Run, StageLimits, new_run_id
+from doormill_ros.errors import DoormillError
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.geometry import seconds_of
+
+if TYPE_CHECKING:
+    from doormill_ros.nodes.abb_bridge import AbbBridge
+
+TAKEN = (HandshakeState.MILLING, HandshakeState.DONE)
+
+
+class MillDoorServer:
+    """Serves one goal at a time; a second one is answered, not queued."""
+
+    def __init__(self, bridge: AbbBridge, group: CallbackGroup) -> None:
+        """Offer the action for as long as the node lives, so that a refused goal always gets an answer."""
+        self._bridge = bridge
+        self._lock = threading.Lock()
+        self._run: Run | None = None
+        self._get_recipe: Any = None
+        self._group = group
+        self._result = bridge.create_publisher(
+            topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
+        )
+        self._server = ActionServer(
+            bridge,
+            MillDoor,
+            "mill_door",
+            self._execute,
+            callback_group=group,
+            goal_callback=lambda _: GoalResponse.ACCEPT,
+            cancel_callback=self._cancel,
+        )
+
+    def open(self) -> None:
+        """Connect to the recipe database."""
+        self._get_recipe = self._bridge.create_client(GetRecipe, "recipes/get", callback_group=self._group)
+
+    def close(self) -> None:
+        """Disconnect."""
+        self.cancel()
+        self._bridge.destroy_client(self._get_recipe)
+        self._get_recipe = None
+
+    def deliver(self, stage: str, message: Any) -> bool:
+        """Pass a stage's answer to the run in hand; False when it belongs to no run of this server."""
+        run = self._run
+        if run is None or message.run_id != run.run_id:
+            return False
+        run.deliver(stage, message)
+        return True
+
+    def notify(self) -> None:
+        """The handshake changed."""
+        run = self._run
+        if run is not None:
+            run.notify()
+
+    def cancel(self) -> None:
+        """End the run in hand, if any."""
+        run = self._run
+        if run is not None:
+            run.cancel()
+
+    def _cancel(self, goal: Any) -> CancelResponse:
+        self.cancel()
+        return CancelResponse.ACCEPT
+
+    def _execute(self, goal: Any) -> MillDoor.Result:
+        door_id = goal.request.door_id
+        if not self._lock.acquire(blocking=False):
+            busy = self._run.door_id if self._run else "another door"
+            error = CellBusyError(f"door {door_id} was refused: {busy} is being milled; wait until it is done")
+            goal.abort()
+            return MillDoor.Result(error_code=error.code, message=error.message)
+        run = self._run = Run(new_run_id(), door_id)
+        result = MillDoor.Result(run_id=run.run_id)
+        try:
+            self._mill(run, goal, result)
+        except DoormillError as error:
+            result.error_code = error.stage_code if isinstance(error, StageRefusedError) else error.code
+            result.message = f"door {door_id}: {error.message}"
+            result.target_file = result.sha256 = ""
+        except Exception as error:
+            self._bridge.get_logger().error(f"run {run.run_id} ended by {type(error).__name__}: {error}")
+            result.error_code = DoormillError.code
+            result.message = f"door {door_id}: {type(error).__name__}: {error}; see the bridge's log"
+            result.target_file = result.sha256 = ""
+        finally:
+            self._run = None
+            self._lock.release()
+        self._finish(run, goal, result)
+        return result
+
+    def _finish(self, run: Run, goal: Any, result: MillDoor.Result) -> None:
+        if not result.success and self._bridge.configured:
+            self._bridge.handshake.abort(result.message)
+        message = RunResult(
+            run_id=run.run_id,
+            door_id=run.door_id,
+            success=result.success,
+            error_code=result.error_code,
+            message=result.message,
+            target_file=result.target_file,
+            sha256=result.sha256,
+            largest_correction=result.largest_correction,
+            times=result.times,
+        )
+        message.header.stamp = self._bridge.get_clock().now().to_msg()
+        if self._bridge.context.ok():
+            self._result.publish(message)
+        log = self._bridge.get_logger()
+        (log.info if result.success else log.warning)(result.message)
+        if result.success:
+            goal.succeed()
+        elif goal.is_cancel_requested:
+            goal.canceled()
+        else:
+            goal.abort()
+
+    def _limits(self) -> StageLimits:
+        names = StageLimits.__dataclass_fields__
+        return StageLimits(**{name: self._bridge.value(f"limit.{name}") for name in names})
+
+    def _mill(self, run: Run, goal: Any, result: MillDoor.Result) -> None:
+        """From recipe to the end of milling; fills `result` as far as it gets."""
+        bridge, limits, times = self._bridge, self._limits(), StageTimes()
+        result.times = times
+        if not bridge.active:
+            raise NodeInactiveError(
+                "the ABB bridge is not active; activate it (ros2 lifecycle set /abb_bridge activate)"
+            )
+        handshake = bridge.handshake
+
+        def stage(name: str, progress: float) -> None:
+            goal.publish_feedback(MillDoor.Feedback(stage=name, progress=progress))
+
+        stage("recipe", 0.0)
+        result.recipe_version = self._fetch_recipe(run, limits).version
+        stage("picture", 0.1)
+        found = run.wait_for(
+            "localization",
+            limits.picture,
+            "no picture of the door was localized; check that the camera sends pictures on camera/image_raw "
+            "and that /door_localizer is active",
+        )
+        times.picture_to_pose = run.times["localization"] - seconds_of(found.header.stamp)
+        stage("pose", 0.3)
+        targets = run.wait_for(
+            "targets", limits.targets, "no targets came for the door's pose; check that /path_generator is active"
+        )
+        result.largest_correction = targets.largest_correction
+        times.pose_to_targets = run.times["targets"] - run.times["localization"]
+        stage("targets", 0.4)
+        run.wait_until(
+            lambda: handshake.snapshot.accepts_submission,
+            limits.request,
+            "the controller does not ask for targets; check that its program runs and the door is clamped",
+        )
+        path, data = bridge.submit(targets)
+        announced = run.wait_until(
+            lambda: self._announced(run),
+            limits.ready,
+            "the target file was not written and verified; see abb/status",
+        )
+        times.targets_to_ready = announced["ready"] - announced["writing"]
+        times.request_to_ready = announced["ready"] - announced["requested"]
+        stage("ready", 0.6)
+        outcome = run.wait_until(
+            lambda: handshake.outcome(run.run_id), limits.ready, "the controller does not read the target file"
+        )
+        self._refuse_unless(outcome.handed_over, outcome.reason, outcome.error_code)
+        stage("milling", 0.7)
+        run.wait_until(
+            lambda: handshake.snapshot.state not in TAKEN or handshake.snapshot.state is HandshakeState.DONE,
+            limits.milling,
+            "the controller did not report the end of milling; look at its pendant",
+        )
+        end = handshake.snapshot
+        self._refuse_unless(not end.error_code, end.reason, end.error_code)
+        stage("milling", 1.0)
+        result.success = True
+        result.target_file = str(path)
+        result.sha256 = hashlib.sha256(data).hexdigest()
+        result.message = (
+            f"door {run.door_id} milled: {len(targets.targets)} targets, largest correction "
+            f"{targets.largest_correction * 1e3:.3f} mm, ready {times.request_to_ready * 1e3:.0f} ms after the request"
+        )
+
+    def _announced(self, run: Run) -> dict[str, float] | None:
+        """Times of the handshake once ready went up for the run; raises when the run ended before."""
+        snapshot = self._bridge.handshake.snapshot
+        outcome = self._bridge.handshake.outcome(run.run_id)
+        if snapshot.run_id == run.run_id and HandshakeState.READY.value in snapshot.times:
+            return snapshot.times
+        if outcome is not None:
+            self._refuse_unless(False, outcome.reason, outcome.error_code)
+        return None
+
+    def _fetch_recipe(self, run: Run, limits: StageLimits) -> Any:
+        missing = "the recipe database does not answer; check that /recipe_database is active"
+        run.wait_until(self._get_recipe.service_is_ready, limits.recipe, missing)
+        future = self._get_recipe.call_async(GetRecipe.Request(door_id=run.door_id, run_id=run.run_id))
+        run.wait_until(future.done, limits.recipe, missing)
+        response = future.result()
+        self._refuse_unless(response.success, response.message, response.error_code)
+        return response.recipe
+
+    @staticmethod
+    def _refuse_unless(good: bool, reason: str, code: int) -> None:
+        if not good:
+            raise StageRefusedError(reason, code)

@@ -1,0 +1,114 @@
+"""Node /path_generator: door pose and recipe in, corrected robot targets out, or why there are none."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+from std_msgs.msg import Header
+
+from doormill_interfaces.msg import DoorRecipe, TargetArray
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.diagnosis.extended_model import load_compliance_model
+from doormill_ros.errors import DoormillError
+from doormill_ros.frames import BASE_FRAME
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.geometry import nanoseconds_of, pose_message, transform_of
+from doormill_ros.nodes.convert.markers import program_markers
+from doormill_ros.nodes.convert.program import program_into
+from doormill_ros.nodes.convert.recipe import recipe_of
+from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.run import run_nodes
+from doormill_ros.robot.description import load_robot
+from doormill_ros.toolpath.cycle_time import cycle_time
+from doormill_ros.toolpath.generate import generate_program
+from doormill_ros.toolpath.program import MillingProgram
+
+
+class PathGenerator(ManagedNode):
+    """Generates a program for each door pose that belongs to the recipe in hand."""
+
+    PARAMETERS = (
+        Parameter("robot", "", "robot description in config/robots; empty: the one of config/cell.yaml"),
+        Parameter("robot_model", "", "model.yaml of a diagnosis used for the correction; empty: joint springs"),
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("path_generator", **kwargs)
+
+    def setup(self) -> None:
+        """Load robot and compliance model; subscribe."""
+        self._layout = load_layout()
+        self._robot = load_robot(self.value("robot") or self._layout.robot)
+        self._model_name = self.value("robot_model") or self._robot.name
+        self._model = load_compliance_model(self._model_name)
+        self._recipe: DoorRecipe | None = None
+        self._early: PoseStamped | None = None
+        self._targets = self.publisher(topics.PATH_TARGETS)
+        self._nominal = self.publisher(topics.PATH_NOMINAL)
+        self._corrected = self.publisher(topics.PATH_CORRECTED)
+        self._markers = self.publisher(topics.PATH_MARKERS)
+        self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
+        self.subscribe(topics.DOOR_POSE, self._take_pose)
+
+    def _take_recipe(self, recipe: DoorRecipe) -> None:
+        self._recipe = recipe
+        if self._early is not None:
+            pose, self._early = self._early, None
+            self._take_pose(pose)
+
+    def _take_pose(self, pose: PoseStamped) -> None:
+        recipe = self._recipe
+        if recipe is None or nanoseconds_of(pose.header.stamp) < nanoseconds_of(recipe.header.stamp):
+            # Topics have no common order: the pose may overtake the recipe it was measured for.
+            self._early = pose
+            return
+        answer = TargetArray(
+            run_id=recipe.run_id,
+            door_id=recipe.door_id,
+            recipe_version=recipe.version,
+            robot_model=self._model_name,
+            header=Header(stamp=pose.header.stamp, frame_id=BASE_FRAME),
+        )
+        begun = time.perf_counter()
+        try:
+            program = generate_program(
+                recipe_of(recipe), transform_of(pose.pose), self._layout, self._robot, self._model
+            )
+        except DoormillError as error:
+            answer.duration = time.perf_counter() - begun
+            answer.error_code = error.code
+            answer.reason = error.message
+            self._targets.publish(answer)
+            self.report(WARN, f"door {recipe.door_id}: {error.message}", error_code=error.code)
+            return
+        answer.accepted = True
+        answer.cycle_time = cycle_time(program)
+        program_into(answer, program)
+        answer.duration = time.perf_counter() - begun
+        self._targets.publish(answer)
+        self.report(OK, "path generated", door_id=recipe.door_id, targets=len(program.targets))
+        self._show(answer.header, program)
+
+    def _show(self, header: Header, program: MillingProgram) -> None:
+        nominal, corrected = Path(header=header), Path(header=header)
+        for target in program.targets:
+            nominal.poses.append(PoseStamped(header=header, pose=pose_message(target.T_base_tool_nominal)))
+            corrected.poses.append(
+                PoseStamped(header=header, pose=pose_message(target.T_base_tool_corrected))
+            )
+        self._nominal.publish(nominal)
+        self._corrected.publish(corrected)
+        self._markers.publish(program_markers(program, header))
+
+
+def main() -> int:
+    """Run the node."""
+    return run_nodes(PathGenerator)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
