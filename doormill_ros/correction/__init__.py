@@ -1,1 +1,1 @@
-"""TODO."""
+"""Where to send the robot so that the process force pushes it onto the nominal path."""

@@ -1,0 +1,89 @@
+"""Find the commanded posture whose loaded tool stands on the nominal pose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.correction.poses import displace, twist_to
+
+MAX_ITERATIONS = 25
+# A turn of this many radians moves the tip of a 1 m lever by one tolerance of translation.
+ROTATION_PER_METRE = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Compensation:
+    """Corrected poses of n targets.
+
+    Attributes:
+        T_base_tool: Pose to command, shape (n, 4, 4).
+        q: Joint angles at that pose, shape (n, 6) [rad].
+        deflection: Predicted twist of the loaded tool there, base axes, shape (n, 6) [m, rad].
+        residual: How far the loaded tool stays from the nominal pose, shape (n,) [m].
+        iterations: Steps taken until the last target had settled.
+    """
+
+    T_base_tool: np.ndarray
+    q: np.ndarray
+    deflection: np.ndarray
+    residual: np.ndarray
+    iterations: int
+
+    @property
+    def translation(self) -> np.ndarray:
+        """Length of the predicted deflection at the tool centre point, shape (n,) [m]."""
+        return np.linalg.norm(self.deflection[:, :3], axis=1)
+
+
+def compensate(
+    T_base_tool: np.ndarray,
+    q: np.ndarray,
+    deflect: Callable[[np.ndarray], np.ndarray],
+    kinematics,
+    T_flange_tool: np.ndarray,
+    tolerance: float = 1e-6,
+) -> Compensation:
+    """Iterate joint angles until the loaded tool is back on the nominal poses.
+
+    The loaded tool stands at `displace(forward(q), deflect(q))`, with the deflection taken at the
+    true posture q of every step. What is missing to the nominal pose is made up through the
+    inverse Jacobian of the nominal posture; the deflection changes so little over a correction
+    of a millimetre that three or four steps reach a micrometre. Orientation is corrected too.
+
+    A model with steps (play in a gear) may have no solution: the torque of a joint changes sign
+    within the correction. Such targets end in the middle of the step and keep their residual.
+
+    Args:
+        T_base_tool: Nominal poses, shape (n, 4, 4).
+        q: Joint angles that reach them unloaded, shape (n, 6) [rad].
+        deflect: Twist of the loaded tool, shape (n, 6), for joint angles of shape (n, 6).
+        kinematics: Forward kinematics and Jacobian (`doormill_ros.robot.kinematics.Kinematics`).
+        T_flange_tool: Tool centre point in the flange, shape (4, 4).
+        tolerance: Accepted residual, translation [m] and rotation at a lever of 1 m.
+
+    Returns:
+        The corrected poses; compare `residual` with the tolerance.
+    """
+    q = np.array(q, dtype=float)
+    point = T_flange_tool[:3, 3]
+    inverse_jacobian = np.linalg.inv(kinematics.jacobian(q, point))  # (n, 6, 6)
+    settled = np.zeros(len(q), dtype=bool)
+    for iterations in range(1, MAX_ITERATIONS + 1):
+        T_base_commanded = kinematics.forward(q) @ T_flange_tool
+        deflection = deflect(q)
+        missing = twist_to(displace(T_base_commanded, deflection), T_base_tool)  # (n, 6)
+        size = np.maximum(
+            np.linalg.norm(missing[:, :3], axis=1),
+            np.linalg.norm(missing[:, 3:], axis=1) * ROTATION_PER_METRE,
+        )
+        settled = size <= tolerance
+        if settled.all() or iterations == MAX_ITERATIONS:
+            break
+        # Full steps first; later ones are halved so that a target at a step comes to rest in it.
+        share = 1.0 if iterations <= MAX_ITERATIONS // 2 else 0.5
+        step = np.einsum("nij,nj->ni", inverse_jacobian, missing)
+        q = q + share * np.where(settled[:, None], 0.0, step)
+    return Compensation(T_base_commanded, q, deflection, size, iterations)

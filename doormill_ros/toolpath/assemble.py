@@ -1,0 +1,97 @@
+"""Put corrected targets and motions together into the program for the controller."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from doormill_ros.toolpath.plan import Plan, Step
+from doormill_ros.toolpath.program import MotionKind
+from doormill_ros.toolpath.stations import VIA
+
+
+@dataclass(eq=False)
+class Visit:
+    """One station at which the program passes a target: step, and station on it."""
+
+    step: int
+    station: int
+
+
+@dataclass(eq=False)
+class Stop:
+    """A target with every visit to it.
+
+    Attributes:
+        name: Name in the program.
+        feature: Feature it belongs to.
+        visits: Stations at this target; the corrections of the decisive ones are averaged.
+    """
+
+    name: str
+    feature: str
+    visits: list[Visit] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class Itinerary:
+    """Targets in the order of the target file, and which of them each step uses.
+
+    Attributes:
+        stops: The targets.
+        end: Index of the target at the end of each step, shape (m,).
+        via: Index of the circle point of each step, -1 for a straight one, shape (m,).
+    """
+
+    stops: tuple[Stop, ...]
+    end: np.ndarray
+    via: np.ndarray
+
+
+def itinerary(plan: Plan) -> Itinerary:
+    """Number the targets of a plan.
+
+    Named targets that come up again are one target, and so are those of a step that starts where
+    the one before ended.
+    """
+    steps = plan.steps
+    stops: list[Stop] = []
+    index: dict[str, int] = {}
+
+    def stop(name: str, step: Step, end: bool) -> int:
+        if name and name in index:
+            return index[name]
+        index[name or f"#{len(stops)}"] = len(stops)
+        stops.append(Stop(name or str(len(stops) + 1), step.feature))
+        return len(stops) - 1
+
+    end, via = np.zeros(len(steps), dtype=int), np.full(len(steps), -1)
+    for i, step in enumerate(steps):
+        if step.kind is MotionKind.CIRCULAR:
+            via[i] = stop(step.via_name, step, False)
+            stops[via[i]].visits.append(Visit(i, VIA))
+        end[i] = stop(step.name, step, True)
+        stops[end[i]].visits.append(Visit(i, -1))
+        if i:
+            stops[end[i - 1]].visits.append(Visit(i, 0))
+    if plan.target_order:
+        place = {name: k for k, name in enumerate(plan.target_order)}
+        new = np.array([place[s.name] for s in stops])
+        ordered: Sequence[Stop] = sorted(stops, key=lambda s: place[s.name])
+        return Itinerary(tuple(ordered), new[end], np.where(via >= 0, new[via], -1))
+    return Itinerary(tuple(stops), end, via)
+
+
+def decisive(stop: Stop, steps: Sequence[Step]) -> list[Visit]:
+    """The visits whose load a target is corrected for.
+
+    The finished wall counts first, other cuts count where there is no wall, and a target in the
+    air is not corrected.
+    """
+    for matters in (lambda s: s.wall, lambda s: s.cutting):
+        chosen = [v for v in stop.visits if matters(steps[v.step])]
+        if chosen:
+            return chosen
+    return stop.visits[:1]

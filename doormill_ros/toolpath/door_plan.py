@@ -1,0 +1,105 @@
+"""The nominal path of a whole door: every feature of a robot's share, and the air between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.toolpath.curve import Curve
+from doormill_ros.toolpath.errors import NothingToMillError
+from doormill_ros.toolpath.operation import Operation, operation
+from doormill_ros.toolpath.plan import Plan, Step
+from doormill_ros.toolpath.pocket import pocket_steps
+from doormill_ros.toolpath.program import MotionKind
+from doormill_ros.toolpath.settings import PathSettings
+from doormill_ros.toolpath.thesis_path import is_thesis_door, thesis_plan
+
+
+def whole_door(recipe: Recipe) -> list[Operation]:
+    """Every feature of the recipe in its order, through holes in one go: one robot mills all."""
+    return [operation(feature, recipe.size) for feature in recipe.features]
+
+
+def door_plan(recipe: Recipe, operations: Sequence[Operation], settings: PathSettings) -> Plan:
+    """Nominal path on the door.
+
+    A door that Path_20 of the thesis can mill gets exactly the thesis' targets and motions. Any
+    other door is milled feature by feature: with a MoveJ to the first one and wherever the
+    spindle has to swing, in straight lines in front of the face otherwise.
+
+    Args:
+        recipe: The door.
+        operations: What this robot mills, in order.
+        settings: Clearances and speeds.
+
+    Raises:
+        NothingToMillError: There is no operation.
+        ToolFitError: A tool is too wide for its feature.
+    """
+    if not operations:
+        raise NothingToMillError(
+            f"door {recipe.door_id} leaves this robot 0 features, allowed is at least 1; "
+            "check the recipe or the split of the work"
+        )
+    if is_thesis_door(operations):
+        return thesis_plan(operations, settings)
+    steps: list[Step] = []
+    before: Operation | None = None
+    for item in operations:
+        cuts = pocket_steps(item, settings)
+        steps += _way(before, item, steps, cuts[0], settings)
+        steps += cuts[1:]
+        before = item
+    return Plan(tuple(steps))
+
+
+def _way(
+    before: Operation | None, after: Operation, steps: Sequence[Step], first: Step, settings: PathSettings
+) -> list[Step]:
+    """Motions from where the last feature ended to the front of the next one."""
+    goal = first.curve.end
+    if before is None:
+        return [_air(first, goal, goal, MotionKind.JOINT)]
+    last = steps[-1]
+    at = last.curve.end
+    if before.side is after.side:
+        return [_air(first, at, goal, MotionKind.LINEAR)]
+    # Clear of the door on both sides of the edge between them, and the swing in between.
+    back = at - (settings.approach.edge_clearance - settings.approach.clearance) * last.R_door_tool[:, 2]
+    wait = goal - (settings.approach.edge_clearance - settings.approach.clearance) * first.R_door_tool[:, 2]
+    corner = _beyond_both(back, wait, last.R_door_tool[:, 2], first.R_door_tool[:, 2])
+    along = [_air(last, at, back, MotionKind.LINEAR), _air(last, back, corner, MotionKind.LINEAR)]
+    swing = _air(first, corner, corner, MotionKind.JOINT)
+    return [
+        *along,
+        swing,
+        _air(first, corner, wait, MotionKind.LINEAR),
+        _air(first, wait, goal, MotionKind.LINEAR),
+    ]
+
+
+def _beyond_both(back: np.ndarray, wait: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """The point in front of both sides, at the height of the next feature, shape (3,) [m].
+
+    Args:
+        back: In front of the side just milled.
+        wait: In front of the side to come.
+        first: Unit direction of the tool at the former, into the wood.
+        second: The same at the latter.
+    """
+    corner = wait.copy()
+    corner += first * ((back - corner) @ first)
+    return corner + second * ((wait - corner) @ second)
+
+
+def _air(pattern: Step, start: np.ndarray, end: np.ndarray, kind: MotionKind) -> Step:
+    return Step(
+        kind,
+        Curve(start, end),
+        pattern.R_door_tool,
+        pattern.speed,
+        zone="fine",
+        spindle_speed=pattern.spindle_speed,
+    )

@@ -1,0 +1,181 @@
+"""From a recipe and a door pose to the corrected milling program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from doormill_ros.cell.layout import CellLayout
+from doormill_ros.correction.load import Bench
+from doormill_ros.frames import check_transform
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.robot.configuration import configuration_index
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.stiffness.compliance import ComplianceModel
+from doormill_ros.toolpath.assemble import Itinerary, decisive, itinerary
+from doormill_ros.toolpath.door_plan import door_plan, whole_door
+from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError
+from doormill_ros.toolpath.operation import Operation
+from doormill_ros.toolpath.plan import Plan, Step
+from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
+from doormill_ros.toolpath.reach import joint_path
+from doormill_ros.toolpath.refine import divide
+from doormill_ros.toolpath.settings import PathSettings, load_settings
+from doormill_ros.toolpath.stations import FRACTIONS, Stations, directions, stations_of
+from doormill_ros.units import m_to_mm
+
+_ROUNDING = 1e-9  # rad: joint angles this little below a quarter turn count as on it
+UNSETTLED = 5e-5  #: residual that a step in the model may leave on a target [m]
+
+
+def generate_program(
+    recipe: Recipe,
+    T_base_door: np.ndarray,
+    layout: CellLayout,
+    robot: Robot,
+    model: ComplianceModel,
+    *,
+    operations: Sequence[Operation] | None = None,
+    settings: PathSettings | None = None,
+) -> MillingProgram:
+    """Nominal path on the displaced door, one robot configuration, correction, checks.
+
+    Args:
+        recipe: What to mill.
+        T_base_door: Where the door stands, shape (4, 4).
+        layout: Tool and fixture of the cell.
+        robot: Which robot mills.
+        model: How the robot gives way under the process wrench.
+        operations: This robot's share of the work; None for the whole recipe.
+        settings: Values of config/toolpath.yaml; None reads the file.
+
+    Returns:
+        Targets and motions. Nominal poses stand on the door's true place, corrected ones where the
+        robot has to be sent.
+
+    Raises:
+        PathError: The leaf class says what makes the door impossible to mill.
+    """
+    settings = settings or load_settings()
+    T_base_door = check_transform(T_base_door, "T_base_door")
+    operations = whole_door(recipe) if operations is None else list(operations)
+    plan = door_plan(recipe, operations, settings)
+    bench = Bench(Kinematics(robot), model, layout.T_flange_tool, settings.correction.tolerance)
+    stations = stations_of(plan.steps, T_base_door)
+    q = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings).stations
+    if not plan.fixed:
+        plan, stations, q = _divided(plan, stations, q, T_base_door, bench, settings)
+    return _program(recipe, plan, stations, q, bench, robot, settings)
+
+
+def _divided(
+    plan: Plan,
+    stations: Stations,
+    q: np.ndarray,
+    T_base_door: np.ndarray,
+    bench: Bench,
+    settings: PathSettings,
+) -> tuple[Plan, Stations, np.ndarray]:
+    """The plan with its wall passes divided where the correction asks for it."""
+    wall = np.array([i for i, step in enumerate(plan.steps) if step.wall])
+    k = len(FRACTIONS)
+    load = np.repeat(stations.wrench[wall], k, axis=0)
+    T_base_tool = stations.T_base_tool[wall].reshape(-1, 4, 4)
+    found = bench.corrected(T_base_tool, q[wall].reshape(-1, 6), load, directions(q)[wall].reshape(-1, 6))
+    correction = np.zeros((len(plan.steps), k, 3))
+    correction[wall] = (found.T_base_tool - T_base_tool)[:, :3, 3].reshape(-1, k, 3)
+    division = divide(plan.steps, correction, settings.correction)
+    # Joint angles along the parts: between the parents' stations, which is close enough to start from.
+    t = division.span[:, :1] + FRACTIONS * (division.span[:, 1:] - division.span[:, :1])  # (m, k)
+    below = np.minimum((t * (k - 1)).astype(int), k - 2)
+    share = (t * (k - 1) - below)[..., None]
+    known = q[division.parent]
+    rows = np.arange(len(t))[:, None]
+    q = (1.0 - share) * known[rows, below] + share * known[rows, below + 1]
+    return Plan(division.steps), stations_of(division.steps, T_base_door), q
+
+
+def _program(
+    recipe: Recipe,
+    plan: Plan,
+    stations: Stations,
+    q: np.ndarray,
+    bench: Bench,
+    robot: Robot,
+    settings: PathSettings,
+) -> MillingProgram:
+    """Correct every target and write the motions."""
+    route = itinerary(plan)
+    direction = directions(q)
+    place = np.array([[s.visits[0].step, s.visits[0].station] for s in route.stops])
+    loads = [(i, v.step, v.station) for i, s in enumerate(route.stops) for v in decisive(s, plan.steps)]
+    owner, step, station = np.array(loads).T
+    nominal = stations.T_base_tool[place[:, 0], place[:, 1]]
+    wrench, turning = stations.wrench[step], direction[step, station]
+    found = bench.corrected_for_all(nominal, q[place[:, 0], place[:, 1]], owner, wrench, turning)
+    _check_correction(route, found.T_base_tool, nominal, found.residual, settings)
+    share = 1.0 / np.bincount(owner)[owner]
+    mean_wrench = np.zeros((len(route.stops), 6))
+    np.add.at(mean_wrench, owner, wrench * share[:, None])
+    conf = _configurations(robot, found.q)
+    targets = tuple(
+        Target(stop.name, *arrays)
+        for stop, *arrays in zip(
+            route.stops, nominal, found.T_base_tool, found.q, conf, mean_wrench, found.deflection, strict=True
+        )
+    )
+    motions = tuple(
+        _motion(s, int(route.end[i]), int(route.via[i]), stations.wrench[i]) for i, s in enumerate(plan.steps)
+    )
+    return MillingProgram(recipe.door_id, recipe.version, targets, motions)
+
+
+def _motion(step: Step, end: int, via: int, wrench: np.ndarray) -> Motion:
+    return Motion(
+        kind=step.kind,
+        target=end,
+        via=via if step.kind is MotionKind.CIRCULAR else None,
+        speed=step.speed,
+        zone=step.zone,
+        feature=step.feature,
+        cutting=step.cutting,
+        wrench=wrench if step.cutting else np.zeros(6),
+        spindle_speed=step.spindle_speed,
+    )
+
+
+def _configurations(robot: Robot, q: np.ndarray) -> list[ConfData]:
+    """RAPID configurations of many joint angles, shape (n, 6) [rad]."""
+    quarters = np.floor((q[:, [0, 3, 5]] + _ROUNDING) / (np.pi / 2.0)).astype(int)
+    index = configuration_index(robot, q)
+    return [ConfData(*row, cfx) for row, cfx in zip(quarters.tolist(), index.tolist(), strict=True)]
+
+
+def _check_correction(
+    route: Itinerary, corrected: np.ndarray, nominal: np.ndarray, residual: np.ndarray, settings: PathSettings
+) -> None:
+    size = np.linalg.norm((corrected - nominal)[:, :3, 3], axis=1)
+    worst, limit = int(size.argmax()), settings.correction.limit
+    if size[worst] > limit:
+        stop = route.stops[worst]
+        raise CorrectionLimitError(
+            f"{stop.feature or 'air'}, target {stop.name}: the robot bends by {m_to_mm(size[worst]):.2f} mm, allowed "
+            f"are {m_to_mm(limit):.2f} mm; mill with less depth or feed, or check the robot model",
+            feature=stop.feature,
+            target=stop.name,
+            found=float(size[worst]),
+            allowed=limit,
+        )
+    worst = int(residual.argmax())
+    if residual[worst] > UNSETTLED:
+        stop = route.stops[worst]
+        raise CorrectionSettleError(
+            f"{stop.feature or 'air'}, target {stop.name}: the correction stays {m_to_mm(residual[worst]):.3f} mm off, "
+            f"allowed are {m_to_mm(UNSETTLED):.3f} mm; the robot model jumps there, check its play",
+            feature=stop.feature,
+            target=stop.name,
+            found=float(residual[worst]),
+            allowed=UNSETTLED,
+        )

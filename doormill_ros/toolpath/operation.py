@@ -1,0 +1,120 @@
+"""One feature as one robot mills it: from which side, how deep, and the contours to follow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.frames import transform
+from doormill_ros.recipes.cutting import Direction
+from doormill_ros.recipes.door import R_FEATURE_TOOL, DoorSize, Side
+from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.outline import Segment
+from doormill_ros.toolpath.curve import Curve, arc_about
+
+BREAKTHROUGH = 0.001  #: how far the tool comes out behind a through hole [m]
+OVERLAP = 0.001  #: how far two half holes from either side overlap [m]
+TINY = 1e-7  #: outline segments shorter than this are left out [m]
+_NORMAL = np.array([0.0, 0.0, 1.0])
+_OTHER_SIDE = {Side.FRONT: Side.REAR, Side.REAR: Side.FRONT}
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """A feature, or one robot's half of a through hole.
+
+    Attributes:
+        feature: The recipe's feature.
+        side: Surface that the tool enters.
+        depth: How deep the tip goes below that surface [m].
+        T_door_feature: Frame in that surface, z into the wood, shape (4, 4).
+    """
+
+    feature: Feature
+    side: Side
+    depth: float
+    T_door_feature: np.ndarray
+
+    @property
+    def R_door_tool(self) -> np.ndarray:
+        """Orientation of the tool, shape (3, 3)."""
+        return self.T_door_feature[:3, :3] @ R_FEATURE_TOOL
+
+    def point(self, xy: np.ndarray, depth: float) -> np.ndarray:
+        """Point of the feature in the door frame, shape (3,) [m]."""
+        T = self.T_door_feature
+        return T[:3, :3] @ np.array([xy[0], xy[1], depth]) + T[:3, 3]
+
+    def contour(self, inset: float, depth: float) -> list[tuple[Curve, str]]:
+        """Closed contour in the door frame with the recipe's segment names.
+
+        Climb milling is the default: the tool then runs clockwise in the feature's plane, seen
+        from inside the wood. The edge enters the wood at full chip and leaves it at none, which
+        takes the heat away with the chips and leaves the better wall (thesis, sections 2.5 and
+        3.9); its drag into the wood, against which the thesis warns, is what the correction is for.
+
+        Args:
+            inset: How far inside the finished wall [m].
+            depth: Depth of the tip [m].
+        """
+        outline = self.feature.outline(inset)
+        pieces = [
+            (_curve(segment, depth).mapped(self.T_door_feature), segment.name)
+            for segment in outline.segments
+            if segment.length > TINY
+        ]
+        if self.feature.direction is Direction.CLIMB:
+            return pieces
+        return [(backwards(curve), name) for curve, name in reversed(pieces)]
+
+
+def operation(feature: Feature, door: DoorSize, half: bool = False, far_side: bool = False) -> Operation:
+    """A feature as one robot mills it.
+
+    Args:
+        feature: The recipe's feature.
+        door: Size of the door.
+        half: Mill a through hole half-way only, because another robot mills the other half.
+        far_side: Enter a through hole from the side opposite to the recipe's.
+    """
+    T_door_feature, side = feature.T_door_feature(door), feature.side
+    depth = feature.cut_depth(door)
+    if far_side:
+        # Half a turn about the feature's y axis at the exit of the hole.
+        turn = transform(np.diag([-1.0, 1.0, -1.0]), [0.0, 0.0, depth])
+        T_door_feature, side = T_door_feature @ turn, _OTHER_SIDE[side]
+    if half:
+        depth = depth / 2.0 + OVERLAP
+    elif feature.through:
+        depth += min(BREAKTHROUGH, max(0.0, feature.tool.cutting_length - depth))
+    return Operation(feature, side, depth, T_door_feature)
+
+
+def backwards(curve: Curve) -> Curve:
+    """The same curve travelled the other way."""
+    if not curve.is_arc:
+        return Curve(curve.end, curve.start)
+    forward = -np.sin(curve.sweep) * (curve.start - curve.centre) + np.cos(curve.sweep) * curve.across
+    return Curve(curve.end, curve.start, curve.centre, -forward, curve.sweep)
+
+
+def from_longest_line(pieces: Sequence[tuple[Curve, str]]) -> list[tuple[Curve, str]]:
+    """The closed contour, starting in the middle of its longest straight piece (or of any arc)."""
+    lengths = [0.0 if curve.is_arc else curve.length for curve, _ in pieces]
+    first = int(np.argmax(lengths))
+    curve, name = pieces[first]
+    head, tail = (curve.part(0.0, 0.5), name), (curve.part(0.5, 1.0), name)
+    return [tail, *pieces[first + 1 :], *pieces[:first], head]
+
+
+def _curve(segment: Segment, depth: float) -> Curve:
+    start, end = np.array([*segment.start, depth]), np.array([*segment.end, depth])
+    if not segment.is_arc:
+        return Curve(start, end)
+    arc = arc_about(start, np.array([*segment.centre, depth]), _NORMAL, segment.angle)
+    return Curve(start, end, arc.centre, arc.across, arc.sweep)
+
+
+__all__ = ["Operation", "backwards", "from_longest_line", "operation"]

@@ -1,0 +1,69 @@
+"""The nominal path on the door, before any robot: what is milled in which order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from doormill_ros.toolpath.curve import Curve
+from doormill_ros.toolpath.program import MotionKind
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One motion of the tool centre point, in the door frame.
+
+    Attributes:
+        kind: MoveJ, MoveL or MoveC.
+        curve: Path of the tool centre point; for a MoveJ only its end counts.
+        R_door_tool: Orientation of the tool, shape (3, 3).
+        speed: Speed of the tool centre point [m/s].
+        zone: RAPID zone at the end.
+        feature: Feature of the recipe, empty between features.
+        cutting: True while the tool is in the wood.
+        wall: True for the pass that leaves the finished wall behind.
+        wrench_tool: Process wrench at the tool centre point, tool axes, shape (6,) [N, N m].
+        spindle_speed: Spindle speed [rad/s].
+        name: Name of the target at the end; empty for a running number.
+        via_name: Name of the circle point; empty for a running number.
+    """
+
+    kind: MotionKind
+    curve: Curve
+    R_door_tool: np.ndarray
+    speed: float
+    zone: str = "z0"
+    feature: str = ""
+    cutting: bool = False
+    wall: bool = False
+    wrench_tool: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    spindle_speed: float = 0.0
+    name: str = ""
+    via_name: str = ""
+
+    def part(self, first: float, last: float) -> Step:
+        """The stretch between two fractions of the length; inner ends lose their names."""
+        name = self.name if last == 1.0 else ""
+        zone = self.zone if last == 1.0 else "z0"
+        return replace(self, curve=self.curve.part(first, last), name=name, via_name="", zone=zone)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Steps in the order of execution.
+
+    Attributes:
+        steps: Each starts where the one before ends. The first one's start is where its end is:
+            the way there from home belongs to the controller.
+        target_order: Names of the targets in the order of the target file when nothing may be
+            added to them (the thesis' program); empty for the order of the first visit.
+    """
+
+    steps: tuple[Step, ...]
+    target_order: tuple[str, ...] = ()
+
+    @property
+    def fixed(self) -> bool:
+        """True when targets and motions may not be added."""
+        return bool(self.target_order)

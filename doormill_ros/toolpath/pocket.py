@@ -1,0 +1,234 @@
+"""Mill a pocket or hole of any kind: plunge, clear in rings from the inside out, finish the wall."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from doormill_ros.recipes.features.base import CLEARING, PLUNGE
+from doormill_ros.toolpath.curve import Curve, arc_about
+from doormill_ros.toolpath.errors import ToolFitError
+from doormill_ros.toolpath.operation import Operation, from_longest_line
+from doormill_ros.toolpath.plan import Step
+from doormill_ros.toolpath.program import MotionKind
+from doormill_ros.toolpath.settings import PathSettings
+from doormill_ros.units import m_to_mm
+
+STEPOVER = 0.8  #: of the tool diameter; below 0.85 no wood is left in the corners of square rings
+LEAD_RADIUS = 0.5  #: of the tool radius
+SHORTEST_LEAD = 4e-4  #: below this radius there is no room to lead in on an arc [m]
+CLOSING = 0.002  #: how far the wall pass runs past its start, so that no mark stays [m]
+ABOVE_FLOOR = 0.002  #: where the way down changes from rapid to plunge feed [m]
+SMALLEST_CHORD = 1e-4  #: a MoveC needs more than this from its start to its circle point [m]
+LARGEST_ARC = math.radians(180.0)  #: longer arcs are divided; MoveC allows about 240 degrees
+SHARP = math.radians(5.0)  #: the tool stops at a corner of the wall pass sharper than this
+
+
+def pocket_steps(operation: Operation, settings: PathSettings) -> list[Step]:
+    """From in front of the feature, through the wood, and back in front of it.
+
+    Args:
+        operation: What to mill.
+        settings: Clearance and speeds.
+
+    Returns:
+        Steps; the first one starts and the last one ends at the clearance in front of the surface.
+
+    Raises:
+        ToolFitError: The tool is wider than the outline.
+    """
+    return _Pocket(operation, settings).steps()
+
+
+def levels(depth: float, step: float) -> list[float]:
+    """Depths of the cuts: equal ones, none deeper than the step [m]."""
+    count = max(1, math.ceil(depth / step - 1e-9))
+    return [depth * (i + 1) / count for i in range(count)]
+
+
+def rings(inset: float, half: float, radius: float) -> list[float]:
+    """Insets of the contours that clear a pocket, the innermost first [m].
+
+    Args:
+        inset: Inset of the outermost contour.
+        half: Half the width of the pocket.
+        radius: Tool radius.
+    """
+    # The innermost contour must reach the middle; a tenth of the radius to spare.
+    innermost = half - 0.9 * radius
+    if innermost <= inset:
+        return [inset]
+    count = math.ceil((innermost - inset) / (STEPOVER * 2.0 * radius))
+    return [inset + (innermost - inset) * i / count for i in range(count, -1, -1)]
+
+
+class _Pocket:
+    """Builds the steps of one operation; `at` is where the tool stands, door frame."""
+
+    def __init__(self, operation: Operation, settings: PathSettings) -> None:
+        self.operation = operation
+        self.feature = operation.feature
+        self.approach = settings.approach
+        self.radius = self.feature.tool.radius
+        self.half = min(self.feature.shape.width, self.feature.shape.length) / 2.0
+        if self.radius > self.half + 1e-9:
+            raise ToolFitError(
+                f"{self.feature.id}: the tool {self.feature.tool.name} is {m_to_mm(2 * self.radius):g} mm wide, "
+                f"allowed are {m_to_mm(2 * self.half):g} mm, the width of the outline; choose another tool",
+                feature=self.feature.id,
+            )
+        cutting = self.feature.cutting
+        self.feed = cutting.feed_rate(self.feature.tool)
+        self.plunge_feed = cutting.plunge(self.feature.tool)
+        self.pattern = Step(
+            MotionKind.LINEAR,
+            Curve(np.zeros(3), np.zeros(3)),
+            operation.R_door_tool,
+            self.feed,
+            feature=self.feature.id,
+            spindle_speed=cutting.spindle(self.feature.tool),
+        )
+        self.inward = operation.T_door_feature[:3, 2]
+        self.result: list[Step] = []
+        self.at: np.ndarray | None = None
+
+    def steps(self) -> list[Step]:
+        """See `pocket_steps`."""
+        passes, depth = self.feature.passes, self.operation.depth
+        # The outermost roughing contour leaves the allowance, as far as there is room for it.
+        rough = min(self.radius + passes.finish_allowance, max(self.radius, self.half - SMALLEST_CHORD))
+        finish = rough > self.radius
+        floor = 0.0
+        for level in levels(depth, passes.depth_step):
+            contours = rings(rough, self.half, self.radius)
+            for number, inset in enumerate(contours):
+                last = number == len(contours) - 1
+                self._contour(inset, level, floor, wall=last and not finish)
+            floor = level
+        if finish:
+            self._contour(self.radius, depth, floor, wall=True)
+        self._retract(depth)
+        return self.result
+
+    def _contour(self, inset: float, depth: float, floor: float, wall: bool) -> None:
+        pieces = from_longest_line(self.operation.contour(inset, depth))
+        pieces = [part for curve, name in pieces for part in _followable(curve, name)]
+        start, tangent = pieces[0][0].start, _tangent(pieces[0][0], 0.0)
+        lead = self._lead(start, tangent, inset) if wall else None
+        self._go(start if lead is None else lead.start, depth, floor)
+        if lead is not None:
+            self._cut(lead, pieces[0][1], wall)
+        for curve, name in pieces:
+            self._cut(curve, name if wall else CLEARING, wall)
+        if wall:
+            first, name = pieces[0]
+            closing = first.part(0.0, min(1.0, CLOSING / first.length))
+            self._cut(closing, name, wall)
+            leave = self._lead(closing.end, _tangent(closing, 1.0), inset, away=True)
+            if leave is not None:
+                self._cut(leave, name, wall)
+            self._mark_corners()
+
+    def _lead(self, point: np.ndarray, tangent: np.ndarray, inset: float, away: bool = False) -> Curve | None:
+        """Quarter turn that meets the wall pass along its tangent, from the middle of the pocket."""
+        radius = min(LEAD_RADIUS * self.radius, 0.9 * (self.half - inset))
+        if radius < SHORTEST_LEAD:
+            return None
+        # The pocket lies to the right of climb milling, seen from inside the wood, else to the left.
+        side = np.cross(tangent, self.inward)
+        middle = self.operation.T_door_feature[:3, 3] - point
+        turn = -1.0 if side @ middle > 0.0 else 1.0
+        centre = point - turn * radius * side
+        quarter = turn * math.pi / 2.0
+        if away:
+            return arc_about(point, centre, self.inward, quarter)
+        start = centre - radius * tangent
+        arc = arc_about(start, centre, self.inward, quarter)
+        return replace(arc, end=point)
+
+    def _go(self, point: np.ndarray, depth: float, floor: float) -> None:
+        """To the start of a contour: through the cleared part of the pocket, or from in front."""
+        if self.at is None:
+            front = point - (depth + self.approach.clearance) * self.inward
+            above = point - (depth - floor + ABOVE_FLOOR) * self.inward
+            self.at = front
+            self._line(front, speed=self.approach.rapid_speed, zone="fine")
+            self._line(above, speed=self.approach.plunge_speed)
+            self._line(point, speed=self.plunge_feed, zone="fine", cutting=True, name=PLUNGE)
+            return
+        down = (point - self.at) @ self.inward
+        self._line(point - down * self.inward, cutting=True, name=CLEARING)
+        if down > 1e-9:
+            self._line(point, speed=self.plunge_feed, zone="fine", cutting=True, name=PLUNGE)
+
+    def _line(
+        self,
+        end: np.ndarray,
+        speed: float | None = None,
+        zone: str = "z0",
+        cutting: bool = False,
+        name: str = "",
+    ) -> None:
+        if self.result and np.linalg.norm(end - self.at) < 1e-9:
+            return
+        wrench = self.feature.wrench(name) if cutting else np.zeros(6)
+        self.result.append(
+            replace(
+                self.pattern,
+                curve=Curve(self.at, end),
+                speed=speed or self.feed,
+                zone=zone,
+                cutting=cutting,
+                wrench_tool=wrench,
+            )
+        )
+        self.at = end
+
+    def _cut(self, curve: Curve, name: str, wall: bool) -> None:
+        kind = MotionKind.CIRCULAR if curve.is_arc else MotionKind.LINEAR
+        wrench = self.feature.wrench(name)
+        self.result.append(
+            replace(self.pattern, kind=kind, curve=curve, cutting=True, wall=wall, wrench_tool=wrench)
+        )
+        self.at = curve.end
+
+    def _mark_corners(self) -> None:
+        """Stop at sharp corners of the wall pass: a fly-by would leave wood in them."""
+        for i in range(len(self.result) - 1):
+            step, after = self.result[i], self.result[i + 1]
+            if step.wall and after.wall:
+                turn = _tangent(step.curve, 1.0) @ _tangent(after.curve, 0.0)
+                if turn < math.cos(SHARP):
+                    self.result[i] = replace(step, zone="fine")
+
+    def _retract(self, depth: float) -> None:
+        # The last cut must end where it ends before the tool is drawn out.
+        self.result[-1] = replace(self.result[-1], zone="fine")
+        front = self.at - (depth + self.approach.clearance) * self.inward
+        self._line(front, speed=self.approach.rapid_speed)
+
+
+def _tangent(curve: Curve, fraction: float) -> np.ndarray:
+    """Unit direction of travel, shape (3,)."""
+    if curve.is_arc:
+        angle = fraction * curve.sweep
+        direction = math.cos(angle) * curve.across - math.sin(angle) * (curve.start - curve.centre)
+    else:
+        direction = curve.end - curve.start
+    return direction / np.linalg.norm(direction)
+
+
+def _followable(curve: Curve, name: str) -> list[tuple[Curve, str]]:
+    """The curve in pieces that MoveL and MoveC can follow."""
+    if not curve.is_arc:
+        return [(curve, name)]
+    count = max(1, math.ceil(curve.sweep / LARGEST_ARC - 1e-9))
+    cuts = np.linspace(0.0, 1.0, count + 1)
+    parts = [curve.part(a, b) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+    if np.linalg.norm(parts[0].points([0.5])[0] - parts[0].start) > SMALLEST_CHORD:
+        return [(part, name) for part in parts]
+    # Two chords of so small an arc leave less wood than a hundredth of a millimetre.
+    corners = curve.points(np.linspace(0.0, 1.0, 2 * count + 1))
+    return [(Curve(a, b), name) for a, b in zip(corners[:-1], corners[1:], strict=True)]

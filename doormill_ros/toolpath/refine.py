@@ -1,0 +1,152 @@
+"""Divide the wall passes where one corrected segment would not follow the loaded robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from doormill_ros.toolpath.plan import Step
+from doormill_ros.toolpath.settings import Correction
+from doormill_ros.toolpath.stations import FRACTIONS
+
+SMALLEST_SWEEP = math.radians(4.5)  #: a MoveC sees its circle point and its end 1 degree apart above 4
+
+
+@dataclass(frozen=True, eq=False)
+class Division:
+    """A divided plan.
+
+    Attributes:
+        steps: The new steps.
+        parent: Index of the step each one is a part of, shape (m,).
+        span: First and last fraction of the parent, shape (m, 2).
+    """
+
+    steps: tuple[Step, ...]
+    parent: np.ndarray
+    span: np.ndarray
+
+
+def bends(correction: np.ndarray, arc: np.ndarray) -> np.ndarray:
+    """How far the corrections along steps leave what a MoveL or MoveC interpolates.
+
+    Args:
+        correction: Translation from nominal to corrected pose at the stations, shape (m, k, 3) [m].
+        arc: True for steps with a circle point in the middle, shape (m,).
+
+    Returns:
+        Largest distance, shape (m,) [m].
+    """
+    t = FRACTIONS[None, :, None]
+    first, middle, last = correction[:, :1], correction[:, 2:3], correction[:, -1:]
+    straight = first + t * (last - first)
+    round_ = straight + 4.0 * t * (1.0 - t) * (middle - 0.5 * (first + last))
+    follow = np.where(arc[:, None, None], round_, straight)
+    return np.linalg.norm(correction - follow, axis=-1).max(axis=1)
+
+
+def divide(steps: Sequence[Step], correction: np.ndarray, settings: Correction) -> Division:
+    """Divide wall passes, and spread their changes of wrench.
+
+    Where one segment of an outline follows another the wrench changes, and with it the
+    correction. The tool's engagement changes over about its radius, so the wrench is blended
+    over that length, in steps that move the correction by no more than the setting.
+
+    Args:
+        steps: The plan.
+        correction: Translation of the correction at every station, shape (m, k, 3) [m].
+        settings: Limits.
+    """
+    arc = np.array([step.curve.is_arc for step in steps])
+    bend = bends(correction, arc)
+    new: list[Step] = []
+    parent: list[int] = []
+    span: list[tuple[float, float]] = []
+    i = 0
+    while i < len(steps):
+        j = i
+        while j < len(steps) and steps[j].wall and steps[j].feature == steps[i].feature:
+            j += 1
+        if j == i:
+            new.append(steps[i])
+            parent.append(i)
+            span.append((0.0, 1.0))
+            i += 1
+            continue
+        for index, first, last, wrench in _divide_run(steps[i:j], correction[i:j], bend[i:j], settings):
+            part = steps[i + index]
+            if (first, last) != (0.0, 1.0):
+                part = part.part(first, last)
+            new.append(replace(part, wrench_tool=wrench))
+            parent.append(i + index)
+            span.append((first, last))
+        i = j
+    return Division(tuple(new), np.array(parent), np.array(span))
+
+
+def _divide_run(
+    run: Sequence[Step], correction: np.ndarray, bend: np.ndarray, settings: Correction
+) -> list[tuple[int, float, float, np.ndarray]]:
+    """One uninterrupted wall pass: (step, first, last, wrench) of every part."""
+    length = np.array([step.curve.length for step in run])
+    border = np.concatenate([[0.0], np.cumsum(length)])  # (m + 1,) [m]
+    jump = np.linalg.norm(correction[1:, 0] - correction[:-1, -1], axis=-1)  # (m - 1,)
+    wanted: list[np.ndarray] = []
+    changes: list[float] = []
+    for at, size in zip(border[1:-1], jump, strict=True):
+        pieces = math.ceil(size / settings.step)
+        if pieces > 1:
+            changes.append(float(at))
+            wanted.append(at + settings.blend * (np.arange(pieces + 1) / pieces - 0.5))
+    cuts = np.concatenate([np.zeros(0), *wanted])
+    wrench = _Blend(border, np.array([step.wrench_tool for step in run]), settings.blend)
+    parts = []
+    for index, step in enumerate(run):
+        inside = cuts[(cuts > border[index]) & (cuts < border[index + 1])] - border[index]
+        # A curved correction leaves its chord with the square of the length.
+        count = math.ceil(math.sqrt(bend[index] / settings.bend)) if bend[index] > settings.bend else 1
+        inside = np.concatenate([inside, length[index] * np.arange(1, count) / count])
+        at = _apart(np.sort(inside), step, settings.shortest)
+        for first, last in zip(at[:-1], at[1:], strict=True):
+            middle = border[index] + 0.5 * (first + last)
+            blended = any(abs(middle - at_border) < 0.5 * settings.blend for at_border in changes)
+            load = wrench.mean(border[index] + first, border[index] + last) if blended else step.wrench_tool
+            parts.append((index, first / length[index], last / length[index], load))
+    return parts
+
+
+def _apart(inside: np.ndarray, step: Step, shortest: float) -> list[float]:
+    """Cuts along a step, its ends included, none closer to the next than allowed [m]."""
+    length = step.curve.length
+    if step.curve.is_arc:
+        shortest = max(shortest, SMALLEST_SWEEP * step.curve.radius)
+    cuts = [0.0]
+    for cut in inside:
+        if cut - cuts[-1] >= shortest and length - cut >= shortest:
+            cuts.append(float(cut))
+    return [*cuts, length]
+
+
+class _Blend:
+    """The wrench along a run: that of its segments, averaged over a sliding length."""
+
+    def __init__(self, border: np.ndarray, wrench: np.ndarray, width: float) -> None:
+        self.width = width
+        # Before the first and after the last segment their wrenches go on.
+        self.at = np.concatenate([[border[0] - width], border, [border[-1] + width]])
+        values = np.concatenate([wrench[:1], wrench, wrench[-1:]])  # (m + 2, 6)
+        area = np.diff(self.at)[:, None] * values
+        self.integral = np.concatenate([np.zeros((1, 6)), np.cumsum(area, axis=0)])  # (m + 3, 6)
+
+    def mean(self, first: float, last: float) -> np.ndarray:
+        """Mean of the blended wrench between two places, shape (6,)."""
+        # Averages of a piecewise linear function: its middle is close enough at these lengths.
+        samples = first + (last - first) * (np.arange(8) + 0.5) / 8.0
+        high, low = samples + 0.5 * self.width, samples - 0.5 * self.width
+        return ((self._up_to(high) - self._up_to(low)) / self.width).mean(axis=0)
+
+    def _up_to(self, s: np.ndarray) -> np.ndarray:
+        return np.stack([np.interp(s, self.at, column) for column in self.integral.T], axis=-1)

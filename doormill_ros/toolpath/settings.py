@@ -1,0 +1,119 @@
+"""How doors are milled: the values of config/toolpath.yaml."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from doormill_ros.resources import resource
+from doormill_ros.toolpath.errors import PathSettingsError
+
+
+@dataclass(frozen=True)
+class Approach:
+    """Motions in the air.
+
+    Attributes:
+        clearance: Tool tip in front of the surface between features [m].
+        edge_clearance: The same while the spindle swings from one side of the door to another [m].
+        rapid_speed: Speed in the air [m/s].
+        plunge_speed: Speed of the way down to the wood [m/s].
+    """
+
+    clearance: float
+    edge_clearance: float
+    rapid_speed: float
+    plunge_speed: float
+
+
+@dataclass(frozen=True)
+class Correction:
+    """Limits of the process force correction.
+
+    Attributes:
+        limit: Largest translation between nominal and corrected pose [m].
+        tolerance: Accepted distance of the loaded tool from the nominal pose [m].
+        bend: A segment is divided where its correction bends by more [m].
+        blend: Length over which the wrench of one segment becomes that of the next [m].
+        step: Largest step of the correction where the wrench changes [m].
+        shortest: No segment is divided below this length [m].
+    """
+
+    limit: float
+    tolerance: float
+    bend: float
+    blend: float
+    step: float
+    shortest: float
+
+
+@dataclass(frozen=True)
+class Checks:
+    """Limits of the whole-door checks.
+
+    Attributes:
+        joint_margin: Distance kept from each joint limit [rad].
+        wrist_singularity: Smallest magnitude of the angle of joint 5 [rad].
+        conditioning: Smallest inverse condition number of the normalised Jacobian.
+        joint_speed_share: Allowed share of the joints' speed limits.
+    """
+
+    joint_margin: float
+    wrist_singularity: float
+    conditioning: float
+    joint_speed_share: float
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """Acceleration of the tool [m/s^2] and cycle times [s] (thesis, appendix A.1)."""
+
+    acceleration: float
+    hinges: float
+    hole_side: float
+    lock_case: float
+    probing: float
+    total: float
+
+
+@dataclass(frozen=True)
+class PathSettings:
+    """Everything in config/toolpath.yaml."""
+
+    approach: Approach
+    correction: Correction
+    checks: Checks
+    cycle: Cycle
+
+
+def load_settings(path: Path | None = None) -> PathSettings:
+    """Read config/toolpath.yaml, or another file of the same form.
+
+    Raises:
+        PathSettingsError: A value is missing, unknown or not a positive number.
+    """
+    path = path or resource("config/toolpath.yaml")
+    document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    parts = {"approach": Approach, "correction": Correction, "checks": Checks, "cycle": Cycle}
+    if not isinstance(document, dict) or set(document) != set(parts):
+        found = sorted(document) if isinstance(document, dict) else type(document).__name__
+        raise PathSettingsError(
+            f"{path} holds {found}, allowed are exactly {sorted(parts)}; correct the file"
+        )
+    return PathSettings(**{name: _part(path, name, kind, document[name]) for name, kind in parts.items()})
+
+
+def _part(path: Path, name: str, kind: type, values: Any) -> Any:
+    known = [item.name for item in fields(kind)]
+    if not isinstance(values, dict) or set(values) != set(known):
+        found = sorted(values) if isinstance(values, dict) else type(values).__name__
+        raise PathSettingsError(f"{name} in {path} holds {found}, allowed are exactly {sorted(known)}")
+    for key, value in values.items():
+        good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+        if not good or value <= 0.0:
+            raise PathSettingsError(f"{name}.{key} in {path} is {value!r}, allowed is a positive number")
+    return kind(**{key: float(value) for key, value in values.items()})

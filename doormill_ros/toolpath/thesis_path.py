@@ -1,0 +1,105 @@
+"""The program of the thesis: two hinges, 14 targets, Path_20 (figures 3.36, 3.40 and 3.41)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from doormill_ros.recipes.cutting import Direction
+from doormill_ros.recipes.door import Side
+from doormill_ros.recipes.features.hinge_pocket import OblongHinge, OutlinePoints
+from doormill_ros.toolpath.curve import Curve
+from doormill_ros.toolpath.operation import Operation
+from doormill_ros.toolpath.plan import Plan, Step
+from doormill_ros.toolpath.program import MotionKind
+from doormill_ros.toolpath.settings import PathSettings
+
+HINGES = 2
+
+
+def is_thesis_door(operations: Sequence[Operation]) -> bool:
+    """True for what Path_20 can mill: two oblong hinges of six points, each in one pass."""
+    return len(operations) == HINGES and all(_is_thesis_hinge(o) for o in operations)
+
+
+def thesis_plan(operations: Sequence[Operation], settings: PathSettings) -> Plan:
+    """The 14 targets and the motions between Target_Home and Target_Home2.
+
+    The home positions belong to the RAPID program. `init` stands straight in front of target 11,
+    so that the way into the wood follows the tool axis.
+
+    Args:
+        operations: Two operations for which `is_thesis_door` holds.
+        settings: Clearance and speeds.
+    """
+    steps: list[Step] = []
+    order: list[str] = []
+    for index, operation in enumerate(operations):
+        tens = 10 * (index + 1)
+        init = "init" if index == 0 else f"init{index + 1}"
+        order += [init, *(f"{tens + i}" for i in range(6))]
+        steps += _hinge(operation, settings, tens, init, steps[-1].curve.end if steps else None)
+    return Plan(tuple(steps), tuple(order))
+
+
+def _is_thesis_hinge(operation: Operation) -> bool:
+    feature = operation.feature
+    return (
+        isinstance(feature, OblongHinge)
+        and feature.points is OutlinePoints.SIX
+        and feature.length > feature.width
+        and feature.side is Side.FRONT
+        and feature.direction is Direction.CLIMB
+        and feature.passes.finish_allowance == 0.0
+        and feature.depth <= feature.passes.depth_step
+        and feature.width <= 2.0 * feature.tool.diameter
+    )
+
+
+def _hinge(
+    operation: Operation, settings: PathSettings, tens: int, init: str, before: np.ndarray | None
+) -> list[Step]:
+    feature, approach = operation.feature, settings.approach
+    depth, R_door_tool = operation.depth, operation.R_door_tool
+    pieces = operation.contour(feature.tool.radius, depth)  # top turn, right, bottom turn, left
+    start = operation.point(feature.point_positions(feature.tool.radius)[1], depth)
+    front = operation.point(feature.point_positions(feature.tool.radius)[1], -approach.clearance)
+    feed, spindle = feature.cutting.feed_rate(feature.tool), feature.cutting.spindle(feature.tool)
+
+    def air(origin: np.ndarray, end: np.ndarray, speed: float, name: str) -> Step:
+        return Step(
+            MotionKind.LINEAR,
+            Curve(origin, end),
+            R_door_tool,
+            speed,
+            name=name,
+            feature=feature.id,
+            spindle_speed=spindle,
+        )
+
+    first = f"{tens + 1}"
+    names = [(f"{tens + 2}", f"{tens}"), (f"{tens + 4}", ""), (f"{tens + 3}", f"{tens + 5}"), (first, "")]
+    cut = [
+        Step(
+            MotionKind.CIRCULAR if curve.is_arc else MotionKind.LINEAR,
+            curve,
+            R_door_tool,
+            feed,
+            feature=feature.id,
+            cutting=True,
+            wall=True,
+            wrench_tool=feature.wrench(segment),
+            spindle_speed=spindle,
+            name=name,
+            via_name=via,
+        )
+        for (curve, segment), (name, via) in zip(pieces, names, strict=True)
+    ]
+    arrive = approach.rapid_speed if before is None else approach.plunge_speed
+    return [
+        air(front if before is None else before, front, arrive, init),
+        air(front, start, approach.plunge_speed, first),
+        *cut,
+        air(start, front, approach.plunge_speed, init),
+    ]
