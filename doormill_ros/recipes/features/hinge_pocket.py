@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from doormill_ros.recipes.door import DoorSize, Side
+from doormill_ros.recipes.errors import OutOfRange, WrongType
 from doormill_ros.recipes.features.base import Feature
-from doormill_ros.recipes.fields import Choice, Quantity, entry
+from doormill_ros.recipes.fields import Choice, Codec, Quantity, entry, join
 from doormill_ros.recipes.outline import RoundedRectangle
 
 
@@ -19,6 +21,35 @@ class OutlinePoints(Enum):
 
     SIX = 6
     NINE = 9
+
+
+@dataclass(frozen=True)
+class PointPairs(Codec):
+    """Codec of a list of pairs [y, z] in millimetres."""
+
+    LIMIT: ClassVar[float] = 5.0
+
+    def key(self, name: str) -> str:
+        """See the base class."""
+        return f"{name}_mm"
+
+    def read(self, value: Any, path: str, context: Mapping[str, Any]) -> tuple[tuple[float, float], ...]:
+        """See the base class."""
+        if not isinstance(value, list | tuple):
+            raise WrongType(path, f"found {value!r:.80}, allowed is a list of pairs [y, z]", found=value)
+        single = Quantity("mm", -self.LIMIT, self.LIMIT)
+        pairs = []
+        for index, pair in enumerate(value):
+            where = join(path, index)
+            if not isinstance(pair, list | tuple) or len(pair) != 2:
+                raise WrongType(where, f"found {pair!r:.80}, allowed is a pair [y, z]", found=pair)
+            pairs.append(tuple(single.read(cell, join(where, i), context) for i, cell in enumerate(pair)))
+        return tuple(pairs)
+
+    def write(self, value: tuple[tuple[float, float], ...]) -> list[list[float]]:
+        """See the base class."""
+        single = Quantity("mm", -self.LIMIT, self.LIMIT)
+        return [[single.write(cell) for cell in pair] for pair in value]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,11 +85,26 @@ class OblongHinge(HingePocket):
 
     Attributes:
         points: Six or nine points a contour; see `point_positions`.
+        force_displacement: (y, z) compensation of each point [m] that came with the door's data
+            (thesis section 3.8), or None. Kept as a record: paths are corrected by the robot model.
     """
 
     kind: ClassVar[str] = "hinge_oblong"
 
     points: OutlinePoints = entry(Choice(OutlinePoints), default=OutlinePoints.SIX)
+    force_displacement: tuple[tuple[float, float], ...] | None = entry(PointPairs(), default=None)
+
+    @staticmethod
+    def check_fields(values: dict[str, Any], path: str) -> None:
+        """A force displacement has one pair a point; raises OutOfRange."""
+        pairs = values.get("force_displacement")
+        count = values.get("points", OutlinePoints.SIX).value
+        if pairs is not None and len(pairs) != count:
+            raise OutOfRange(
+                join(path, "force_displacement_mm"),
+                f"found {len(pairs)} pairs, allowed are {count}, one for each point of the contour",
+                found=len(pairs),
+            )
 
     @property
     def shape(self) -> RoundedRectangle:

@@ -1,0 +1,87 @@
+"""Connect to the recipe database: SQLite by default, PostgreSQL by URL."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import sqlalchemy as sa
+from sqlalchemy.pool import StaticPool
+
+from doormill_ros.recipes.errors import DatabaseUnreachable
+
+ENVIRONMENT = "DOORMILL_DATABASE"
+BUSY_SECONDS = 30  #: how long a SQLite writer waits for another
+CONNECT_SECONDS = 5
+WRITE = "doormill_write"  #: execution option of a connection that is going to write
+
+
+def default_url() -> str:
+    """$DOORMILL_DATABASE, or a SQLite file in the user's data folder."""
+    if os.environ.get(ENVIRONMENT):
+        return os.environ[ENVIRONMENT]
+    data = os.environ.get("XDG_DATA_HOME") or str(Path.home() / ".local" / "share")
+    return f"sqlite:///{Path(data) / 'doormill_ros' / 'recipes.sqlite'}"
+
+
+def make_engine(url: str | None = None) -> sa.Engine:
+    """Engine for a URL; nothing is connected yet.
+
+    Args:
+        url: `sqlite:///FILE`, `sqlite://` (in memory), `postgresql://USER:PASSWORD@HOST:PORT/NAME`,
+            a file name, or None for `default_url()`.
+
+    Raises:
+        DatabaseUnreachable: Not a URL, or of another kind of database.
+    """
+    text = str(url or default_url())
+    if "://" not in text:
+        text = f"sqlite:///{Path(text).expanduser()}"
+    try:
+        parsed = sa.make_url(text)
+        backend = parsed.get_backend_name()
+    except (sa.exc.ArgumentError, ValueError) as error:
+        raise DatabaseUnreachable(
+            f"found the database URL {text!r}, which cannot be read: {error}"
+        ) from error
+    if backend == "sqlite":
+        return _sqlite(parsed)
+    if backend in ("postgresql", "postgres"):
+        parsed = parsed.set(drivername="postgresql+psycopg")
+        arguments = {"connect_timeout": CONNECT_SECONDS}
+        return sa.create_engine(parsed, pool_pre_ping=True, connect_args=arguments)
+    raise DatabaseUnreachable(
+        f"found a database URL of the kind {backend!r}, allowed are sqlite:/// and postgresql://",
+        found=backend,
+    )
+
+
+def _sqlite(url: sa.URL) -> sa.Engine:
+    arguments = {"timeout": BUSY_SECONDS, "check_same_thread": False}
+    if url.database in (None, "", ":memory:"):
+        engine = sa.create_engine("sqlite://", connect_args=arguments, poolclass=StaticPool)
+    else:
+        path = Path(url.database).expanduser()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise DatabaseUnreachable(
+                f"the folder {path.parent} of the database cannot be made: {error.strerror}"
+            ) from error
+        engine = sa.create_engine(url.set(database=str(path)), connect_args=arguments)
+
+    @sa.event.listens_for(engine, "connect")
+    def connect(connection, record) -> None:
+        # The driver would open transactions by itself and too late; `begin` below does it.
+        connection.isolation_level = None
+        connection.execute(f"PRAGMA busy_timeout = {BUSY_SECONDS * 1000}")
+        connection.execute("PRAGMA foreign_keys = ON")
+        connection.execute("PRAGMA journal_mode = WAL")
+
+    @sa.event.listens_for(engine, "begin")
+    def begin(connection: sa.Connection) -> None:
+        # A writer takes the lock at once: upgrading a read lock later can end in a deadlock.
+        write = connection.get_execution_options().get(WRITE)
+        connection.exec_driver_sql("BEGIN IMMEDIATE" if write else "BEGIN")
+
+    return engine

@@ -1,0 +1,1 @@
+"""Exchange formats: YAML and JSON documents, Excel and CSV tables, the text table of the thesis."""

@@ -1,0 +1,209 @@
+"""Turn a recipe document into table rows with plain cells, and back.
+
+A door becomes one door row, one row a tool and one row a feature. A column is named by the
+dotted path of its field within the row, such as `cutting.feed_mm_s`. A list of numbers is one
+cell with blanks between them. An empty cell is an absent field.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from doormill_ros.recipes.errors import BadTable, DuplicateName, FieldError
+from doormill_ros.recipes.features.registry import FEATURES
+from doormill_ros.recipes.fields import Choice, Codec, Flag, Nested, Quantity, Whole, codecs
+from doormill_ros.recipes.recipe import SCHEMA, Recipe
+from doormill_ros.recipes.tool import Tool
+
+LISTS = ("wrench_n_nm.", "force_displacement_mm")
+TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+class Record(str, Enum):
+    """What a row is about; also the names of the sheets of a workbook, with an s."""
+
+    DOOR = "door"
+    TOOL = "tool"
+    FEATURE = "feature"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of a table.
+
+    Attributes:
+        record: What it is about.
+        cells: Column name to text, number or bool; empty cells are left out.
+        place: Where it stands in the file, for messages.
+        decimal_comma: True when the file may write 1,5 for 1.5.
+    """
+
+    record: Record
+    cells: Mapping[str, Any]
+    place: str = ""
+    decimal_comma: bool = False
+
+
+def rows_of(recipe: Recipe) -> list[Row]:
+    """Door, tool and feature rows of a recipe, in this order."""
+    document = recipe.to_document()
+    tools, features = document.pop("tools"), document.pop("features")
+    door_id = {"door_id": recipe.door_id}
+    rows = [Row(Record.DOOR, _flatten(document))]
+    rows += [Row(Record.TOOL, {**door_id, "name": n, **_flatten(t)}) for n, t in tools.items()]
+    rows += [Row(Record.FEATURE, {**door_id, **_flatten(f)}) for f in features]
+    return rows
+
+
+def recipes_of(rows: Iterable[Row], name: str) -> list[Recipe]:
+    """The checked recipes of a table.
+
+    Args:
+        rows: Rows in any order; features are milled in the order of their rows.
+        name: File name, for messages.
+
+    Raises:
+        BadTable: A row belongs to no door, or nothing is there.
+        FieldError: A recipe is wrong; the message says in which row.
+    """
+    doors: dict[str, dict[str, Any]] = {}
+    places: dict[str, dict[str, str]] = {}
+    others = []
+    for row in rows:
+        if "door_id" not in row.cells:
+            raise BadTable(f"{name} {row.place}: the column door_id is empty, every row needs the door's id")
+        door_id = _text(row.cells["door_id"])
+        if row.record is not Record.DOOR:
+            others.append((door_id, row))
+            continue
+        if door_id in doors:
+            raise DuplicateName("door_id", f"{name} {row.place}: door {door_id!r} has a row already")
+        doors[door_id] = {"schema": SCHEMA, **_unflatten(row, Recipe), "tools": {}, "features": []}
+        places[door_id] = {"": row.place}
+    if not doors:
+        raise BadTable(f"{name}: no row is about a door, at least one must be")
+    for door_id, row in others:
+        if door_id not in doors:
+            raise BadTable(f"{name} {row.place}: door {door_id!r} has no row of its own")
+        _add(doors[door_id], places[door_id], row, name)
+    return [_build(document, places[door_id], name) for door_id, document in doors.items()]
+
+
+def _add(document: dict[str, Any], places: dict[str, str], row: Row, name: str) -> None:
+    if row.record is Record.TOOL:
+        content = _unflatten(row, Tool, skip="door_id")
+        tool = content.pop("name", None)
+        if tool is None:
+            raise BadTable(f"{name} {row.place}: the column name is empty, every tool needs a name")
+        if tool in document["tools"]:
+            raise DuplicateName(f"tools.{tool}", f"{name} {row.place}: the tool has a row already")
+        document["tools"][tool] = content
+        places[f"tools.{tool}"] = row.place
+    else:
+        kind = FEATURES.get(_text(row.cells.get("kind", "")))
+        places[f"features.{len(document['features'])}"] = row.place
+        document["features"].append(_unflatten(row, kind, skip="door_id"))
+
+
+def _build(document: dict[str, Any], places: dict[str, str], name: str) -> Recipe:
+    try:
+        return Recipe.from_document(document)
+    except FieldError as error:
+        head = ".".join(error.field.split(".")[:2])
+        raise located(error, f"{name} {places.get(head, places[''])}".strip()) from error
+
+
+def located(error: FieldError, place: str) -> FieldError:
+    """The same error with the place in the file in front of its message."""
+    message = f"{place}: {error.message}"
+    error.message, error.args = message, (message,)
+    return error
+
+
+def _flatten(document: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    cells: dict[str, Any] = {}
+    for key, value in document.items():
+        if isinstance(value, Mapping):
+            cells |= _flatten(value, f"{prefix}{key}.")
+        elif isinstance(value, list):
+            cells[prefix + key] = " ".join(format_number(v) for v in _numbers(value))
+        else:
+            cells[prefix + key] = value
+    return cells
+
+
+def _numbers(value: list[Any]) -> list[float]:
+    return [number for item in value for number in (_numbers(item) if isinstance(item, list) else [item])]
+
+
+def format_number(value: float) -> str:
+    """Shortest text that reads back as the same number."""
+    return str(int(value)) if value == int(value) else repr(value)
+
+
+def _unflatten(row: Row, content: type | None, skip: str = "") -> dict[str, Any]:
+    document: dict[str, Any] = {}
+    for column, cell in row.cells.items():
+        if column == skip:
+            continue
+        *parents, leaf = column.split(".")
+        place = document
+        for parent in parents:
+            place = place.setdefault(parent, {})
+            if not isinstance(place, dict):
+                place = {}
+        place[leaf] = _value(cell, column, codec_of(content, column), row.decimal_comma)
+    return document
+
+
+def codec_of(content: type | None, column: str) -> Codec | None:
+    """The codec of a dotted column of a dataclass, None when it has none of its own."""
+    first, _, rest = column.partition(".")
+    found = codecs(content).get(first) if content else None
+    if found is None:
+        return None
+    codec = found[1]
+    return codec_of(codec.content, rest) if rest and isinstance(codec, Nested) else codec
+
+
+def _value(cell: Any, column: str, codec: Codec | None, decimal_comma: bool) -> Any:
+    """What a document would hold for a cell; a cell that makes no sense stays as it is."""
+    if column.startswith(LISTS):
+        numbers = [_number(part, decimal_comma) for part in str(cell).split()]
+        return _pairs(numbers) if column == "force_displacement_mm" else numbers
+    if isinstance(codec, Quantity | Whole) or (
+        isinstance(codec, Choice) and not isinstance(next(iter(codec.members)).value, str)
+    ):
+        found = _number(cell, decimal_comma)
+        whole = not isinstance(codec, Quantity) and isinstance(found, float) and found.is_integer()
+        return int(found) if whole else found
+    if isinstance(codec, Flag):
+        return TRUTH.get(_text(cell).strip().lower(), cell)
+    return cell if codec is None else _text(cell)
+
+
+def _pairs(numbers: list[Any]) -> list[list[Any]]:
+    return [numbers[index : index + 2] for index in range(0, len(numbers), 2)]
+
+
+def _number(cell: Any, decimal_comma: bool) -> Any:
+    if not isinstance(cell, str):
+        return cell
+    text = cell.strip()
+    if decimal_comma:
+        text = text.replace(",", ".")
+    return float(text) if NUMBER.fullmatch(text) else cell
+
+
+def _text(cell: Any) -> str:
+    """Text of a cell; a spreadsheet makes the bar code 7040000000017 a number."""
+    if isinstance(cell, bool):
+        return str(cell).lower()
+    if isinstance(cell, float) and cell.is_integer():
+        return str(int(cell))
+    return str(cell)

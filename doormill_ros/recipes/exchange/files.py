@@ -1,0 +1,118 @@
+"""Read and write recipe files; the ending of the name chooses the format."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from doormill_ros.recipes.documents import parse_json, parse_yaml, read_text
+from doormill_ros.recipes.errors import (
+    DuplicateName,
+    FieldError,
+    NotExpressible,
+    UnknownFileType,
+    UnreadableFile,
+)
+from doormill_ros.recipes.exchange.cells import located
+from doormill_ros.recipes.exchange.csv_file import format_csv, parse_csv
+from doormill_ros.recipes.exchange.thesis_text import decode, format_thesis_text, parse_thesis_text
+from doormill_ros.recipes.exchange.xlsx_file import read_xlsx, write_xlsx
+from doormill_ros.recipes.recipe import Recipe
+
+ENDINGS = (".xlsx", ".csv", ".txt", ".yaml", ".yml", ".json")
+
+
+def read_file(path: str | Path) -> list[Recipe]:
+    """The checked recipes of a file, in its order.
+
+    Raises:
+        UnknownFileType: The ending stands for no format.
+        ExchangeError: The file cannot be read; the message says where.
+        FieldError: A recipe is wrong; the message says where.
+    """
+    path = Path(path)
+    ending = _ending(path)
+    if ending == ".xlsx":
+        if not path.is_file():
+            raise UnreadableFile(f"{path}: no such file")
+        recipes = read_xlsx(path)
+    elif ending == ".txt":
+        recipes = [parse_thesis_text(decode(_bytes(path)), str(path), path.stem)]
+    elif ending == ".csv":
+        recipes = parse_csv(decode(_bytes(path)), str(path))
+    else:
+        parse = parse_json if ending == ".json" else parse_yaml
+        recipes = _documents(parse(read_text(path), str(path)), path)
+    seen: set[str] = set()
+    for recipe in recipes:
+        if recipe.door_id in seen:
+            raise DuplicateName("door_id", f"{path}: door {recipe.door_id!r} is there twice")
+        seen.add(recipe.door_id)
+    return recipes
+
+
+def write_file(path: str | Path, recipes: Sequence[Recipe]) -> None:
+    """Write recipes so that `read_file` gives equal ones.
+
+    Raises:
+        UnknownFileType: The ending stands for no format.
+        NotExpressible: The thesis' text table cannot hold a recipe; nothing is written.
+        UnreadableFile: The file cannot be written.
+    """
+    path = Path(path)
+    ending = _ending(path)
+    try:
+        if ending == ".xlsx":
+            write_xlsx(path, recipes)
+            return
+        path.write_text(_text(ending, path, recipes), encoding="utf-8", newline="")
+    except OSError as error:
+        raise UnreadableFile(f"{path}: cannot be written, {error.strerror}") from error
+
+
+def _text(ending: str, path: Path, recipes: Sequence[Recipe]) -> str:
+    if ending == ".csv":
+        return format_csv(recipes)
+    if ending == ".txt":
+        if len(recipes) != 1:
+            raise NotExpressible(f"{path}: found {len(recipes)} doors, the thesis' text table holds one")
+        return format_thesis_text(recipes[0])
+    documents: Any = [recipe.to_document() for recipe in recipes]
+    if len(documents) == 1:
+        documents = documents[0]
+    if ending == ".json":
+        return json.dumps(documents, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+    return yaml.safe_dump(documents, sort_keys=False, allow_unicode=True, width=110)
+
+
+def _documents(document: Any, path: Path) -> list[Recipe]:
+    """A file holds one document or a list of them."""
+    many = document if isinstance(document, list) else [document]
+    recipes = []
+    for index, item in enumerate(many):
+        try:
+            recipes.append(Recipe.from_document(item))
+        except FieldError as error:
+            where = f"{path} document {index + 1}" if len(many) > 1 else str(path)
+            raise located(error, where) from error
+    return recipes
+
+
+def _ending(path: Path) -> str:
+    ending = path.suffix.lower()
+    if ending not in ENDINGS:
+        raise UnknownFileType(
+            f"{path}: found the ending {ending!r}, allowed is one of {', '.join(ENDINGS)}", found=ending
+        )
+    return ending
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise UnreadableFile(f"{path}: cannot be read, {error.strerror}") from error

@@ -1,0 +1,94 @@
+"""Excel workbooks with the sheets doors, tools and features."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from openpyxl import Workbook, load_workbook
+from openpyxl.cell import WriteOnlyCell
+from openpyxl.utils.exceptions import InvalidFileException
+from openpyxl.worksheet.worksheet import Worksheet
+
+from doormill_ros.recipes.errors import BadTable, UnreadableFile
+from doormill_ros.recipes.exchange.cells import Record, Row, recipes_of, rows_of
+from doormill_ros.recipes.exchange.csv_file import check_header
+from doormill_ros.recipes.recipe import Recipe
+
+SHEETS = {record: f"{record.value}s" for record in Record}
+MAX_BYTES = 200_000_000  #: unpacked; a small file can hold a very large table
+
+
+def read_xlsx(path: Path) -> list[Recipe]:
+    """Recipes of a workbook; other sheets in it are left alone.
+
+    Raises:
+        UnreadableFile: Not a workbook, or unpacks to more than 200 MB.
+        BadTable: A sheet, its header or a row is wrong.
+        FieldError: A recipe is wrong; the message says in which row.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = sum(item.file_size for item in archive.infolist())
+        if size > MAX_BYTES:
+            raise UnreadableFile(f"{path}: unpacks to {size} bytes, allowed are {MAX_BYTES}")
+        book = load_workbook(path, read_only=True, data_only=True)
+    except (OSError, zipfile.BadZipFile, InvalidFileException, KeyError, ValueError, SyntaxError) as error:
+        reason = " ".join(str(error).split())
+        raise UnreadableFile(f"{path}: not an Excel workbook, {reason}") from error
+    rows: list[Row] = []
+    try:
+        for record, sheet in SHEETS.items():
+            if sheet not in book.sheetnames:
+                raise BadTable(f"{path}: the sheet {sheet!r} is missing, found are {book.sheetnames}")
+            rows += _rows(book[sheet], record, str(path))
+    finally:
+        book.close()
+    return recipes_of(rows, str(path))
+
+
+def _rows(sheet: Any, record: Record, name: str) -> list[Row]:
+    rows: list[Row] = []
+    columns: list[str] = []
+    for number, cells in enumerate(sheet.iter_rows(values_only=True), start=1):
+        if all(cell is None for cell in cells):
+            continue
+        if not columns:
+            columns = check_header(cells, f"{name} sheet {sheet.title}", ("door_id",))
+            continue
+        place = f"sheet {sheet.title} row {number}"
+        content = {}
+        for index, cell in enumerate(cells):
+            if cell is None or cell == "":
+                continue
+            column = columns[index] if index < len(columns) else ""
+            if not column:
+                raise BadTable(f"{name} {place}: found {cell!r} in a column without a name")
+            content[column] = cell
+        rows.append(Row(record, content, place))
+    return rows
+
+
+def write_xlsx(path: Path, recipes: Sequence[Recipe]) -> None:
+    """Write a workbook; `read_xlsx` gives equal recipes."""
+    book = Workbook(write_only=True)
+    everything = [row for recipe in recipes for row in rows_of(recipe)]
+    for record, title in SHEETS.items():
+        sheet = book.create_sheet(title)
+        sheet.freeze_panes = "B2"
+        rows = [row.cells for row in everything if row.record is record]
+        columns = list(dict.fromkeys(column for row in rows for column in row))
+        sheet.append([_cell(sheet, column) for column in columns])
+        for row in rows:
+            sheet.append([_cell(sheet, row.get(column)) for column in columns])
+    book.save(path)
+
+
+def _cell(sheet: Worksheet, value: Any) -> Any:
+    if not isinstance(value, str) or value == "":
+        return value if value != "" else None
+    cell = WriteOnlyCell(sheet, value)
+    cell.data_type = "s"  # text that starts with = is not a formula
+    return cell

@@ -1,0 +1,1 @@
+"""Schema migrations of the recipe database, applied when it is opened."""

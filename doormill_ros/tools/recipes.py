@@ -1,0 +1,130 @@
+"""recipes: import, list, show, export and draw the recipes of the factory."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+import sys
+from pathlib import Path
+
+from doormill_ros.errors import DoormillError
+from doormill_ros.recipes.database import RecipeDatabase, RecipeRecord
+from doormill_ros.recipes.documents import to_json, to_yaml
+from doormill_ros.recipes.drawing import draw_recipe
+from doormill_ros.recipes.engine import ENVIRONMENT
+from doormill_ros.recipes.recipe import Recipe
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    top = argparse.ArgumentParser(prog="recipes", description=__doc__)
+    top.add_argument(
+        "--database",
+        metavar="URL",
+        help="sqlite:///FILE, a file name, or postgresql://USER:PASSWORD@HOST/NAME; "
+        f"default is ${ENVIRONMENT}, else a SQLite file in the user's data folder",
+    )
+    commands = top.add_subparsers(dest="command", required=True)
+    command = commands.add_parser("import", help="store the recipes of a file that are new or changed")
+    command.add_argument("file", help=".xlsx, .csv, .txt (the thesis' table), .yaml or .json")
+    command.add_argument("--author", help="who imports; default is the user's name")
+    command = commands.add_parser("list", help="list the newest recipe of every door")
+    command.add_argument("--prefix", default="", help="only door ids that start so")
+    for name, purpose in (("show", "print a recipe"), ("draw", "draw a door with its features as SVG")):
+        command = commands.add_parser(name, help=purpose)
+        command.add_argument("id", help="door id, or bar code with --bar-code")
+        command.add_argument("--bar-code", action="store_true", help="ID is a bar code")
+        command.add_argument("--version", type=int, help="default is the newest")
+        if name == "show":
+            command.add_argument("--json", action="store_true", help="JSON instead of YAML")
+        else:
+            command.add_argument("--out", help="file to write; default is ID.svg")
+    command = commands.add_parser("export", help="write recipes to a file, without loss")
+    command.add_argument("file", help=".xlsx, .csv, .txt (one thesis door), .yaml or .json")
+    command.add_argument("ids", nargs="*", help="door ids; default is all")
+    command = commands.add_parser("history", help="list every version of a door")
+    command.add_argument("id")
+    return top
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the tool.
+
+    Returns:
+        0; 2 with one line on stderr when something asked for is wrong or absent.
+    """
+    arguments = parser().parse_args(argv)
+    try:
+        with RecipeDatabase(arguments.database) as database:
+            if arguments.database is None:
+                database.add_shipped()
+            COMMANDS[arguments.command](database, arguments)
+    except DoormillError as error:
+        print(f"recipes: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader, such as head, has had enough
+    return 0
+
+
+def _import(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
+    author = arguments.author if arguments.author is not None else _user()
+    report = database.import_file(arguments.file, author)
+    for record in report.saved:
+        print(f"saved {record.door_id} version {record.version}")
+    for door_id in report.unchanged:
+        print(f"unchanged {door_id}")
+
+
+def _list(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
+    _print_records(database.list(arguments.prefix))
+
+
+def _history(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
+    _print_records(database.history(arguments.id))
+
+
+def _show(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
+    recipe = _chosen(database, arguments)
+    print(to_json(recipe) if arguments.json else to_yaml(recipe).rstrip("\n"))
+
+
+def _draw(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
+    recipe = _chosen(database, arguments)
+    print(draw_recipe(recipe).save(Path(arguments.out or f"{recipe.door_id}.svg")))
+
+
+def _export(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
+    recipes = database.export_file(arguments.file, arguments.ids or None)
+    print(f"wrote {len(recipes)} recipes to {arguments.file}")
+
+
+def _chosen(database: RecipeDatabase, arguments: argparse.Namespace) -> Recipe:
+    door_id = database.find_bar_code(arguments.id).door_id if arguments.bar_code else arguments.id
+    return database.get(door_id, arguments.version)
+
+
+def _print_records(records: tuple[RecipeRecord, ...]) -> None:
+    for record in records:
+        moment = record.created.strftime("%Y-%m-%dT%H:%M:%SZ")
+        print(f"{record.door_id}\t{record.version}\t{record.bar_code}\t{record.author}\t{moment}")
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):  # a user id without a name, as in some containers
+        return "unknown"
+
+
+COMMANDS = {
+    "import": _import,
+    "list": _list,
+    "show": _show,
+    "export": _export,
+    "history": _history,
+    "draw": _draw,
+}
+
+if __name__ == "__main__":
+    sys.exit(main())
