@@ -25,3 +25,9 @@ class UnreadableBagError(BagError):
     """The bag is not there, or damaged beyond reading."""
 
     code = 603
+
+
+class EmptyBagError(BagError):
+    """The bag lacks what was asked of it."""
+
+    code = 604

@@ -1,1 +1,1 @@
-"""TODO."""
+"""The HTML page that tells how a run went, from its bag."""

@@ -1,0 +1,88 @@
+"""What a bag tells about one run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.recording.errors import EmptyBagError
+
+LATEST = (
+    "door/recipe",
+    "door/localization",
+    "door/overlay",
+    "camera/image_raw",
+    "path/targets",
+    "run/result",
+    "simulation/door_placement",
+    "simulation/executed_path",
+    "simulation/milled_door",
+)
+STATUS = "abb/status"
+
+
+@dataclass
+class HandshakeStep:
+    """One state of the handshake: when it began [s since the first], which, why."""
+
+    begun: float
+    state: str
+    reason: str
+
+
+@dataclass
+class RunRecord:
+    """The last message of each topic that belongs to the run, and the handshake's course.
+
+    Attributes:
+        bag: Where it was read from.
+        latest: Message by topic name without the leading slash.
+        handshake: States in order.
+        counts: Messages by topic.
+    """
+
+    bag: Path
+    latest: dict[str, Any] = field(default_factory=dict)
+    handshake: list[HandshakeStep] = field(default_factory=list)
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def get(self, topic: str) -> Any:
+        """The topic's last message, None when there is none."""
+        return self.latest.get(topic)
+
+
+def seconds(stamp: Any) -> float:
+    """Seconds since the epoch of a time message."""
+    return stamp.sec + 1e-9 * stamp.nanosec
+
+
+def read_run(bag: Path) -> RunRecord:
+    """The last run of a bag.
+
+    Raises:
+        UnreadableBagError: The bag cannot be read.
+        EmptyBagError: No run ended in it.
+    """
+    record = RunRecord(bag)
+    steps: list[tuple[float, str, str]] = []
+    for item in read_bag(bag):
+        topic = item.topic.lstrip("/")
+        record.counts[topic] = record.counts.get(topic, 0) + 1
+        if topic in LATEST:
+            record.latest[topic] = item.message
+        elif topic == STATUS:
+            steps.append((seconds(item.message.since), item.message.state, item.message.reason))
+    result = record.get("run/result")
+    if result is None:
+        raise EmptyBagError(
+            f"bag {bag} holds no run that ended (topic run/result is empty); record a whole run",
+            bag=str(bag),
+        )
+    for topic, message in list(record.latest.items()):
+        if getattr(message, "run_id", result.run_id) != result.run_id:
+            del record.latest[topic]
+    begun = steps[0][0] if steps else 0.0
+    record.handshake = [HandshakeStep(at - begun, state, reason) for at, state, reason in steps]
+    return record

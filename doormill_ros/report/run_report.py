@@ -1,0 +1,108 @@
+"""Write report.html of a run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from doormill_ros import __version__
+from doormill_ros.report.figures import correction_figure, deviation_figure, picture_url
+from doormill_ros.report.run_record import RunRecord, read_run
+from doormill_ros.units import m_to_mm, rad_to_deg
+
+TARGET_LINES = 400  # of the RAPID file that the page shows
+
+
+def _facts(record: RunRecord) -> dict[str, str]:
+    """Label and value of the table at the top."""
+    result, recipe = record.get("run/result"), record.get("door/recipe")
+    found, true = record.get("door/localization"), record.get("simulation/door_placement")
+    targets, milled = record.get("path/targets"), record.get("simulation/milled_door")
+    facts = {"run": result.run_id, "software": f"doormill_ros {__version__}"}
+    if recipe is not None:
+        facts["recipe"] = f"{recipe.door_id}, version {recipe.version}, saved by {recipe.author} {recipe.created}"
+        facts["door"] = (
+            f"{m_to_mm(recipe.width):.0f} x {m_to_mm(recipe.height):.0f} x {m_to_mm(recipe.thickness):.0f} mm, "
+            f"{recipe.material}, {recipe.mass:g} kg"
+        )
+    if found is not None and found.accepted:
+        sigma = [found.pose.covariance[7 * i] ** 0.5 for i in (1, 2, 3)]
+        facts["found at"] = (
+            f"y {m_to_mm(found.offset_y):+.3f} ± {m_to_mm(sigma[0]):.3f} mm, "
+            f"z {m_to_mm(found.offset_z):+.3f} ± {m_to_mm(sigma[1]):.3f} mm, "
+            f"rotation {rad_to_deg(found.offset_rotation):+.4f} ± {rad_to_deg(sigma[2]):.4f} degrees "
+            f"(residual {m_to_mm(found.residual):.4f} mm, quality {found.quality:.2f})"
+        )
+    if true is not None:
+        facts["stood at"] = (
+            f"y {m_to_mm(true.offset_y):+.3f} mm, z {m_to_mm(true.offset_z):+.3f} mm, "
+            f"rotation {rad_to_deg(true.offset_rotation):+.4f} degrees (simulation's truth)"
+        )
+    if targets is not None and targets.accepted:
+        facts["path"] = (
+            f"{len(targets.targets)} targets, {len(targets.motions)} motions, {targets.cycle_time:.1f} s, "
+            f"largest correction {m_to_mm(targets.largest_correction):.3f} mm by model {targets.robot_model}"
+        )
+    if milled is not None:
+        facts["milled"] = (
+            f"within {m_to_mm(milled.corrected_max):.3f} mm of the recipe, {m_to_mm(milled.uncorrected_max):.3f} mm "
+            f"without correction, tolerance {m_to_mm(milled.tolerance):.1f} mm"
+        )
+    if result.target_file:
+        facts["RAPID file"] = f"{result.target_file} (sha256 {result.sha256})"
+    return facts
+
+
+def _stage_times(result: Any) -> dict[str, float]:
+    names = ("picture_to_pose", "pose_to_targets", "targets_to_ready", "request_to_ready")
+    return {name.replace("_", " "): 1e3 * getattr(result.times, name) for name in names}
+
+
+def _target_lines(path: str) -> list[str]:
+    file = Path(path)
+    if not path or not file.is_file():
+        return []
+    return file.read_text(encoding="ascii", errors="replace").splitlines()[:TARGET_LINES]
+
+
+def render_report(record: RunRecord) -> str:
+    """The whole page, self-contained."""
+    result = record.get("run/result")
+    targets, milled = record.get("path/targets"), record.get("simulation/milled_door")
+    recipe, picture = record.get("door/recipe"), record.get("door/overlay") or record.get("camera/image_raw")
+    environment = Environment(
+        loader=PackageLoader("doormill_ros.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("run.html.j2").render(
+        success=result.success,
+        door_id=result.door_id,
+        message=result.message,
+        error_code=result.error_code,
+        facts=_facts(record),
+        times=_stage_times(result),
+        handshake=record.handshake,
+        picture=picture_url(picture) if picture is not None else "",
+        correction=correction_figure(targets) if targets is not None and targets.accepted else "",
+        deviation=deviation_figure(milled) if milled is not None else "",
+        recipe=json.dumps(json.loads(recipe.document), indent=2) if recipe is not None else "",
+        target_lines=_target_lines(result.target_file),
+        counts=dict(sorted(record.counts.items())),
+    )
+
+
+def write_report(bag: Path, path: Path) -> None:
+    """Write the report of a bag's last run.
+
+    Raises:
+        BagError: The bag cannot be read or holds no run.
+    """
+    part = path.with_suffix(".part")
+    part.write_text(render_report(read_run(bag)), encoding="utf-8")
+    part.replace(path)
