@@ -79,10 +79,10 @@ def trial_weights(distance: np.ndarray, reject: bool) -> np.ndarray:
     return weights
 
 
-def fit(problem: Problem, members: Sequence[Cause], start: np.ndarray | None = None) -> Fit:
-    """Fit a model from the best of its starts, or from the one given."""
+def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
+    """Fit a model from the best of the starts given, or of its own."""
     members = tuple(members)
-    starts = [start] if start is not None else _starts(members)
+    starts = list(starts) if starts is not None else _starts(members)
     best: tuple[float, np.ndarray, np.ndarray] | None = None
     if len(starts) > 3:
         costs = [robust_sum(problem.predict(members, theta).cost) for theta in starts]

@@ -1,0 +1,165 @@
+"""Finds which causes earn their place: a beam search over sets of causes, scored on what was held out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from doormill_ros.diagnosis.causes.cause import Cause
+from doormill_ros.diagnosis.fit import Fit, fit, trial_weights
+from doormill_ros.diagnosis.problem import Problem
+
+#: Score by which a cause must improve the held-out prediction. A pattern of pure noise reaches
+#: this with a chance of 1e-5; times a hundred candidates that is one false alarm in a thousand.
+ENTRY = 20.0
+#: What an unnamed pattern must be better by than a cause that does the same.
+PATTERN_PENALTY = 6.0
+#: Score within which two models count as equally good: odds of e^5, about 150 to 1.
+EQUAL = 10.0
+BEAM = 5  #: models kept at every size
+LARGEST = 4  #: causes in one model, at most
+_SCREEN = 10  #: candidates that are fitted in full after the linear preview
+
+
+@dataclass(eq=False)
+class Search:
+    """All models that were fitted, and the way to more of them.
+
+    Attributes:
+        problem: The set.
+        candidates: Causes and patterns that may enter.
+        fits: Fitted models by the identities of their members.
+        progress: Called with one line a step.
+    """
+
+    problem: Problem
+    candidates: Sequence[Cause]
+    fits: dict[frozenset, Fit] = field(default_factory=dict)
+    progress: Callable[[str], None] = lambda line: None
+
+    def fit(self, members: Iterable[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
+        """Fit a model once."""
+        members = tuple(members)
+        key = frozenset(cause.identity for cause in members)
+        if key not in self.fits:
+            self.fits[key] = fit(self.problem, members, starts)
+        return self.fits[key]
+
+    def total(self, found: Fit) -> float:
+        """Held-out score plus what its numbers and unnamed patterns cost; smaller is better."""
+        each = max(np.log(3.0 * len(self.problem)) - 2.0, 1.0)
+        # Numbers on a bound do nothing and cost nothing; every model pays for those that it uses.
+        return (
+            found.held_out_score
+            + each * found.size
+            + PATTERN_PENALTY * sum(not cause.named for cause in found.members)
+        )
+
+    def extensions(self, found: Fit) -> list[Cause]:
+        """Candidates that may join a model, the most promising first, by a linear preview."""
+        taken = [(cause.name, cause.where) for cause in found.members]
+        springs = {w for n, w in taken if n in ("joint_stiffness", "joint_hardening")}
+        allowed = [
+            cause
+            for cause in self.candidates
+            if cause.key not in taken
+            and not (cause.name in ("joint_stiffness", "joint_hardening") and cause.where in springs)
+        ]
+        gains = [self._preview(found, cause) for cause in allowed]
+        order = np.argsort(gains)[::-1]
+        return [allowed[i] for i in order if gains[i] > 0.5 * ENTRY or i in order[:3]][:_SCREEN]
+
+    def _preview(self, found: Fit, cause: Cause) -> float:
+        """How much the score may fall when a cause joins, to first order and at its best start."""
+        problem = self.problem
+        white, own = found.prediction.white, found.prediction.jacobian
+        # Trials set aside by the smaller model may be just those that the new cause explains.
+        weights = trial_weights(np.sum(white**2, axis=1), reject=False)[:, None]
+        target = (white * np.sqrt(weights)).ravel()
+        columns = []
+        for start in cause.starts():
+            slope = self._slope(cause, start)
+            if slope is not None:
+                columns.append(slope)
+        best = 0.0
+        for slope in columns:
+            block = slope if own is None or not found.size else np.concatenate([own, slope], axis=2)
+            matrix = (block * np.sqrt(weights)[:, :, None]).reshape(3 * len(problem), -1)
+            normal = matrix.T @ matrix
+            normal[np.diag_indices_from(normal)] *= 1.0 + 1e-9
+            normal[np.diag_indices_from(normal)] += 1e-9
+            gradient = matrix.T @ target
+            best = max(best, float(gradient @ np.linalg.solve(normal, gradient)))
+        return best
+
+    def _slope(self, cause: Cause, start: np.ndarray) -> np.ndarray | None:
+        key = ("slope", cause.identity, start.tobytes())
+        cache = self.problem.case.cache
+        if key not in cache:
+            prediction = self.problem.predict([cause], start, derivative=True)
+            cache[key] = prediction.jacobian
+        return cache[key]
+
+    def run(self) -> Fit:
+        """The best model."""
+        empty = self.fit(())
+        beam = [empty]
+        best = empty
+        for size in range(1, LARGEST + 1):
+            grown: dict[frozenset, Fit] = {}
+            for parent in beam:
+                for cause in self.extensions(parent):
+                    child = self.add(parent, cause)
+                    grown[frozenset(c.identity for c in child.members)] = child
+            ranked = sorted(grown.values(), key=self.total)
+            if not ranked:
+                break
+            names = " + ".join(map(repr, ranked[0].members))
+            self.progress(f"models of {size}: {len(self.fits)} tried so far, best {names}")
+            if self.total(ranked[0]) > self.total(best) - ENTRY:
+                break
+            best = ranked[0]
+            beam = ranked[:BEAM]
+        return self._settle(self._prune(best))
+
+    def _settle(self, best: Fit) -> Fit:
+        """Swap members as long as that helps: the order in which they came must not matter."""
+        for _ in range(LARGEST):
+            for cause in best.members:
+                rivals = self.rivals(best, cause)
+                if rivals and self.total(rivals[0][1]) < self.total(best) - 1e-6:
+                    best = rivals[0][1]
+                    break
+            else:
+                return best
+        return best
+
+    def add(self, parent: Fit, cause: Cause) -> Fit:
+        """A model with one more member, started from what is known of the others."""
+        starts = [np.concatenate([parent.theta, start]) for start in cause.starts()]
+        return self.fit((*parent.members, cause), starts)
+
+    def _prune(self, best: Fit) -> Fit:
+        """Drop members without which the model is as good."""
+        for cause in best.members:
+            rest = [c for c in best.members if c is not cause]
+            smaller = self.fit(rest)
+            if self.total(smaller) < self.total(best) + ENTRY / 2.0:
+                return self._prune(smaller)
+        return best
+
+    def without(self, found: Fit, cause: Cause) -> Fit:
+        """The same model less one member, fitted anew."""
+        return self.fit([c for c in found.members if c is not cause])
+
+    def rivals(self, found: Fit, cause: Cause) -> list[tuple[Cause, Fit]]:
+        """Every candidate in the place of one member, the best first."""
+        rest = self.without(found, cause)
+        swapped = []
+        for other in self.extensions(rest):
+            if other.identity != cause.identity:
+                swapped.append((other, self.add(rest, other)))
+        return sorted(swapped, key=lambda pair: self.total(pair[1]))
+
