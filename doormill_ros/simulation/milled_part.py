@@ -1,0 +1,209 @@
+"""Measure what a tool really milled: the swept tool against the recipe's geometry.
+
+This is the judge of every run. It knows the recipe's outlines and frames and the executed tool
+path, and nothing of how the path was made or which robot followed it.
+
+At a depth below the surface the milled region is the union of the tool's discs along the part of
+the path on which the tip is at least that deep. At a point of the recipe's outline the deviation
+is the tool radius less the distance to that path: positive where too much wood is gone, negative
+where wood is left. It is exact for an executed path of straight stretches between its samples; an
+arc sampled every h [m] on radius r reads up to h^2 / 8 r too far inside.
+
+The oblong hinge of the thesis is judged like every pocket: its outline is the finished wall, the
+numbered points of figure 3.24 lie a tool radius inside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from doormill_ros.frames import inverse
+from doormill_ros.recipes.features.base import Feature
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.simulation.executed_path import ExecutedPath
+
+LAYERS = (0.05, 0.275, 0.5, 0.725, 0.95)  #: fractions of the depth at which walls are measured
+CONTOUR_STEP = 2.5e-4  #: distance of measured points along an outline [m]
+PARALLEL = 0.99  #: cosine between tool and feature axis above which the tool cuts with its flank
+FLOOR_BAND = 1e-3  #: tips this close to the full depth belong to the floor [m]
+FLAT = 0.5  #: slope of a motion, depth over way along the floor, below which it mills the floor
+CLEARED = 5e-4  #: distance from the wall within which leftover wood is the wall's deviation [m]
+DISC_SEGMENTS = 64  #: corners of a quarter disc in the milled region, 1 um at a radius of 10 mm
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureResult:
+    """How one feature came out.
+
+    Attributes:
+        feature: Identifier in the recipe.
+        milled: False when the tool never entered the feature.
+        station: Way along the outline to each measured point, shape (n,) [m].
+        points: The points of the recipe's outline, feature frame, shape (n, 2) [m].
+        deviation: Worst deviation of all depths at each point, shape (n,) [m]; positive where too
+            much wood is gone, negative where wood is left.
+        by_depth: Deviation at each depth, shape (k, n) [m].
+        depths: The depths, shape (k,) [m].
+        floor: Smallest and largest depth of the floor less the recipe's [m]; zeros for a hole
+            that goes through.
+        uncleared: Area inside the outline that no tool swept [m^2].
+        region: What was milled at the deepest measured depth, feature frame.
+    """
+
+    feature: str
+    milled: bool
+    station: np.ndarray
+    points: np.ndarray
+    deviation: np.ndarray
+    by_depth: np.ndarray
+    depths: np.ndarray
+    floor: tuple[float, float]
+    uncleared: float
+    region: shapely.Geometry
+
+    @property
+    def max_deviation(self) -> float:
+        """Largest magnitude of the deviation along the outline [m]."""
+        return float(np.abs(self.deviation).max())
+
+
+@dataclass(frozen=True, eq=False)
+class MilledPart:
+    """How a door came out, feature by feature."""
+
+    features: tuple[FeatureResult, ...]
+
+    @property
+    def max_deviation(self) -> float:
+        """Largest magnitude of the deviation along any outline [m]."""
+        return max(result.max_deviation for result in self.features)
+
+    def feature(self, feature_id: str) -> FeatureResult:
+        """The result of one feature; raises KeyError when the recipe has none of that name."""
+        return {result.feature: result for result in self.features}[feature_id]
+
+
+def inspect(
+    recipe: Recipe,
+    T_base_door_true: np.ndarray,
+    executed: ExecutedPath,
+    *,
+    others: Sequence[tuple[np.ndarray, ExecutedPath]] = (),
+    only: Sequence[str] | None = None,
+) -> MilledPart:
+    """Compare the milled door with its recipe.
+
+    Args:
+        recipe: What should have been milled.
+        T_base_door_true: Where the door really stood, shape (4, 4).
+        executed: What the tool really did. Samples are told apart by their `feature`.
+        others: Door pose and executed path of further robots that milled the same door, each in
+            its own base frame.
+        only: Identifiers of the features to measure; None for all.
+
+    Returns:
+        Deviations, positive where too much wood is gone.
+    """
+    paths = [(T_base_door_true, executed), *others]
+    features = [f for f in recipe.features if only is None or f.id in only]
+    return MilledPart(tuple(_measure(recipe, feature, paths) for feature in features))
+
+
+def _measure(
+    recipe: Recipe, feature: Feature, paths: Sequence[tuple[np.ndarray, ExecutedPath]]
+) -> FeatureResult:
+    depth, radius = feature.cut_depth(recipe.size), feature.tool.radius
+    points = feature.outline().points(step=CONTOUR_STEP, chord_error=1e-7)
+    station = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    ways = []
+    for T_base_door, path in paths:
+        own = np.char.equal(path.feature, feature.id)
+        T_feature_base = inverse(T_base_door @ recipe.T_door_feature(feature))
+        ways.append(_Way(T_feature_base @ path.T_base_tool, own, path.cutting))
+    depths = depth * np.array(LAYERS)
+    layers = [np.concatenate([way.at_depth(z) for way in ways]) for z in depths]
+    by_depth = np.array([_deviation(points, layer, radius) for layer in layers])  # (k, n)
+    milled = bool(all(len(layer) for layer in layers))
+    worst = np.abs(by_depth).argmax(axis=0)
+    region = _swept(layers[-1], radius)
+    inner = shapely.Polygon(points).buffer(-CLEARED)
+    return FeatureResult(
+        feature=feature.id,
+        milled=milled,
+        station=station,
+        points=points,
+        deviation=by_depth[worst, np.arange(len(points))],
+        by_depth=by_depth,
+        depths=depths,
+        floor=(0.0, 0.0) if feature.through else _floor(ways, depth),
+        uncleared=float(inner.difference(region).area),
+        region=region,
+    )
+
+
+class _Way:
+    """One robot's path in the frame of a feature."""
+
+    def __init__(self, T_feature_tool: np.ndarray, own: np.ndarray, cutting: np.ndarray) -> None:
+        self.tip = T_feature_tool[:, :3, 3]
+        self.axis = T_feature_tool[:, :3, 2]
+        self.cutting = cutting & own
+        # The tool moved straight from sample to sample; both must be this feature's.
+        upright = own & (np.abs(self.axis[:, 2]) > PARALLEL)
+        self.joined = upright[:-1] & upright[1:]
+
+    def at_depth(self, z: float) -> np.ndarray:
+        """Stretches of the tool axis through the plane at depth z, shape (m, 2, 2) [m]."""
+        if not self.joined.any():
+            return np.zeros((0, 2, 2))
+        ends = []
+        for part in (slice(None, -1), slice(1, None)):
+            tip, axis = self.tip[part][self.joined], self.axis[part][self.joined]
+            # How far the tip is past the plane along its own axis; behind the tip the flank cuts.
+            past = (tip[:, 2] - z) / axis[:, 2]  # (m,)
+            ends.append((past, tip[:, :2] - past[:, None] * axis[:, :2]))
+        keep = (ends[0][0] >= 0.0) | (ends[1][0] >= 0.0)
+        (first, start), (last, end) = ((past[keep], centre[keep]) for past, centre in ends)
+        # Where the tip enters or leaves the plane on the way, only the deeper part cuts.
+        change = np.where(first == last, 1.0, last - first)
+        enter = np.clip(np.where(first < 0.0, -first / change, 0.0), 0.0, 1.0)[:, None]
+        leave = np.clip(np.where(last < 0.0, -first / change, 1.0), 0.0, 1.0)[:, None]
+        way = end - start
+        return np.stack([start + enter * way, start + leave * way], axis=1)
+
+
+def _deviation(points: np.ndarray, stretches: np.ndarray, radius: float) -> np.ndarray:
+    """Tool radius less the distance of each point to the nearest stretch, shape (n,) [m]."""
+    if not len(stretches):
+        # Nothing was milled: the wood stands up to the middle of the feature.
+        return -np.linalg.norm(points - points.mean(axis=0), axis=1)
+    tree = shapely.STRtree(shapely.linestrings(stretches))
+    (who, _), distance = tree.query_nearest(shapely.points(points), return_distance=True, all_matches=False)
+    result = np.empty(len(points))
+    result[who] = radius - distance
+    return result
+
+
+def _swept(stretches: np.ndarray, radius: float) -> shapely.Geometry:
+    """Union of the tool's discs along the stretches."""
+    if not len(stretches):
+        return shapely.Polygon()
+    lines = shapely.line_merge(shapely.multilinestrings(shapely.linestrings(stretches)))
+    # A tenth of a micrometre: samples on one straight line become one stretch.
+    return shapely.buffer(shapely.simplify(lines, 1e-7), radius, quad_segs=DISC_SEGMENTS)
+
+
+def _floor(ways: Sequence[_Way], depth: float) -> tuple[float, float]:
+    """Smallest and largest depth of the tips that milled the floor, less the recipe's [m]."""
+    found = []
+    for way in ways:
+        step = np.diff(way.tip, axis=0)
+        flat = np.abs(step[:, 2]) <= FLAT * np.linalg.norm(step[:, :2], axis=1)
+        floor = flat & way.joined & way.cutting[1:] & (way.tip[1:, 2] > depth - FLOOR_BAND)
+        found.append(way.tip[1:, 2][floor] - depth)
+    values = np.concatenate(found)
+    return (float(values.min()), float(values.max())) if len(values) else (-depth, -depth)
