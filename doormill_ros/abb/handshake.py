@@ -18,6 +18,7 @@ from typing import Any
 from doormill_ros.abb import signals
 from doormill_ros.abb.handshake_access import ControllerAccess
 from doormill_ros.abb.handshake_inbox import Inbox, Submission
+from doormill_ros.abb.handshake_runs import RunLedger
 from doormill_ros.abb.handshake_state import (
     CLEARED,
     HandshakeSnapshot,
@@ -37,7 +38,6 @@ from doormill_ros.abb.link_errors import (
 from doormill_ros.abb.transport import Transport
 
 _LOG = logging.getLogger(__name__)
-_OUTCOMES_REMEMBERED = 1000
 
 
 class Handshake:
@@ -72,10 +72,9 @@ class Handshake:
         self._access = ControllerAccess(transport, clock, file_name, check)
         self._on_change = on_change
         self._inbox = Inbox()
-        self._outcomes: dict[str, RunOutcome] = {}
+        self._runs = RunLedger()
         # Replaced as a whole by the stepping thread only, so other threads may read it without a lock.
         self._snapshot = HandshakeSnapshot(State.CLEARING, "not started", clock())
-        self._present: Submission | None = None
         self._deadline = float("inf")
         self._after_clearing: tuple[State, str, int] = (State.IDLE, "started", 0)
         self._edges_missed = True
@@ -90,7 +89,7 @@ class Handshake:
 
     def outcome(self, run_id: str) -> RunOutcome | None:
         """How the run ended, None while it goes on or when it is unknown; from any thread."""
-        return self._outcomes.get(run_id)
+        return self._runs.outcome(run_id)
 
     def on_start(self) -> HandshakeSnapshot:
         """Lower ready and remove the target file, whatever a former process left; then as `step`."""
@@ -118,6 +117,7 @@ class Handshake:
         now = self._snapshot
         number = now.request_number if request_number is None else request_number
         self._inbox.put(Submission(run_id, door_id, bytes(data), number), now)
+        self._transport.wake()
 
     def abort(self, reason: str) -> None:
         """Give up the present request or run; the next step lowers ready and removes the file.
@@ -126,6 +126,7 @@ class Handshake:
             reason: One sentence for the status.
         """
         self._inbox.order_abort(reason)
+        self._transport.wake()
 
     def wait(self, timeout: float) -> None:
         """Sleep until the next `step` is worth its while, at most `timeout` [s]."""
@@ -164,7 +165,7 @@ class Handshake:
         after, reason, code = self._after_clearing
         try:
             self._access.clear()
-            high = self._transport.read_request()
+            high = self._access.request_is_high()
         except LinkError as error:
             self._edges_missed = True
             self._retry_at = self._clock() + self._retry_pause
@@ -186,10 +187,11 @@ class Handshake:
         self._edges_missed = False
 
     def _step_cleared(self) -> None:
-        was_high, high = self._snapshot.request, self._transport.read_request()
+        was_high, reported = self._snapshot.request, self._transport.read_request()
+        high = reported if reported == was_high else self._access.request_is_high()
         if high != was_high:
             self._update(request=high)
-        if high and not was_high:
+        if high and not (was_high and reported):  # it rose, or it fell and rose again between two looks
             self._begin_request()
         elif self._snapshot.state is State.REQUESTED:
             self._step_requested(high)
@@ -238,7 +240,7 @@ class Handshake:
             self._hand_over(submission)
 
     def _hand_over(self, submission: Submission) -> None:
-        self._present = submission
+        self._runs.begin(submission)
         submission.check_request(self._snapshot.request_number)
         self._update(run_id=submission.run_id, door_id=submission.door_id)
         name = self._access.file_name
@@ -248,7 +250,7 @@ class Handshake:
         self._enter(State.VERIFYING, f"reading {name} back", 0)
         self._access.verify(submission)
         self._inbox.raise_if_aborted()
-        if not self._transport.read_request():
+        if not self._access.request_is_high():
             self._update(request=False)
             raise RequestWithdrawnError("the request fell while the file was written; request again")
         self._enter(State.RAISING, f"{name} verified, setting {signals.READY}", 0)
@@ -261,7 +263,8 @@ class Handshake:
     def _step_ready(self) -> None:
         self._inbox.raise_if_aborted()
         try:
-            high = self._transport.read_request()
+            reported = self._transport.read_request()
+            high = reported or self._access.request_is_high()
         except LinkError:
             now, self._edges_missed = self._clock(), True
             self._unreadable_since = now if self._unreadable_since is None else self._unreadable_since
@@ -271,6 +274,10 @@ class Handshake:
         self._unreadable_since = None
         if not high:
             self._acknowledged()
+        elif not reported:
+            raise RequestWithdrawnError(
+                "the request fell and rose again before ready was lowered; request again"
+            )
         elif self._clock() >= self._deadline:
             raise AcknowledgeTimeoutError(
                 f"the controller did not take the file within {self._timeouts.acknowledge:g} s; "
@@ -325,18 +332,13 @@ class Handshake:
     def _drop_submission(self, error: LinkError) -> None:
         submission = self._inbox.take()
         if submission is not None:
-            self._present = submission
+            self._runs.begin(submission)
             self._finish(handed_over=False, code=error.code, reason=error.message)
 
     def _finish(self, handed_over: bool, code: int, reason: str) -> None:
-        run, self._present = self._present, None
-        if run is None:
-            return
-        outcome = RunOutcome(run.run_id, run.door_id, handed_over, code, reason)
-        self._outcomes[run.run_id] = outcome
-        if len(self._outcomes) > _OUTCOMES_REMEMBERED:
-            del self._outcomes[next(iter(self._outcomes))]
-        self._update(run_id=run.run_id, door_id=run.door_id, outcome=outcome)
+        outcome = self._runs.end(handed_over, code, reason)
+        if outcome is not None:
+            self._update(run_id=outcome.run_id, door_id=outcome.door_id, outcome=outcome)
 
     def _begin_clearing(self, then: State, reason: str, code: int) -> None:
         self._after_clearing = (then, reason, code)

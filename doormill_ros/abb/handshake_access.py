@@ -126,6 +126,14 @@ class ControllerAccess:
                 expected=expected,
             )
 
+    def request_is_high(self) -> bool:
+        """The request asked of the controller itself: an event may be late or lost.
+
+        Raises:
+            LinkError: It cannot be read.
+        """
+        return self.transport.read_signal(signals.REQUEST)
+
     def optional_signal(self, name: str) -> bool:
         """A signal that an older robot program may lack; absent is low.
 
@@ -143,6 +151,7 @@ class ControllerAccess:
     def _doubtful(self, operation: Callable[[], None]) -> None:
         try:
             operation()
-        except LinkError:
-            self._in_doubt_until = self._clock() + self.transport.in_doubt_time
+        except LinkError as error:
+            if error.in_doubt:
+                self._in_doubt_until = self._clock() + self.transport.in_doubt_time
             raise

@@ -29,10 +29,12 @@ class LinkError(AbbError):
 
     Attributes:
         connection: True when signals may have changed unseen because the controller was out of reach.
+        in_doubt: True when the operation may have been carried out, or may be later.
     """
 
     code = 499
     connection: ClassVar[bool] = False
+    in_doubt: ClassVar[bool] = False
 
 
 class ConnectError(LinkError):
@@ -155,6 +157,7 @@ class ReadTimeoutError(LinkError):
 
     code = 468
     connection = True
+    in_doubt = True
 
 
 class WriteTimeoutError(LinkError):
@@ -162,6 +165,7 @@ class WriteTimeoutError(LinkError):
 
     code = 469
     connection = True
+    in_doubt = True
 
 
 class ConnectionLostError(LinkError):
@@ -169,6 +173,7 @@ class ConnectionLostError(LinkError):
 
     code = 470
     connection = True
+    in_doubt = True
 
 
 class ControllerReplyError(LinkError):

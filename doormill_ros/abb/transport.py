@@ -23,11 +23,13 @@ class Transport(Protocol):
 
     @property
     def in_doubt_time(self) -> float:
-        """Time after which an operation that raised can no longer take effect [s]."""
+        """Time after which an operation whose end is not known can no longer take effect [s]."""
         ...
 
     def read_request(self) -> bool:
-        """The request signal, True when high.
+        """The request signal, True when high; each edge that was reported is seen once, in order.
+
+        The value may be some tenths of a second old; `read_signal` asks the controller itself.
 
         Raises:
             LinkError: The signal cannot be read.
@@ -85,6 +87,10 @@ class Transport(Protocol):
 
     def wait(self, timeout: float) -> None:
         """Return when a signal may have changed, at the latest after `timeout` [s]. Raises nothing."""
+        ...
+
+    def wake(self) -> None:
+        """Make a `wait` that is under way, or the next one, return at once; from any thread."""
         ...
 
     def close(self) -> None:

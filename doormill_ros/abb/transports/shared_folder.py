@@ -10,6 +10,7 @@ import contextlib
 import errno
 import fcntl
 import os
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -66,6 +67,7 @@ class SharedFolderTransport:
         self._timeout = timeout
         self._poll_interval = poll_interval
         self._lock: int | None = None
+        self._woken = threading.Event()
         self._worker = BoundedCaller("shared-folder")
         try:
             self._bounded(self._open, ReadTimeoutError, "opening")
@@ -109,7 +111,12 @@ class SharedFolderTransport:
 
     def wait(self, timeout: float) -> None:
         """Sleep for one polling interval: network shares tell nobody about changes."""
-        time.sleep(max(0.0, min(timeout, self._poll_interval)))
+        self._woken.wait(max(0.0, min(timeout, self._poll_interval)))
+        self._woken.clear()
+
+    def wake(self) -> None:
+        """End a `wait`."""
+        self._woken.set()
 
     def close(self) -> None:
         """Give the folder back."""

@@ -1,0 +1,128 @@
+"""User and password of a controller: from the environment or a private file, and from nowhere else.
+
+They are no node parameters: those are readable by everybody on the graph and end up in bags and logs.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Mapping
+from pathlib import Path
+
+import yaml
+
+from doormill_ros.abb.link_errors import (
+    CredentialsFormatError,
+    CredentialsMissingError,
+    CredentialsPermissionError,
+)
+
+USER_VARIABLE = "DOORMILL_CONTROLLER_USER"
+PASSWORD_VARIABLE = "DOORMILL_CONTROLLER_PASSWORD"
+FILE_VARIABLE = "DOORMILL_CONTROLLER_CREDENTIALS"
+_MAX_SIZE = 10_000
+
+
+class Credentials:
+    """A user and a password that shows in no text made of it and cannot be pickled."""
+
+    __slots__ = ("_password", "user")
+
+    def __init__(self, user: str, password: str) -> None:
+        self.user = user
+        self._password = password
+
+    def reveal(self) -> str:
+        """The password, for the login alone."""
+        return self._password
+
+    def __repr__(self) -> str:
+        return f"Credentials({self.user!r}, ***)"
+
+    def __reduce__(self) -> str:
+        raise TypeError("credentials must not be stored")
+
+
+def load_credentials(environment: Mapping[str, str] = os.environ, file: Path | None = None) -> Credentials:
+    """Find the credentials.
+
+    The variables DOORMILL_CONTROLLER_USER and DOORMILL_CONTROLLER_PASSWORD win; then the file, given or
+    named by DOORMILL_CONTROLLER_CREDENTIALS, YAML with `user:` and `password:`, mode 600.
+
+    Args:
+        environment: Where the variables are looked up.
+        file: The file, instead of the one the variable names.
+
+    Returns:
+        The credentials.
+
+    Raises:
+        CredentialsMissingError: Neither variables nor a file.
+        CredentialsPermissionError: Others may read the file, or it belongs to somebody else.
+        CredentialsFormatError: The file is not as described.
+    """
+    user, password = environment.get(USER_VARIABLE), environment.get(PASSWORD_VARIABLE)
+    if user and password:
+        return Credentials(user, password)
+    named = environment.get(FILE_VARIABLE)
+    path = file if file is not None else Path(named) if named else None
+    if path is None:
+        raise CredentialsMissingError(
+            f"no controller credentials: set {USER_VARIABLE} and {PASSWORD_VARIABLE}, or let {FILE_VARIABLE} "
+            "name a file with 'user:' and 'password:' that only you may read"
+        )
+    return _parse(path, _read_private(path))
+
+
+def _read_private(path: Path) -> bytes:
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    except OSError as error:
+        raise CredentialsMissingError(
+            f"credentials file {path} cannot be opened: {error.strerror}; create it with mode 600",
+            path=str(path),
+        ) from None
+    with os.fdopen(descriptor, "rb") as file:
+        # Of the open file, not of the path: nobody can exchange it between check and reading.
+        status = os.fstat(file.fileno())
+        mode = stat.S_IMODE(status.st_mode)
+        if not stat.S_ISREG(status.st_mode):
+            raise CredentialsPermissionError(
+                f"credentials {path} are not a regular file; name a file with mode 600", path=str(path)
+            )
+        if mode & 0o077:
+            raise CredentialsPermissionError(
+                f"credentials file {path} has mode {mode:o}, allowed are 600 and 400: run 'chmod 600 {path}' "
+                "and change the password, others may have read it",
+                path=str(path),
+                mode=f"{mode:o}",
+            )
+        if status.st_uid not in (os.geteuid(), 0):
+            raise CredentialsPermissionError(
+                f"credentials file {path} belongs to user {status.st_uid}; it must be yours or root's",
+                path=str(path),
+            )
+        return file.read(_MAX_SIZE + 1)
+
+
+def _parse(path: Path, data: bytes) -> Credentials:
+    # No cause is chained and no content quoted: a parser's message shows the line, password included.
+    problem = None
+    document: object = None
+    if len(data) > _MAX_SIZE:
+        problem = f"has more than {_MAX_SIZE} bytes"
+    else:
+        try:
+            document = yaml.safe_load(data.decode("utf-8"))
+        except (UnicodeDecodeError, yaml.YAMLError):
+            problem = "is not YAML in UTF-8"
+    if problem is None:
+        entries = document if isinstance(document, dict) else {}
+        texts = [entry for entry in (entries.get("user"), entries.get("password")) if isinstance(entry, str)]
+        if len(entries) == 2 and len(texts) == 2 and all(texts):
+            return Credentials(*texts)
+        problem = "does not hold exactly the texts 'user' and 'password' (quote digits)"
+    raise CredentialsFormatError(
+        f'credentials file {path} {problem}; write two lines, user: "..." and password: "..."', path=str(path)
+    )

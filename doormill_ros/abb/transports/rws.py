@@ -1,0 +1,205 @@
+"""Robot Web Services as a transport: what 1.0 (IRC5) and 2.0 (OmniCore) have in common."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Mapping
+
+import httpx
+
+from doormill_ros.abb import signals
+from doormill_ros.abb.link_errors import (
+    ControllerReplyError,
+    DownloadError,
+    FileMissingError,
+    RemoveError,
+    SignalAccessError,
+    SignalReadError,
+    SignalWriteError,
+    UnknownSignalError,
+    UploadError,
+)
+from doormill_ros.abb.transport import check_file_name
+from doormill_ros.abb.transports.rws_dialect import Dialect
+from doormill_ros.abb.transports.rws_events import RwsEvents
+from doormill_ros.abb.transports.rws_http import RwsHttp
+
+#: Return code of a write that the signal's access level forbids.
+ACCESS_REJECTED = -1073414145
+# Nothing in the documentation bounds how long a controller may sit on a request whose connection
+# broke; twice the limit of an operation has to do, and the robot program checks what it reads.
+_DOUBT = 2.0
+
+
+class RwsTransport:
+    """Signals and files through one web session; made by `connect_rws1` and `connect_rws2`."""
+
+    def __init__(
+        self,
+        http: RwsHttp,
+        dialect: Dialect,
+        total_timeout: float,
+        signal_paths: Mapping[str, str] | None = None,
+        poll_interval: float = 0.25,
+        subscribe: bool = True,
+    ) -> None:
+        """Begin to subscribe in the background; the controller need not be reachable yet.
+
+        Args:
+            http: The session.
+            dialect: Version of the web services.
+            total_timeout: Limit of one operation [s].
+            signal_paths: `{network}/{device}/{name}` by signal name where the plain name does not do.
+            poll_interval: How long the request's last value is good without an event [s].
+            subscribe: Listen to events; without them the request is polled alone.
+        """
+        self._http = http
+        self._dialect = dialect
+        self.in_doubt_time = _DOUBT * total_timeout
+        self._paths = dict(signal_paths or {})
+        self._poll_interval = poll_interval
+        self._woken = threading.Event()
+        self._request_level = False
+        self._asked_at = float("-inf")
+        self._events: RwsEvents | None = None
+        if subscribe:
+            self._events = RwsEvents(http, dialect, self._path(signals.REQUEST), self._woken)
+            self._events.start()
+
+    def __repr__(self) -> str:
+        return f"RwsTransport({self._http.url!r}, version={self._dialect.version})"
+
+    @property
+    def events_live(self) -> bool:
+        """True while edges are reported; otherwise the request is polled."""
+        return self._events is not None and self._events.live
+
+    def read_request(self) -> bool:
+        """The next reported edge, or the request's value, at most a polling interval old."""
+        edge = self._events.next_edge() if self._events is not None else None
+        if edge is not None:
+            self._request_level = edge
+            # An event may be older than the last answer; ask again soon.
+            self._asked_at = min(self._asked_at, time.monotonic() - 0.5 * self._poll_interval)
+        elif time.monotonic() - self._asked_at >= self._poll_interval:
+            self._request_level = self.read_signal(signals.REQUEST)
+        return self._request_level
+
+    def read_ready(self) -> bool:
+        """The ready signal as the controller has it."""
+        return self.read_signal(signals.READY)
+
+    def read_signal(self, name: str) -> bool:
+        """Any signal as the controller has it."""
+        response = self._http.request("GET", self._dialect.signal(self._path(name)), repeat=True)
+        self._check_signal(response, name, "read")
+        for item in self._dialect.items(response.content):
+            level = str(item.get("lvalue", ""))
+            if level in ("0", "1"):
+                if name == signals.REQUEST:
+                    self._asked_at = time.monotonic()
+                return level == "1"
+        raise SignalReadError(
+            f"signal {name} has no value 0 or 1 in the controller's answer; it must be a digital signal",
+            signal=name,
+        )
+
+    def set_ready(self, value: bool) -> None:
+        """Write the ready signal; its access level must be "All"."""
+        response = self._http.request(
+            "POST",
+            self._dialect.set_signal(self._path(signals.READY)),
+            content=f"lvalue={int(value)}",
+            headers={"Content-Type": self._dialect.form_type},
+            repeat=not value,  # lowering twice, or late, does no harm
+        )
+        self._check_signal(response, signals.READY, "written")
+
+    def write_file(self, name: str, data: bytes) -> None:
+        """Upload; the controller writes in place, so the file is half there for a moment."""
+        response = self._http.request(
+            "PUT",
+            self._dialect.file(check_file_name(name)),
+            content=data,
+            headers={"Content-Type": self._dialect.file_type},
+        )
+        if response.status_code not in (200, 201, 204):
+            raise UploadError(
+                f"{name} cannot be uploaded (status {response.status_code}); check the controller's disk "
+                "space and the user's grant to write HOME",
+                file=name,
+                status=response.status_code,
+            )
+
+    def read_file(self, name: str) -> bytes:
+        """Download."""
+        response = self._http.request(
+            "GET", self._dialect.file(check_file_name(name)), headers={"Accept": "*/*"}, repeat=True
+        )
+        if response.status_code == 404:
+            raise FileMissingError(f"{name} is not in the controller's HOME; write it first", file=name)
+        if response.status_code != 200:
+            raise DownloadError(
+                f"{name} cannot be read back (status {response.status_code}); check the user's "
+                "grant to read HOME",
+                file=name,
+                status=response.status_code,
+            )
+        return response.content
+
+    def remove_file(self, name: str) -> None:
+        """Delete; a missing file is no error."""
+        response = self._http.request("DELETE", self._dialect.file(check_file_name(name)), repeat=True)
+        if response.status_code not in (200, 204, 404):
+            raise RemoveError(
+                f"{name} cannot be removed (status {response.status_code}); check the user's "
+                "grant to write HOME",
+                file=name,
+                status=response.status_code,
+            )
+
+    def wait(self, timeout: float) -> None:
+        """Sleep until an edge is reported, at most a polling interval."""
+        if self._woken.wait(max(0.0, min(timeout, self._poll_interval))):
+            self._woken.clear()
+
+    def wake(self) -> None:
+        """End a `wait`."""
+        self._woken.set()
+
+    def close(self) -> None:
+        """Unsubscribe, log out and close."""
+        if self._events is not None:
+            self._events.close()
+        self._http.close(logout=lambda: self._http.request("GET", "/logout"))
+
+    def _path(self, name: str) -> str:
+        return self._paths.get(name, name)
+
+    def _check_signal(self, response: httpx.Response, name: str, doing: str) -> None:
+        status = response.status_code
+        if status in (200, 204):
+            return
+        code = self._dialect.error_code(response.content)
+        if code == ACCESS_REJECTED:
+            raise SignalAccessError(
+                f"signal {name} cannot be {doing} (code {code}): its access level is not 'All'; set "
+                "Access Level All in the I/O configuration, or cross-connect a virtual signal of that level",
+                signal=name,
+                controller_code=code,
+            )
+        if status == 404:
+            raise UnknownSignalError(
+                f"the controller has no signal {self._path(name)}; add it to the I/O configuration or "
+                "correct its network and device",
+                signal=name,
+            )
+        leaf = {"read": SignalReadError, "written": SignalWriteError}.get(doing, ControllerReplyError)
+        raise leaf(
+            f"signal {name} cannot be {doing} (status {status}, code {code}); look the code up in the "
+            "controller's event log",
+            signal=name,
+            status=status,
+            controller_code=code,
+        )

@@ -1,0 +1,86 @@
+"""Where version 1.0 (IRC5) and 2.0 (OmniCore) of the web services differ on the wire."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import quote
+
+from doormill_ros.abb.link_errors import ControllerReplyError
+
+_FORM = "application/x-www-form-urlencoded"
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """One version's spelling.
+
+    Attributes:
+        version: 1 or 2.
+        subprotocol: Name the event stream insists on.
+        headers: Sent with every request.
+        form_type: Content type of a form.
+        file_type: Content type of an upload.
+    """
+
+    version: int
+    subprotocol: str
+    headers: dict[str, str]
+    form_type: str
+    file_type: str
+
+    def signal(self, path: str) -> str:
+        """Where a signal is read; `path` is `{name}` or `{network}/{device}/{name}`."""
+        address = f"/rw/iosystem/signals/{quote(path)}"
+        return f"{address}?json=1" if self.version == 1 else address
+
+    def set_signal(self, path: str) -> str:
+        """Where a signal is written."""
+        address = f"/rw/iosystem/signals/{quote(path)}"
+        return f"{address}?action=set&json=1" if self.version == 1 else f"{address}/set-value"
+
+    def file(self, name: str) -> str:
+        """A file in HOME; 1.0 wants a literal "$" and refuses "%24", 2.0 wants none."""
+        return f"/fileservice/{'$home' if self.version == 1 else 'HOME'}/{quote(name)}"
+
+    def subscription_body(self, resource: str) -> str:
+        """Body that subscribes to one signal with high priority; the ";" stays literal."""
+        return f"resources=1&1={resource}&1-p=2"
+
+    def items(self, body: bytes) -> list[dict[str, Any]]:
+        """The list in a JSON answer.
+
+        Raises:
+            ControllerReplyError: It holds none.
+        """
+        try:
+            document = json.loads(body)
+            found = document["_embedded"]["_state"] if self.version == 1 else document["state"]
+            if isinstance(found, list) and all(isinstance(item, dict) for item in found):
+                return found
+        except (ValueError, KeyError, TypeError):
+            pass
+        raise ControllerReplyError(
+            f"the controller's answer holds no list of states ({body[:80]!r}); check that version "
+            f"{self.version}.0 is the controller's version of Robot Web Services"
+        )
+
+    def error_code(self, body: bytes) -> int:
+        """The controller's return code in a refusal, 0 when there is none."""
+        try:
+            document = json.loads(body)
+            status = document["_embedded"]["status"] if self.version == 1 else document["status"]
+            return int(status["code"])
+        except (ValueError, KeyError, TypeError):
+            return 0
+
+
+RWS1 = Dialect(1, "robapi2_subscription", {}, _FORM, "application/octet-stream")
+RWS2 = Dialect(
+    2,
+    "rws_subscription",
+    {"Accept": "application/hal+json;v=2.0"},
+    f"{_FORM};v=2.0",
+    "text/plain;v=2.0",
+)

@@ -1,0 +1,269 @@
+"""One kept web session with a controller: login, cookies, limits on time, errors named by phase."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import ssl
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+from doormill_ros.abb.credentials import Credentials
+from doormill_ros.abb.link_errors import (
+    CertificateError,
+    ConnectError,
+    ConnectionLostError,
+    ConnectTimeoutError,
+    ControllerBusyError,
+    ControllerReplyError,
+    LinkError,
+    LoginError,
+    ReadTimeoutError,
+    WriteTimeoutError,
+)
+from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
+
+_LOG = logging.getLogger(__name__)
+_BUSY_FIRST = 0.05
+_BUSY_LAST = 1.0
+
+
+@dataclass(frozen=True)
+class LinkTimeouts:
+    """Limits of one operation, by phase [s].
+
+    Attributes:
+        connect: To accept the connection.
+        read: Between two pieces of the answer.
+        write: Between two pieces of the request.
+        total: For the whole operation, repetitions on "busy" included.
+    """
+
+    connect: float = 2.0
+    read: float = 2.0
+    write: float = 2.0
+    total: float = 4.0
+
+
+def tls_context(certificate: Path | None, insecure: bool) -> ssl.SSLContext:
+    """Trust exactly one controller's certificate, or, when asked to, any.
+
+    Controllers come with a self-signed certificate whose name is not the address, so the
+    certificate itself is pinned instead of a name checked.
+
+    Args:
+        certificate: The controller's certificate, PEM.
+        insecure: Accept every certificate; anybody on the network can then read the password.
+
+    Raises:
+        CertificateError: Neither or both are given, or the file is no certificate.
+    """
+    if (certificate is None) is not insecure:
+        raise CertificateError(
+            "give either the controller's certificate file or insecure=True; "
+            "'openssl s_client -connect HOST:443 -showcerts' shows the certificate"
+        )
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname = False
+    if certificate is None:
+        _LOG.warning("the controller's certificate is not checked: use this on a closed network only")
+        context.verify_mode = ssl.CERT_NONE
+        return context
+    try:
+        context.load_verify_locations(cafile=str(certificate))
+    except (OSError, ssl.SSLError) as error:
+        raise CertificateError(
+            f"{certificate} is not a PEM certificate ({error}); export the controller's certificate again",
+            path=str(certificate),
+        ) from error
+    context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
+    return context
+
+
+class RwsHttp:
+    """Sends requests one after the other within one session; safe to use from several threads."""
+
+    def __init__(
+        self,
+        url: str,
+        credentials: Credentials,
+        timeouts: LinkTimeouts,
+        digest: bool,
+        headers: dict[str, str],
+        tls: ssl.SSLContext | None = None,
+    ) -> None:
+        """Prepare the session; nothing is sent.
+
+        Args:
+            url: Address of the controller, "http://192.168.125.1" for example.
+            credentials: Account.
+            timeouts: Limits.
+            digest: HTTP digest (1.0) instead of basic authentication (2.0).
+            headers: Sent with every request.
+            tls: Trust for https.
+        """
+        self.url = url.rstrip("/")
+        self.tls = tls
+        self._credentials = credentials
+        self._timeouts = timeouts
+        self._digest = digest
+        self._headers = headers
+        self._cookies = httpx.Cookies()
+        self._client = self._new_client()
+        self._worker = BoundedCaller("rws-http")
+        self._logged_in = False
+
+    def cookie_header(self) -> str:
+        """The session's cookies, for the event stream."""
+        return "; ".join(f"{cookie.name}={cookie.value}" for cookie in self._client.cookies.jar)
+
+    def request(
+        self,
+        method: str,
+        path: str,
+        *,
+        content: bytes | str | None = None,
+        headers: dict[str, str] | None = None,
+        repeat: bool = False,
+    ) -> httpx.Response:
+        """Send and wait for the whole answer, at most `total` seconds.
+
+        Args:
+            method: HTTP verb.
+            path: From "/" on, as it shall appear on the wire.
+            content: Body.
+            headers: In addition.
+            repeat: Send once more when the connection breaks; only where twice or late does no harm.
+
+        Returns:
+            The answer, whatever its status except 401 and 503.
+
+        Raises:
+            LinkError: The leaf of the phase that failed.
+        """
+        deadline = time.monotonic() + self._timeouts.total
+
+        def send() -> httpx.Response:
+            return self._send(method, path, content, headers or {}, repeat, deadline)
+
+        try:
+            return self._worker.call(send, self._timeouts.total)
+        except CallTimeout:
+            # Closing the sockets ends the call that hangs; the session's cookies live on.
+            self._renew_client()
+            leaf = ReadTimeoutError if method == "GET" else WriteTimeoutError
+            raise leaf(
+                f"{method} {path} at {self.url} took longer than {self._timeouts.total:g} s; "
+                "check the network and the controller's load",
+                timeout=self._timeouts.total,
+            ) from None
+
+    def close(self, logout: Callable[[], Any] | None = None) -> None:
+        """Run `logout` if there is a session, then close; raises nothing."""
+        if self._logged_in and logout is not None:
+            with contextlib.suppress(LinkError):
+                logout()
+        self._worker.close()
+        self._client.close()
+
+    def _send(
+        self, method: str, path: str, content: Any, headers: dict[str, str], repeat: bool, deadline: float
+    ) -> httpx.Response:
+        pause, logins, losses = _BUSY_FIRST, 0, 0
+        while True:
+            try:
+                response = self._exchange(method, path, content, headers)
+            except ConnectionLostError:
+                losses += 1
+                if not repeat or losses > 1:
+                    raise
+                continue
+            if response.status_code == 401:
+                logins += 1
+                if logins > 1 or self._digest:  # httpx has answered the digest challenge already
+                    raise LoginError(
+                        f"controller {self.url} refuses user {self._credentials.user!r} (401); "
+                        "check name and password and the user's grants",
+                        url=self.url,
+                    )
+                self._logged_in = False
+                self._client.cookies.clear()
+                continue
+            self._logged_in = True
+            if response.status_code != 503:
+                return response
+            if time.monotonic() + pause >= deadline:
+                raise ControllerBusyError(
+                    f"controller {self.url} answers 503 to {method} {path}: too many sessions or requests; "
+                    "close other clients, idle sessions end after some minutes",
+                    url=self.url,
+                )
+            time.sleep(pause)
+            pause = min(2.0 * pause, _BUSY_LAST)
+
+    def _exchange(self, method: str, path: str, content: Any, headers: dict[str, str]) -> httpx.Response:
+        password = self._credentials.reveal
+        auth: httpx.Auth | None = None
+        if self._digest:
+            auth = self._digest_auth
+        elif not self._logged_in:
+            auth = httpx.BasicAuth(self._credentials.user, password())
+        doing = f"{method} {path} at {self.url}"
+        try:
+            return self._client.request(method, self.url + path, content=content, headers=headers, auth=auth)
+        except httpx.HTTPError as error:
+            raise map_http_error(error, doing) from None
+
+    def _new_client(self) -> httpx.Client:
+        limits = self._timeouts
+        # Made anew with the client: it keeps the last challenge, which dies with a restarted controller.
+        self._digest_auth = httpx.DigestAuth(self._credentials.user, self._credentials.reveal())
+        return httpx.Client(
+            cookies=self._cookies,
+            headers=self._headers,
+            verify=self.tls if self.tls is not None else True,
+            timeout=httpx.Timeout(limits.read, connect=limits.connect, write=limits.write),
+            limits=httpx.Limits(max_connections=1),
+            trust_env=False,  # no proxies and no .netrc between the PC and its robot
+            follow_redirects=False,
+        )
+
+    def _renew_client(self) -> None:
+        old = self._client
+        self._cookies = httpx.Cookies(old.cookies)
+        self._client = self._new_client()
+        with contextlib.suppress(Exception):
+            old.close()
+
+
+def map_http_error(error: httpx.HTTPError, doing: str) -> LinkError:
+    """The leaf that says in which phase an HTTP exchange failed.
+
+    Args:
+        error: What httpx raised.
+        doing: The operation, for the message.
+    """
+    reason = str(error) or type(error).__name__
+    if isinstance(error, httpx.ConnectTimeout | httpx.PoolTimeout):
+        return ConnectTimeoutError(f"{doing}: no connection in time; check cable, address and firewall")
+    if isinstance(error, httpx.ConnectError):
+        if "CERTIFICATE" in reason.upper() or "SSL" in reason.upper():
+            return CertificateError(
+                f"{doing}: the controller's certificate is not the pinned one ({reason}); if it was renewed "
+                "on purpose, export it again"
+            )
+        return ConnectError(f"{doing}: {reason}; check that the controller runs and the address is right")
+    if isinstance(error, httpx.UnsupportedProtocol):
+        return ConnectError(f"{doing}: {reason}; the address must begin with http:// or https://")
+    if isinstance(error, httpx.ReadTimeout):
+        return ReadTimeoutError(f"{doing}: no answer in time; check the network and the controller's load")
+    if isinstance(error, httpx.WriteTimeout):
+        return WriteTimeoutError(f"{doing}: the controller did not take the data in time; check the network")
+    if isinstance(error, httpx.NetworkError | httpx.RemoteProtocolError):
+        return ConnectionLostError(f"{doing}: the connection broke ({reason}); check the network")
+    return ControllerReplyError(f"{doing}: {reason}; the answer is not what the protocol foresees")
