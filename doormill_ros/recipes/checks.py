@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from doormill_ros.recipes.door import DENSITY, Side
+from doormill_ros.recipes.door import DENSITY
 from doormill_ros.recipes.errors import (
     ChipTooThick,
     FeaturesApart,
@@ -189,7 +189,7 @@ def _check_walls(recipe: Recipe, prisms: dict[str, Prism]) -> None:
     for (_, first), (index, second) in combinations(enumerate(recipe.features), 2):
         if _belong(first, second) or _belong(second, first):
             continue
-        if prisms[first.id].grown(MIN_WALL).meets(prisms[second.id]):
+        if prisms[first.id].meets(prisms[second.id], MIN_WALL):
             raise FeaturesMeet(
                 f"features.{index}",
                 f"{second.id!r} meets {first.id!r}; allowed is at least {m_to_mm(MIN_WALL):g} mm of wood "
@@ -200,6 +200,3 @@ def _check_walls(recipe: Recipe, prisms: dict[str, Prism]) -> None:
 
 def _belong(part: Feature, whole: Feature) -> bool:
     return getattr(part, "lock_case", None) == whole.id
-
-
-__all__ = ["MIN_FLOOR", "MIN_TURN", "MIN_WALL", "Side", "check_geometry"]

@@ -221,9 +221,18 @@ class RecipeDatabase:
 
     def add_shipped(self, author: str = "doormill_ros") -> tuple[RecipeRecord, ...]:
         """Store the recipes that ship with the package and that the database does not know."""
+        shipped = shipped_recipes()
         known = {record.door_id for record in self.list()}
-        missing = [recipe for door_id, recipe in shipped_recipes().items() if door_id not in known]
-        return tuple(_record_of(recipe) for recipe in self.save_all(missing, author))
+        if known.issuperset(shipped):
+            return ()
+        checked = [self._checked(recipe, author) for recipe in shipped.values()]
+        saved = []
+        with self._begin(write=True) as connection:
+            for recipe in checked:
+                # Asked again inside the transaction: another cell may have been quicker.
+                if connection.execute(_BY_DOOR, {"door_id": recipe.door_id}).one_or_none() is None:
+                    saved.append(_record_of(self._save(connection, recipe, author)))
+        return tuple(saved)
 
     @contextmanager
     def _begin(self, write: bool = False) -> Iterator[sa.Connection]:
@@ -231,6 +240,9 @@ class RecipeDatabase:
         try:
             with self._engine.connect() as connection:
                 connection.execution_options(**{WRITE: write})
+                if not write and connection.dialect.name == "postgresql":
+                    # A look-up is one statement: leave out the two journeys for BEGIN and COMMIT.
+                    connection.execution_options(isolation_level="AUTOCOMMIT")
                 with connection.begin():
                     yield connection
         except (sa.exc.OperationalError, sa.exc.InterfaceError, sa.exc.DatabaseError) as error:

@@ -22,7 +22,7 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.solid import prism
 from doormill_ros.units import m_to_mm
 
-HEIGHT, MARGIN, GAP, PANEL = 900.0, 60.0, 50.0, 270.0  # pixels
+HEIGHT, MARGIN, GAP, PANEL = 900.0, 80.0, 50.0, 270.0  # pixels
 LAYERS = ("wood", "hidden", "features", "dimensions", "labels")
 STYLE = """
 .wood{fill:#f3e5c8;stroke:#6b4f2a;stroke-width:1.5}
@@ -119,7 +119,7 @@ class DoorDrawing:
     def note(self, text: str, layer: str = "labels") -> None:
         """Add a line of text under the title, for example what an overlay shows."""
         count = sum('class="note"' in element for elements in self.layers.values() for element in elements)
-        y = 56 + HEIGHT + MARGIN + 16 * count
+        y = 44 + HEIGHT + MARGIN + 16 * count
         self.layers.setdefault(layer, []).append(
             f'<text class="note" x="{MARGIN:g}" y="{y:g}">{escape(text)}</text>'
         )
@@ -216,8 +216,11 @@ class DoorDrawing:
             self._text(x + 6, y + PANEL - 22, measure)
             where = f"height {m_to_mm(feature.centre_height(self.recipe.size)):g}, tool {feature.tool.name}"
             self._text(x + 6, y + PANEL - 7, where)
-            label = self.panels[_view_of(feature)].pixels(points).max(axis=0)
-            self._text(label[0] + 4, label[1], feature.id)
+            pixels = self.panels[_view_of(feature)].pixels(points)
+            if not feature.side.is_edge and feature.across(self.recipe.size) > self.recipe.width / 2:
+                self._text(pixels[:, 0].min() - 4, pixels[:, 1].max(), feature.id, "end")
+            else:
+                self._text(pixels[:, 0].max() + 4, pixels[:, 1].max(), feature.id)
 
     def _draw_hidden(self, feature: Feature) -> None:
         """Where the feature's depth shows as a dashed box in the view across it."""

@@ -9,6 +9,7 @@ any number of trips through every exchange format bit by bit.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import re
 from collections.abc import Mapping
@@ -182,6 +183,7 @@ def entry(codec: Codec, **arguments: Any) -> Any:
     return dataclasses.field(metadata={"codec": codec}, **arguments)
 
 
+@functools.cache
 def codecs(content: type) -> dict[str, tuple[str, Codec, bool]]:
     """Document key to (attribute, codec, required) of a dataclass."""
     found = {}

@@ -44,11 +44,7 @@ class Segment:
         """Signed angle turned through [rad], negative for clockwise; 0 for a line."""
         if not self.centre:
             return 0.0
-        a, m, b = (
-            math.atan2(p[1] - self.centre[1], p[0] - self.centre[0]) for p in (self.start, self.via, self.end)
-        )
-        wrap = lambda t: (t + math.pi) % (2.0 * math.pi) - math.pi  # noqa: E731
-        return wrap(m - a) + wrap(b - m)
+        return 2.0 * _turn(self.centre, self.start, self.via)
 
     @property
     def length(self) -> float:
@@ -165,6 +161,12 @@ class RoundedRectangle:
                 *lines("left_line", (-x, -b), (-x, b)),
             ]
         return Outline(tuple(part for part in parts if part.length > tiny))
+
+
+def _turn(centre: tuple, start: tuple, end: tuple) -> float:
+    """Signed angle [rad], under half a turn, from one point to another seen from a centre."""
+    a, b = ((p[0] - centre[0], p[1] - centre[1]) for p in (start, end))
+    return math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
 
 
 def _arc(name: str, start: tuple, via: tuple, end: tuple, centre: tuple) -> Segment:
