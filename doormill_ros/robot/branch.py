@@ -194,15 +194,22 @@ def _turns(
 ) -> list[np.ndarray]:
     """The path shifted by whole turns of its joints, all poses within the limits."""
     shifts: list[list[float]] = []
+    worst = (0.0, 0, first)
     for joint in range(JOINTS):
         low, high = path[:, joint].min(), path[:, joint].max()
         floor, ceiling = robot.lower[joint] + rules.limit_margin, robot.upper[joint] - rules.limit_margin
         turns = range(int(np.ceil((floor - low) / _TURN)), int(np.floor((ceiling - high) / _TURN)) + 1)
-        if not turns:
-            over = min(max(floor - low - t * _TURN, high + t * _TURN - ceiling) for t in (-1, 0, 1))
-            rejected.limits.append((float(over), joint, first + int(np.argmax(np.abs(path[:, joint])))))
-            return []
         shifts.append([turn * _TURN for turn in turns])
+        if not turns:
+            over, turn = min(
+                (max(floor - low - t * _TURN, high + t * _TURN - ceiling), t) for t in (-1, 0, 1)
+            )
+            angle = path[:, joint] + turn * _TURN
+            beyond = np.maximum(floor - angle, angle - ceiling)
+            worst = max(worst, (float(over), joint, first + int(beyond.argmax())))
+    if not all(shifts):
+        rejected.limits.append(worst)
+        return []
     grid = np.stack(np.meshgrid(*shifts, indexing="ij"), axis=-1).reshape(-1, JOINTS)
     return [path + shift for shift in grid]
 

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import py_opw_kinematics as opw
 
+from doormill_ros.frames import rotation_x
 from doormill_ros.robot.chain import JOINTS, chain_frames
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.ortho_parallel import OrthoParallel, ortho_parallel
@@ -22,6 +23,7 @@ _TURN = 2.0 * np.pi
 _SLOT_OF_BRANCH = [4 * (b & 1) + 2 * (b >> 2 & 1) + (b >> 1 & 1) for b in range(BRANCHES)]
 _LIMIT_SLACK = 1e-9  # rad; a pose computed at a limit must not be lost to rounding
 _FLAT_WRIST = 1e-3  # sine of axis 5 below which the library's arc cosine loses digits
+_NUDGE = 1e-5  # rad
 _ALIGNED_WRIST = 1e-10  # sine of axis 5 below which only the sum of axes 4 and 6 is defined
 # Limits that nothing satisfies: the library then skips singular values that nobody asked for.
 _NO_LIMITS = np.tile([1e3, 1e3 + 1.0], (JOINTS, 1))
@@ -90,15 +92,36 @@ def inverse_branches(robot: Robot, T_base_flange: np.ndarray) -> np.ndarray:
     Raises:
         GeometryError: The robot has no closed-form inverse here.
     """
-    solver = _solver(ortho_parallel(robot.dh, robot.label))
-    poses = opw.RigidTransform.from_matrix(np.asarray(T_base_flange, dtype=float))
-    q = solver.reach(poses, _NO_LIMITS).joints[:, _SLOT_OF_BRANCH]
+    arm = ortho_parallel(robot.dh, robot.label)
+    T_base_flange = np.asarray(T_base_flange, dtype=float)
+    q = _library_branches(arm, T_base_flange)
+    # Where axis 5 is straight the library may take the arc cosine of a hair more than one and give
+    # the branch up. Solved for a pose turned a little about the wrist centre, which leaves axes 1
+    # to 3 alone, the branch comes back; axes 4 to 6 are put right below.
+    lost = np.nonzero(np.isnan(q[..., 0]).any(axis=1))[0]
+    if len(lost):
+        again = _library_branches(arm, _turned_about_wrist(arm, T_base_flange[lost]))
+        straight = np.abs(np.sin(again[..., 4])) < 2.0 * _NUDGE
+        q[lost] = np.where((np.isnan(q[lost, :, 0]) & straight)[..., None], again, q[lost])
     q -= _TURN * np.round(q / _TURN)
     q[q <= -np.pi] += _TURN
     pose, branch = np.nonzero(np.abs(np.sin(q[..., 4])) < _FLAT_WRIST)
     if len(pose):
         q[pose, branch] = _exact_wrist(robot, q[pose, branch], T_base_flange[pose], branch & 1)
     return q
+
+
+def _library_branches(arm: OrthoParallel, T_base_flange: np.ndarray) -> np.ndarray:
+    poses = opw.RigidTransform.from_matrix(T_base_flange)
+    return _solver(arm).reach(poses, _NO_LIMITS).joints[:, _SLOT_OF_BRANCH]
+
+
+def _turned_about_wrist(arm: OrthoParallel, T_base_flange: np.ndarray) -> np.ndarray:
+    turned = T_base_flange.copy()
+    wrist = T_base_flange[:, :3, 3] - arm.c4 * T_base_flange[:, :3, 2]
+    turned[:, :3, :3] = T_base_flange[:, :3, :3] @ rotation_x(_NUDGE)
+    turned[:, :3, 3] = wrist + arm.c4 * turned[:, :3, 2]
+    return turned
 
 
 @functools.cache
