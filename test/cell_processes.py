@@ -1,0 +1,149 @@
+"""Start the nodes of the cell as separate processes and drive them as an integrator would."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.action import ActionClient
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from doormill_interfaces.action import MillDoor
+
+NODES = (
+    "bag_recorder",
+    "recipe_database",
+    "door_localizer",
+    "path_generator",
+    "abb_bridge",
+    "cell_simulator",
+)
+START_LIMIT = 60.0  # s
+STOP_LIMIT = 20.0  # s
+
+
+def executable(name: str) -> str:
+    """The installed executable that `ros2 run doormill_ros NAME` starts."""
+    for prefix in os.environ["AMENT_PREFIX_PATH"].split(os.pathsep):
+        path = Path(prefix) / "lib" / "doormill_ros" / name
+        if path.is_file():
+            return str(path)
+    raise FileNotFoundError(f"{name} is in no lib/doormill_ros of AMENT_PREFIX_PATH")
+
+
+class CellProcesses:
+    """The running nodes, their folder, and a node of the test's own that watches them."""
+
+    def __init__(self, folder: Path, parameters: dict[str, dict[str, Any]] | None = None) -> None:
+        self.folder = folder
+        self.processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._parameters = {
+            "bag_recorder": {"bag": folder / "bag"},
+            "abb_bridge": {"address": folder / "HOME", "archive": folder / "targets"},
+            "cell_simulator": {"controller_simulator:home": folder / "HOME"},
+        }
+        for name, values in (parameters or {}).items():
+            self._parameters.setdefault(name, {}).update(values)
+        (folder / "HOME").mkdir(parents=True)
+
+    def start(self, name: str) -> None:
+        """Start one executable; its output goes to a file of its own."""
+        command = [executable(name), "--ros-args"]
+        for key, value in self._parameters.get(name, {}).items():
+            text = str(value).lower() if isinstance(value, bool) else str(value)
+            command += ["-p", f"{key}:={text}"]
+        with open(self.folder / f"{name}.log", "ab") as log:
+            self.processes[name] = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+
+    def stop(self, name: str, how: int = signal.SIGINT) -> int:
+        """Signal one process and wait for its end; returns the exit status."""
+        process = self.processes.pop(name)
+        process.send_signal(how)
+        try:
+            return process.wait(STOP_LIMIT)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            raise AssertionError(f"{name} did not end within {STOP_LIMIT} s: {self.log(name)}") from None
+
+    def log(self, name: str) -> str:
+        return (self.folder / f"{name}.log").read_text(errors="replace")
+
+    def __enter__(self) -> CellProcesses:
+        for name in NODES:
+            self.start(name)
+        rclpy.init()
+        self.node = Node("test_driver")
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._executor.spin, daemon=True)
+        self._thread.start()
+        self._action = ActionClient(self.node, MillDoor, "mill_door")
+        try:
+            self.wait_until_up()
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._executor.shutdown(timeout_sec=2.0)
+        rclpy.try_shutdown()
+        self._thread.join(2.0)
+        for process in self.processes.values():
+            process.send_signal(signal.SIGINT)
+        for name in list(self.processes):
+            self.stop(name)
+
+    def wait_until_up(self) -> None:
+        """The action is served and the simulators have said where they are."""
+        assert self._action.wait_for_server(START_LIMIT), self.log("abb_bridge")
+        self.wait(
+            lambda: (
+                self.node.count_publishers("abb/request") == 1
+                and self.node.count_publishers("camera/image_raw") == 1
+                and self.node.count_publishers("path/targets") == 1
+                and self.node.count_publishers("door/recipe") == 1
+                and self.node.count_publishers("door/pose") == 1
+            )
+        )
+
+    def wait(self, condition: Callable[[], Any], limit: float = START_LIMIT) -> Any:
+        deadline = time.monotonic() + limit
+        while not (value := condition()):
+            assert time.monotonic() < deadline, "waited in vain"
+            for name, process in self.processes.items():
+                assert process.poll() is None, f"{name} ended by itself: {self.log(name)}"
+            time.sleep(0.02)
+        return value
+
+    def subscribe(self, topic: Any) -> list[Any]:
+        """A list that grows by each message of the topic."""
+        received: list[Any] = []
+        self.node.create_subscription(topic.type, topic.name, received.append, topic.requested)
+        return received
+
+    def mill(self, door_id: str, limit: float = 120.0) -> tuple[MillDoor.Result, list[str]]:
+        """Send the goal; the result and the stages that the feedback named."""
+        stages: list[str] = []
+        done = threading.Event()
+        answer: list[Any] = []
+
+        def finished(future: Any) -> None:
+            answer.append(future.result())
+            done.set()
+
+        sent = self._action.send_goal_async(
+            MillDoor.Goal(door_id=door_id), lambda m: stages.append(m.feedback.stage)
+        )
+        sent.add_done_callback(lambda f: f.result().get_result_async().add_done_callback(finished))
+        assert done.wait(limit), {name: self.log(name)[-2000:] for name in self.processes}
+        return answer[0].result, stages

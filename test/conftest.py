@@ -1,0 +1,27 @@
+"""A clean environment for every test: a ROS domain, a recipe database and a folder of its own."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+#: Domains up to 101 keep DDS below Linux' ephemeral ports.
+FIRST_DOMAIN, DOMAINS = 20, 80
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Choose the domain once per process, before anything imports rclpy."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0")
+    number = (os.getpid() * 7 + int(worker.removeprefix("gw"))) % DOMAINS
+    os.environ["ROS_DOMAIN_ID"] = str(FIRST_DOMAIN + number)
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+
+@pytest.fixture(autouse=True)
+def _own_user_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing reads or writes the user's recipes."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.delenv("DOORMILL_DATABASE", raising=False)

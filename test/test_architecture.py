@@ -1,0 +1,121 @@
+"""The rules of the house, read from the source: who may import what, and how large a file gets."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from pathlib import Path
+
+import pytest
+
+import doormill_ros
+from doormill_ros.errors import DoormillError
+from source_tree import PACKAGE, ROOT, SOURCES, imports_of
+
+ROS_ONLY = {"rclpy", "launch", "launch_ros", "rosidl_runtime_py", "tf2_ros", "cv_bridge", "ament_index_python"}
+LONGEST_FILE = 350  # lines
+MEDIAN_FILE = 200  # lines
+# The truth of the simulation must not come from the code under test.
+TRUTH_MAY_NOT_IMPORT = {"robot", "stiffness", "localization", "correction", "diagnosis"}
+
+
+def is_ros(module: str) -> bool:
+    """True for rclpy and everything that only a ROS environment has, messages included."""
+    top = module.split(".")[0]
+    return top in ROS_ONLY or top.endswith(("_msgs", "_interfaces", "_srvs"))
+
+
+def test_there_is_something_to_check() -> None:
+    assert len(SOURCES) > 60
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_domain_code_knows_no_ros(path: Path) -> None:
+    """Only nodes/ imports rclpy or messages, and only tools/cell.py and nodes/ import nodes/."""
+    parts = path.relative_to(PACKAGE).parts
+    if parts[0] == "nodes":
+        return
+    ros = {m for m in imports_of(path) if is_ros(m)}
+    assert not ros, f"{path} imports {ros}"
+    nodes = {m for m in imports_of(path) if m.startswith("doormill_ros.nodes")}
+    assert not nodes or parts[0] == "tools", f"{path} imports {nodes}"
+
+
+def test_the_check_above_sees_a_forbidden_import(tmp_path: Path) -> None:
+    path = tmp_path / "bad.py"
+    path.write_text("def f():\n    from sensor_msgs.msg import Image\n    return Image\n")
+    assert any(is_ros(m) for m in imports_of(path))
+
+
+def _simulated_truth() -> list[Path]:
+    return sorted((PACKAGE / "simulation").rglob("*.py"))
+
+
+@pytest.mark.parametrize("path", _simulated_truth(), ids=lambda p: p.name)
+def test_the_simulated_truth_shares_no_model_with_what_it_judges(path: Path) -> None:
+    packages = {m.split(".")[1] for m in imports_of(path) if m.startswith("doormill_ros.")}
+    assert not packages & TRUTH_MAY_NOT_IMPORT
+
+
+def test_files_stay_small() -> None:
+    lines = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in SOURCES}
+    too_long = {str(p.relative_to(ROOT)): n for p, n in lines.items() if n > LONGEST_FILE}
+    assert not too_long
+    assert sorted(lines.values())[len(lines) // 2] <= MEDIAN_FILE
+
+
+def _error_classes() -> list[type[DoormillError]]:
+    for module in pkgutil.walk_packages(doormill_ros.__path__, "doormill_ros."):
+        if module.name.endswith("errors"):
+            importlib.import_module(module.name)
+
+    def below(cls: type[DoormillError]) -> list[type[DoormillError]]:
+        return [cls] + [leaf for child in cls.__subclasses__() for leaf in below(child)]
+
+    return [cls for cls in below(DoormillError) if cls.__module__.startswith("doormill_ros.")]
+
+
+def test_every_error_that_can_be_raised_has_a_code_of_its_own() -> None:
+    classes = _error_classes()
+    leaves = [cls for cls in classes if not cls.__subclasses__()]
+    assert len(leaves) > 40
+    codes: dict[int, str] = {}
+    for cls in leaves:
+        assert "code" in vars(cls), f"{cls.__name__} has no code of its own"
+        assert cls.code not in codes, f"{cls.__name__} and {codes[cls.code]} share code {cls.code}"
+        codes[cls.code] = cls.__name__
+
+
+RANGES = {
+    "recipes": (100, 199),
+    "localization": (200, 299),
+    "toolpath": (300, 399),
+    "correction": (300, 399),
+    "abb": (400, 499),
+    "diagnosis": (500, 599),
+    "stiffness": (500, 599),
+    "milling": (500, 599),
+    "recording": (600, 699),
+    "report": (600, 699),
+    "robot": (700, 799),
+    "workspace": (700, 799),
+    "cell": (800, 899),
+}
+
+
+def test_error_codes_stay_in_the_range_of_their_package() -> None:
+    for cls in _error_classes():
+        package = cls.__module__.split(".")[1]
+        if package in RANGES and "code" in vars(cls):
+            low, high = RANGES[package]
+            assert low <= cls.code <= high, f"{cls.__name__} has code {cls.code}, its range is {low}..{high}"
+
+
+def test_conversions_to_millimetres_and_degrees_stay_at_the_edges() -> None:
+    """np.deg2rad and friends are spelled by doormill_ros.units alone."""
+    for path in SOURCES:
+        if path.name == "units.py":
+            continue
+        text = path.read_text(encoding="utf-8")
+        for word in ("deg2rad", "rad2deg", "math.radians", "math.degrees", "np.radians", "np.degrees"):
+            assert word not in text, f"{path.relative_to(ROOT)} spells {word}; use doormill_ros.units"
