@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from doormill_ros.stiffness.compliance import ComplianceModel
 from doormill_ros.toolpath.assemble import Itinerary, decisive, itinerary
 from doormill_ros.toolpath.door_plan import door_plan, whole_door
 from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError
+from doormill_ros.toolpath.joint_speed import followable
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
@@ -63,8 +65,9 @@ def generate_program(
     operations = whole_door(recipe) if operations is None else list(operations)
     plan = door_plan(recipe, operations, settings)
     bench = Bench(Kinematics(robot), model, layout.T_flange_tool, settings.correction.tolerance)
-    stations = stations_of(plan.steps, T_base_door)
-    q = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings).stations
+    path = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings)
+    plan = replace(plan, steps=tuple(followable(plan.steps, path, robot, settings.checks)))
+    stations, q = stations_of(plan.steps, T_base_door), path.stations
     if not plan.fixed:
         plan, stations, q = _divided(plan, stations, q, T_base_door, bench, settings)
     return _program(recipe, plan, stations, q, bench, robot, settings)

@@ -82,7 +82,10 @@ def joint_path(
     index, fraction = _dense(steps)
     T_base_flange = stations_along(steps, T_base_door, index, fraction) @ inverse(T_flange_tool)
     leg = np.cumsum([step.kind is MotionKind.JOINT for step in steps])
-    rules = BranchRules(limit_margin=settings.checks.joint_margin, wrist=settings.checks.wrist_singularity)
+    checks = settings.checks
+    rules = BranchRules(
+        limit_margin=checks.joint_margin, wrist=checks.wrist, elbow=checks.elbow, shoulder=checks.shoulder
+    )
     try:
         q = choose_branch(robot, T_base_flange, rules=rules, segment=leg[index])
     except tuple(_MEANING) as error:

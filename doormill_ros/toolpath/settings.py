@@ -7,8 +7,11 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
+from scipy.spatial.transform import Rotation
 
+from doormill_ros.frames import transform
 from doormill_ros.resources import resource
 from doormill_ros.toolpath.errors import PathSettingsError
 
@@ -57,27 +60,58 @@ class Checks:
 
     Attributes:
         joint_margin: Distance kept from each joint limit [rad].
-        wrist_singularity: Smallest magnitude of the angle of joint 5 [rad].
-        conditioning: Smallest inverse condition number of the normalised Jacobian.
+        wrist: Smallest angle of axis 5 from straight [rad].
+        elbow: Smallest angle of the forearm from in line with the lower arm [rad].
+        shoulder: Smallest distance of the wrist centre from axis 1 [m].
         joint_speed_share: Allowed share of the joints' speed limits.
     """
 
     joint_margin: float
-    wrist_singularity: float
-    conditioning: float
+    wrist: float
+    elbow: float
+    shoulder: float
     joint_speed_share: float
 
 
 @dataclass(frozen=True)
 class Cycle:
-    """Acceleration of the tool [m/s^2] and cycle times [s] (thesis, appendix A.1)."""
+    """Accelerations, and the times that appendix A.1 of the thesis allows.
+
+    Attributes:
+        acceleration: Of the tool centre point [m/s^2].
+        joint_acceleration: Of the slowest joint of a MoveJ [rad/s^2].
+        hinges: All hinges of a door [s].
+        hole_side: One handle hole from one side [s].
+        lock_case: The lock case and its face plate [s].
+        probing: Finding the door [s].
+        total: One door from clamp to clamp [s].
+    """
 
     acceleration: float
+    joint_acceleration: float
     hinges: float
     hole_side: float
     lock_case: float
     probing: float
     total: float
+
+
+@dataclass(frozen=True)
+class SecondRobot:
+    """Where the second milling robot stands.
+
+    Attributes:
+        position: Its base in the first robot's base frame, shape (3,) [m].
+        rotation: About z [rad].
+    """
+
+    position: tuple[float, float, float]
+    rotation: float
+
+    @property
+    def T_base_second(self) -> np.ndarray:
+        """Its base frame in the first robot's, shape (4, 4)."""
+        return transform(Rotation.from_euler("z", self.rotation).as_matrix(), np.array(self.position))
 
 
 @dataclass(frozen=True)
@@ -88,17 +122,24 @@ class PathSettings:
     correction: Correction
     checks: Checks
     cycle: Cycle
+    second_robot: SecondRobot
 
 
 def load_settings(path: Path | None = None) -> PathSettings:
     """Read config/toolpath.yaml, or another file of the same form.
 
     Raises:
-        PathSettingsError: A value is missing, unknown or not a positive number.
+        PathSettingsError: A value is missing, unknown or impossible.
     """
     path = path or resource("config/toolpath.yaml")
     document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    parts = {"approach": Approach, "correction": Correction, "checks": Checks, "cycle": Cycle}
+    parts = {
+        "approach": Approach,
+        "correction": Correction,
+        "checks": Checks,
+        "cycle": Cycle,
+        "second_robot": SecondRobot,
+    }
     if not isinstance(document, dict) or set(document) != set(parts):
         found = sorted(document) if isinstance(document, dict) else type(document).__name__
         raise PathSettingsError(
@@ -112,8 +153,23 @@ def _part(path: Path, name: str, kind: type, values: Any) -> Any:
     if not isinstance(values, dict) or set(values) != set(known):
         found = sorted(values) if isinstance(values, dict) else type(values).__name__
         raise PathSettingsError(f"{name} in {path} holds {found}, allowed are exactly {sorted(known)}")
+    if kind is SecondRobot:
+        return _second_robot(path, values)
     for key, value in values.items():
         good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
         if not good or value <= 0.0:
             raise PathSettingsError(f"{name}.{key} in {path} is {value!r}, allowed is a positive number")
     return kind(**{key: float(value) for key, value in values.items()})
+
+
+def _second_robot(path: Path, values: dict[str, Any]) -> SecondRobot:
+    try:
+        position = np.array(values["position"], dtype=float)
+        rotation = float(values["rotation"])
+    except (TypeError, ValueError):
+        position, rotation = np.zeros(0), math.nan
+    if position.shape != (3,) or not np.all(np.isfinite([*position, rotation])):
+        raise PathSettingsError(
+            f"second_robot in {path} is {values!r}, allowed are three numbers for position and one for rotation"
+        )
+    return SecondRobot(tuple(position.tolist()), rotation)

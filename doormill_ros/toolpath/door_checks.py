@@ -1,0 +1,172 @@
+"""Look at a whole program before it is milled: margins, speeds and cycle times in one table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.recipes.features.face_plate import FacePlate
+from doormill_ros.recipes.features.handle_hole import HandleHole
+from doormill_ros.recipes.features.hinge_pocket import HingePocket
+from doormill_ros.recipes.features.lock_case import LockCase
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.singularity import clearance
+from doormill_ros.toolpath.errors import CycleTimeError
+from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.settings import PathSettings, load_settings
+from doormill_ros.toolpath.timing import feature_times, motion_times
+from doormill_ros.units import rad_to_deg
+
+
+@dataclass(frozen=True)
+class FeatureCheck:
+    """One feature of a program.
+
+    Attributes:
+        feature: Identifier in the recipe.
+        targets: Number of targets.
+        time: With the way to it [s].
+        correction: Largest translation between nominal and corrected pose [m].
+        joint_margin: Smallest distance of any joint from its limits [rad].
+        wrist: Smallest angle of axis 5 from straight [rad].
+        elbow: Smallest angle of the forearm from in line with the lower arm [rad].
+        shoulder: Smallest distance of the wrist centre from axis 1 [m].
+    """
+
+    feature: str
+    targets: int
+    time: float
+    correction: float
+    joint_margin: float
+    wrist: float
+    elbow: float
+    shoulder: float
+
+
+@dataclass(frozen=True)
+class Budget:
+    """A time that appendix A.1 of the thesis allows, and what the program takes [s]."""
+
+    what: str
+    found: float
+    allowed: float
+
+    @property
+    def kept(self) -> bool:
+        """True when the program is fast enough."""
+        return self.found <= self.allowed
+
+
+@dataclass(frozen=True)
+class DoorCheck:
+    """One robot's program looked at as a whole.
+
+    Attributes:
+        features: In the order of milling.
+        budgets: Times against appendix A.1; the last one is the whole cycle with probing.
+        time: The program from its first to its last target [s].
+    """
+
+    features: tuple[FeatureCheck, ...]
+    budgets: tuple[Budget, ...]
+    time: float
+
+
+def check_door(
+    program: MillingProgram, recipe: Recipe, robot: Robot, settings: PathSettings | None = None
+) -> DoorCheck:
+    """Margins of every feature, and the cycle time against appendix A.1.
+
+    Args:
+        program: One robot's program.
+        recipe: What it was made from.
+        robot: Who mills it.
+        settings: Values of config/toolpath.yaml; None reads the file.
+    """
+    settings = settings or load_settings()
+    times = motion_times(program, robot, settings.cycle)
+    by_feature = feature_times(program, times)
+    used: dict[str, set[int]] = {}
+    for motion in program.motions:
+        if motion.feature:
+            used.setdefault(motion.feature, set()).update({motion.target, motion.via} - {None})
+    rows = [_feature_check(name, sorted(used[name]), by_feature[name], program, robot) for name in used]
+    return DoorCheck(tuple(rows), _budgets(by_feature, recipe, settings), float(times.sum()))
+
+
+def require_cycle(checks: Sequence[DoorCheck], settings: PathSettings | None = None) -> float:
+    """Time of the door: its slowest robot and probing [s].
+
+    Args:
+        checks: One of each robot that mills the door at the same time.
+        settings: Values of config/toolpath.yaml; None reads the file.
+
+    Raises:
+        CycleTimeError: It is longer than appendix A.1 allows.
+    """
+    cycle = (settings or load_settings()).cycle
+    found = max(check.time for check in checks) + cycle.probing
+    if found > cycle.total:
+        slow = max((f for check in checks for f in check.features), key=lambda f: f.time)
+        raise CycleTimeError(
+            f"{slow.feature}: it takes {slow.time:.1f} s, which makes the door {found:.1f} s with probing, allowed "
+            f"are {cycle.total:.1f} s; raise its feed or depth step, or split the door between two robots",
+            feature=slow.feature,
+            found=found,
+            allowed=cycle.total,
+        )
+    return found
+
+
+def text_table(check: DoorCheck) -> str:
+    """The check as lines for an operator; seconds, millimetres and degrees."""
+    lines = ["feature              targets   time  corr.mm  limit.deg  wrist.deg  elbow.deg  shoulder.m"]
+    for row in check.features:
+        lines.append(
+            f"{row.feature:20.20s} {row.targets:7d} {row.time:6.1f} {1e3 * row.correction:8.3f}"
+            f" {rad_to_deg(row.joint_margin):10.1f} {rad_to_deg(row.wrist):10.1f} {rad_to_deg(row.elbow):10.1f}"
+            f" {row.shoulder:11.2f}"
+        )
+    for budget in check.budgets:
+        word = "kept" if budget.kept else "EXCEEDED"
+        lines.append(f"{budget.what}: {budget.found:.1f} s of {budget.allowed:.1f} s, {word}")
+    return "\n".join(lines)
+
+
+def _feature_check(
+    name: str, used: Sequence[int], time: float, program: MillingProgram, robot: Robot
+) -> FeatureCheck:
+    targets = [program.targets[i] for i in used]
+    q = np.array([t.q for t in targets])
+    near = clearance(robot, q)
+    step = np.array([(t.T_base_tool_corrected - t.T_base_tool_nominal)[:3, 3] for t in targets])
+    return FeatureCheck(
+        feature=name,
+        targets=len(targets),
+        time=time,
+        correction=float(np.linalg.norm(step, axis=1).max()),
+        joint_margin=float(np.minimum(q - robot.lower, robot.upper - q).min()),
+        wrist=float(near.wrist.min()),
+        elbow=float(near.elbow.min()),
+        shoulder=float(near.shoulder.min()),
+    )
+
+
+def _budgets(by_feature: dict[str, float], recipe: Recipe, settings: PathSettings) -> tuple[Budget, ...]:
+    cycle = settings.cycle
+    kinds = {feature.id: feature for feature in recipe.features}
+    hinges = [t for name, t in by_feature.items() if isinstance(kinds[name], HingePocket)]
+    locks = [t for name, t in by_feature.items() if isinstance(kinds[name], LockCase | FacePlate)]
+    budgets = []
+    if hinges:
+        budgets.append(Budget(f"{len(hinges)} hinges", sum(hinges), cycle.hinges))
+    if locks:
+        budgets.append(Budget("lock case", sum(locks), cycle.lock_case))
+    for name, time in by_feature.items():
+        if isinstance(kinds[name], HandleHole):
+            budgets.append(Budget(name, time, cycle.hole_side))
+    budgets.append(Budget("door, with probing", sum(by_feature.values()) + cycle.probing, cycle.total))
+    return tuple(budgets)

@@ -1,0 +1,61 @@
+"""Joint speeds along a plan: slow the tool down in the air, refuse a feed that a joint cannot follow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from doormill_ros.robot.description import Robot
+from doormill_ros.toolpath.errors import JointSpeedError
+from doormill_ros.toolpath.plan import Step
+from doormill_ros.toolpath.program import MotionKind
+from doormill_ros.toolpath.reach import JointPath
+from doormill_ros.toolpath.settings import Checks
+from doormill_ros.units import m_to_mm, rad_to_deg
+
+
+def joint_speed_shares(steps: Sequence[Step], path: JointPath, robot: Robot) -> np.ndarray:
+    """Largest share of its speed limit that each joint needs on each step, shape (m, 6).
+
+    Zero for a MoveJ, which the controller times by the joints themselves.
+    """
+    length = np.array([0.0 if s.kind is MotionKind.JOINT else s.curve.length for s in steps])
+    speed = np.array([s.speed for s in steps])
+    way = np.diff(path.fraction) * length[path.step[1:]]  # (n - 1,)
+    within = (np.diff(path.step) == 0) & (way > 1e-9)
+    time = way[within] / speed[path.step[1:][within]]
+    needed = np.abs(np.diff(path.q, axis=0)[within]) / time[:, None] / robot.max_velocity
+    shares = np.zeros((len(steps), 6))
+    np.maximum.at(shares, path.step[1:][within], needed)
+    return shares
+
+
+def followable(steps: Sequence[Step], path: JointPath, robot: Robot, checks: Checks) -> list[Step]:
+    """The plan with every speed in the air lowered to what the joints can follow.
+
+    Raises:
+        JointSpeedError: The feed of a cut is too fast for a joint.
+    """
+    shares = joint_speed_shares(steps, path, robot)
+    result = []
+    for i, (step, share) in enumerate(zip(steps, shares.max(axis=1), strict=True)):
+        if share <= checks.joint_speed_share:
+            result.append(step)
+            continue
+        slower = step.speed * checks.joint_speed_share / float(share)
+        if step.cutting:
+            joint = int(shares[i].argmax())
+            raise JointSpeedError(
+                f"{step.feature}, motion {i + 1} of {len(steps)}: joint {joint + 1} would turn at "
+                f"{rad_to_deg(share * robot.max_velocity[joint]):.0f} deg/s, allowed are "
+                f"{rad_to_deg(checks.joint_speed_share * robot.max_velocity[joint]):.0f} deg/s; "
+                f"lower the feed from {m_to_mm(step.speed):.0f} to {m_to_mm(slower):.0f} mm/s",
+                feature=step.feature,
+                motion=i + 1,
+                found=float(share),
+                allowed=checks.joint_speed_share,
+            )
+        result.append(replace(step, speed=slower))
+    return result

@@ -1,0 +1,55 @@
+"""Split a door between two milling robots, one on either side (thesis, appendix A.1).
+
+The first robot, before the front, mills the hinges and the front half of every through hole; the
+second, behind the door, the lock case and the other halves. Each feature that only one of them
+can face goes to that one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.frames import inverse
+from doormill_ros.recipes.door import Side
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.toolpath.operation import Operation, operation
+from doormill_ros.toolpath.settings import PathSettings
+
+_FIRST = (Side.FRONT, Side.HINGE_EDGE)
+
+
+@dataclass(frozen=True, eq=False)
+class Share:
+    """What one robot mills.
+
+    Attributes:
+        robot: "first" or "second".
+        operations: In the order of milling.
+        T_base_door: The door in this robot's base frame, shape (4, 4).
+    """
+
+    robot: str
+    operations: tuple[Operation, ...]
+    T_base_door: np.ndarray
+
+
+def split(recipe: Recipe, T_base_door: np.ndarray, settings: PathSettings) -> tuple[Share, Share]:
+    """The shares of the first and of the second robot; either may be empty.
+
+    Args:
+        recipe: The door.
+        T_base_door: The door in the first robot's base frame, shape (4, 4).
+        settings: Where the second robot stands.
+    """
+    first: list[Operation] = []
+    second: list[Operation] = []
+    for feature in recipe.features:
+        near, far = (first, second) if feature.side in _FIRST else (second, first)
+        half = feature.through and getattr(feature, "from_both_sides", False)
+        near.append(operation(feature, recipe.size, half=half))
+        if half:
+            far.append(operation(feature, recipe.size, half=True, far_side=True))
+    T_second_door = inverse(settings.second_robot.T_base_second) @ T_base_door
+    return Share("first", tuple(first), T_base_door), Share("second", tuple(second), T_second_door)
