@@ -1,0 +1,1 @@
+"""Predefined routines of RAPID, one file for each field of work."""
