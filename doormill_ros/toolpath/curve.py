@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -35,17 +36,22 @@ class Curve:
     @property
     def radius(self) -> float:
         """Radius of an arc [m]; infinite for a line."""
-        return float(np.linalg.norm(self.start - self.centre)) if self.is_arc else float("inf")
+        return math.dist(self.start, self.centre) if self.is_arc else float("inf")
 
     @property
     def length(self) -> float:
         """Length along the curve [m]."""
-        return self.sweep * self.radius if self.is_arc else float(np.linalg.norm(self.end - self.start))
+        return self.sweep * self.radius if self.is_arc else math.dist(self.start, self.end)
 
     def points(self, fractions: np.ndarray | Sequence[float]) -> np.ndarray:
         """Points at fractions 0..1 of the length, shape (k,) -> (k, 3) [m]."""
-        fractions = np.asarray(fractions, dtype=float)
-        return points_of([self], np.zeros(len(fractions), dtype=int), fractions)
+        t = np.asarray(fractions, dtype=float)[:, None]
+        if not self.is_arc:
+            return self.start + t * (self.end - self.start)
+        arm = self.start - self.centre
+        points = self.centre + np.cos(t * self.sweep) * arm + np.sin(t * self.sweep) * self.across
+        # The ends stay as given, so that neighbours join without a rounding error between them.
+        return np.where(t == 0.0, self.start, np.where(t == 1.0, self.end, points))
 
     def part(self, first: float, last: float) -> Curve:
         """The stretch between two fractions of the length."""
@@ -100,7 +106,6 @@ def points_of(curves: Sequence[Curve], index: np.ndarray, fraction: np.ndarray) 
     centre = np.array([c.start if c.centre is None else c.centre for c in curves])
     across = np.array([np.zeros(3) if c.across is None else c.across for c in curves])
     round_ = np.array([c.is_arc for c in curves])[index] & (fraction != 0.0) & (fraction != 1.0)
-    # The ends stay as given, so that neighbours join without a rounding error between them.
     i = index[round_]
     angle = t[round_] * np.array([c.sweep for c in curves])[i, None]
     result[round_] = centre[i] + np.cos(angle) * (start - centre)[i] + np.sin(angle) * across[i]

@@ -112,8 +112,9 @@ def require_cycle(checks: Sequence[DoorCheck], settings: PathSettings | None = N
     if found > cycle.total:
         slow = max((f for check in checks for f in check.features), key=lambda f: f.time)
         raise CycleTimeError(
-            f"{slow.feature}: it takes {slow.time:.1f} s, which makes the door {found:.1f} s with probing, allowed "
-            f"are {cycle.total:.1f} s; raise its feed or depth step, or split the door between two robots",
+            f"{slow.feature}: it takes {slow.time:.1f} s, which makes the door {found:.1f} s with probing, "
+            f"allowed are {cycle.total:.1f} s; raise its feed or depth step, "
+            "or split the door between two robots",
             feature=slow.feature,
             found=found,
             allowed=cycle.total,
@@ -127,8 +128,8 @@ def text_table(check: DoorCheck) -> str:
     for row in check.features:
         lines.append(
             f"{row.feature:20.20s} {row.targets:7d} {row.time:6.1f} {1e3 * row.correction:8.3f}"
-            f" {rad_to_deg(row.joint_margin):10.1f} {rad_to_deg(row.wrist):10.1f} {rad_to_deg(row.elbow):10.1f}"
-            f" {row.shoulder:11.2f}"
+            f" {rad_to_deg(row.joint_margin):10.1f} {rad_to_deg(row.wrist):10.1f}"
+            f" {rad_to_deg(row.elbow):10.1f} {row.shoulder:11.2f}"
         )
     for budget in check.budgets:
         word = "kept" if budget.kept else "EXCEEDED"

@@ -164,8 +164,8 @@ def _check_correction(
     if size[worst] > limit:
         stop = route.stops[worst]
         raise CorrectionLimitError(
-            f"{stop.feature or 'air'}, target {stop.name}: the robot bends by {m_to_mm(size[worst]):.2f} mm, allowed "
-            f"are {m_to_mm(limit):.2f} mm; mill with less depth or feed, or check the robot model",
+            f"{stop.feature or 'air'}, target {stop.name}: the robot bends by {m_to_mm(size[worst]):.2f} mm, "
+            f"allowed are {m_to_mm(limit):.2f} mm; mill with less depth or feed, or check the robot model",
             feature=stop.feature,
             target=stop.name,
             found=float(size[worst]),
@@ -175,8 +175,9 @@ def _check_correction(
     if residual[worst] > UNSETTLED:
         stop = route.stops[worst]
         raise CorrectionSettleError(
-            f"{stop.feature or 'air'}, target {stop.name}: the correction stays {m_to_mm(residual[worst]):.3f} mm off, "
-            f"allowed are {m_to_mm(UNSETTLED):.3f} mm; the robot model jumps there, check its play",
+            f"{stop.feature or 'air'}, target {stop.name}: the correction stays "
+            f"{m_to_mm(residual[worst]):.3f} mm off, allowed are "
+            f"{m_to_mm(UNSETTLED):.3f} mm; the robot model jumps there, check its play",
             feature=stop.feature,
             target=stop.name,
             found=float(residual[worst]),

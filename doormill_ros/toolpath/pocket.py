@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -75,8 +76,9 @@ class _Pocket:
         self.half = min(self.feature.shape.width, self.feature.shape.length) / 2.0
         if self.radius > self.half + 1e-9:
             raise ToolFitError(
-                f"{self.feature.id}: the tool {self.feature.tool.name} is {m_to_mm(2 * self.radius):g} mm wide, "
-                f"allowed are {m_to_mm(2 * self.half):g} mm, the width of the outline; choose another tool",
+                f"{self.feature.id}: the tool {self.feature.tool.name} is {m_to_mm(2 * self.radius):g} mm "
+                f"wide, allowed are {m_to_mm(2 * self.half):g} mm, the width of the outline; "
+                "choose another tool",
                 feature=self.feature.id,
             )
         cutting = self.feature.cutting
@@ -226,9 +228,9 @@ def _followable(curve: Curve, name: str) -> list[tuple[Curve, str]]:
         return [(curve, name)]
     count = max(1, math.ceil(curve.sweep / LARGEST_ARC - 1e-9))
     cuts = np.linspace(0.0, 1.0, count + 1)
-    parts = [curve.part(a, b) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+    parts = [curve.part(a, b) for a, b in itertools.pairwise(cuts)]
     if np.linalg.norm(parts[0].points([0.5])[0] - parts[0].start) > SMALLEST_CHORD:
         return [(part, name) for part in parts]
     # Two chords of so small an arc leave less wood than a hundredth of a millimetre.
     corners = curve.points(np.linspace(0.0, 1.0, 2 * count + 1))
-    return [(Curve(a, b), name) for a, b in zip(corners[:-1], corners[1:], strict=True)]
+    return [(Curve(a, b), name) for a, b in itertools.pairwise(corners)]

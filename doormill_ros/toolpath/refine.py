@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -103,19 +104,22 @@ def _divide_run(
             wanted.append(at + settings.blend * (np.arange(pieces + 1) / pieces - 0.5))
     cuts = np.concatenate([np.zeros(0), *wanted])
     wrench = _Blend(border, np.array([step.wrench_tool for step in run]), settings.blend)
-    parts = []
+    cut_at: list[tuple[int, float, float]] = []
     for index, step in enumerate(run):
         inside = cuts[(cuts > border[index]) & (cuts < border[index + 1])] - border[index]
         # A curved correction leaves its chord with the square of the length.
         count = math.ceil(math.sqrt(bend[index] / settings.bend)) if bend[index] > settings.bend else 1
         inside = np.concatenate([inside, length[index] * np.arange(1, count) / count])
         at = _apart(np.sort(inside), step, settings.shortest)
-        for first, last in zip(at[:-1], at[1:], strict=True):
-            middle = border[index] + 0.5 * (first + last)
-            blended = any(abs(middle - at_border) < 0.5 * settings.blend for at_border in changes)
-            load = wrench.mean(border[index] + first, border[index] + last) if blended else step.wrench_tool
-            parts.append((index, first / length[index], last / length[index], load))
-    return parts
+        cut_at += [(index, first, last) for first, last in itertools.pairwise(at)]
+    index, first, last = (np.array(column) for column in zip(*cut_at, strict=True))
+    middle = border[index] + 0.5 * (first + last)
+    near = np.abs(middle[:, None] - np.array(changes)) < 0.5 * settings.blend  # (parts, changes)
+    blended = wrench.mean(border[index] + first, border[index] + last)
+    own = np.array([step.wrench_tool for step in run])[index]
+    load = np.where(near.any(axis=1)[:, None], blended, own)
+    share = 1.0 / length[index]
+    return list(zip(index.tolist(), (first * share).tolist(), (last * share).tolist(), load, strict=True))
 
 
 def _apart(inside: np.ndarray, step: Step, shortest: float) -> list[float]:
@@ -141,10 +145,10 @@ class _Blend:
         area = np.diff(self.at)[:, None] * values
         self.integral = np.concatenate([np.zeros((1, 6)), np.cumsum(area, axis=0)])  # (m + 3, 6)
 
-    def mean(self, first: float, last: float) -> np.ndarray:
-        """Mean of the blended wrench between two places, shape (6,)."""
-        # Averages of a piecewise linear function: its middle is close enough at these lengths.
-        samples = first + (last - first) * (np.arange(8) + 0.5) / 8.0
+    def mean(self, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+        """Mean of the blended wrench between places, shapes (p,) [m] -> (p, 6)."""
+        # Averages of a piecewise linear function: a few samples are close enough.
+        samples = first + (last - first) * ((np.arange(8) + 0.5) / 8.0)[:, None]  # (8, p)
         high, low = samples + 0.5 * self.width, samples - 0.5 * self.width
         return ((self._up_to(high) - self._up_to(low)) / self.width).mean(axis=0)
 

@@ -170,6 +170,6 @@ def _second_robot(path: Path, values: dict[str, Any]) -> SecondRobot:
         position, rotation = np.zeros(0), math.nan
     if position.shape != (3,) or not np.all(np.isfinite([*position, rotation])):
         raise PathSettingsError(
-            f"second_robot in {path} is {values!r}, allowed are three numbers for position and one for rotation"
+            f"second_robot in {path} is {values!r}, allowed are three numbers for position, one for rotation"
         )
     return SecondRobot(tuple(position.tolist()), rotation)
