@@ -16,6 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 from doormill_ros.abb import signals
+from doormill_ros.abb.backoff import Backoff
 from doormill_ros.abb.handshake_access import ControllerAccess
 from doormill_ros.abb.handshake_inbox import Inbox, Submission
 from doormill_ros.abb.handshake_runs import RunLedger
@@ -78,8 +79,8 @@ class Handshake:
         self._deadline = float("inf")
         self._after_clearing: tuple[State, str, int] = (State.IDLE, "started", 0)
         self._edges_missed = True
-        self._retry_at = self._watch_at = float("-inf")
-        self._retry_pause = self._timeouts.retry_first
+        self._watch_at = float("-inf")
+        self._retry = Backoff(clock, self._timeouts.retry_first, self._timeouts.retry_last)
         self._unreadable_since: float | None = None
 
     @property
@@ -157,10 +158,8 @@ class Handshake:
             self._fail(error)
         return self._snapshot
 
-    # States ----------------------------------------------------------------------------------------
-
     def _step_clearing(self) -> None:
-        if self._clock() < self._retry_at:
+        if not self._retry.due:
             return
         after, reason, code = self._after_clearing
         try:
@@ -168,14 +167,13 @@ class Handshake:
             high = self._access.request_is_high()
         except LinkError as error:
             self._edges_missed = True
-            self._retry_at = self._clock() + self._retry_pause
-            self._retry_pause = min(2.0 * self._retry_pause, self._timeouts.retry_last)
+            self._retry.failed()
             reason = f"{reason}; clearing the controller: {error.message}"
             if self._snapshot.reason != reason:
                 self._enter(State.CLEARING, reason, error.code)
             return
         if self._access.in_doubt:
-            self._retry_at = self._clock() + self._timeouts.retry_first
+            self._retry.hold()
             return
         self._inbox.forget_abort()
         self._watch_at = self._clock() + self._timeouts.watch
@@ -214,7 +212,11 @@ class Handshake:
         self._inbox.forget_abort()
         self._deadline = self._clock() + self._timeouts.submission
         self._enter(State.REQUESTED, f"request {number}: waiting for the target file{context}", 0)
-        self._access.clear()
+        try:
+            self._access.clear()
+        except LinkError:
+            self._edges_missed = True  # so that the request counts as new once the link works again
+            raise
 
     def _step_requested(self, high: bool) -> None:
         if not high:
@@ -238,6 +240,8 @@ class Handshake:
             self._enter(State.IDLE, f"no request; before: {self._snapshot.reason}", 0)
         elif (submission := self._inbox.take()) is not None:
             self._hand_over(submission)
+        else:
+            self._inbox.forget_abort()
 
     def _hand_over(self, submission: Submission) -> None:
         self._runs.begin(submission)
@@ -312,8 +316,6 @@ class Handshake:
                 f"the robot did not report the end of milling within {limit:g} s; look at it", timeout=limit
             )
 
-    # Shared ----------------------------------------------------------------------------------------
-
     def _fail(self, error: LinkError) -> None:
         state = self._snapshot.state
         _LOG.warning("handshake, %s: %s", state.value, error.message)
@@ -324,8 +326,8 @@ class Handshake:
         reason = error.message
         if error.connection and state in (State.READY, State.ACKNOWLEDGED):
             reason += "; the controller may have taken the file: look at the robot before you repeat"
-        self._drop_submission(error)
         self._finish(handed_over=False, code=error.code, reason=reason)
+        self._drop_submission(error)
         self._begin_clearing(after, reason, error.code)
         self._step_clearing()
 
@@ -342,8 +344,7 @@ class Handshake:
 
     def _begin_clearing(self, then: State, reason: str, code: int) -> None:
         self._after_clearing = (then, reason, code)
-        self._retry_at = float("-inf")
-        self._retry_pause = self._timeouts.retry_first
+        self._retry.reset()
         self._enter(State.CLEARING, f"{reason}; clearing the controller", code)
 
     def _update(self, **changes: Any) -> None:

@@ -10,12 +10,14 @@ import contextlib
 import logging
 import re
 import threading
+import time
 from collections import deque
 from urllib.parse import urlsplit
 
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
+from doormill_ros.abb.backoff import Backoff
 from doormill_ros.abb.link_errors import LinkError, SubscriptionError
 from doormill_ros.abb.transports.rws_dialect import Dialect
 from doormill_ros.abb.transports.rws_http import RwsHttp
@@ -77,17 +79,15 @@ class RwsEvents:
         self._unsubscribe()
 
     def _run(self) -> None:
-        pause = _RETRY_FIRST
+        backoff = Backoff(time.monotonic, _RETRY_FIRST, _RETRY_LAST)
         while not self._stop.is_set():
             try:
                 self._subscribe_and_listen()
-                pause = _RETRY_FIRST
+                backoff.reset()
             except (LinkError, WebSocketException, OSError, TimeoutError) as error:
                 _LOG.warning("event stream of the controller: %s; signals are polled meanwhile", error)
             self._unsubscribe()
-            if self._stop.wait(pause):
-                return
-            pause = min(2.0 * pause, _RETRY_LAST)
+            self._stop.wait(backoff.failed())
 
     def _subscribe_and_listen(self) -> None:
         address = self._subscribe()

@@ -13,6 +13,7 @@ from typing import Any
 
 import httpx
 
+from doormill_ros.abb.backoff import Backoff
 from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.link_errors import (
     CertificateError,
@@ -174,7 +175,7 @@ class RwsHttp:
     def _send(
         self, method: str, path: str, content: Any, headers: dict[str, str], repeat: bool, deadline: float
     ) -> httpx.Response:
-        pause, logins, losses = _BUSY_FIRST, 0, 0
+        logins, losses, backoff = 0, 0, Backoff(time.monotonic, _BUSY_FIRST, _BUSY_LAST)
         while True:
             try:
                 response = self._exchange(method, path, content, headers)
@@ -197,6 +198,7 @@ class RwsHttp:
             self._logged_in = True
             if response.status_code != 503:
                 return response
+            pause = backoff.failed()
             if time.monotonic() + pause >= deadline:
                 raise ControllerBusyError(
                     f"controller {self.url} answers 503 to {method} {path}: too many sessions or requests; "
@@ -204,7 +206,6 @@ class RwsHttp:
                     url=self.url,
                 )
             time.sleep(pause)
-            pause = min(2.0 * pause, _BUSY_LAST)
 
     def _exchange(self, method: str, path: str, content: Any, headers: dict[str, str]) -> httpx.Response:
         password = self._credentials.reveal
