@@ -3,7 +3,14 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 PACKAGE = "doormill_ros"
-NODES = ["door_localizer", "recipe_database", "path_generator", "abb_bridge", "bag_recorder", "cell_simulator"]
+NODES = [
+    "door_localizer",
+    "recipe_database",
+    "path_generator",
+    "abb_bridge",
+    "bag_recorder",
+    "cell_simulator",
+]
 TOOLS = ["cell", "replay", "recipes", "identify", "diagnose", "workspace", "report"]
 
 
@@ -21,7 +28,9 @@ setup(
     name=PACKAGE,
     version="0.1.0",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["**/*.lark", "**/*.html", "**/*.j2", "**/*.css", "**/*.js", "**/*.ini", "**/*.mako"]},
+    package_data={
+        PACKAGE: ["**/*.lark", "**/*.html", "**/*.j2", "**/*.css", "**/*.js", "**/*.ini", "**/*.mako"]
+    },
     include_package_data=False,
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),

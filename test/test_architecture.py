@@ -7,12 +7,20 @@ import pkgutil
 from pathlib import Path
 
 import pytest
+from source_tree import PACKAGE, ROOT, SOURCES, imports_of
 
 import doormill_ros
 from doormill_ros.errors import DoormillError
-from source_tree import PACKAGE, ROOT, SOURCES, imports_of
 
-ROS_ONLY = {"rclpy", "launch", "launch_ros", "rosidl_runtime_py", "tf2_ros", "cv_bridge", "ament_index_python"}
+ROS_ONLY = {
+    "rclpy",
+    "launch",
+    "launch_ros",
+    "rosidl_runtime_py",
+    "tf2_ros",
+    "cv_bridge",
+    "ament_index_python",
+}
 LONGEST_FILE = 350  # lines
 MEDIAN_FILE = 200  # lines
 # The truth of the simulation must not come from the code under test.

@@ -10,8 +10,9 @@ import xml.etree.ElementTree as ElementTree
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
-from doormill_ros import __version__
 from source_tree import ROOT, SOURCES, imports_of
+
+from doormill_ros import __version__
 
 OWN = {"doormill_ros", "test", "harness"}
 WITHOUT_DISTRIBUTION = {"pinocchio": "pin"}
@@ -48,7 +49,11 @@ def test_package_xml_names_nothing_that_is_not_imported() -> None:
 
 
 def test_versions_agree() -> None:
-    versions = {manifest().findtext("version"), manifest("doormill_interfaces").findtext("version"), __version__}
+    versions = {
+        manifest().findtext("version"),
+        manifest("doormill_interfaces").findtext("version"),
+        __version__,
+    }
     setup = re.search(r'version="([^"]+)"', (ROOT / "setup.py").read_text(encoding="utf-8"))[1]
     assert versions == {setup}
 
@@ -101,7 +106,12 @@ def test_every_executable_has_a_main() -> None:
 def test_no_file_speaks_of_the_workplace() -> None:
     """The project speaks of the project alone."""
     words = ("/work/", "../shared/contracts", "helper-", "issues show", "claude", "anthropic")
-    for path in [*SOURCES, *ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "test").rglob("*.py")]:
+    for path in [
+        *SOURCES,
+        *ROOT.glob("*.md"),
+        *(ROOT / "docs").rglob("*.md"),
+        *(ROOT / "test").rglob("*.py"),
+    ]:
         if path == Path(__file__).resolve():
             continue
         text = path.read_text(encoding="utf-8").lower()

@@ -3,7 +3,8 @@
 AbbError
 `-- LinkError
     |-- connecting   ConnectError 450, ConnectTimeoutError 451, LoginError 452, CertificateError 453,
-    |                ControllerBusyError 454, FolderMissingError 455, FolderInUseError 456
+    |                ControllerBusyError 454, FolderMissingError 455, FolderInUseError 456,
+    |                UnknownTransportError 476
     |-- signals      SignalReadError 457, SignalWriteError 458, SignalAccessError 459,
     |                UnknownSignalError 460, ReadySignalError 461
     |-- files        DownloadError 462, UploadError 463, FileMissingError 464, FileNameError 465,
@@ -205,6 +206,12 @@ class CredentialsFormatError(LinkError):
     """The file with the password cannot be understood."""
 
     code = 475
+
+
+class UnknownTransportError(LinkError):
+    """There is no transport of that name."""
+
+    code = 476
 
 
 class NoRequestError(LinkError):

@@ -12,11 +12,12 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Bool
 
 from doormill_interfaces.msg import AbbStatus, TargetArray
+from doormill_ros.abb.handover_check import check_handover
 from doormill_ros.abb.handshake import Handshake
 from doormill_ros.abb.handshake_loop import HandshakeLoop
 from doormill_ros.abb.handshake_state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
-from doormill_ros.abb.target_file import read_target_file, render_target_file
-from doormill_ros.abb.transports.registry import open_transport
+from doormill_ros.abb.target_file import render_target_file
+from doormill_ros.abb.transports.registry import TransportOptions, open_transport
 from doormill_ros.errors import DoormillError
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.program import program_of
@@ -31,12 +32,16 @@ class AbbBridge(ManagedNode):
     PARAMETERS = (
         Parameter("transport", "shared_folder", "way to the controller: shared_folder, rws1, rws2"),
         Parameter("address", "out/controller/HOME", "folder of shared_folder, URL of rws1 and rws2"),
+        Parameter("certificate", "", "PEM file with the controller's certificate, for rws2"),
+        Parameter("insecure", False, "trust any certificate of the controller, for rws2"),
         Parameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
         Parameter("limit.recipe", 5.0, "longest wait for the recipe [s]", 0.1, 600.0),
         Parameter("limit.picture", 10.0, "longest wait for picture and door pose [s]", 0.1, 600.0),
         Parameter("limit.targets", 10.0, "longest wait for the targets [s]", 0.1, 600.0),
         Parameter("limit.request", 20.0, "longest wait for the controller's request [s]", 0.1, 3600.0),
-        Parameter("limit.ready", 10.0, "longest wait for the file to be written and verified [s]", 0.1, 600.0),
+        Parameter(
+            "limit.ready", 10.0, "longest wait for the file to be written and verified [s]", 0.1, 600.0
+        ),
         Parameter("limit.milling", 600.0, "longest wait for the end of milling [s]", 1.0, 36000.0),
     )
 
@@ -50,11 +55,11 @@ class AbbBridge(ManagedNode):
         self._request = self.publisher(topics.ABB_REQUEST)
         self._ready = self.publisher(topics.ABB_READY)
         self._shown: tuple[bool, bool] | None = None
-        transport = open_transport(self.value("transport"), self.value("address"))
+        transport = open_transport(self.value("transport"), self._transport_options())
         self.handshake = Handshake(
             transport,
             timeouts=HandshakeTimeouts(milling=self.value("limit.milling")),
-            check=lambda data, run_id, door_id: read_target_file(data).check_for(door_id),
+            check=check_handover,
             on_change=self._changed,
         )
         self._loop = HandshakeLoop(self.handshake)
@@ -90,6 +95,12 @@ class AbbBridge(ManagedNode):
         path = (archive / f"{message.run_id}.txt").resolve()
         path.write_bytes(data)
         return path, data
+
+    def _transport_options(self) -> TransportOptions:
+        certificate = self.value("certificate")
+        return TransportOptions(
+            self.value("address"), Path(certificate) if certificate else None, self.value("insecure")
+        )
 
     def _take_targets(self, message: TargetArray) -> None:
         if self._action.deliver("targets", message) or not message.accepted:

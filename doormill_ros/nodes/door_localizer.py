@@ -33,7 +33,9 @@ class DoorLocalizer(ManagedNode):
 
     PARAMETERS = (
         Parameter("check_age", True, "refuse pictures that are too old; false when a bag is replayed"),
-        Parameter("camera_info_wait", 0.3, "how long a picture waits for the first camera info [s]", 0.0, 5.0),
+        Parameter(
+            "camera_info_wait", 0.3, "how long a picture waits for the first camera info [s]", 0.0, 5.0
+        ),
         Parameter("overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8),
     )
 

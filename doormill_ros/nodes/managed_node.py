@@ -92,9 +92,7 @@ class ManagedNode(LifecycleNode):
 
     def publisher(self, topic: topics.Topic) -> Any:
         """A publisher that lives until clean-up."""
-        return self.keep(
-            self.destroy_publisher, self.create_publisher(topic.type, topic.name, topic.offered)
-        )
+        return self.keep(self.destroy_publisher, self.create_publisher(topic.type, topic.name, topic.offered))
 
     def subscribe(self, topic: topics.Topic, callback: Callable[[Any], None], **kwargs: Any) -> None:
         """Call `callback` with each message while the node is active."""

@@ -86,7 +86,9 @@ class MillDoorServer:
         door_id = goal.request.door_id
         if not self._lock.acquire(blocking=False):
             busy = self._run.door_id if self._run else "another door"
-            error = CellBusyError(f"door {door_id} was refused: {busy} is being milled; wait until it is done")
+            error = CellBusyError(
+                f"door {door_id} was refused: {busy} is being milled; wait until it is done"
+            )
             goal.abort()
             return MillDoor.Result(error_code=error.code, message=error.message)
         run = self._run = Run(new_run_id(), door_id)
@@ -163,7 +165,9 @@ class MillDoorServer:
         times.picture_to_pose = run.times["localization"] - seconds_of(found.header.stamp)
         stage("pose", 0.3)
         targets = run.wait_for(
-            "targets", limits.targets, "no targets came for the door's pose; check that /path_generator is active"
+            "targets",
+            limits.targets,
+            "no targets came for the door's pose; check that /path_generator is active",
         )
         result.largest_correction = targets.largest_correction
         times.pose_to_targets = run.times["targets"] - run.times["localization"]
@@ -183,7 +187,9 @@ class MillDoorServer:
         times.request_to_ready = announced["ready"] - announced["requested"]
         stage("ready", 0.6)
         outcome = run.wait_until(
-            lambda: handshake.outcome(run.run_id), limits.ready, "the controller does not read the target file"
+            lambda: handshake.outcome(run.run_id),
+            limits.ready,
+            "the controller does not read the target file",
         )
         self._refuse_unless(outcome.handed_over, outcome.reason, outcome.error_code)
         stage("milling", 0.7)

@@ -33,7 +33,9 @@ class PathGenerator(ManagedNode):
 
     PARAMETERS = (
         Parameter("robot", "", "robot description in config/robots; empty: the one of config/cell.yaml"),
-        Parameter("robot_model", "", "model.yaml of a diagnosis used for the correction; empty: joint springs"),
+        Parameter(
+            "robot_model", "", "model.yaml of a diagnosis used for the correction; empty: joint springs"
+        ),
     )
 
     def __init__(self, **kwargs: Any) -> None:

@@ -75,9 +75,7 @@ class RecipeDatabaseNode(ManagedNode):
             return response
         response.success = True
         response.door_ids = [record.door_id for record in report.saved]
-        response.message = (
-            f"{len(report.saved)} recipes imported from {request.path}, {len(report.unchanged)} were there already"
-        )
+        response.message = f"{len(report.saved)} recipes imported from {request.path}, {len(report.unchanged)} were there already"
         return response
 
 

@@ -23,7 +23,9 @@ def _facts(record: RunRecord) -> dict[str, str]:
     targets, milled = record.get("path/targets"), record.get("simulation/milled_door")
     facts = {"run": result.run_id, "software": f"doormill_ros {__version__}"}
     if recipe is not None:
-        facts["recipe"] = f"{recipe.door_id}, version {recipe.version}, saved by {recipe.author} {recipe.created}"
+        facts["recipe"] = (
+            f"{recipe.door_id}, version {recipe.version}, saved by {recipe.author} {recipe.created}"
+        )
         facts["door"] = (
             f"{m_to_mm(recipe.width):.0f} x {m_to_mm(recipe.height):.0f} x {m_to_mm(recipe.thickness):.0f} mm, "
             f"{recipe.material}, {recipe.mass:g} kg"

@@ -15,7 +15,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(prog="cell", description=__doc__)
     parser.add_argument("--door", required=True, metavar="ID", help="door to mill, for example standard_door")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="where the run's files go; default: out/latest")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="where the run's files go; default: out/latest"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the door's placement and the picture's noise")
     parser.add_argument(
         "--offset",
@@ -25,7 +27,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         help="place the door this far off: mm, mm, degrees",
     )
     parser.add_argument("--robot-model", metavar="YAML", help="model.yaml of a diagnosis for the correction")
-    parser.add_argument("--effects", metavar="YAML", help="what the simulated robot hides, see docs/diagnosis.md")
+    parser.add_argument(
+        "--effects", metavar="YAML", help="what the simulated robot hides, see docs/diagnosis.md"
+    )
     parser.add_argument("--no-pictures", action="store_true", help="simulate a broken camera")
     return parser.parse_args(arguments)
 
