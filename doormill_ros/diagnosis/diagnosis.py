@@ -10,9 +10,9 @@ from scipy.stats import chi2
 
 from doormill_ros.diagnosis.causes.cause import Cause
 from doormill_ros.diagnosis.causes.registry import candidates
-from doormill_ros.diagnosis.fit import OUTLIER_SHARE, Fit
+from doormill_ros.diagnosis.fit import OUTLIER_SHARE, Fit, bounds, normal_equations
 from doormill_ros.diagnosis.measurement_set import MeasurementSet
-from doormill_ros.diagnosis.patterns import unnamed_patterns
+from doormill_ros.diagnosis.patterns import spoils, unnamed_patterns
 from doormill_ros.diagnosis.problem import Problem
 from doormill_ros.diagnosis.search import ENTRY, EQUAL, Search
 from doormill_ros.diagnosis.stability import instability
@@ -129,7 +129,7 @@ def excess_probability(found: Fit) -> float:
     """Chance that noise alone leaves a residual as large as this."""
     kept = found.weights > 0.0
     freedom = max(3 * int(kept.sum()) - int(found.free.sum()), 1)
-    return float(chi2.sf(np.sum(found.prediction.cost[kept]), freedom))
+    return float(chi2.sf(np.sum(found.prediction.white[kept] ** 2), freedom))
 
 
 def has_structure(found: Fit) -> bool:
@@ -143,7 +143,13 @@ def _theta_of(found: Fit, members: tuple[Cause, ...]) -> np.ndarray:
 
 def _established(search: Search, best: Fit, structure: bool) -> tuple[Cause, ...]:
     """Members that may be named."""
-    named = tuple(cause for cause in best.members if cause.named)
+    named = tuple(
+        cause
+        for cause in best.members
+        if cause.named
+        and not implausible(best, cause)
+        and not any(spoils(other, cause) for other in best.members if not other.named)
+    )
     if not structure and len(named) == len(best.members):
         return named
     empty = search.fit(())
@@ -154,11 +160,23 @@ def _established(search: Search, best: Fit, structure: bool) -> tuple[Cause, ...
         without = search.without(best, cause)
         share = (without.held_out_score - best.held_out_score) / excess
         probability, _ = instability(search.problem, best, cause)
-        rivals = [other for other, found in search.rivals(best, cause)
-                  if not other.named and search.total(found) < search.total(best) + ENTRY]
+        rivals = [
+            other
+            for other, found in search.rivals(best, cause)
+            if not other.named and search.total(found) < search.total(best) + ENTRY
+        ]
         if share > MAIN_PART and probability > UNSTABLE and not rivals:
             kept.append(cause)
     return tuple(kept)
+
+
+def implausible(found: Fit, cause: Cause) -> bool:
+    """Whether a cause was pushed to the end of its range, where it only imitates something else."""
+    theta = found.theta[found.part(cause)]
+    span = cause.upper - cause.lower
+    low = (theta < cause.lower + 0.02 * span) & (cause.lower < 0.0)
+    high = theta > cause.upper - 0.02 * span
+    return bool(np.any(low | high))
 
 
 def _verdict(best: Fit, established: tuple[Cause, ...], structure: bool) -> str:
@@ -199,6 +217,8 @@ def _finding(
         moved[i] += step
         slope[:, i] = (cause.values(moved, problem.case) - values) / step
     std = np.sqrt(np.clip(np.diag(slope @ covariance @ slope.T), 0.0, None))
+    for i in cause.kinked:
+        std[i] = abs(slope[i, i]) * profile_std(problem, best, part.start + i)
     rivals = search.rivals(best, cause)
     confusable: list[Cause] = []
     for other, found in rivals:
@@ -214,6 +234,47 @@ def _finding(
         without=rmse(search.without(extended, cause).held_out, kept),
         rivals=tuple((other, found.held_out_score) for other, found in rivals),
     )
+
+
+def profile_std(problem: Problem, found: Fit, index: int) -> float:
+    """Standard deviation of one number from how far it can move until the cost has risen by 4.
+
+    The others follow to first order. For numbers in which the cost has kinks, or that sit on
+    zero, where the curvature says nothing.
+    """
+    lower, upper = bounds(found.members)
+    others = found.free.copy()
+    others[index] = False
+    weights = found.weights
+
+    def cost(value: float) -> float:
+        theta = found.theta.copy()
+        theta[index] = value
+        for _ in range(2):
+            prediction = problem.predict(found.members, theta, derivative=True)
+            if not others.any():
+                break
+            matrix, descent = normal_equations(prediction, weights)
+            matrix = matrix[np.ix_(others, others)] + 1e-12 * np.eye(int(others.sum()))
+            theta[others] += np.linalg.solve(matrix, descent[others])
+            theta = np.clip(theta, lower, upper)
+        return float(weights @ problem.predict(found.members, theta).cost)
+
+    start = float(found.theta[index])
+    least = float(weights @ found.prediction.cost)
+    reach = []
+    for end in (lower[index], upper[index]):
+        steps = start + (end - start) * np.geomspace(1e-3, 1.0, 25)
+        rises = np.array([cost(value) for value in steps]) - least
+        beyond = np.flatnonzero(rises > 4.0)
+        if not len(beyond):
+            reach.append(abs(end - start))
+            continue
+        j = beyond[0]
+        before = (0.0, 0.0) if j == 0 else (abs(steps[j - 1] - start), max(rises[j - 1], 0.0))
+        share = (4.0 - before[1]) / max(rises[j] - before[1], 1e-9)
+        reach.append(before[0] + share * (abs(steps[j] - start) - before[0]))
+    return max(reach) / 2.0
 
 
 def _gain(
@@ -234,13 +295,21 @@ def _remarks(
 ) -> tuple[str, ...]:
     lines = []
     if len(np.unique(problem.configuration)) == 1:
-        lines.append("All trials share one configuration, so single trials were left out instead of configurations.")
+        lines.append(
+            "All trials share one configuration, so single trials were left out instead of configurations."
+        )
     unnamed = [cause for cause in best.members if not cause.named]
     if unnamed:
-        lines.append("Looks like " + " and ".join(c.pattern() for c in unnamed) + ", for which there is no cause.")
+        lines.append(
+            "Looks like " + " and ".join(c.pattern() for c in unnamed) + ", for which there is no cause."
+        )
     dropped = [c for c in best.members if c.named and c not in established]
     for cause in dropped:
         probability, where = instability(problem, best, cause)
-        why = f"it has another size in the halves by {where}" if probability < UNSTABLE else "others would do as well"
+        why = (
+            f"it has another size in the halves by {where}"
+            if probability < UNSTABLE
+            else "others would do as well"
+        )
         lines.append(f"{cause!r} comes closest but is not believed: {why}.")
     return tuple(lines)

@@ -84,9 +84,11 @@ def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[np.ndarray]
     members = tuple(members)
     starts = list(starts) if starts is not None else _starts(members)
     best: tuple[float, np.ndarray, np.ndarray] | None = None
-    if len(starts) > 3:
+    if len(starts) > 2:
+        # Laws with a kink have many valleys: a few steps from every start show which are worth following.
+        starts = [_descend(problem, members, theta, steps=2)[0] for theta in starts]
         costs = [robust_sum(problem.predict(members, theta).cost) for theta in starts]
-        starts = [starts[i] for i in np.argsort(costs)[:3]]
+        starts = [starts[i] for i in np.argsort(costs)[:2]]
     for theta in starts:
         found, weights = _descend(problem, members, theta)
         score = robust_sum(problem.predict(members, found).cost)
@@ -103,16 +105,16 @@ def _starts(members: tuple[Cause, ...]) -> list[np.ndarray]:
     return starts
 
 
-def _bounds(members: tuple[Cause, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def bounds(members: Sequence[Cause]) -> tuple[np.ndarray, np.ndarray]:
+    """Allowed range of theta, two arrays of shape (p,)."""
     none = [np.zeros(0)]
     return (
-        np.concatenate(none + [c.lower for c in members]),
-        np.concatenate(none + [c.upper for c in members]),
-        np.concatenate(none + [c.scale for c in members]),
+        np.concatenate(none + [cause.lower for cause in members]),
+        np.concatenate(none + [cause.upper for cause in members]),
     )
 
 
-def _normal(prediction: Prediction, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def normal_equations(prediction: Prediction, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Hessian (p, p) and descent (p,) of half the weighted cost."""
     jacobian, white = prediction.jacobian, prediction.white
     weighted = jacobian * weights[:, None, None]
@@ -129,12 +131,13 @@ def _normal(prediction: Prediction, weights: np.ndarray) -> tuple[np.ndarray, np
 def _descend(
     problem: Problem, members: tuple[Cause, ...], theta: np.ndarray, steps: int = 25
 ) -> tuple[np.ndarray, np.ndarray]:
-    lower, upper, scale = _bounds(members)
+    lower, upper = bounds(members)
+    scale = np.concatenate([np.zeros(0)] + [c.scale for c in members])
     ridge = _RIDGE / scale**2
     prediction = problem.predict(members, theta, derivative=True)
     weights = trial_weights(prediction.cost, reject=False)
     for step in range(steps):
-        hessian, descent = _normal(prediction, weights)
+        hessian, descent = normal_equations(prediction, weights)
         descent = descent - ridge * theta
         free = ~(((theta <= lower) & (descent < 0.0)) | ((theta >= upper) & (descent > 0.0)))
         if not free.any():
@@ -177,8 +180,9 @@ def _finish(
             score,
             np.zeros(0, dtype=bool),
         )
-    lower, upper, scale = _bounds(members)
-    hessian, _ = _normal(prediction, weights)
+    lower, upper = bounds(members)
+    scale = np.concatenate([np.zeros(0)] + [c.scale for c in members])
+    hessian, _ = normal_equations(prediction, weights)
     hessian = hessian + np.diag(_RIDGE / scale**2)
     free = (theta > lower) & (theta < upper)
     covariance = np.zeros_like(hessian)
@@ -196,7 +200,7 @@ def _finish(
             prediction.jacobian[rows],
             None if prediction.spread is None else (prediction.spread[0][rows], prediction.spread[1][rows]),
         )
-        own_hessian, own_descent = _normal(part, weights[rows])
+        own_hessian, own_descent = normal_equations(part, weights[rows])
         matrix = (hessian - own_hessian)[np.ix_(free, free)]
         change = np.zeros_like(theta)
         change[free] = np.linalg.solve(matrix, -own_descent[free])

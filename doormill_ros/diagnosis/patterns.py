@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from doormill_ros.diagnosis.causes.cause import LinearTwist
+from doormill_ros.diagnosis.causes.cause import Cause, LinearTwist
 from doormill_ros.diagnosis.load_case import LoadCase
 
 
@@ -37,6 +37,20 @@ class Pattern(LinearTwist):
     def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
         """Amplitudes."""
         return np.array(theta)
+
+
+#: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
+_VARYING = ("ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming")
+
+
+def spoils(pattern: Cause, cause: Cause) -> bool:
+    """Whether a pattern in the same model makes a cause unbelievable: both shape the same spring."""
+    if not any(word in pattern.name for word in _VARYING):
+        return False
+    if pattern.where == cause.where:
+        return True
+    everywhere = cause.name in ("wrench_gain", "tracker_scale")
+    return everywhere or (pattern.where == "cell" and cause.name.startswith("joint_"))
 
 
 def _joint(k: int, law: Callable[[LoadCase], list[np.ndarray]]) -> Callable[[LoadCase], np.ndarray]:
@@ -141,6 +155,8 @@ def unnamed_patterns(
             3,
             lambda c: _shift([1e-5 * warm[:, None] * e for e in np.eye(3)], c, 0),
         ),
+        Pattern("springs_warming", "cell", 1, lambda c: (warm[:, None] * c.springs())[:, :, None]),
+        Pattern("springs_ageing", "cell", 1, lambda c: (late[:, None] * c.springs())[:, :, None]),
         Pattern("load_bias", "sensor", 3, lambda c: _bias(c)),
         Pattern(
             "step_in_time",

@@ -162,4 +162,3 @@ class Search:
             if other.identity != cause.identity:
                 swapped.append((other, self.add(rest, other)))
         return sorted(swapped, key=lambda pair: self.total(pair[1]))
-

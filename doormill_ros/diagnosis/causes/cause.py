@@ -61,6 +61,7 @@ class Cause:
         named: Whether a diagnosis may name it; patterns that only warn of the unknown are not.
         generalises: Name of the cause at the same place that this one contains as a special case.
         variant: Tells apart two readings of the same cause.
+        kinked: Indices of theta in which the cost is not smooth; their uncertainty is profiled.
     """
 
     name: str = ""
@@ -73,6 +74,7 @@ class Cause:
     named: bool = True
     generalises: str = ""
     variant: str = ""
+    kinked: tuple[int, ...] = ()
 
     def __init__(self, where: str) -> None:
         """Put the cause at its place."""

@@ -9,6 +9,8 @@ from doormill_ros.diagnosis.causes.cause import Cause, Parameter, number
 from doormill_ros.diagnosis.load_case import LoadCase
 
 _GAP = 1e-4  #: theta 1 is a gap of this size [rad]
+#: Starts of the crossing torque: the cost has a kink at every trial's torque, so they are spread.
+_CROSSINGS = (0.0, 0.01, 0.03, 0.1, 0.3, 0.8)
 
 
 class JointBacklash(Cause):
@@ -24,6 +26,7 @@ class JointBacklash(Cause):
     scale = np.array([3.0, 0.3])
     lower = np.array([0.0, 0.0])
     upper = np.array([200.0, 1.0])
+    kinked = (1,)
 
     def pattern(self) -> str:
         """What it leaves."""
@@ -34,7 +37,7 @@ class JointBacklash(Cause):
 
     def starts(self) -> list[np.ndarray]:
         """Steps and ramps of several sizes."""
-        return [np.array([gap, crossing]) for crossing in (0.0, 0.25, 0.7) for gap in (0.3, 3.0)]
+        return [np.array([gap, crossing]) for crossing in _CROSSINGS for gap in (0.3, 3.0)]
 
     def hidden_state(self, case: LoadCase) -> np.ndarray | None:
         """Unknown direction, or a torque too small to tell its sign."""

@@ -20,6 +20,7 @@ class JointFriction(Cause):
     scale = np.array([0.2])
     lower = np.array([0.0])
     upper = np.array([1.0])
+    kinked = (0,)
 
     def pattern(self) -> str:
         """What it leaves."""

@@ -34,6 +34,8 @@ def draw_effect(rng: np.random.Generator, plan: LoadingPlan, cause: str) -> dict
     joint = f"joint {rng.integers(1, 7)}"
     k = int(joint[-1]) - 1
     link = f"link {rng.integers(1, 5)}"
+    # Torsion of link 4 lies on the axis of joint 4: it would be that joint's spring.
+    twisted = f"link {rng.integers(1, 4)}"
     name = str(rng.choice(list(plan.reflectors)))
     direction = rng.normal(size=3)
     direction /= np.linalg.norm(direction)
@@ -59,7 +61,7 @@ def draw_effect(rng: np.random.Generator, plan: LoadingPlan, cause: str) -> dict
         "joint_offset": (joint, {"angle": 0.02 * sign}),
         "joint_ripple": (joint, ripple),
         "joint_dead_zone": (joint, {"torque": 20.0}),
-        "link_torsion": (link, {"GJ": 1e6}),
+        "link_torsion": (twisted, {"GJ": 1e6}),
         "tracker_jump": ("tracker", {"step": 2e-5 * direction, "time": float(np.quantile(plan.time, 0.6))}),
         "warm_springs": ("cell", {"per_degree": 0.1 * sign}),
     }
@@ -90,11 +92,24 @@ _DIVIDE = {
 }
 
 
+#: No effect is drawn larger than this: beyond it a lab would see it with the naked eye.
+_LARGEST = {
+    "joint_hardening": 5e-3,
+    "wrench_frame_rotation": 0.3,
+    "tracker_frame_rotation": 0.3,
+    "reflector_position": 0.15,
+    "joint_offset": 0.15,
+    "joint_dead_zone": 100.0,
+}
+
+
 def resize(effect: dict[str, Any], size: float, plan: LoadingPlan) -> dict[str, Any]:
     """The same effect `size` times as large."""
     cause, parameters = effect["cause"], dict(effect["parameters"])
     if cause in _MULTIPLY:
-        parameters[_MULTIPLY[cause]] = parameters[_MULTIPLY[cause]] * size
+        value = parameters[_MULTIPLY[cause]] * size
+        over = float(np.linalg.norm(value)) / _largest(effect, plan)
+        parameters[_MULTIPLY[cause]] = value / max(over, 1.0)
     elif cause in _DIVIDE:
         parameters[_DIVIDE[cause]] = parameters[_DIVIDE[cause]] / size
     elif cause in ("wrench_gain", "tracker_scale"):
@@ -104,6 +119,18 @@ def resize(effect: dict[str, Any], size: float, plan: LoadingPlan) -> dict[str, 
         extra = (1.0 / parameters["stiffness"] - 1.0 / model) * size
         parameters["stiffness"] = 1.0 / max(1.0 / model + extra, 0.15 / model)
     return {**effect, "parameters": parameters}
+
+
+def _largest(effect: dict[str, Any], plan: LoadingPlan) -> float:
+    largest = _LARGEST.get(effect["cause"], np.inf)
+    if effect["where"].startswith("joint"):
+        # Lever arms, and with them torques, are ten times shorter at the wrist.
+        wrist = int(effect["where"][-1]) > 3
+        if effect["cause"] == "joint_dead_zone" and wrist:
+            largest = 15.0
+        if effect["cause"] == "joint_hardening" and wrist:
+            largest = 5e-2
+    return largest
 
 
 def effect_rms(plan: LoadingPlan, effects: list[dict[str, Any]]) -> float:

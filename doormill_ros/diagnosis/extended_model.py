@@ -1,0 +1,179 @@
+"""The robot model that a diagnosis leaves behind: joint springs plus the causes it established."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from doormill_ros.diagnosis.causes.cause import Cause, Setup
+from doormill_ros.diagnosis.causes.registry import build_cause
+from doormill_ros.diagnosis.errors import ExtendedModelError
+from doormill_ros.diagnosis.load_case import build_load_case
+from doormill_ros.robot.description import load_robot
+from doormill_ros.robot.errors import RobotError
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.stiffness.compliance import ComplianceModel
+
+SCHEMA = "doormill/extended-model/1"
+
+#: Causes in the measuring chain: they corrected the identification, the robot itself is not changed by them.
+MEASURING = (
+    "wrench_frame_rotation",
+    "wrench_gain",
+    "tracker_frame_rotation",
+    "tracker_scale",
+    "thermal_drift",
+    "reflector_position",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class SizedCause:
+    """A cause and the values of its parameters in a row, SI units."""
+
+    cause: Cause
+    values: np.ndarray
+
+
+class ExtendedComplianceModel:
+    """Joint springs and established causes as a `ComplianceModel`.
+
+    Attributes:
+        robot: Name of the robot.
+        joint_stiffness: Springs of the model that was questioned, shape (6,) [N m / rad].
+        causes: What was established; those of the measuring chain are kept for the record only.
+    """
+
+    def __init__(
+        self, robot: str, dh: np.ndarray, joint_stiffness: np.ndarray, causes: Sequence[SizedCause]
+    ) -> None:
+        """Keep robot, springs and causes."""
+        self.robot = robot
+        self.joint_stiffness = np.array(joint_stiffness, dtype=float)
+        self.causes = tuple(causes)
+        self._kinematics = Kinematics(dh)
+
+    def deflection(
+        self,
+        q: np.ndarray,
+        wrench: np.ndarray,
+        load_point: np.ndarray,
+        direction: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Twist of the loaded tool, as `ComplianceModel.deflection`.
+
+        A joint whose last motion is unknown (0) gets half of its backlash: the expected value.
+        """
+        q = np.atleast_2d(np.asarray(q, dtype=float))
+        wrench = np.broadcast_to(np.asarray(wrench, dtype=float), (len(q), 6))
+        setup = Setup()
+        acting = [sized for sized in self.causes if sized.cause.name not in MEASURING]
+        for sized in acting:
+            if sized.cause.stage == "setup":
+                sized.cause.setup(setup, sized.values)
+        case = build_load_case(
+            self._kinematics,
+            q + setup.joint_offset,
+            wrench,
+            np.asarray(load_point, dtype=float),
+            direction=None if direction is None else np.broadcast_to(direction, q.shape),
+            joint_stiffness=self.joint_stiffness,
+        )
+        twist = case.springs()
+        for sized in acting:
+            if sized.cause.stage != "robot":
+                continue
+            share = sized.cause.hidden_state(case)
+            part = sized.cause.twist(case, sized.cause.from_values(sized.values, case))
+            twist = twist + (part if share is None else share[:, None] * part)
+        return twist
+
+
+def model_document(
+    robot: str, joint_stiffness: np.ndarray, causes: Sequence[SizedCause], source: str
+) -> dict[str, Any]:
+    """The content of model.yaml."""
+    return {
+        "schema": SCHEMA,
+        "robot": robot,
+        "source": source,
+        "joint_stiffness": [float(k) for k in joint_stiffness],
+        "causes": [
+            {
+                "cause": sized.cause.name,
+                "where": sized.cause.where,
+                **({"variant": sized.cause.variant} if sized.cause.variant else {}),
+                "parameters": _named(sized),
+            }
+            for sized in causes
+        ],
+    }
+
+
+def _named(sized: SizedCause) -> dict[str, float | list[float]]:
+    named: dict[str, float | list[float]] = {}
+    at = 0
+    for parameter in sized.cause.parameters:
+        part = sized.values[at : at + parameter.size]
+        named[parameter.name] = float(part[0]) if parameter.size == 1 else [float(v) for v in part]
+        at += parameter.size
+    return named
+
+
+def load_compliance_model(path_or_name: str | Path) -> ComplianceModel:
+    """A compliance model from a diagnosis' model.yaml (or its folder), or a robot's own joint springs.
+
+    Args:
+        path_or_name: model.yaml, a folder that holds one, or the name of a robot.
+
+    Raises:
+        ExtendedModelError: No such file or robot, or the file cannot be used.
+    """
+    path = Path(path_or_name)
+    if path.is_dir() and (path / "model.yaml").is_file():
+        path = path / "model.yaml"
+    if not path.is_file():
+        try:
+            robot = load_robot(path_or_name)
+        except RobotError as error:
+            raise ExtendedModelError(
+                f"{path_or_name} is neither a model.yaml nor a robot: {error.message}", path=str(path_or_name)
+            ) from error
+        return ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, ())
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ExtendedModelError(f"{path} cannot be read: {error}", path=str(path)) from error
+    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+        found = document.get("schema") if isinstance(document, dict) else type(document).__name__
+        raise ExtendedModelError(f"{path} has schema {found}, allowed is {SCHEMA}", path=str(path))
+    try:
+        robot = load_robot(str(document["robot"]))
+        stiffness = np.array(document["joint_stiffness"], dtype=float)
+        causes = [_sized(entry) for entry in document["causes"]]
+    except (KeyError, TypeError, ValueError, RobotError) as error:
+        raise ExtendedModelError(
+            f"{path} cannot be used: {error}; write it anew with diagnose", path=str(path)
+        ) from error
+    if stiffness.shape != (6,) or not np.all(stiffness > 0.0):
+        raise ExtendedModelError(
+            f"{path} has joint_stiffness {document['joint_stiffness']}, allowed are 6 positive numbers [N m / rad]",
+            path=str(path),
+        )
+    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes)
+
+
+def _sized(entry: dict[str, Any]) -> SizedCause:
+    cause = build_cause(entry["cause"], entry["where"], entry.get("variant", ""))
+    values = []
+    for parameter in cause.parameters:
+        part = np.atleast_1d(np.asarray(entry["parameters"][parameter.name], dtype=float))
+        if part.shape != (parameter.size,) or not np.all(np.isfinite(part)):
+            raise ValueError(f"{parameter.name} of {cause!r} needs {parameter.size} finite numbers")
+        values.append(part)
+    return SizedCause(cause, np.concatenate(values))

@@ -1,0 +1,76 @@
+"""Tell what a simulation gets wrong: `diagnose --data DIR [--data DIR ...] [--check DIR ...] --out OUT`."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from doormill_ros.diagnosis.errors import SetMixError
+from doormill_ros.diagnosis.set_document import SetDocument
+from doormill_ros.errors import DoormillError
+
+Runner = Callable[[list[Path], list[Path], Path, Callable[[str], None]], str]
+
+
+def _measurement_sets(data: list[Path], check: list[Path], out: Path, progress: Callable[[str], None]) -> str:
+    from doormill_ros.diagnosis.run import run_measurement_sets
+
+    return run_measurement_sets(data, check, out, progress)
+
+
+#: What to do with sets of a schema; returns the verdict in one line.
+RUNNERS: dict[str, Runner] = {"doormill/measurement-set/1": _measurement_sets}
+
+
+def choose_runner(folders: Sequence[Path]) -> Runner:
+    """The runner for the schema that all folders share.
+
+    Raises:
+        DataSetError: A set.yaml cannot be read, has an unknown schema, or the schemas differ.
+    """
+    schemas: dict[str, Path] = {}
+    for folder in folders:
+        document = SetDocument(folder / "set.yaml")
+        schema = str(document.get("schema"))
+        if schema not in RUNNERS:
+            raise document.fail(("schema",), f"is {schema!r}, allowed are {', '.join(sorted(RUNNERS))}")
+        schemas.setdefault(schema, folder)
+    if len(schemas) > 1:
+        mixed = " and ".join(f"{path / 'set.yaml'} has {schema}" for schema, path in schemas.items())
+        raise SetMixError(f"{mixed}: sets given together need one schema")
+    return RUNNERS[next(iter(schemas))]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the tool; 0 for every verdict, 2 for data that cannot be read."""
+    parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
+    parser.add_argument("--data", metavar="DIR", type=Path, action="append", required=True, help="set to diagnose")
+    parser.add_argument("--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only")
+    parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
+    parser.add_argument("--quiet", action="store_true", help="print the verdict only")
+    chosen = parser.parse_args(arguments)
+    logging.basicConfig(level=logging.ERROR)
+    console = Console(stderr=True, quiet=chosen.quiet)
+    try:
+        with console.status("reading") as status:
+
+            def progress(line: str) -> None:
+                console.log(line, highlight=False)
+                status.update(line)
+
+            run = choose_runner([*chosen.data, *chosen.check])
+            verdict = run(chosen.data, chosen.check, chosen.out, progress)
+    except DoormillError as error:
+        print(" ".join(error.message.split()), file=sys.stderr)
+        return 2
+    print(verdict)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
