@@ -23,6 +23,7 @@ from doormill_ros.robot.singularity import Clearance, clearance
 from doormill_ros.units import DEG, rad_to_deg
 
 _TURN = 2.0 * np.pi
+_WRIST_ROLLS = (3, 5)  # joints that turn about one line where axis 5 is straight
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ class _Rejected:
     """Why candidates failed, with the one that came closest for the message."""
 
     limits: list[tuple[float, int, int]] = field(default_factory=list)
+    rolls: list[tuple[float, int, int]] = field(default_factory=list)
     singular: list[tuple[str, int]] = field(default_factory=list)
     steps: list[tuple[float, int, int]] = field(default_factory=list)
 
@@ -64,6 +66,7 @@ def choose_branch(
     start: np.ndarray | None = None,
     compliance: Callable[[np.ndarray], np.ndarray] | None = None,
     segment: np.ndarray | None = None,
+    branches: Iterable[int] = range(BRANCHES),
 ) -> np.ndarray:
     """Joint angles along a path in one configuration.
 
@@ -82,6 +85,7 @@ def choose_branch(
         segment: Label of the segment each pose belongs to, shape (n,). Between neighbouring segments
             the robot is free to move joint by joint; when no one configuration serves the whole
             path the wrist may flip there. None for a path that allows no change.
+        branches: Branches (cfx) to choose from.
 
     Returns:
         Joint angles, shape (n, 6) [rad].
@@ -98,24 +102,28 @@ def choose_branch(
     if T_base_flange.ndim != 3 or T_base_flange.shape[1:] != (4, 4) or not len(T_base_flange):
         raise ValueError(f"the path has shape {T_base_flange.shape}, allowed is (n, 4, 4) with n > 0")
     compliance = compliance or _flange_compliance(robot)
-    branches = inverse_branches(robot, T_base_flange)
-    _check_reach(robot, T_base_flange, branches)
-    n = len(branches)
+    solutions = inverse_branches(robot, T_base_flange)
+    _check_reach(robot, T_base_flange, solutions)
+    n = len(solutions)
     labels = np.zeros(n, dtype=int) if segment is None else np.asarray(segment)
     if labels.shape != (n,):
         raise ValueError(f"segment has shape {labels.shape}, allowed is ({n},), one label a pose")
     borders = [0, *(np.nonzero(labels[1:] != labels[:-1])[0] + 1).tolist(), n]
     search = _Search(robot, rules, compliance)
     try:
-        return search.best(branches, range(BRANCHES), borders, start)[1]
+        return search.best(solutions, branches, borders, start)[1]
     except (JointLimitError, SingularityError, BranchError):
         if len(borders) == 2:
             raise
-    return _piecewise(search, branches, borders, start)
+    return _piecewise(search, solutions, tuple(branches), borders, start)
 
 
 def _piecewise(
-    search: _Search, branches: np.ndarray, borders: list[int], start: np.ndarray | None
+    search: _Search,
+    solutions: np.ndarray,
+    allowed: tuple[int, ...],
+    borders: list[int],
+    start: np.ndarray | None,
 ) -> np.ndarray:
     """One configuration a segment.
 
@@ -130,7 +138,8 @@ def _piecewise(
         try:
             for first, last in itertools.pairwise(borders):
                 before = parts[-1][-1] if parts else start
-                soft, q = search.best(branches[first:last], (arm, arm + 1), [0, last - first], before, first)
+                flips = [branch for branch in (arm, arm + 1) if branch in allowed]
+                soft, q = search.best(solutions[first:last], flips, [0, last - first], before, first)
                 softness = max(softness, soft)
                 parts.append(q)
         except RobotError as error:
@@ -150,7 +159,7 @@ class _Search:
 
     def best(
         self,
-        branches: np.ndarray,
+        solutions: np.ndarray,
         allowed: Iterable[int],
         borders: list[int],
         start: np.ndarray | None,
@@ -160,19 +169,25 @@ class _Search:
         rejected = _Rejected()
         best: tuple[float, float, np.ndarray] | None = None
         for branch in allowed:
-            if np.isnan(branches[:, branch]).any():
+            if np.isnan(solutions[:, branch]).any():
                 continue
-            path = np.unwrap(branches[:, branch], axis=0, period=_TURN)
-            candidates = _turns(self.robot, path, self.rules, rejected, first)
-            if not candidates or not self._passable(path, borders, rejected, first):
+            path = np.unwrap(solutions[:, branch], axis=0, period=_TURN)
+            candidates, over = _turns(self.robot, path, self.rules, first)
+            # Near a singularity of the wrist axes 4 and 6 wind up; then it is to blame, not they.
+            if over and over[1] not in _WRIST_ROLLS:
+                rejected.limits.append(over)
                 continue
+            if not self._passable(path, borders, rejected, first):
+                continue
+            if over:
+                rejected.rolls.append(over)
             softness = float(np.max(self.compliance(path)))
             for candidate in candidates:
                 merit = _closeness(self.robot, candidate, start)
                 if best is None or _better((softness, merit), best[:2], self.rules.equal_compliance):
                     best = (softness, merit, candidate)
         if best is None:
-            raise _refusal(self.robot, rejected, self.rules, len(branches), first)
+            raise _refusal(self.robot, rejected, self.rules, len(solutions), first)
         return best[0], best[2]
 
     def _passable(self, path: np.ndarray, borders: list[int], rejected: _Rejected, first: int) -> bool:
@@ -190,9 +205,12 @@ class _Search:
 
 
 def _turns(
-    robot: Robot, path: np.ndarray, rules: BranchRules, rejected: _Rejected, first: int
-) -> list[np.ndarray]:
-    """The path shifted by whole turns of its joints, all poses within the limits."""
+    robot: Robot, path: np.ndarray, rules: BranchRules, first: int
+) -> tuple[list[np.ndarray], tuple[float, int, int] | None]:
+    """The path shifted by whole turns of its joints so that all poses are within the limits.
+
+    When there is no such shift: the largest excess [rad], its joint and its pose.
+    """
     shifts: list[list[float]] = []
     worst = (0.0, 0, first)
     for joint in range(JOINTS):
@@ -208,10 +226,9 @@ def _turns(
             beyond = np.maximum(floor - angle, angle - ceiling)
             worst = max(worst, (float(over), joint, first + int(beyond.argmax())))
     if not all(shifts):
-        rejected.limits.append(worst)
-        return []
+        return [], worst
     grid = np.stack(np.meshgrid(*shifts, indexing="ij"), axis=-1).reshape(-1, JOINTS)
-    return [path + shift for shift in grid]
+    return [path + shift for shift in grid], None
 
 
 def _closeness(robot: Robot, path: np.ndarray, start: np.ndarray | None) -> float:
@@ -240,8 +257,8 @@ def _too_close(found: Clearance, rules: BranchRules, first: int) -> tuple[str, i
     return None
 
 
-def _check_reach(robot: Robot, T_base_flange: np.ndarray, branches: np.ndarray) -> None:
-    lost = np.isnan(branches[..., 0]).all(axis=1)
+def _check_reach(robot: Robot, T_base_flange: np.ndarray, solutions: np.ndarray) -> None:
+    lost = np.isnan(solutions[..., 0]).all(axis=1)
     if lost.any():
         at = int(lost.argmax())
         x, y, z = T_base_flange[at, :3, 3]
@@ -254,7 +271,7 @@ def _check_reach(robot: Robot, T_base_flange: np.ndarray, branches: np.ndarray) 
 
 def _refusal(robot: Robot, rejected: _Rejected, rules: BranchRules, n: int, first: int) -> RobotError:
     where = f"poses {first + 1} to {first + n}"
-    if rejected.singular:
+    if rejected.singular and not rejected.rolls:
         reason, at = rejected.singular[0]
         return SingularityError(
             f"{robot.label} passes too close to a singularity on {where}: at pose {at + 1} {reason}; "
@@ -269,8 +286,8 @@ def _refusal(robot: Robot, rejected: _Rejected, rules: BranchRules, n: int, firs
             "add poses between or allow a change",
             pose=at,
         )
-    if rejected.limits:
-        over, joint, at = min(rejected.limits)
+    if rejected.rolls or rejected.limits:
+        over, joint, at = min(rejected.rolls or rejected.limits)
         return JointLimitError(
             f"{robot.label} reaches {where} only with joint {joint + 1} {rad_to_deg(over):.2f} deg "
             f"beyond its range of {rad_to_deg(robot.lower[joint]):.0f} to "

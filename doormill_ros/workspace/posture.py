@@ -1,0 +1,91 @@
+"""How well the robot stands at many flange positions with the tool pointing at the door."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.robot.chain import JOINTS, ChainFrames, chain_frames, cross, dot, jacobian_columns
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.inverse import inverse_branches
+from doormill_ros.workspace.conditioning import characteristic_length, inverse_condition_number
+
+#: R_base_flange at a hinge: flange z along base +x, flange x along base -y (from table 4.6).
+R_AT_HINGE = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+
+#: Arm postures: base and elbow as in cfx, less the bit of the wrist.
+POSTURES = {0: "elbow up", 1: "elbow down", 2: "base backward, elbow up", 3: "base backward, elbow down"}
+
+_CHUNK = 2048
+_UNREACHED = {"conditioning": 0.0, "stiffness": 0.0, "margin": -np.inf, "wrist": 0.0, "clearance": -np.inf}
+FIGURES = tuple(_UNREACHED)  #: figures of merit of a posture; of each the smallest counts
+
+
+@dataclass(frozen=True, eq=False)
+class PostureFigures:
+    """Figures at n flange positions in one arm posture.
+
+    Where the posture does not reach, every figure has its worst value.
+
+    Attributes:
+        conditioning: Inverse condition number of the normalized Jacobian, shape (n,) [-].
+        stiffness: Stiffness of the flange in its softest direction, shape (n,) [N/m].
+        margin: Smallest distance of joints 1, 2, 3 and 5 from their limits, shape (n,) [rad]. Joints 4
+            and 6 turn more than once and find their place.
+        wrist: Angle of axis 5 from straight, shape (n,) [rad].
+        clearance: How far the elbow stays behind the flange along base x, shape (n,) [m].
+    """
+
+    conditioning: np.ndarray
+    stiffness: np.ndarray
+    margin: np.ndarray
+    wrist: np.ndarray
+    clearance: np.ndarray
+
+
+def posture_figures(robot: Robot, positions: np.ndarray, posture: int) -> PostureFigures:
+    """Figures of merit of flange positions, shape (n, 3) [m], in an arm posture of `POSTURES`.
+
+    Both flips of the wrist give the same figures but for the margin, of which the better counts.
+
+    Raises:
+        GeometryError: The robot has no closed-form inverse here.
+    """
+    n = len(positions)
+    result = {name: np.full(n, worst) for name, worst in _UNREACHED.items()}
+    length = characteristic_length(robot)
+    for first in range(0, n, _CHUNK):
+        part = np.arange(first, min(first + _CHUNK, n))
+        T = np.zeros((len(part), 4, 4))
+        T[:, :3, :3], T[:, :3, 3], T[:, 3, 3] = R_AT_HINGE, positions[part], 1.0
+        flips = inverse_branches(robot, T)[:, 2 * posture : 2 * posture + 2]  # (n, 2, 6)
+        reached = np.isfinite(flips[:, 0, 0])
+        flips, part = flips[reached], part[reached]
+        if not len(part):
+            continue
+        room = np.minimum(flips - robot.lower, robot.upper - flips)[..., [0, 1, 2, 4]]
+        frames = chain_frames(robot.dh, np.ascontiguousarray(flips[:, 0].T))
+        velocity = jacobian_columns(frames, frames.origin[JOINTS])
+        result["conditioning"][part] = inverse_condition_number(frames, velocity, length)
+        result["stiffness"][part] = softest_direction(velocity, robot.stiffness)
+        result["margin"][part] = room.min(axis=2).max(axis=1)
+        result["wrist"][part] = _wrist_angle(frames)
+        result["clearance"][part] = frames.origin[JOINTS, 0] - frames.origin[2, 0]
+    return PostureFigures(**result)
+
+
+def softest_direction(velocity: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """Force per displacement in the direction that gives way most, shape (n,) [N/m].
+
+    Args:
+        velocity: Translational Jacobian, shape (6, 3, n).
+        stiffness: Joint stiffness, shape (6,) [N m/rad].
+    """
+    compliance = np.einsum("jin,jkn,j->nik", velocity, velocity, 1.0 / stiffness)
+    return 1.0 / np.linalg.eigvalsh(compliance)[:, -1]
+
+
+def _wrist_angle(frames: ChainFrames) -> np.ndarray:
+    normal = cross(frames.z[3], frames.z[5])
+    return np.arctan2(np.sqrt(dot(normal, normal)), np.abs(dot(frames.z[3], frames.z[5])))

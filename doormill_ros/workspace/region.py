@@ -1,0 +1,227 @@
+"""Region of operation: where to put the robot's foot so that one posture serves every door."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from scipy.ndimage import minimum_filter
+
+from doormill_ros.robot.branch import BranchRules, choose_branch
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.errors import RobotError
+from doormill_ros.units import DEG
+from doormill_ros.workspace.doors import DoorRange, FlangeBox
+from doormill_ros.workspace.posture import FIGURES, POSTURES, R_AT_HINGE, posture_figures
+
+_PITCH = 0.05  # m, coarsest spacing of the samples
+
+
+@dataclass(frozen=True)
+class RegionRules:
+    """What must hold everywhere in the box.
+
+    Attributes:
+        margin: Distance of joints 1, 2, 3 and 5 from their limits [rad].
+        wrist: Angle of axis 5 from straight [rad].
+        clearance: How far the elbow stays behind the flange [m].
+        distance: Distance of the flange from axis 1 along base x, so that the fixture has room [m].
+    """
+
+    margin: float = 3.0 * DEG
+    wrist: float = 5.0 * DEG
+    clearance: float = 0.0
+    distance: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """A box in front of a robot, and the worst that happens in it.
+
+    Attributes:
+        corner: Smallest flange coordinates of the box, base frame, shape (3,) [m].
+        size: Size of the box, shape (3,) [m].
+        posture: Arm posture of `POSTURES`.
+        conditioning: Smallest inverse condition number [-].
+        stiffness: Smallest stiffness in any direction [N/m].
+        margin: Smallest joint margin [rad].
+        wrist: Smallest angle of axis 5 from straight [rad].
+        clearance: Smallest distance of the elbow behind the flange [m].
+        refusal: Why no single configuration leads through the whole box; empty when one does.
+    """
+
+    corner: np.ndarray
+    size: np.ndarray
+    posture: int
+    conditioning: float
+    stiffness: float
+    margin: float
+    wrist: float
+    clearance: float
+    refusal: str = ""
+
+    @property
+    def sideways(self) -> float:
+        """How far to the side of the robot the middle of the box is, base y [m]."""
+        return float(self.corner[1] + self.size[1] / 2.0)
+
+    def pedestal_height(self, lowest_hinge: float) -> float:
+        """Height of the robot's base above the floor [m], for the lowest hinge's height [m]."""
+        return lowest_hinge - float(self.corner[2])
+
+    def keeps(self, rules: RegionRules) -> bool:
+        """True when the whole box keeps to the rules in one configuration."""
+        return (
+            not self.refusal
+            and self.margin >= rules.margin
+            and self.wrist >= rules.wrist
+            and self.clearance >= rules.clearance
+            and self.corner[0] >= rules.distance
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Every placement looked at, and the best.
+
+    Attributes:
+        best: The best placement, None when no placement keeps to the rules.
+        objective: Figure whose worst value was made as large as can be.
+        corners: Corner coordinates along x, y and z, three arrays [m].
+        worst: For the best posture, the worst value of each figure over the box at every corner,
+            each shape (nx, ny, nz).
+        allowed: Where the rules hold, shape (nx, ny, nz).
+    """
+
+    best: Placement | None
+    objective: str
+    corners: tuple[np.ndarray, np.ndarray, np.ndarray]
+    worst: dict[str, np.ndarray]
+    allowed: np.ndarray
+
+
+def assess(robot: Robot, box: FlangeBox, posture: int = 0, pitch: float = 0.02) -> Placement:
+    """Worst figures of a box, sampled no coarser than `pitch` [m], and a walk all through it."""
+    samples = box.samples(pitch)
+    figures = asdict(posture_figures(robot, samples.reshape(-1, 3), posture))
+    return Placement(
+        corner=box.corner,
+        size=box.size,
+        posture=posture,
+        refusal=_walk(robot, box, posture),
+        **{name: float(values.min()) for name, values in figures.items()},
+    )
+
+
+def search(
+    robot: Robot,
+    doors: DoorRange,
+    objective: str = "conditioning",
+    rules: RegionRules | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Search:
+    """Find the robot position and base height that serve every door best.
+
+    The figures are computed once on a lattice of flange positions around the robot. The worst over a
+    box, for a box at every place of the lattice, is then a sliding minimum.
+
+    Args:
+        robot: The robot.
+        doors: Range of doors.
+        objective: "conditioning" or "stiffness": the figure whose worst value shall be largest.
+        rules: What must hold everywhere in the box; None for the defaults.
+        progress: Called with the finished share, 0 to 1.
+
+    Raises:
+        ValueError: An unknown objective.
+        GeometryError: The robot has no closed-form inverse here.
+    """
+    if objective not in ("conditioning", "stiffness"):
+        raise ValueError(f"objective is '{objective}', allowed are conditioning and stiffness")
+    rules = rules or RegionRules()
+    size = doors.travel()
+    cells = np.ceil(size / _PITCH - 1e-9).astype(int)
+    pitch = np.where(cells > 0, size / np.maximum(cells, 1), _PITCH)
+    axes = _lattice(robot, pitch, cells, rules.distance)
+    positions = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    corners = tuple(axis[: len(axis) - n] for axis, n in zip(axes, cells, strict=True))
+    best: tuple[float, int, dict[str, np.ndarray], np.ndarray] | None = None
+    for posture in POSTURES:
+        figures = asdict(posture_figures(robot, positions.reshape(-1, 3), posture))
+        worst = {
+            name: _sliding_minimum(figures[name].reshape(positions.shape[:3]), cells) for name in FIGURES
+        }
+        allowed = (
+            (worst["margin"] >= rules.margin)
+            & (worst["wrist"] >= rules.wrist)
+            & (worst["clearance"] >= rules.clearance)
+        )
+        top = float(worst[objective][allowed].max()) if allowed.any() else -np.inf
+        if best is None or top > best[0]:
+            best = (top, posture, worst, allowed)
+        if progress:
+            progress((posture + 1) / len(POSTURES))
+    _, posture, worst, allowed = best
+    return Search(_best_that_walks(robot, size, best, objective, corners), objective, corners, worst, allowed)
+
+
+def _best_that_walks(
+    robot: Robot,
+    size: np.ndarray,
+    found: tuple[float, int, dict[str, np.ndarray], np.ndarray],
+    objective: str,
+    corners: tuple[np.ndarray, ...],
+) -> Placement | None:
+    """The best allowed corner through whose box one configuration really leads."""
+    _, posture, worst, allowed = found
+    places = np.argwhere(allowed)
+    for place in places[np.argsort(-worst[objective][allowed], kind="stable")][:200]:
+        corner = np.array([axis[i] for axis, i in zip(corners, place, strict=True)])
+        refusal = _walk(robot, FlangeBox(corner, size), posture)
+        if not refusal:
+            values = {name: float(worst[name][tuple(place)]) for name in FIGURES}
+            return Placement(corner=corner, size=size, posture=posture, **values)
+    return None
+
+
+def _lattice(robot: Robot, pitch: np.ndarray, cells: np.ndarray, distance: float) -> list[np.ndarray]:
+    """Flange coordinates within reach, from the middle of the box straight ahead to one side.
+
+    A mirror image is as good. The side taken is the one on which the robot stands beyond the
+    hinge edge and the wood lies away from it.
+    """
+    reach = robot.reach + float(np.abs(robot.dh[5, 1]))
+    base = float(robot.dh[0, 1])
+    x = distance + pitch[0] * np.arange(int(max(reach - distance, 0.0) / pitch[0]) + 1 + cells[0])
+    y = pitch[1] * (np.arange(int(1.5 / pitch[1]) + 1 + cells[1]) - cells[1] / 2.0)
+    z = pitch[2] * np.arange(np.ceil((base - reach) / pitch[2]), np.floor((base + reach) / pitch[2]) + 1)
+    return [x, y, z]
+
+
+def _sliding_minimum(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Smallest value in the box that starts at each place and spans `cells` lattice steps."""
+    window = cells + 1
+    smallest = minimum_filter(values, size=tuple(window), mode="nearest", origin=tuple(-(window // 2)))
+    return smallest[tuple(slice(0, length - n) for length, n in zip(values.shape, cells, strict=True))]
+
+
+def _walk(robot: Robot, box: FlangeBox, posture: int) -> str:
+    """Lead the flange back and forth through the box in one configuration; the refusal, or ''."""
+    samples = box.samples(0.06)
+    samples[1::2] = samples[1::2, ::-1]
+    flat = samples.reshape(-1, samples.shape[2], 3)
+    flat[1::2] = flat[1::2, ::-1]
+    positions = flat.reshape(-1, 3)
+    T = np.zeros((len(positions), 4, 4))
+    T[:, :3, :3], T[:, :3, 3], T[:, 3, 3] = R_AT_HINGE, positions, 1.0
+    try:
+        choose_branch(
+            robot,
+            T,
+            rules=BranchRules(limit_margin=0.0, wrist=1.0 * DEG, max_step=45.0 * DEG),
+            branches=(2 * posture, 2 * posture + 1),
+        )
+    except RobotError as refusal:
+        return refusal.message
+    return ""
