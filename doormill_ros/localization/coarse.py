@@ -1,108 +1,160 @@
-"""Finds the two edges to about a pixel on a reduced picture."""
+"""Finds the door's corner to about a pixel: which of the lines in the picture are the two edges.
+
+The face is the innermost surface, so the innermost step that stands out of the face's own
+texture is its edge; a rebate's lip, the back of a door or a rail behind it lie further out.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
-import cv2
 import numpy as np
 
-from doormill_ros.localization.view import HINGE, FaceView
+from doormill_ros.localization.band import REDUCE, WING, Steps, band, find_steps, reduced
+from doormill_ros.localization.errors import NoEdge, WrongEdge
+from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 
-REDUCE = 4  # the picture is averaged down by this factor for the search
-_SEGMENT = 6.0e-3  # length of edge over which one step response is averaged [m]
-_STEP = 3  # samples averaged on each side of a step
-
-
-@dataclass(frozen=True, eq=False)
-class Band:
-    """Where one edge may lie, as sampling coordinates in the reduced picture.
-
-    Attributes:
-        across: Distance from the nominal edge, inside positive [m], shape (a,).
-        along: Distance from the nominal corner [m], shape (n,).
-        map_u: Column in the reduced picture, float32, shape (n, a).
-        map_v: Row in the reduced picture, float32, shape (n, a).
-    """
-
-    across: np.ndarray
-    along: np.ndarray
-    map_u: np.ndarray
-    map_v: np.ndarray
+_MARGIN = 2.0e-3  # how far beyond the largest displacement of an edge the search reaches [m]
+_INSIDE = 45.0e-3  # how much of the face beside an edge serves to learn its texture [m]
+_SIGNIFICANT = 4.0  # an edge stands out of the texture by that many standard deviations,
+_CERTAIN = 7.0  # and by that many if a line further out is more than twice as strong
+_FLOOR = 0.25  # texture that noise alone makes [grey levels]
+_FAINTEST = 3.5  # smallest step taken for an edge [grey levels]
+_PARALLEL = 9.0e-3  # largest difference between the tilts of the two edges, as far as the search sees [rad]
 
 
-@lru_cache(maxsize=64)
-def band(view: FaceView, edge: str, outside: float, inside: float, start: float) -> Band:
-    """Sampling grid of one edge; cached, for it depends on the door's size only.
+@dataclass(frozen=True)
+class Line:
+    """A candidate: place at the nominal corner [m], slope across per along, step [grey levels]."""
+
+    across: float
+    tilt: float
+    step: float
+
+
+def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
+    """Lines that stand out of the texture, from the inside outwards, and the texture's level.
 
     Args:
-        view: The camera before the face.
-        edge: "hinge" or "bottom".
-        outside: How far it reaches out of the nominal door [m].
-        inside: How far it reaches into the nominal door [m].
-        start: Where it starts along the edge [m].
+        steps: Steps of one edge's band.
+        reach: Largest distance of an edge's middle from its nominal place [m].
     """
-    step = REDUCE * view.pixel
-    across = np.arange(-outside, inside, step)
-    along = np.arange(start, view.length(edge), step)
-    grid_along, grid_across = np.meshgrid(along, across, indexing="ij")
-    pair = [grid_across, grid_along] if edge == HINGE else [grid_along, grid_across]
-    at = (view.pixels(np.stack(pair, axis=-1)) + 0.5) / REDUCE - 0.5
-    maps = (np.ascontiguousarray(at[..., i], dtype=np.float32) for i in range(2))
-    return Band(across, along, *maps)
+    strength = np.abs(steps.scores)
+    across = steps.where.across
+    # The contrast of texture goes with the light, so it is learned in relation to the brightness.
+    far = across > reach + _MARGIN
+    texture = strength[:, far] / np.maximum(steps.brightness[far], 5.0)
+    share = float(np.sqrt(np.mean(np.minimum(texture, 3 * np.median(texture)) ** 2)))
+    level = np.maximum(share * steps.brightness, _FLOOR)
+    best = strength.max(axis=0)
+    best[np.abs(across) > reach] = 0.0
+    # A step is as wide as the averages on its two sides; nearer maxima are the same edge.
+    padded = np.pad(best, WING)
+    shifted = [padded[i : i + best.size] for i in range(2 * WING + 1)]
+    peak = (best > np.max(shifted[:WING], axis=0)) & (best >= np.max(shifted[WING + 1 :], axis=0))
+    peak &= best > np.maximum(_FAINTEST, _SIGNIFICANT * level)
+    peak &= (best > _CERTAIN * level) | (best > 0.5 * best[peak].max(initial=0.0))
+    found = np.flatnonzero(peak)
+    lines = []
+    for j in found[::-1]:
+        k = int(np.argmax(strength[:, j]))
+        tilt = float(steps.tilts[k])
+        lines.append(Line(float(across[j]) - tilt * steps.middle, tilt, float(steps.scores[k, j])))
+    return lines, float(np.median(level[far]))
 
 
-def reduced(picture: np.ndarray) -> np.ndarray:
-    """The picture averaged over REDUCE x REDUCE pixels, in two halvings, which the library does fast."""
-    height, width = picture.shape
-    half = cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
-    return cv2.resize(half, (width // 4, height // 4), interpolation=cv2.INTER_AREA)
+def refine(steps: Steps, line: Line) -> Line:
+    """Place a line to about a pixel: peak of the step in each piece of edge, then a robust line."""
+    where, half = steps.where, 3
+    centre = np.rint((line.across + line.tilt * steps.centres - where.across[0]) / where.step).astype(int)
+    centre = np.clip(centre, half, len(where.across) - half - 1)
+    span = np.arange(-half, half + 1)
+    windows = np.sign(line.step) * steps.segments[np.arange(len(centre))[:, None], centre[:, None] + span]
+    top = np.clip(windows.argmax(axis=1), 1, 2 * half - 1)
+    i = np.arange(len(centre))
+    left, middle, right = windows[i, top - 1], windows[i, top], windows[i, top + 1]
+    bend = 2 * middle - left - right
+    place = top - half + 0.5 * (right - left) / np.maximum(bend, 1e-6)
+    good = (middle > 0.3 * abs(line.step)) & (bend > 1e-6)
+    if good.sum() < 4:
+        return line
+    s = steps.centres[good]
+    # Steps sit between samples: step j compares the samples before j with those from j on.
+    d = where.across[0] + where.step * (centre[good] + np.clip(place[good], -half, half) - 0.5)
+    at, slope = line.across, line.tilt
+    for _ in range(8):
+        miss = np.abs(d - at - slope * s)
+        weight = 1.0 / np.maximum(miss, 0.3 * where.step) ** 1.5
+        mean_s, mean_d = np.average(s, weights=weight), np.average(d, weights=weight)
+        slope = np.sum(weight * (s - mean_s) * (d - mean_d)) / np.sum(weight * (s - mean_s) ** 2)
+        at = mean_d - slope * mean_s
+    return Line(float(at), float(slope), line.step)
 
 
-def step_scores(small: np.ndarray, where: Band, tilts: np.ndarray) -> np.ndarray:
-    """Median step over segments along the edge, for each tilt and each place; grey levels, (k, a).
-
-    The median lets chips, dust and a clamp cover up to half of the edge. Steps are inside minus outside.
-    """
-    values = cv2.remap(small, where.map_u, where.map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    spacing = where.along[1] - where.along[0]
-    rows = max(int(round(_SEGMENT / spacing)), 1)
-    segments = len(where.along) // rows
-    means = values[: segments * rows].reshape(segments, rows, -1).mean(axis=1, dtype=np.float32)
-    sums = np.cumsum(np.pad(means, ((0, 0), (1, 0))), axis=1)
-    count = len(where.across)
-    steps = np.zeros((segments, count), dtype=np.float32)
-    middle = sums[:, _STEP : count + 1 - _STEP]
-    steps[:, _STEP : count + 1 - _STEP] = (
-        sums[:, 2 * _STEP :] + sums[:, : count + 1 - 2 * _STEP] - 2 * middle
-    ) / _STEP
-    centres = where.along[: segments * rows].reshape(segments, rows).mean(axis=1)
-    shift = np.rint(np.outer(tilts, centres) / spacing).astype(int)  # (k, segments)
-    at = np.clip(np.arange(count) + shift[..., None], 0, count - 1)
-    return np.median(steps[np.arange(segments)[:, None], at], axis=1)
+def meet(hinge: Line, bottom: Line) -> np.ndarray:
+    """Pose (y, z, rotation) of the corner of two lines; the rotation is the mean of theirs."""
+    # Hinge: y = a + p z, bottom: z = b + q y; a turn by r tilts them by -r and +r.
+    y = (hinge.across + hinge.tilt * bottom.across) / (1 - hinge.tilt * bottom.tilt)
+    return np.array([y, bottom.across + bottom.tilt * y, np.arctan((bottom.tilt - hinge.tilt) / 2)])
 
 
-def search(picture: np.ndarray, view: FaceView, reach: float, rotation: float) -> np.ndarray:
-    """Rough pose (y, z, rotation) of the door's corner.
+def _ends_at_corner(steps: dict[str, Steps], hinge: Line, bottom: Line, corner: np.ndarray) -> bool:
+    """Whether both edges are there near the corner and at least one of them ends in it."""
+    beyond = []
+    for edge, line, at in ((HINGE, hinge, corner[1]), (BOTTOM, bottom, corner[0])):
+        # Chips may have taken more than half of the wood near the corner.
+        sign = np.sign(line.step)
+        quantile = 0.6 if sign > 0 else 0.4
+        inside = steps[edge].along_line(line.across, line.tilt, at + 0.8e-3, at + 16.0e-3, quantile)
+        if inside * sign < 0.35 * abs(line.step):
+            return False
+        outside = steps[edge].along_line(line.across, line.tilt, at - 3.0e-3, at - 0.9e-3)
+        beyond.append(abs(outside) > 0.5 * abs(inside))
+    return not all(beyond)
+
+
+def search(picture: np.ndarray, view: FaceView, limit: float, rotation: float) -> np.ndarray:
+    """Rough pose of the corner of the door's face: y, z [m] and rotation [rad], shape (3,).
 
     Args:
         picture: Grey picture, shape (h, w), uint8.
         view: The camera before the face.
-        reach: Largest offset looked for [m].
+        limit: Largest offset looked for [m].
         rotation: Largest rotation looked for [rad].
+
+    Raises:
+        NoEdge: Nothing stands out of the texture where an edge must be.
+        WrongEdge: Lines stand out, but no two of them make the corner of a face.
     """
     small = reduced(picture)
-    edge_bands = [band(view, edge, reach, reach + 0.012, reach) for edge in ("hinge", "bottom")]
-    spacing = REDUCE * view.pixel / max(b.along[-1] for b in edge_bands)
-    tilts = np.arange(-np.ceil(rotation / spacing), np.ceil(rotation / spacing) + 1) * spacing
-    # A door that turns by r moves its hinge edge by -r z in y and its bottom edge by +r y in z.
-    scores = [
-        np.abs(step_scores(small, b, sign * tilts)) for b, sign in zip(edge_bands, (-1, 1), strict=True)
-    ]
-    best = int(np.argmax(scores[0].max(axis=1) + scores[1].max(axis=1)))
-    across = [b.across[int(np.argmax(s[best]))] for b, s in zip(edge_bands, scores, strict=True)]
-    r = tilts[best]
-    # The lines y = a - r z and z = b + r y meet in the corner.
-    y, z = (across[0] - r * across[1]) / (1 + r * r), (across[1] + r * across[0]) / (1 + r * r)
-    return np.array([y, z, np.arctan(r)])
+    bands = {}
+    for edge in (HINGE, BOTTOM):
+        reach = limit + rotation * view.length(edge) + _MARGIN
+        bands[edge] = band(view, edge, reach, reach + _INSIDE)
+    pitch = 1.5 * REDUCE * view.pixel / max(b.along[-1] for b in bands.values())
+    number = int(np.ceil(rotation / pitch)) + 1
+    tilts = np.arange(-number, number + 1) * pitch
+    steps = {edge: find_steps(small, b, tilts, limit + 0.5e-3) for edge, b in bands.items()}
+    lines = {}
+    for edge in (HINGE, BOTTOM):
+        lines[edge], level = candidates(steps[edge], limit + rotation * steps[edge].middle + 0.5 * _MARGIN)
+        if not lines[edge]:
+            raise NoEdge(
+                f"no line of at least {max(_FAINTEST, _SIGNIFICANT * level):.1f} grey levels where the {edge} edge "
+                "of the door must be; check that a door stands in the fixture and how it is lit",
+                edge=edge,
+            )
+        lines[edge] = [refine(steps[edge], line) for line in lines[edge]]
+    # A line that no other meets at a right angle is a shadow or a tool. Of what remains the innermost
+    # two are the face's, or nothing is: to fall back on lines further out would be to guess.
+    square = [[abs(h.tilt + b.tilt) < _PARALLEL for b in lines[BOTTOM]] for h in lines[HINGE]]
+    if np.any(square):
+        hinge = lines[HINGE][int(np.argmax(np.any(square, axis=1)))]
+        bottom = lines[BOTTOM][int(np.argmax(np.any(square, axis=0)))]
+        corner = meet(hinge, bottom)
+        if abs(hinge.tilt + bottom.tilt) < _PARALLEL and _ends_at_corner(steps, hinge, bottom, corner):
+            return corner
+    raise WrongEdge(
+        f"{len(lines[HINGE])} upright and {len(lines[BOTTOM])} level lines were found, but the innermost of them "
+        "do not meet at a right angle and end where they meet; clear the view of the door's corner"
+    )

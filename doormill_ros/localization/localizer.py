@@ -5,23 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.cell.layout import CellLayout, DoorOffset
+from doormill_ros.localization import checks
+from doormill_ros.localization.blur import Spread, edge_spread
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.coarse import search
-from doormill_ros.localization.errors import (
-    BadPicture,
-    CameraInfoMissing,
-    CameraInfoSize,
-    NoEdge,
-    OutOfRange,
-    StalePicture,
-)
-from doormill_ros.localization.fit import fit_pose
-from doormill_ros.localization.profiles import measure
+from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
+from doormill_ros.localization.fit import LineFit, PoseFit, fit_line, fit_pose
+from doormill_ros.localization.profiles import Profiles, measure
 from doormill_ros.localization.result import EdgeTrace, Localization
-from doormill_ros.localization.view import BOTTOM, HINGE, face_view
-from doormill_ros.units import m_to_mm, rad_to_deg
+from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
+from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView, face_view
 
-MAX_AGE = 2.0  # s
+_FIRST_BLUR, _FIRST_HALF = 3.0, 12  # wide enough to catch an edge four pixels from where the search has it
+_FIRST_EVERY = 4
+_NEAR = 1.0  # px; a first fit that moved further is repeated
+_WIDE = 2.5  # factor on the limits when looking for a door that stands out of range
 
 
 def localize(
@@ -32,6 +30,7 @@ def localize(
     thickness: float,
     *,
     age: float = 0.0,
+    settings: LocalizerSettings | None = None,
 ) -> Localization:
     """Find the door in one picture.
 
@@ -42,67 +41,142 @@ def localize(
         width: Door width [m].
         thickness: Door thickness [m].
         age: Time since the picture was taken [s].
+        settings: Limits of refusal; None for those of config/camera.yaml.
 
     Raises:
         LocalizationError: One of its leaves, the reason for a refusal.
     """
-    if camera is None:
-        raise CameraInfoMissing(
-            "no camera info came with the picture; start the camera's driver with its calibration"
-        )
-    if picture.ndim != 2 or picture.dtype != np.uint8:
-        raise BadPicture(
-            f"picture has shape {picture.shape} and type {picture.dtype}, allowed is (h, w) uint8"
-        )
-    if picture.shape != (camera.size[1], camera.size[0]):
-        raise CameraInfoSize(
-            f"camera info is for {camera.size[0]} x {camera.size[1]} px, the picture has "
-            f"{picture.shape[1]} x {picture.shape[0]} px; set the camera to the size it was calibrated with"
-        )
-    if age > MAX_AGE:
-        raise StalePicture(
-            f"the picture is {age:.1f} s old, allowed are {MAX_AGE:.1f} s; take a new one", age=age
-        )
+    settings = settings or shipped_settings()
+    checks.check_input(picture, camera, age, settings)
+    checks.check_exposure(picture)
     view = face_view(camera, layout, float(width), float(thickness))
-    limits = layout.limits
-    pose = search(picture, view, max(limits.y, limits.z) + 3.5e-3, limits.rotation + 0.005)
-    for blur, half in ((2.0, 10), (1.2, 8)):
-        profiles = [measure(picture, view, edge, pose, blur, half) for edge in (HINGE, BOTTOM)]
-        points = [view.points(p.pixels) for p in profiles]
-        fit = fit_pose(*points, pose)
-        pose = fit.pose
-    if min(abs(float(np.median(p.contrast))) for p in profiles) < 6.0:
-        raise NoEdge("no edge of the door stands out of the picture; look at the door and the light")
-    offset = DoorOffset(*(float(v) for v in pose))
-    if abs(offset.y) > limits.y or abs(offset.z) > limits.z or abs(offset.rotation) > limits.rotation:
-        raise OutOfRange(
-            f"the door stands {m_to_mm(offset.y):+.2f} mm, {m_to_mm(offset.z):+.2f} mm and "
-            f"{rad_to_deg(offset.rotation):+.2f} degrees off, allowed are {m_to_mm(limits.y):.0f} mm and "
-            f"{rad_to_deg(limits.rotation):.0f} degrees; place it again"
-        )
+    pose = _rough_pose(picture, view, layout)
+    pose = _first_fit(picture, view, pose, settings)
+    spreads = _spreads(picture, view, pose, settings)
+    profiles, lines = {}, {}
+    for edge in EDGES:
+        blur = spreads[edge].blur
+        half = int(np.clip(np.ceil(3.0 * blur + 2.0), 5, 14))
+        profiles[edge] = measure(picture, view, edge, pose, blur, half)
+        checks.check_rows(profiles[edge], settings)
+        lines[edge] = _line(view, profiles[edge], pose)
+        checks.check_share(edge, float(lines[edge].inliers.mean()), settings)
+    fit = fit_pose(lines[HINGE], lines[BOTTOM], settings.squareness)
+    checks.check_square(fit)
+    offset = DoorOffset(*(float(v) for v in fit.pose))
+    checks.check_range(offset, layout.limits)
+    covariance = _covariance(fit, view, settings)
+    checks.check_certainty(covariance, (lines[HINGE], lines[BOTTOM]), settings)
+    return _result(view, layout, (width, thickness), fit, covariance, profiles, lines, spreads, settings)
+
+
+def _rough_pose(picture: np.ndarray, view: FaceView, layout: CellLayout) -> np.ndarray:
+    """Pose to about a pixel; when there is none, the most telling reason."""
+    limit, rotation = max(layout.limits.y, layout.limits.z), layout.limits.rotation
+    try:
+        return search(picture, view, limit, rotation)
+    except (NoEdge, WrongEdge) as reason:
+        checks.check_exposure(picture, strict=True)
+        try:
+            pose = search(picture, view, _WIDE * limit, _WIDE * rotation)
+        except LocalizationError:
+            raise reason from None
+        checks.check_range(DoorOffset(*(float(v) for v in pose)), layout.limits)
+        raise
+
+
+def _line(view: FaceView, profiles: Profiles, pose: np.ndarray) -> LineFit:
+    """Line through an edge's points on the plane of the face."""
+    y, z = view.points(profiles.pixels).T
+    tilt = np.tan(pose[2])
+    if profiles.edge == HINGE:
+        return fit_line(z, y, profiles.edge_like, (pose[0] + tilt * pose[1], -tilt))
+    return fit_line(y, z, profiles.edge_like, (pose[1] - tilt * pose[0], tilt))
+
+
+def _first_fit(
+    picture: np.ndarray, view: FaceView, pose: np.ndarray, settings: LocalizerSettings
+) -> np.ndarray:
+    """Pose to a fraction of a pixel from every fourth row, whatever the blur."""
+    for _ in range(3):
+        before = pose
+        lines = {}
+        for edge in EDGES:
+            profiles = measure(picture, view, edge, pose, _FIRST_BLUR, _FIRST_HALF, _FIRST_EVERY)
+            if profiles.edge_like.sum() < 8:
+                checks.check_rows(profiles, settings)
+            lines[edge] = _line(view, profiles, pose)
+        # The angle between the lines is left free here: a wrong pair of lines must show as such.
+        pose = fit_pose(lines[HINGE], lines[BOTTOM], 1.0).pose
+        ends = np.array([0.0, view.length(BOTTOM)])
+        moved = view.line(BOTTOM, pose, ends) - view.line(BOTTOM, before, ends)
+        if np.abs(moved).max() < _NEAR * view.pixel:
+            break
+    return pose
+
+
+def _spreads(
+    picture: np.ndarray, view: FaceView, pose: np.ndarray, settings: LocalizerSettings
+) -> dict[str, Spread]:
+    """Blur of both edges."""
+    out = {}
+    for edge in EDGES:
+        profiles = measure(picture, view, edge, pose, _FIRST_BLUR, _FIRST_HALF, _FIRST_EVERY)
+        checks.check_rows(profiles, settings)
+        out[edge] = edge_spread(profiles, profiles.place, profiles.edge_like)
+        checks.check_spread(edge, out[edge], settings)
+    return out
+
+
+def _covariance(fit: PoseFit, view: FaceView, settings: LocalizerSettings) -> np.ndarray:
+    """Covariance of the pose with what the picture cannot tell."""
+    sight = np.array([*view.sight(fit.pose[:2]), 0.0])  # shift of the corner per distance of the face
+    return (
+        fit.covariance
+        + np.diag(np.square(settings.mounting_deviation))
+        + settings.thickness_deviation**2 * np.outer(sight, sight)
+    )
+
+
+def _result(
+    view: FaceView,
+    layout: CellLayout,
+    size: tuple[float, float],
+    fit: PoseFit,
+    covariance: np.ndarray,
+    profiles: dict[str, Profiles],
+    lines: dict[str, LineFit],
+    spreads: dict[str, Spread],
+    settings: LocalizerSettings,
+) -> Localization:
+    offset = DoorOffset(*(float(v) for v in fit.pose))
     traces = tuple(
         EdgeTrace(
             edge,
-            profile.pixels,
-            inlier,
-            view.pixels(view.line(edge, pose, np.linspace(0, 1.1 * view.length(edge), 40))),
-            float(np.sqrt(np.mean(residual[inlier] ** 2))),
-            float(np.median(profile.contrast)),
-            1.2,
+            profiles[edge].pixels,
+            lines[edge].inliers,
+            view.pixels(view.line(edge, fit.pose, np.linspace(0.0, view.length(edge) + 0.02, 60))),
+            lines[edge].scatter,
+            profiles[edge].step,
+            spreads[edge].blur,
         )
-        for edge, profile, residual, inlier in zip(
-            (HINGE, BOTTOM), profiles, fit.residuals, fit.inliers, strict=True
-        )
+        for edge in EDGES
     )
-    inlier = np.concatenate(fit.inliers)
-    residual = np.concatenate(fit.residuals)[inlier]
+    inlier = np.concatenate([line.inliers for line in lines.values()])
+    residual = np.concatenate([line.residuals for line in lines.values()])[inlier]
+    worst = min(float(line.inliers.mean()) for line in lines.values())
+    margins = [
+        (worst - settings.min_inlier_share) / (1 - settings.min_inlier_share),
+        1 - max(s.blur for s in spreads.values()) / settings.max_blur,
+        1 - float(np.max(np.sqrt(np.diag(covariance)) / settings.max_deviation)),
+    ]
     return Localization(
-        layout.T_base_door(width, thickness, offset),
+        layout.T_base_door(*size, offset),
         offset,
-        fit.covariance,
+        covariance,
         float(np.sqrt(np.mean(residual**2))),
         float(inlier.mean()),
-        float(inlier.mean()),
-        view.pixels(pose[:2]),
+        float(np.clip(min(margins), 0.0, 1.0)),
+        view.pixels(fit.pose[:2]),
         traces,
     )

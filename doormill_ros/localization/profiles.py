@@ -14,55 +14,66 @@ from scipy.special import ndtr
 
 from doormill_ros.localization.view import HINGE, FaceView
 
+WHITE = 253  # grey level from which a pixel counts as clipped
 _PHASES = 32  # sub-pixel phases for which the fit's matrices are kept
+_PIXEL_VARIANCE = 1.0 / 12.0  # what the pixel's own width adds to the point spread [px^2]
+_WEAKEST = 0.35  # share of the median step below which a row is not taken for edge
 
 
 @dataclass(frozen=True, eq=False)
 class Profiles:
-    """Edge points of one edge.
+    """Rows across one edge (columns for the bottom edge), and the edge point in each.
 
     Attributes:
-        pixels: u, v [px], shape (n, 2).
-        contrast: Step in the direction of growing u or v [grey levels], shape (n,).
-        misfit: RMS of what the step leaves unexplained [grey levels], shape (n,).
+        edge: "hinge" or "bottom".
+        lines: Number of the row, shape (n,).
+        values: Pixels of the row about the edge, shape (n, 2 half + 1), float32.
+        place: Where the edge was predicted, from the middle of `values` [px], shape (n,).
+        pixels: Edge points u, v [px], shape (n, 2).
+        level: Grey level on the side of small u or v, shape (n,).
+        contrast: Step towards growing u or v [grey levels], shape (n,).
+        clipped: Rows that hold a clipped pixel, shape (n,), bool.
+        edge_like: Rows with a step like that of the other rows, not clipped, shape (n,), bool.
     """
 
+    edge: str
+    lines: np.ndarray
+    values: np.ndarray
+    place: np.ndarray
     pixels: np.ndarray
+    level: np.ndarray
     contrast: np.ndarray
-    misfit: np.ndarray
+    clipped: np.ndarray
+    edge_like: np.ndarray
+
+    @property
+    def step(self) -> float:
+        """Median step inside minus outside [grey levels]; the door lies where u and v are small."""
+        return -float(np.median(self.contrast[self.edge_like])) if self.edge_like.any() else 0.0
 
 
-@lru_cache(maxsize=128)
-def _fit_table(half: int, blur: float) -> tuple[np.ndarray, np.ndarray]:
-    """Design (p, w, 3) and its pseudo-inverse (p, 3, w) of level, step and shift for each phase."""
+@lru_cache(maxsize=256)
+def _fit_table(half: int, blur_hundredths: int) -> np.ndarray:
+    """Matrices (p, 3, w) that give level, step and shift x step of a row, for each sub-pixel phase."""
     place = np.arange(-half, half + 1)[None] - ((np.arange(_PHASES) + 0.5) / _PHASES - 0.5)[:, None]
-    # The pixel's own width adds 1/12 px^2 to the variance of the point spread.
-    sigma = np.sqrt(blur**2 + 1.0 / 12.0)
+    sigma = np.sqrt((blur_hundredths / 100.0) ** 2 + _PIXEL_VARIANCE)
     slope = np.exp(-0.5 * (place / sigma) ** 2) / (np.sqrt(2 * np.pi) * sigma)
     design = np.stack([np.ones_like(place), ndtr(place / sigma), -slope], axis=-1)
-    return design.astype(np.float32), np.linalg.pinv(design).astype(np.float32)
+    return np.linalg.pinv(design).astype(np.float32)
 
 
-def windows(picture: np.ndarray, lines: np.ndarray, centre: np.ndarray, half: int, edge: str) -> np.ndarray:
-    """Pixels around `centre` on each of `lines` (row numbers for the hinge edge), shape (n, 2 half + 1)."""
-    span = np.arange(-half, half + 1)
-    if edge == HINGE:
-        return picture[lines[:, None], centre[:, None] + span]
-    return picture[centre[:, None] + span, lines[:, None]]
-
-
-def predicted(
+def _predicted(
     view: FaceView, edge: str, pose: np.ndarray, half: int, start: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rows that cross the predicted edge and the columns where they do (bottom edge: the other way)."""
-    along = np.linspace(start, view.length(edge) * 1.15 + 0.015, 48)
+    along = np.linspace(start, view.length(edge) + 0.025, 48)
     pixels = view.pixels(view.line(edge, pose, along))
     run, cross = (1, 0) if edge == HINGE else (0, 1)
-    order = np.argsort(pixels[:, run])
-    nodes_run, nodes_cross = pixels[order, run], pixels[order, cross]
+    nodes_run, nodes_cross = pixels[::-1, run], pixels[::-1, cross]
     width, height = view.camera.size
     limit_run, limit_cross = (height, width) if edge == HINGE else (width, height)
-    lines = np.arange(max(int(np.ceil(nodes_run[0])), 0), min(int(nodes_run[-1]), limit_run - 1) + 1)
+    first, last = max(int(np.ceil(nodes_run[0])), 0), min(int(nodes_run[-1]), limit_run - 1)
+    lines = np.arange(first, last + 1)
     at = np.interp(lines, nodes_run, nodes_cross)
     usable = (at > half + 1) & (at < limit_cross - half - 2)
     return lines[usable], at[usable]
@@ -75,7 +86,8 @@ def measure(
     pose: np.ndarray,
     blur: float,
     half: int,
-    start: float = 1e-3,
+    every: int = 1,
+    start: float = 0.8e-3,
 ) -> Profiles:
     """Edge points along the predicted edge.
 
@@ -83,21 +95,30 @@ def measure(
         picture: Grey picture, shape (h, w), uint8.
         view: The camera before the face.
         edge: "hinge" or "bottom".
-        pose: Predicted y, z [m] and rotation [rad], shape (3,), right to about a pixel.
+        pose: Predicted y, z [m] and rotation [rad], shape (3,).
         blur: Standard deviation of the point spread [px].
         half: Pixels looked at on each side.
+        every: Take only each n-th row.
         start: Distance from the corner at which to begin [m].
     """
-    lines, at = predicted(view, edge, pose, half, start)
+    lines, at = _predicted(view, edge, pose, half, start)
+    lines, at = lines[::every], at[::every]
     centre = np.rint(at).astype(np.intp)
     phase = np.clip(((at - centre + 0.5) * _PHASES).astype(np.intp), 0, _PHASES - 1)
-    design, inverse = _fit_table(half, round(float(blur), 2))
-    values = windows(picture, lines, centre, half, edge).astype(np.float32)
-    fit = np.einsum("nkw,nw->nk", inverse[phase], values)
-    misfit = values - np.einsum("nwk,nk->nw", design[phase], fit)
-    step = fit[:, 1]
-    safe = np.where(np.abs(step) < 1e-3, 1e-3, step)
-    shift = np.clip(fit[:, 2] / safe, -half, half)
-    found = centre + (phase + 0.5) / _PHASES - 0.5 + shift
-    pixels = np.column_stack([found, lines] if edge == HINGE else [lines, found])
-    return Profiles(pixels, step, np.sqrt(np.mean(misfit**2, axis=1)))
+    table = _fit_table(half, round(100.0 * blur))
+    span = np.arange(-half, half + 1)
+    if edge == HINGE:
+        raw = picture[lines[:, None], centre[:, None] + span]
+    else:
+        raw = picture[(centre[:, None] + span), lines[:, None]]
+    clipped = raw.max(axis=1, initial=0) >= WHITE
+    values = raw.astype(np.float32)
+    level, step, moment = np.matmul(table[phase], values[:, :, None])[..., 0].T
+    typical = np.median(step) if step.size else 0.0
+    edge_like = (step * np.sign(typical) > max(_WEAKEST * abs(typical), 1e-3)) & ~clipped
+    shift = np.divide(moment, step, out=np.zeros_like(moment), where=edge_like)
+    edge_like &= np.abs(shift) < 0.6 * half
+    place = (phase + 0.5) / _PHASES - 0.5
+    found = centre + place + np.clip(shift, -half, half)
+    pixels = np.column_stack([found, lines] if edge == HINGE else [lines, found]).astype(float)
+    return Profiles(edge, lines, values, place, pixels, level, step, clipped, edge_like)

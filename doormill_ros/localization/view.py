@@ -15,6 +15,7 @@ from doormill_ros.cell.layout import CellLayout
 from doormill_ros.localization.camera import CameraModel
 
 HINGE, BOTTOM = "hinge", "bottom"
+EDGES = (HINGE, BOTTOM)
 
 
 def directions(rotation: float) -> tuple[np.ndarray, np.ndarray]:
@@ -52,6 +53,11 @@ class FaceView:
         ahead = rays @ rotation[:, :2].T + rotation[:, 2]
         reach = (self._corner[0] - self._T_base_camera[0, 3]) / ahead[:, :1]
         return self._T_base_camera[1:3, 3] - self._corner[1:] + reach * ahead[:, 1:]
+
+    def sight(self, point: np.ndarray) -> np.ndarray:
+        """Base y and z per x along the ray to a face point (2,) [m], shape (2,)."""
+        start = self._T_base_camera[:3, 3]
+        return (self._corner[1:] + point - start[1:]) / (self._corner[0] - start[0])
 
     @lru_cache(maxsize=8)  # noqa: B019  views are few and live in a cache themselves
     def length(self, edge: str) -> float:

@@ -6,15 +6,27 @@ them, spread by the lens, collected by pixel areas and exposed with noise.
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
-from doormill_ros.simulation.picture_optics import bin_down, expose, rays, spread
-from doormill_ros.simulation.picture_scene import PictureScene, Surface
-from doormill_ros.simulation.picture_texture import Wander, look_up, tile
+from doormill_ros.simulation.picture_optics import Block, bin_down, expose, project, rays, spread
+from doormill_ros.simulation.picture_outline import Outline
+from doormill_ros.simulation.picture_scene import PictureScene, Shadow, Surface
+from doormill_ros.simulation.picture_texture import Texture
 
 FINE = 3  # sub-pixels per pixel along the door's edges
 _STREAK = 40.0  # a streak of grain is that many times longer than wide
-_SAMPLES = 4.0  # texture samples per correlation length
+_SUB_BITS = 4  # fractional bits of polygon corners
+
+
+def _textures(rng: np.random.Generator, surface: Surface) -> list[Texture]:
+    out = []
+    if surface.mottle:
+        out.append(Texture(rng, surface.mottle, surface.mottle_size, surface.mottle_size))
+    if surface.grain:
+        width = surface.grain_width
+        out.append(Texture(rng, surface.grain, width, _STREAK * width, surface.grain_angle))
+    return out
 
 
 class _Painter:
@@ -22,82 +34,119 @@ class _Painter:
 
     def __init__(self, scene: PictureScene, rng: np.random.Generator) -> None:
         self.scene = scene
-        edges = scene.edges
-        self.hinge = Wander(rng, edges.roughness, edges.correlation, -0.1, 0.3)
-        self.bottom = Wander(rng, edges.roughness, edges.correlation, -0.1, 0.3)
-        self.fields = {name: self._fields(getattr(scene, name), rng) for name in ("face", "background")}
-        layout = scene.layout
-        self.distance = layout.rear_face_x - scene.thickness - scene.camera.origin[0]
-        hinge_edge = layout.centre_y - scene.width / 2.0
-        # The nominal corner seen from the camera, along base y and z.
-        self.corner = (
-            hinge_edge + scene.offset.y - (scene.camera.origin[1] - scene.width / 2.0),
-            layout.bottom_z + scene.offset.z - scene.camera.origin[2],
-        )
+        self.hinge = Outline(rng, scene.edges, "hinge")
+        self.bottom = Outline(rng, scene.edges, "bottom")
+        self.textures = {name: _textures(rng, getattr(scene, name)) for name in ("face", "background")}
+        self.band_phase = rng.uniform(0, 2 * np.pi)
+        self.turn = np.cos(scene.offset.rotation), np.sin(scene.offset.rotation)
 
-    @staticmethod
-    def _fields(surface: Surface, rng: np.random.Generator) -> tuple:
-        mottle = tile(rng, _SAMPLES, _SAMPLES) if surface.mottle else None
-        grain = tile(rng, _SAMPLES, _SAMPLES) if surface.grain else None
-        return mottle, grain
+    def door_coordinates(self, ray_x: np.ndarray, ray_y: np.ndarray, setback: float = 0.0) -> tuple:
+        """Door y and z [m] where rays meet the plane `setback` [m] behind the face."""
+        away = np.float32(-(self.scene.distance + setback))
+        corner, (c, s) = self.scene.corner, self.turn
+        y = (away * np.float32(c)) * ray_x + (away * np.float32(s)) * ray_y
+        z = (away * np.float32(c)) * ray_y - (away * np.float32(s)) * ray_x
+        y -= np.float32(c * corner[0] + s * corner[1])
+        z -= np.float32(c * corner[1] - s * corner[0])
+        return y, z
 
-    def door_coordinates(self, ray_x: np.ndarray, ray_y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Door y and z [m] where rays meet the plane of the face."""
-        across = np.float32(-self.distance) * ray_x - np.float32(self.corner[0])
-        up = np.float32(-self.distance) * ray_y - np.float32(self.corner[1])
-        c, s = np.float32(np.cos(self.scene.offset.rotation)), np.float32(np.sin(self.scene.offset.rotation))
-        return c * across + s * up, c * up - s * across
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """Pixels u, v (n, 2) of points y, z (n, 2) [m] of the face plane, door axes."""
+        (c, s), corner = self.turn, self.scene.corner
+        across = corner[0] + c * points[:, 0] - s * points[:, 1]
+        up = corner[1] + s * points[:, 0] + c * points[:, 1]
+        return project(self.scene.camera, self.scene.distance, across, up)
 
-    def inside(self, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance [m] of door points from the hinge edge and the bottom edge, inside positive."""
-        angle = self.scene.edges.squareness
-        along, above = y * np.cos(angle) + z * np.sin(angle), z * np.cos(angle) - y * np.sin(angle)
-        return y - self.hinge(z), above - self.bottom(along)
+    def cover(self, y: np.ndarray, z: np.ndarray, sample: float, rough: bool) -> np.ndarray:
+        """Share of each sub-pixel of size `sample` [m] that the face covers."""
+        tilt = np.float32(np.tan(self.scene.edges.squareness))
+        depth, height = y, z - tilt * y
+        if rough:
+            depth, height = depth - self.hinge(z), height - self.bottom(y)
+        # A fibrous rim thins out over its width; a sharp one over a sub-pixel.
+        scale = np.float32(1.0 / np.hypot(sample, 2.0 * self.scene.edges.softness))
+        return np.clip(depth * scale + 0.5, 0, 1) * np.clip(height * scale + 0.5, 0, 1)
 
     def albedo(self, name: str, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Brightness of a surface at door coordinates, under unit light."""
-        surface: Surface = getattr(self.scene, name)
-        mottle, grain = self.fields[name]
-        out = np.full(y.shape, surface.brightness, dtype=np.float32)
-        if mottle is not None:
-            scale = np.float32(_SAMPLES / surface.mottle_size)
-            out *= 1 + np.float32(surface.mottle) * look_up(mottle, y * scale, z * scale)
-        if grain is not None:
-            scale = np.float32(_SAMPLES / surface.grain_width)
-            c, s = np.float32(np.cos(surface.grain_angle)), np.float32(np.sin(surface.grain_angle))
-            across, along = (y * c - z * s) * scale, (z * c + y * s) * (scale / np.float32(_STREAK))
-            out *= 1 + np.float32(surface.grain) * look_up(grain, across, along)
-        return np.maximum(out, 0)
+        out = np.full(y.shape, 1.0, dtype=np.float32)
+        for texture in self.textures[name]:
+            out += texture(y, z)
+        out *= np.float32(getattr(self.scene, name).brightness)
+        return cv2.max(out, 0.0)
+
+    def _shade(self, out: np.ndarray, shadows: list[Shadow], y: np.ndarray, z: np.ndarray) -> None:
+        for shadow in shadows:
+            c, s = np.cos(shadow.angle), np.sin(shadow.angle)
+            far = (
+                np.float32(c) * y + np.float32(s) * z - np.float32(c * shadow.place[0] + s * shadow.place[1])
+            )
+            share = np.clip(far / np.float32(shadow.penumbra) + 0.5, 0, 1)
+            out *= 1 + np.float32(shadow.factor - 1) * share * share * (3 - 2 * share)
 
     def light(self, ray_x: np.ndarray, ray_y: np.ndarray) -> np.ndarray:
-        """Light that falls on what a ray sees."""
+        """Light that falls on what a ray sees, shadows aside."""
         light = self.scene.light
         out = 1 + np.float32(light.gradient[0] / 0.55) * ray_x + np.float32(light.gradient[1] / 0.31) * ray_y
-        out *= 1 - np.float32(light.vignetting / 0.4) * (ray_x * ray_x + ray_y * ray_y)
-        return np.float32(light.level) * np.maximum(out, 0)
+        if light.vignetting:
+            out *= 1 - np.float32(light.vignetting / 0.4) * (ray_x * ray_x + ray_y * ray_y)
+        if light.banding:
+            out *= 1 + np.float32(light.banding) * np.sin(
+                np.float32(35.0) * ray_y + np.float32(self.band_phase)
+            )
+        return np.float32(light.level) * cv2.max(out, 0.0)
 
-    def radiance(self, block: tuple[int, int, int, int], fine: int) -> np.ndarray:
+    def paint(self, radiance: np.ndarray, block: Block, fine: int, behind: bool) -> None:
+        """Fill the blots that lie on the background, or those before the door, into `radiance`."""
+        for blot in self.scene.blots:
+            if blot.behind is behind:
+                at = self.pixels(blot.outline)
+                at = (at - [block[2] - 0.5, block[0] - 0.5]) * fine - 0.5
+                if np.all(at.max(axis=0) > 0) and np.all(at.min(axis=0) < radiance.shape[::-1]):
+                    corners = np.rint(at * 2**_SUB_BITS).astype(np.int32)
+                    cv2.fillPoly(radiance, [corners], float(blot.brightness), cv2.LINE_8, _SUB_BITS)
+
+    def radiance(self, block: Block, fine: int) -> np.ndarray:
         """What the sub-pixels of a block see, before the lens spreads it; float32."""
-        ray_x, ray_y = rays(self.scene.camera, block, fine)
+        scene, shadows = self.scene, self.scene.light.shadows
+        ray_x, ray_y = rays(scene.camera, block, fine)
         y, z = self.door_coordinates(ray_x, ray_y)
-        hinge, bottom = self.inside(y, z)
-        per_sample = np.float32(self.scene.camera.matrix[0, 0] / self.distance * fine)
-        cover = np.clip(hinge * per_sample + 0.5, 0, 1) * np.clip(bottom * per_sample + 0.5, 0, 1)
-        face, behind = self.albedo("face", y, z), self.albedo("background", y, z)
-        return ((behind + (face - behind) * cover) * self.light(ray_x, ray_y)).astype(np.float32)
+        sample = scene.distance / float(scene.camera.matrix[0, 0]) / fine
+        out = self.albedo("background", y, z)
+        self.paint(out, block, fine, behind=True)
+        self._shade(out, [s for s in shadows if s.behind], y, z)
+        face = self.albedo("face", y, z)
+        self._shade(face, [s for s in shadows if s.on_face], y, z)
+        if scene.back_edge is not None:
+            lip = scene.back_edge
+            back_y, back_z = self.door_coordinates(ray_x, ray_y, lip.setback)
+            share = np.clip((back_y + np.float32(lip.hinge)) / np.float32(sample) + 0.5, 0, 1)
+            share *= np.clip((back_z + np.float32(lip.bottom)) / np.float32(sample) + 0.5, 0, 1)
+            out += (face * np.float32(lip.brightness) - out) * share
+        out += (face - out) * self.cover(y, z, sample, rough=fine > 1)
+        self.paint(out, block, fine, behind=False)
+        out *= self.light(ray_x, ray_y)
+        return out
 
-    def edge_blocks(self, margin: int) -> list[tuple[int, int, int, int]]:
+    def edge_blocks(self, margin: int) -> list[Block]:
         """Blocks of the picture that hold the hinge edge and the bottom edge."""
         rows, columns = self.scene.camera.shape
-        y, z = self.door_coordinates(*rays(self.scene.camera, (0, rows, 0, columns), 1))
-        across = np.flatnonzero((np.abs(y[::8]) < 0.6e-3).any(axis=0))
-        down = np.flatnonzero((np.abs(z[:, ::8]) < 0.6e-3).any(axis=1))
+        along = np.linspace(-1.0e-3, 0.22, 60)
         blocks = []
-        if across.size:
-            blocks.append((0, rows, max(across[0] - margin, 0), min(across[-1] + margin, columns)))
-        if down.size:
-            blocks.append((max(down[0] - margin, 0), min(down[-1] + margin, rows), 0, columns))
-        return blocks
+        for name, outline in (("hinge", self.hinge), ("bottom", self.bottom)):
+            rim = 3 * self.scene.edges.roughness + 2 * self.scene.edges.softness
+            sides = [np.full_like(along, -rim), np.full_like(along, outline.deepest + rim)]
+            strips = [np.column_stack([s, along] if name == "hinge" else [along, s]) for s in sides]
+            at = self.pixels(np.vstack(strips))
+            seen = at[np.all((at > -margin) & (at < [columns + margin, rows + margin]), axis=1)]
+            if len(seen):
+                low, high = np.floor(seen.min(axis=0)).astype(int), np.ceil(seen.max(axis=0)).astype(int)
+                column0, row0 = np.maximum(low - margin, 0)
+                column1, row1 = np.minimum(high + margin + 1, [columns, rows])
+                # The nodes are far apart: an edge that leaves the picture does so at its border.
+                row0, column0 = (0, column0) if name == "hinge" else (row0, 0)
+                blocks.append((int(row0), int(row1), int(column0), int(column1)))
+        return [b for b in blocks if b[1] > b[0] and b[3] > b[2]]
 
 
 def render_picture(scene: PictureScene, seed: int) -> np.ndarray:
@@ -112,7 +161,7 @@ def render_picture(scene: PictureScene, seed: int) -> np.ndarray:
     rows, columns = scene.camera.shape
     picture = spread(painter.radiance((0, rows, 0, columns), 1), scene.sensor, 1)
     reach = int(np.ceil(4 * scene.sensor.blur + scene.sensor.defocus)) + 2
-    for block in painter.edge_blocks(2 * reach + 8):
+    for block in painter.edge_blocks(2 * reach + 4):
         fine = bin_down(spread(painter.radiance(block, FINE), scene.sensor, FINE), FINE)
         # The rim of a block lacks the light of its neighbours; it stays as it was.
         row0, row1, column0, column1 = block

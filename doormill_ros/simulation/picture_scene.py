@@ -56,7 +56,7 @@ class Surface:
         mottle_size: Its correlation length [m].
         grain: Relative standard deviation of streaks (wood grain).
         grain_width: Correlation length across the streaks [m].
-        grain_angle: Direction of the streaks from the door's z axis towards y [rad].
+        grain_angle: Direction of the streaks from the door's z axis towards -y [rad].
     """
 
     brightness: float
@@ -68,18 +68,85 @@ class Surface:
 
 
 @dataclass(frozen=True)
+class Chip:
+    """Wood missing from an edge: place along it, length and depth [m]."""
+
+    edge: str
+    along: float
+    length: float
+    depth: float
+
+
+@dataclass(frozen=True)
 class Edges:
-    """How the saw left the two edges.
+    """How the saw left the two edges of the face.
 
     Attributes:
         roughness: RMS deviation from the straight line [m].
         correlation: Distance over which the roughness' autocorrelation falls to 1/e [m].
-        squareness: Angle of the bottom edge above the normal of the hinge edge [rad].
+        squareness: Angle by which the bottom edge rises above the normal of the hinge edge [rad].
+        softness: Half width of the fibrous rim over which the wood thins out [m].
+        chips: Missing pieces.
     """
 
     roughness: float = 0.0
     correlation: float = 2.0e-3
     squareness: float = 0.0
+    softness: float = 0.0
+    chips: tuple[Chip, ...] = ()
+
+
+@dataclass(frozen=True)
+class BackEdge:
+    """A part of the door behind its face that sticks out beyond it: a rebate's lip, a bevel.
+
+    Attributes:
+        hinge: Overhang beyond the hinge edge [m].
+        bottom: Overhang beyond the bottom edge [m].
+        setback: Distance behind the face [m].
+        brightness: Factor on the brightness of the face.
+    """
+
+    hinge: float
+    bottom: float
+    setback: float
+    brightness: float
+
+
+@dataclass(frozen=True)
+class Shadow:
+    """A half plane that gets another light; coordinates on the plane of the face, door axes.
+
+    Attributes:
+        place: A point y, z of its border [m].
+        angle: Direction of the border's normal, which points into the shadow, from y towards z [rad].
+        penumbra: Width over which the light changes [m].
+        factor: Light inside.
+        on_face: Whether it falls on the door.
+        behind: Whether it falls on the background.
+    """
+
+    place: tuple[float, float]
+    angle: float
+    penumbra: float
+    factor: float
+    on_face: bool = True
+    behind: bool = True
+
+
+@dataclass(frozen=True)
+class Blot:
+    """A filled polygon before the door: dust, a clamp, part of a screw head.
+
+    Attributes:
+        outline: Corners y, z [m], door axes, shape (n, 2).
+        brightness: 0..1 of full scale under unit light.
+        behind: Whether it lies on the background, hidden by the door.
+    """
+
+    outline: np.ndarray
+    brightness: float
+    behind: bool = False
 
 
 @dataclass(frozen=True)
@@ -90,11 +157,15 @@ class Light:
         level: Factor on all brightness.
         gradient: Relative change from the middle to the right and lower margin.
         vignetting: Relative loss at the picture's corners.
+        banding: Relative amplitude of the bands that lamps on mains draw into a rolling shutter.
+        shadows: Half planes in other light.
     """
 
     level: float = 1.0
     gradient: tuple[float, float] = (0.0, 0.0)
     vignetting: float = 0.0
+    banding: float = 0.0
+    shadows: tuple[Shadow, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -121,11 +192,13 @@ class PictureScene:
     Attributes:
         width: Door width [m].
         thickness: Door thickness [m].
-        offset: The true offset from the nominal place.
+        offset: The true offset from the nominal place; None for the nominal place.
         face: Face of the door.
         background: Wall of the cell behind the door.
         edges: Outline of the door's face.
+        back_edge: What sticks out behind the face, or None.
         light: Lighting.
+        blots: Dust, clamps, screws.
         sensor: Optics and noise.
         camera: The true camera.
         layout: Where the nominal door stands.
@@ -133,11 +206,27 @@ class PictureScene:
 
     width: float
     thickness: float
-    offset: DoorOffset = DoorOffset()
+    offset: DoorOffset = field(default_factory=DoorOffset)
     face: Surface = Surface(0.65)
     background: Surface = Surface(0.18)
     edges: Edges = Edges()
+    back_edge: BackEdge | None = None
     light: Light = Light()
+    blots: tuple[Blot, ...] = ()
     sensor: Sensor = Sensor()
     camera: SceneCamera = field(default_factory=SceneCamera.load)
     layout: CellLayout = field(default_factory=load_layout)
+
+    @property
+    def distance(self) -> float:
+        """From the camera to the plane of the face [m]."""
+        return self.layout.rear_face_x - self.thickness - float(self.camera.origin[0])
+
+    @property
+    def corner(self) -> tuple[float, float]:
+        """Base y, z of the true corner from the camera [m]; the slider follows the door width."""
+        slider = float(self.camera.origin[1]) - self.width / 2.0
+        return (
+            self.layout.centre_y - self.width / 2.0 + self.offset.y - slider,
+            self.layout.bottom_z + self.offset.z - float(self.camera.origin[2]),
+        )

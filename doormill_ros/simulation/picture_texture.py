@@ -1,53 +1,53 @@
-"""Seeded random fields: the wander of a sawn edge and the texture of surfaces."""
+"""Textures of surfaces, taken from a bank of seeded random tiles."""
 
 from __future__ import annotations
+
+from functools import lru_cache
 
 import cv2
 import numpy as np
 
-TILE = 1024  # side of a periodic texture tile [samples]
+TILE = 1024  # side of a periodic tile [samples]
+PER_LENGTH = 4.0  # samples per correlation length
+_BANK = 6  # tiles kept; a picture takes a random part of one, turned at random
 
 
-class Wander:
-    """A stationary Gaussian process along a line, autocorrelation exp(-(s/correlation)^2)."""
+@lru_cache(maxsize=_BANK)
+def _tile(number: int) -> np.ndarray:
+    """A periodic Gaussian field of mean 0, standard deviation 1, correlation length PER_LENGTH."""
+    white = np.random.default_rng((7331, number)).standard_normal((TILE, TILE), dtype=np.float32)
+    pad = int(6 * PER_LENGTH)
+    smooth = cv2.GaussianBlur(cv2.copyMakeBorder(white, *[pad] * 4, cv2.BORDER_WRAP), (0, 0), PER_LENGTH / 2)
+    part = smooth[pad:-pad, pad:-pad]
+    out = np.ascontiguousarray((part - part.mean()) / part.std())
+    out.setflags(write=False)
+    return out
+
+
+class Texture:
+    """A random field over the plane of a surface."""
 
     def __init__(
-        self, rng: np.random.Generator, rms: float, correlation: float, start: float, stop: float
+        self, rng: np.random.Generator, contrast: float, across: float, along: float, angle: float = 0.0
     ) -> None:
-        """Draw one realisation between `start` and `stop` [m]; `rms`, `correlation` in [m]."""
-        self._step = correlation / 20.0
-        self._start = start - 4.0 * correlation
-        count = int(np.ceil((stop - start + 8.0 * correlation) / self._step))
-        # White noise through a Gaussian of width correlation/2 has that autocorrelation.
-        offsets = np.arange(-60, 61) * self._step
-        kernel = np.exp(-2.0 * (offsets / correlation) ** 2)
-        white = rng.standard_normal(count + 120)
-        self._values = np.convolve(white, kernel / np.sqrt(np.sum(kernel**2)), mode="valid") * rms
+        """Draw one.
 
-    def __call__(self, along: np.ndarray) -> np.ndarray:
-        """Deviation [m] at positions `along` [m], any shape."""
-        at = np.clip((along - self._start) / self._step, 0, len(self._values) - 1.001)
-        index = at.astype(np.int32)
-        share = at - index
-        return self._values[index] * (1.0 - share) + self._values[index + 1] * share
+        Args:
+            rng: Source of randomness.
+            contrast: Standard deviation.
+            across: Correlation length across the streaks [m].
+            along: Correlation length along the streaks [m].
+            angle: Direction of the streaks from z towards -y [rad].
+        """
+        self._tile = _tile(int(rng.integers(_BANK)))[:: rng.choice([-1, 1]), :: rng.choice([-1, 1])]
+        self._tile = np.ascontiguousarray(self._tile * np.float32(contrast))
+        self._start = rng.uniform(0.35, 0.65, 2) * TILE
+        c, s = np.cos(angle), np.sin(angle)
+        self._turn = np.array([[c / across, s / across], [-s / along, c / along]]) * PER_LENGTH
 
-
-def tile(rng: np.random.Generator, width_x: float, width_y: float) -> np.ndarray:
-    """A periodic field of mean 0 and standard deviation 1, float32, shape (TILE, TILE).
-
-    Args:
-        rng: Source of randomness.
-        width_x: Smoothing length along the columns' direction [samples].
-        width_y: Smoothing length along the rows' direction [samples].
-    """
-    white = rng.standard_normal((TILE, TILE), dtype=np.float32)
-    pad = int(min(TILE, 4 * max(width_x, width_y))) + 1
-    wrapped = cv2.copyMakeBorder(white, pad, pad, pad, pad, cv2.BORDER_WRAP)
-    smooth = cv2.GaussianBlur(wrapped, (0, 0), sigmaX=max(width_x, 0.3), sigmaY=max(width_y, 0.3))
-    field = smooth[pad:-pad, pad:-pad]
-    return np.ascontiguousarray((field - field.mean()) / field.std())
-
-
-def look_up(field: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Values of a periodic tile at sample coordinates x, y (float32 arrays of equal shape)."""
-    return cv2.remap(field, x % TILE, y % TILE, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+    def __call__(self, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """Value at surface coordinates y, z [m], float32 arrays of equal shape."""
+        (a, b), (c, d) = self._turn.astype(np.float32)
+        at_x = a * y + b * z + np.float32(self._start[0])
+        at_y = c * y + d * z + np.float32(self._start[1])
+        return cv2.remap(self._tile, at_x, at_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)

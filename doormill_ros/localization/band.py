@@ -1,0 +1,138 @@
+"""The strip of the picture in which an edge may lie, straightened, and the steps found in it.
+
+`across` is the distance from the nominal edge, inside positive; `along` the distance from the
+nominal corner. The strip is sampled from the picture averaged down by REDUCE.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import cv2
+import numpy as np
+
+from doormill_ros.localization.view import HINGE, FaceView
+
+REDUCE = 4  # the picture is averaged down by this factor for the search
+WING = 2  # samples averaged on each side of a step
+_SEGMENT = 4.0e-3  # length of edge over which a step is averaged before the median [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """Where one edge may lie, as sampling coordinates in the reduced picture.
+
+    Attributes:
+        across: Distance from the nominal edge [m], shape (a,).
+        along: Distance from the nominal corner [m], shape (n,).
+        map_u: Column in the reduced picture, float32, shape (n, a).
+        map_v: Row in the reduced picture, float32, shape (n, a).
+    """
+
+    across: np.ndarray
+    along: np.ndarray
+    map_u: np.ndarray
+    map_v: np.ndarray
+
+    @property
+    def step(self) -> float:
+        """Spacing of the samples [m]."""
+        return float(self.across[1] - self.across[0])
+
+
+@lru_cache(maxsize=64)
+def band(view: FaceView, edge: str, reach: float, inside: float) -> Band:
+    """Sampling grid of one edge; cached, for it depends on the door's size only.
+
+    Args:
+        view: The camera before the face.
+        edge: "hinge" or "bottom".
+        reach: How far it reaches out of the nominal door and beyond its corner [m].
+        inside: How far it reaches into the nominal door [m].
+    """
+    step = REDUCE * view.pixel
+    across, along = np.arange(-reach, inside, step), np.arange(-reach, view.length(edge), step)
+    grid_along, grid_across = np.meshgrid(along, across, indexing="ij")
+    pair = [grid_across, grid_along] if edge == HINGE else [grid_along, grid_across]
+    at = (view.pixels(np.stack(pair, axis=-1)) + 0.5) / REDUCE - 0.5
+    maps = (np.ascontiguousarray(at[..., i], dtype=np.float32) for i in range(2))
+    return Band(across, along, *maps)
+
+
+def reduced(picture: np.ndarray) -> np.ndarray:
+    """The picture averaged over REDUCE x REDUCE pixels, in two halvings, which the library does fast."""
+    height, width = picture.shape
+    half = cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
+    return cv2.resize(half, (width // 4, height // 4), interpolation=cv2.INTER_AREA)
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Brightness steps in a band: mean inside minus mean outside [grey levels].
+
+    Attributes:
+        where: The band.
+        rows: Step at each sample, shape (n, a).
+        segments: Means of it over pieces of edge that are inside the door wherever it stands, shape (s, a).
+        centres: Distance of the pieces from the nominal corner [m], shape (s,).
+        scores: Median over the pieces for each tilt; column j is a line that passes `across[j]` in
+            the middle of the pieces, shape (k, a).
+        tilts: Slopes of the lines, across per along, shape (k,).
+        middle: Distance of the pieces' middle from the nominal corner [m].
+        brightness: Median brightness inside of each column of `scores` [grey levels], shape (a,).
+    """
+
+    where: Band
+    rows: np.ndarray
+    segments: np.ndarray
+    centres: np.ndarray
+    scores: np.ndarray
+    tilts: np.ndarray
+    middle: float
+    brightness: np.ndarray
+
+    def along_line(
+        self, across: float, tilt: float, start: float, stop: float, quantile: float = 0.5
+    ) -> float:
+        """Quantile of the steps on a line between two places along it; 0 where there are none [grey levels]."""
+        where = self.where
+        chosen = np.flatnonzero((where.along >= start) & (where.along <= stop))
+        if chosen.size == 0:
+            return 0.0
+        at = np.rint((across + tilt * where.along[chosen] - where.across[0]) / where.step).astype(int)
+        return float(np.quantile(self.rows[chosen, np.clip(at, 0, len(where.across) - 1)], quantile))
+
+
+def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float) -> Steps:
+    """Steps of a reduced picture in a band.
+
+    The median over pieces lets chips, dust, screws and clamps cover almost half of the edge.
+
+    Args:
+        small: Reduced picture.
+        where: The band.
+        tilts: Slopes to try, shape (k,).
+        free: Distance from the nominal corner beyond which the edge exists wherever the door stands [m].
+    """
+    values = cv2.remap(small, where.map_u, where.map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    count = len(where.across)
+    sums = cv2.integral(values)[1:] - cv2.integral(values)[:-1]  # (n, a + 1), running sums of each row
+    rows = np.zeros((len(where.along), count), dtype=np.float32)
+    rows[:, WING : count + 1 - WING] = (
+        sums[:, 2 * WING :] + sums[:, : count + 1 - 2 * WING] - 2 * sums[:, WING : count + 1 - WING]
+    ) / WING
+    first = int(np.searchsorted(where.along, free))
+    per = max(round(_SEGMENT / where.step), 1)
+    pieces = (len(where.along) - first) // per
+    used = slice(first, first + pieces * per)
+    segments = rows[used].reshape(pieces, per, count).mean(axis=1)
+    centres = where.along[used].reshape(pieces, per).mean(axis=1)
+    middle = float(centres.mean())
+    shift = np.rint(np.outer(tilts, centres - middle) / where.step).astype(int)  # (k, pieces)
+    at = np.clip(np.arange(count)[:, None] + shift[:, None], 0, count - 1)  # (k, a, pieces)
+    picked = segments[np.arange(pieces), at]
+    picked.partition(pieces // 2, axis=-1)
+    inside = np.minimum(np.arange(count) + WING, count - 1)
+    brightness = np.median(values[first::per], axis=0)[inside]
+    return Steps(where, rows, segments, centres, picked[..., pieces // 2], tilts, middle, brightness)

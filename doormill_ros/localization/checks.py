@@ -1,0 +1,198 @@
+"""Reasons to refuse a picture or what was found in it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.cell.layout import DoorOffset, PlacementLimits
+from doormill_ros.localization.blur import Spread
+from doormill_ros.localization.camera import CameraModel
+from doormill_ros.localization.errors import (
+    BadPicture,
+    Blurred,
+    CameraInfoMissing,
+    CameraInfoSize,
+    NoEdge,
+    OutOfRange,
+    OverExposed,
+    StalePicture,
+    TooFewInliers,
+    UnderExposed,
+    WrongEdge,
+)
+from doormill_ros.localization.fit import LineFit, PoseFit
+from doormill_ros.localization.profiles import WHITE, Profiles
+from doormill_ros.localization.settings import LocalizerSettings
+from doormill_ros.units import m_to_mm, rad_to_deg
+
+_MOST_WHITE = 0.6  # share of clipped pixels in a picture
+_DARKEST = 16  # grey level that one pixel in two hundred must exceed
+_FEWEST_ROWS = 60
+_SKEW = 4.5  # out of square by that many standard deviations is another line
+_DOUBLE = 0.04  # misfit of the mean profile, as a share of the step, that one edge does not show
+
+
+def check_input(
+    picture: np.ndarray, camera: CameraModel | None, age: float, settings: LocalizerSettings
+) -> None:
+    """Whether the picture is one, is new and belongs to the camera info.
+
+    Raises:
+        LocalizationError: BadPicture, CameraInfoMissing, CameraInfoSize or StalePicture.
+    """
+    if not isinstance(picture, np.ndarray) or picture.ndim != 2 or picture.dtype != np.uint8:
+        found = f"shape {np.shape(picture)} and type {getattr(picture, 'dtype', type(picture).__name__)}"
+        raise BadPicture(f"the picture has {found}, allowed is (h, w) uint8; set the camera to 8 bit grey")
+    if camera is None:
+        raise CameraInfoMissing(
+            "no camera info came with the picture; start the camera's driver with its calibration"
+        )
+    height, width = picture.shape
+    if (width, height) != camera.size:
+        raise CameraInfoSize(
+            f"the camera info is for {camera.size[0]} x {camera.size[1]} px, the picture has {width} x {height} px; "
+            "set the camera to the size it was calibrated with",
+            info=camera.size,
+            picture=(width, height),
+        )
+    if not age <= settings.max_age:
+        raise StalePicture(
+            f"the picture is {age:.2f} s old, allowed are {settings.max_age:.2f} s; take a new one", age=age
+        )
+
+
+def check_exposure(picture: np.ndarray, strict: bool = False) -> None:
+    """Whether the picture is neither black nor white; `strict` when no edge was found in it.
+
+    Raises:
+        LocalizationError: UnderExposed or OverExposed.
+    """
+    sample = picture[4::8, 4::8]
+    white = float(np.mean(sample >= WHITE))
+    most = 0.15 if strict else _MOST_WHITE
+    if white > most:
+        raise OverExposed(
+            f"{100 * white:.0f} % of the picture are clipped at white, allowed are {100 * most:.0f} %; "
+            "shorten the exposure or dim the light",
+            share=white,
+        )
+    bright = float(np.quantile(sample, 0.995))
+    darkest = 2 * _DARKEST if strict else _DARKEST
+    if bright < darkest:
+        raise UnderExposed(
+            f"the brightest parts of the picture have grey level {bright:.0f}, at least {darkest} is needed; "
+            "lengthen the exposure or switch on the light",
+            level=bright,
+        )
+
+
+def check_rows(profiles: Profiles, settings: LocalizerSettings) -> None:
+    """Whether enough rows of an edge show a step.
+
+    Raises:
+        LocalizationError: NoEdge, OverExposed or TooFewInliers.
+    """
+    count = len(profiles.lines)
+    if count < _FEWEST_ROWS:
+        raise NoEdge(
+            f"only {count} px of the {profiles.edge} edge are in the picture, {_FEWEST_ROWS} are needed; "
+            "check the slider and the door's size in the recipe",
+            edge=profiles.edge,
+        )
+    clipped = float(profiles.clipped.mean())
+    if clipped > settings.min_inlier_share:
+        raise OverExposed(
+            f"{100 * clipped:.0f} % of the {profiles.edge} edge are clipped at white, allowed are "
+            f"{100 * settings.min_inlier_share:.0f} %; shorten the exposure or dim the light",
+            edge=profiles.edge,
+        )
+    check_share(profiles.edge, float(profiles.edge_like.mean()), settings)
+
+
+def check_share(edge: str, share: float, settings: LocalizerSettings) -> None:
+    """Whether enough of an edge agrees with its line.
+
+    Raises:
+        TooFewInliers: It does not.
+    """
+    if share < settings.min_inlier_share:
+        raise TooFewInliers(
+            f"{100 * share:.0f} % of the {edge} edge agree with a line, at least "
+            f"{100 * settings.min_inlier_share:.0f} % are needed; clear the edge of dust and tools or turn the door",
+            edge=edge,
+            share=share,
+        )
+
+
+def check_spread(edge: str, spread: Spread, settings: LocalizerSettings) -> None:
+    """Whether an edge is sharp, and one.
+
+    Raises:
+        LocalizationError: Blurred or WrongEdge.
+    """
+    if spread.blur > settings.max_blur:
+        raise Blurred(
+            f"the {edge} edge is {spread.blur:.1f} px soft, allowed are {settings.max_blur:.1f} px; "
+            "focus the camera, clean its window or hold the door still",
+            edge=edge,
+            blur=spread.blur,
+        )
+    if spread.misfit > max(_DOUBLE, 4 * spread.level):
+        raise WrongEdge(
+            f"the {edge} edge is not one step from face to background: {100 * spread.misfit:.0f} % of it do not "
+            f"fit, allowed are {100 * _DOUBLE:.0f} %; another edge or a shadow lies beside it, change the light",
+            edge=edge,
+            misfit=spread.misfit,
+        )
+
+
+def check_square(fit: PoseFit) -> None:
+    """Whether the two lines stand at a right angle.
+
+    Raises:
+        WrongEdge: They do not.
+    """
+    allowed = _SKEW * fit.square_deviation
+    if abs(fit.out_of_square) > allowed:
+        raise WrongEdge(
+            f"the lines found are {rad_to_deg(fit.out_of_square):+.3f} degrees out of square, allowed are "
+            f"{rad_to_deg(allowed):.3f}; one of them is not an edge of the door",
+            out_of_square=fit.out_of_square,
+        )
+
+
+def check_range(offset: DoorOffset, limits: PlacementLimits) -> None:
+    """Whether the door stands where the cell accepts it.
+
+    Raises:
+        OutOfRange: It does not.
+    """
+    off = (abs(offset.y) / limits.y, abs(offset.z) / limits.z, abs(offset.rotation) / limits.rotation)
+    if max(off) > 1:
+        raise OutOfRange(
+            f"the door stands {m_to_mm(offset.y):+.2f} mm in y, {m_to_mm(offset.z):+.2f} mm in z and "
+            f"{rad_to_deg(offset.rotation):+.2f} degrees off, allowed are {m_to_mm(limits.y):.0f} mm, "
+            f"{m_to_mm(limits.z):.0f} mm and {rad_to_deg(limits.rotation):.0f} degrees; place it again",
+            offset=offset,
+        )
+
+
+def check_certainty(
+    covariance: np.ndarray, lines: tuple[LineFit, LineFit], settings: LocalizerSettings
+) -> None:
+    """Whether the pose is known well enough.
+
+    Raises:
+        TooFewInliers: It is not.
+    """
+    deviation = np.sqrt(np.diag(covariance))
+    if np.any(deviation > settings.max_deviation):
+        allowed = settings.max_deviation
+        scatter = m_to_mm(max(line.scatter for line in lines))
+        raise TooFewInliers(
+            f"the pose is uncertain by {m_to_mm(deviation[0]):.3f} mm, {m_to_mm(deviation[1]):.3f} mm and "
+            f"{rad_to_deg(deviation[2]):.3f} degrees, allowed are {m_to_mm(allowed[0]):.3f} mm, "
+            f"{m_to_mm(allowed[1]):.3f} mm and {rad_to_deg(allowed[2]):.3f} degrees; the edges scatter by "
+            f"{scatter:.3f} mm, clean them",
+            deviation=deviation,
+        )
