@@ -26,7 +26,7 @@ class WrenchTable:
     orientation. `Feature.wrench` moves a wrench to the tool centre point.
 
     Attributes:
-        rows: Segment name and (Fx, Fy, Fz, Mx, My, Mz) [N, N m], in the order of the document.
+        rows: Segment name and (Fx, Fy, Fz, Mx, My, Mz) [N, N m], sorted by name, the default last.
     """
 
     rows: tuple[tuple[str, tuple[float, float, float, float, float, float]], ...]
@@ -68,7 +68,8 @@ class WrenchRows(Codec):
                     )
                 wrench.append(found)
             rows.append((segment, tuple(wrench)))
-        return WrenchTable(tuple(rows))
+        # One order whatever the document's: tables of equal content are equal.
+        return WrenchTable(tuple(sorted(rows, key=lambda row: (row[0] == DEFAULT, row[0]))))
 
     def write(self, value: WrenchTable) -> dict[str, list[float]]:
         """See the base class."""
