@@ -209,10 +209,10 @@ def _turns(
 ) -> tuple[list[np.ndarray], tuple[float, int, int] | None]:
     """The path shifted by whole turns of its joints so that all poses are within the limits.
 
-    When there is no such shift: the largest excess [rad], its joint and its pose.
+    When there is no such shift: the deciding excess [rad], its joint and its pose.
     """
     shifts: list[list[float]] = []
-    worst = (0.0, 0, first)
+    worst: list[tuple[float, int, int]] = []
     for joint in range(JOINTS):
         low, high = path[:, joint].min(), path[:, joint].max()
         floor, ceiling = robot.lower[joint] + rules.limit_margin, robot.upper[joint] - rules.limit_margin
@@ -224,9 +224,10 @@ def _turns(
             )
             angle = path[:, joint] + turn * _TURN
             beyond = np.maximum(floor - angle, angle - ceiling)
-            worst = max(worst, (float(over), joint, first + int(beyond.argmax())))
+            worst.append((float(over), joint, first + int(beyond.argmax())))
     if not all(shifts):
-        return [], worst
+        # An arm joint that cannot follow decides, however far the rolls of the wrist are out.
+        return [], max([over for over in worst if over[1] not in _WRIST_ROLLS] or worst)
     grid = np.stack(np.meshgrid(*shifts, indexing="ij"), axis=-1).reshape(-1, JOINTS)
     return [path + shift for shift in grid], None
 
