@@ -15,17 +15,19 @@ from doormill_ros.robot.configuration import configuration_index
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.stiffness.compliance import ComplianceModel
+from doormill_ros.toolpath.adapt import adapted
+from doormill_ros.toolpath.arcs import check_arcs
 from doormill_ros.toolpath.assemble import Itinerary, decisive, itinerary
 from doormill_ros.toolpath.door_plan import door_plan, whole_door
 from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError
 from doormill_ros.toolpath.joint_speed import followable
 from doormill_ros.toolpath.operation import Operation
+from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.reach import joint_path
-from doormill_ros.toolpath.refine import divide
 from doormill_ros.toolpath.settings import PathSettings, load_settings
-from doormill_ros.toolpath.stations import FRACTIONS, Stations, directions, stations_of
+from doormill_ros.toolpath.stations import Stations, directions, stations_of
 from doormill_ros.units import m_to_mm
 
 _ROUNDING = 1e-9  # rad: joint angles this little below a quarter turn count as on it
@@ -50,7 +52,8 @@ def generate_program(
         layout: Tool and fixture of the cell.
         robot: Which robot mills.
         model: How the robot gives way under the process wrench.
-        operations: This robot's share of the work; None for the whole recipe.
+        operations: This robot's share of the work, see `split`; None for the whole recipe, with
+            the door in the clamp of the layout.
         settings: Values of config/toolpath.yaml; None reads the file.
 
     Returns:
@@ -62,42 +65,19 @@ def generate_program(
     """
     settings = settings or load_settings()
     T_base_door = check_transform(T_base_door, "T_base_door")
-    operations = whole_door(recipe) if operations is None else list(operations)
+    if operations is None:
+        check_placement(T_base_door, recipe, layout)
+        operations = whole_door(recipe)
     plan = door_plan(recipe, operations, settings)
     bench = Bench(Kinematics(robot), model, layout.T_flange_tool, settings.correction.tolerance)
     path = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings)
     plan = replace(plan, steps=tuple(followable(plan.steps, path, robot, settings.checks)))
     stations, q = stations_of(plan.steps, T_base_door), path.stations
     if not plan.fixed:
-        plan, stations, q = _divided(plan, stations, q, T_base_door, bench, settings)
-    return _program(recipe, plan, stations, q, bench, robot, settings)
-
-
-def _divided(
-    plan: Plan,
-    stations: Stations,
-    q: np.ndarray,
-    T_base_door: np.ndarray,
-    bench: Bench,
-    settings: PathSettings,
-) -> tuple[Plan, Stations, np.ndarray]:
-    """The plan with its wall passes divided where the correction asks for it."""
-    wall = np.array([i for i, step in enumerate(plan.steps) if step.wall])
-    k = len(FRACTIONS)
-    load = np.repeat(stations.wrench[wall], k, axis=0)
-    T_base_tool = stations.T_base_tool[wall].reshape(-1, 4, 4)
-    found = bench.corrected(T_base_tool, q[wall].reshape(-1, 6), load, directions(q)[wall].reshape(-1, 6))
-    correction = np.zeros((len(plan.steps), k, 3))
-    correction[wall] = (found.T_base_tool - T_base_tool)[:, :3, 3].reshape(-1, k, 3)
-    division = divide(plan.steps, correction, settings.correction)
-    # Joint angles along the parts: between the parents' stations, which is close enough to start from.
-    t = division.span[:, :1] + FRACTIONS * (division.span[:, 1:] - division.span[:, :1])  # (m, k)
-    below = np.minimum((t * (k - 1)).astype(int), k - 2)
-    share = (t * (k - 1) - below)[..., None]
-    known = q[division.parent]
-    rows = np.arange(len(t))[:, None]
-    q = (1.0 - share) * known[rows, below] + share * known[rows, below + 1]
-    return Plan(division.steps), stations_of(division.steps, T_base_door), q
+        plan, stations, q = adapted(plan, q, T_base_door, bench, settings.correction)
+    program = _program(recipe, plan, stations, q, bench, robot, settings)
+    check_arcs(program)
+    return program
 
 
 def _program(

@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from doormill_ros.toolpath.curve import Curve
 from doormill_ros.toolpath.plan import Step
+from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import Correction
 from doormill_ros.toolpath.stations import FRACTIONS
 
-SMALLEST_SWEEP = math.radians(4.5)  #: a MoveC sees its circle point and its end 1 degree apart above 4
+FLAT_ARC = 0.5  #: arcs flatter than this share of the largest step of the correction become lines
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +51,9 @@ def bends(correction: np.ndarray, arc: np.ndarray) -> np.ndarray:
     return np.linalg.norm(correction - follow, axis=-1).max(axis=1)
 
 
-def divide(steps: Sequence[Step], correction: np.ndarray, settings: Correction) -> Division:
+def divide(
+    steps: Sequence[Step], correction: np.ndarray, settings: Correction, blend: bool = True
+) -> Division:
     """Divide wall passes, and spread their changes of wrench.
 
     Where one segment of an outline follows another the wrench changes, and with it the
@@ -60,6 +64,7 @@ def divide(steps: Sequence[Step], correction: np.ndarray, settings: Correction) 
         steps: The plan.
         correction: Translation of the correction at every station, shape (m, k, 3) [m].
         settings: Limits.
+        blend: Spread the changes of wrench too.
     """
     arc = np.array([step.curve.is_arc for step in steps])
     bend = bends(correction, arc)
@@ -77,19 +82,19 @@ def divide(steps: Sequence[Step], correction: np.ndarray, settings: Correction) 
             span.append((0.0, 1.0))
             i += 1
             continue
-        for index, first, last, wrench in _divide_run(steps[i:j], correction[i:j], bend[i:j], settings):
-            part = steps[i + index]
-            if (first, last) != (0.0, 1.0):
-                part = part.part(first, last)
-            new.append(replace(part, wrench_tool=wrench))
-            parent.append(i + index)
-            span.append((first, last))
+        for index, first, last, wrench in _divide_run(
+            steps[i:j], correction[i:j], bend[i:j], settings, blend
+        ):
+            for a, b, part in _stretches(steps[i + index], first, last, settings):
+                new.append(replace(part, wrench_tool=wrench))
+                parent.append(i + index)
+                span.append((a, b))
         i = j
     return Division(tuple(new), np.array(parent), np.array(span))
 
 
 def _divide_run(
-    run: Sequence[Step], correction: np.ndarray, bend: np.ndarray, settings: Correction
+    run: Sequence[Step], correction: np.ndarray, bend: np.ndarray, settings: Correction, blend: bool
 ) -> list[tuple[int, float, float, np.ndarray]]:
     """One uninterrupted wall pass: (step, first, last, wrench) of every part."""
     length = np.array([step.curve.length for step in run])
@@ -97,7 +102,7 @@ def _divide_run(
     jump = np.linalg.norm(correction[1:, 0] - correction[:-1, -1], axis=-1)  # (m - 1,)
     wanted: list[np.ndarray] = []
     changes: list[float] = []
-    for at, size in zip(border[1:-1], jump, strict=True):
+    for at, size in zip(border[1:-1], jump, strict=True) if blend else ():
         pieces = math.ceil(size / settings.step)
         if pieces > 1:
             changes.append(float(at))
@@ -105,12 +110,12 @@ def _divide_run(
     cuts = np.concatenate([np.zeros(0), *wanted])
     wrench = _Blend(border, np.array([step.wrench_tool for step in run]), settings.blend)
     cut_at: list[tuple[int, float, float]] = []
-    for index, step in enumerate(run):
+    for index in range(len(run)):
         inside = cuts[(cuts > border[index]) & (cuts < border[index + 1])] - border[index]
         # A curved correction leaves its chord with the square of the length.
         count = math.ceil(math.sqrt(bend[index] / settings.bend)) if bend[index] > settings.bend else 1
         inside = np.concatenate([inside, length[index] * np.arange(1, count) / count])
-        at = _apart(np.sort(inside), step, settings.shortest)
+        at = _apart(np.sort(inside), length[index], settings.shortest)
         cut_at += [(index, first, last) for first, last in itertools.pairwise(at)]
     index, first, last = (np.array(column) for column in zip(*cut_at, strict=True))
     middle = border[index] + 0.5 * (first + last)
@@ -122,11 +127,32 @@ def _divide_run(
     return list(zip(index.tolist(), (first * share).tolist(), (last * share).tolist(), load, strict=True))
 
 
-def _apart(inside: np.ndarray, step: Step, shortest: float) -> list[float]:
+def _stretches(
+    step: Step, first: float, last: float, settings: Correction
+) -> list[tuple[float, float, Step]]:
+    """A part of a step, as lines where it is so flat an arc that its correction could bend it over."""
+    part = step if (first, last) == (0.0, 1.0) else step.part(first, last)
+    curve = part.curve
+    if not curve.is_arc:
+        return [(first, last, part)]
+    height = curve.radius * (1.0 - math.cos(0.5 * curve.sweep))
+    if height > FLAT_ARC * settings.step:
+        return [(first, last, part)]
+    count = max(1, math.ceil(math.sqrt(height / settings.bend)))
+    cuts = np.linspace(0.0, 1.0, count + 1)
+    ends = curve.points(cuts)
+    lines = []
+    for k in range(count):
+        name, zone = (part.name, part.zone) if k == count - 1 else ("", "z0")
+        line = replace(
+            part, kind=MotionKind.LINEAR, curve=Curve(ends[k], ends[k + 1]), name=name, via_name="", zone=zone
+        )
+        lines.append((first + cuts[k] * (last - first), first + cuts[k + 1] * (last - first), line))
+    return lines
+
+
+def _apart(inside: np.ndarray, length: float, shortest: float) -> list[float]:
     """Cuts along a step, its ends included, none closer to the next than allowed [m]."""
-    length = step.curve.length
-    if step.curve.is_arc:
-        shortest = max(shortest, SMALLEST_SWEEP * step.curve.radius)
     cuts = [0.0]
     for cut in inside:
         if cut - cuts[-1] >= shortest and length - cut >= shortest:
