@@ -95,6 +95,7 @@ class Handshake:
     def on_start(self) -> HandshakeSnapshot:
         """Lower ready and remove the target file, whatever a former process left; then as `step`."""
         self._begin_clearing(State.IDLE, "started", 0)
+        self._access.expect_latecomers()
         self._edges_missed = True
         return self.step()
 

@@ -44,6 +44,10 @@ class ControllerAccess:
         """True while an operation that failed may still take effect on the controller."""
         return self._clock() < self._in_doubt_until
 
+    def expect_latecomers(self) -> None:
+        """Treat everything sent before now as in doubt, by a process killed just before as well."""
+        self._in_doubt_until = self._clock() + self.transport.in_doubt_time
+
     def clear(self) -> None:
         """Ready low first, then the file away, both read back.
 
@@ -153,5 +157,5 @@ class ControllerAccess:
             operation()
         except LinkError as error:
             if error.in_doubt:
-                self._in_doubt_until = self._clock() + self.transport.in_doubt_time
+                self.expect_latecomers()
             raise

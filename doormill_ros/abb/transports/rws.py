@@ -27,9 +27,6 @@ from doormill_ros.abb.transports.rws_http import RwsHttp
 
 #: Return code of a write that the signal's access level forbids.
 ACCESS_REJECTED = -1073414145
-# Nothing in the documentation bounds how long a controller may sit on a request whose connection
-# broke; twice the limit of an operation has to do, and the robot program checks what it reads.
-_DOUBT = 2.0
 
 
 class RwsTransport:
@@ -56,7 +53,9 @@ class RwsTransport:
         """
         self._http = http
         self._dialect = dialect
-        self.in_doubt_time = _DOUBT * total_timeout
+        # Nothing documented bounds how long a controller may sit on a request whose connection broke;
+        # once more the limit of an operation has to do, and the robot program checks what it reads.
+        self.in_doubt_time = total_timeout
         self._paths = dict(signal_paths or {})
         self._poll_interval = poll_interval
         self._woken = threading.Event()

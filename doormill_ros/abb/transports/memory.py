@@ -1,0 +1,84 @@
+"""A transport within one process, for a simulated controller beside the cell and for tests."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+
+from doormill_ros.abb import signals
+from doormill_ros.abb.link_errors import FileMissingError
+from doormill_ros.abb.transport import check_file_name
+
+
+class MemoryTransport:
+    """Signals and files in memory; the controller's side uses `set_signal`, `signal` and `read_file`."""
+
+    in_doubt_time = 0.0
+
+    def __init__(self) -> None:
+        """All signals low, no files."""
+        self._mutex = threading.Lock()
+        self._levels = dict.fromkeys(signals.ALL_SIGNALS, False)
+        self._files: dict[str, bytes] = {}
+        self._edges: deque[bool] = deque()
+        self._woken = threading.Event()
+
+    def signal(self, name: str) -> bool:
+        """The controller's view of a signal."""
+        with self._mutex:
+            return self._levels[name]
+
+    def set_signal(self, name: str, value: bool) -> None:
+        """The controller writes a signal."""
+        with self._mutex:
+            if name == signals.REQUEST and self._levels[name] != value:
+                self._edges.append(value)
+            self._levels[name] = value
+        self._woken.set()
+
+    def read_request(self) -> bool:
+        """The next edge of the request, or its level."""
+        with self._mutex:
+            return self._edges.popleft() if self._edges else self._levels[signals.REQUEST]
+
+    def read_ready(self) -> bool:
+        """The ready signal."""
+        return self.signal(signals.READY)
+
+    def read_signal(self, name: str) -> bool:
+        """Any signal."""
+        return self.signal(name)
+
+    def set_ready(self, value: bool) -> None:
+        """Write the ready signal."""
+        with self._mutex:
+            self._levels[signals.READY] = value
+
+    def write_file(self, name: str, data: bytes) -> None:
+        """Keep the bytes."""
+        with self._mutex:
+            self._files[check_file_name(name)] = bytes(data)
+
+    def read_file(self, name: str) -> bytes:
+        """The bytes kept under that name."""
+        with self._mutex:
+            if name not in self._files:
+                raise FileMissingError(f"{name} does not exist; write it first", file=name)
+            return self._files[name]
+
+    def remove_file(self, name: str) -> None:
+        """Forget the bytes."""
+        with self._mutex:
+            self._files.pop(name, None)
+
+    def wait(self, timeout: float) -> None:
+        """Sleep until the controller writes a signal."""
+        if self._woken.wait(max(0.0, timeout)):
+            self._woken.clear()
+
+    def wake(self) -> None:
+        """End a `wait`."""
+        self._woken.set()
+
+    def close(self) -> None:
+        """Nothing to give back."""

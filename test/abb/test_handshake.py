@@ -1,0 +1,529 @@
+"""The handshake's states, one at a time, on a transport in memory and a clock that the test moves."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import threading
+from pathlib import Path
+
+import pytest
+
+from doormill_ros.abb import signals
+from doormill_ros.abb.errors import TargetFileChecksumError
+from doormill_ros.abb.handshake import Handshake
+from doormill_ros.abb.handshake_loop import HandshakeLoop
+from doormill_ros.abb.handshake_state import HandshakeState as State
+from doormill_ros.abb.handshake_state import HandshakeTimeouts
+from doormill_ros.abb.link_errors import (
+    AcknowledgeTimeoutError,
+    ConnectionLostError,
+    EmptyTargetFileError,
+    FileRefusedError,
+    FileVerificationError,
+    HandshakeBusyError,
+    MillingTimeoutError,
+    NoRequestError,
+    ReadySignalError,
+    RepeatedRunError,
+    RequestWithdrawnError,
+    RunAbortedError,
+    StaleSubmissionError,
+    SubmissionTimeoutError,
+    UploadError,
+)
+from doormill_ros.abb.transport import Transport
+from doormill_ros.abb.transports.memory import MemoryTransport
+
+FILE = b"1;2;3;1;0;0;0;0;0;0;0;\n" * 14
+LIMITS = HandshakeTimeouts(submission=10.0, acknowledge=5.0, milling=100.0, link_loss=1.0)
+
+
+class Clock:
+    """A monotonic clock that stands still until the test moves it."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+class Scripted(MemoryTransport):
+    """Logs every operation and runs what the test hangs on an operation's name before it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.log: list[str] = []
+        self.before: dict[str, object] = {}
+
+    def _note(self, text: str) -> None:
+        self.log.append(text)
+        action = self.before.get(text)
+        if action is not None:
+            action()
+
+    def set_ready(self, value: bool) -> None:
+        self._note(f"ready={int(value)}")
+        super().set_ready(value)
+
+    def write_file(self, name: str, data: bytes) -> None:
+        self._note("write")
+        super().write_file(name, data)
+
+    def read_file(self, name: str) -> bytes:
+        self._note("read")
+        return super().read_file(name)
+
+    def remove_file(self, name: str) -> None:
+        self._note("remove")
+        super().remove_file(name)
+
+    def read_request(self) -> bool:
+        self._note("request?")
+        return super().read_request()
+
+
+class Cell:
+    """A handshake with what drives it."""
+
+    def __init__(self, **options: object) -> None:
+        self.clock = Clock()
+        self.transport = Scripted()
+        self.states: list[State] = []
+        self.handshake = Handshake(
+            self.transport, self.clock, LIMITS, on_change=lambda s: self.states.append(s.state), **options
+        )
+        self.handshake.on_start()
+        self.runs = itertools.count(1)
+
+    def request(self, value: bool) -> None:
+        self.transport.set_signal(signals.REQUEST, value)
+
+    def step(self) -> State:
+        return self.handshake.step().state
+
+    def submit(self, data: bytes = FILE) -> str:
+        run_id = f"run-{next(self.runs)}"
+        self.handshake.submit(run_id, "door", data)
+        return run_id
+
+    def to_requested(self) -> None:
+        self.request(True)
+        assert self.step() is State.REQUESTED
+
+    def to_ready(self) -> str:
+        self.to_requested()
+        run_id = self.submit()
+        assert self.step() is State.READY
+        return run_id
+
+    def assert_cleared(self) -> None:
+        assert self.transport.signal(signals.READY) is False
+        assert signals.TARGET_FILE not in self.transport._files
+
+
+@pytest.fixture
+def cell() -> Cell:
+    return Cell()
+
+
+def raising(error: Exception) -> object:
+    def act() -> None:
+        raise error
+
+    return act
+
+
+def test_memory_transport_is_a_transport() -> None:
+    assert isinstance(MemoryTransport(), Transport)
+
+
+def test_a_whole_run_in_the_order_that_keeps_the_robot_safe(cell: Cell) -> None:
+    run_id = cell.to_ready()
+    assert cell.transport._files[signals.TARGET_FILE] == FILE
+    cell.request(False)
+    assert cell.step() is State.MILLING
+    cell.assert_cleared()
+    cell.transport.set_signal(signals.DONE, True)
+    assert cell.step() is State.DONE
+    assert cell.handshake.outcome(run_id).handed_over
+    assert cell.states == [
+        State.CLEARING,
+        State.IDLE,
+        State.REQUESTED,
+        State.WRITING,
+        State.VERIFYING,
+        State.RAISING,
+        State.READY,
+        State.ACKNOWLEDGED,
+        State.CLEARING,
+        State.MILLING,
+        State.DONE,
+    ]
+    order = [entry for entry in cell.transport.log if entry != "request?"]
+    clear = ["ready=0", "remove", "read"]
+    assert order == [*clear, *clear, "write", "read", "ready=1", *clear]
+
+
+def test_a_start_clears_what_a_killed_process_left() -> None:
+    transport = MemoryTransport()
+    transport.set_ready(True)
+    transport.write_file(signals.TARGET_FILE, FILE)
+    handshake = Handshake(transport, Clock())
+    assert transport.signal(signals.READY)
+    assert handshake.on_start().state is State.IDLE
+    assert not transport.signal(signals.READY)
+    assert not transport._files
+
+
+def test_a_request_raised_before_the_start_is_answered() -> None:
+    transport = MemoryTransport()
+    transport.set_signal(signals.REQUEST, True)
+    handshake = Handshake(transport, Clock())
+    handshake.on_start()
+    assert handshake.step().state is State.REQUESTED
+    assert handshake.snapshot.request_number == 1
+
+
+def test_no_request_no_file(cell: Cell) -> None:
+    cell.step()
+    with pytest.raises(NoRequestError, match="clamp the door"):
+        cell.submit()
+    cell.assert_cleared()
+
+
+@pytest.mark.parametrize(
+    ("run_id", "door_id", "data"), [("", "door", FILE), ("run", "", FILE), ("run", "door", b"")]
+)
+def test_nothing_empty_is_handed_over(cell: Cell, run_id: str, door_id: str, data: bytes) -> None:
+    cell.to_requested()
+    with pytest.raises(EmptyTargetFileError):
+        cell.handshake.submit(run_id, door_id, data)
+
+
+def test_of_two_files_at_once_the_second_is_refused(cell: Cell) -> None:
+    cell.to_requested()
+    cell.submit()
+    with pytest.raises(HandshakeBusyError):
+        cell.submit()
+    assert cell.step() is State.READY
+    with pytest.raises(HandshakeBusyError):
+        cell.submit(b"another file")
+    assert cell.transport._files[signals.TARGET_FILE] == FILE
+
+
+def test_a_run_id_is_good_once(cell: Cell) -> None:
+    run_id = cell.to_ready()
+    cell.request(False)
+    cell.step()
+    cell.to_requested()
+    with pytest.raises(RepeatedRunError):
+        cell.handshake.submit(run_id, "door", FILE)
+
+
+def test_a_file_for_an_earlier_request_is_refused(cell: Cell) -> None:
+    cell.to_requested()
+    number = cell.handshake.snapshot.request_number
+    cell.request(False)
+    cell.step()
+    cell.step()
+    cell.to_requested()
+    with pytest.raises(StaleSubmissionError, match="new picture"):
+        cell.handshake.submit("late", "door", FILE, request_number=number)
+
+
+def test_a_request_that_falls_and_rises_between_two_looks_is_a_new_one(cell: Cell) -> None:
+    cell.to_requested()
+    number = cell.handshake.snapshot.request_number
+    cell.submit()
+    cell.request(False)
+    cell.request(True)
+    cell.step()
+    assert cell.handshake.snapshot.request_number == number + 1
+    assert cell.handshake.outcome("run-1").error_code == StaleSubmissionError.code
+    for _ in range(3):
+        cell.step()
+    cell.assert_cleared()
+
+
+def test_no_file_in_time(cell: Cell) -> None:
+    cell.to_requested()
+    cell.clock.now += LIMITS.submission - 0.1
+    assert cell.step() is State.REQUESTED
+    cell.clock.now += 0.2
+    assert cell.step() is State.FAILED
+    assert cell.handshake.snapshot.error_code == SubmissionTimeoutError.code
+    cell.assert_cleared()
+
+
+def test_a_failed_request_may_be_answered_again_until_it_falls(cell: Cell) -> None:
+    cell.to_requested()
+    cell.handshake.abort("door not found in the picture")
+    assert cell.step() is State.FAILED
+    assert cell.handshake.snapshot.reason == "door not found in the picture"
+    assert cell.handshake.snapshot.error_code == RunAbortedError.code
+    assert cell.handshake.snapshot.accepts_submission
+    cell.submit()
+    assert cell.step() is State.READY
+    cell.handshake.abort("operator")
+    cell.step()
+    cell.request(False)
+    assert cell.step() is State.IDLE
+    assert not cell.handshake.snapshot.accepts_submission
+
+
+def test_an_abort_with_nothing_to_abort_does_not_hit_the_next_run(cell: Cell) -> None:
+    cell.handshake.abort("too early")
+    cell.step()
+    cell.to_ready()
+
+
+@pytest.mark.parametrize("moment", ["write", "read", "ready=1"])
+def test_an_abort_while_the_file_is_under_way(cell: Cell, moment: str) -> None:
+    cell.to_requested()
+    cell.transport.before[moment] = lambda: cell.handshake.abort("wrong door")
+    run_id = cell.submit()
+    cell.step()
+    cell.transport.before.clear()
+    assert cell.step() is State.FAILED
+    assert cell.handshake.outcome(run_id).error_code == RunAbortedError.code
+    cell.assert_cleared()
+
+
+@pytest.mark.parametrize("moment", ["write", "read"])
+def test_a_request_withdrawn_while_the_file_is_under_way(cell: Cell, moment: str) -> None:
+    cell.to_requested()
+    cell.transport.before[moment] = lambda: cell.request(False)
+    run_id = cell.submit()
+    cell.step()
+    assert "ready=1" not in cell.transport.log
+    assert cell.handshake.outcome(run_id).error_code == RequestWithdrawnError.code
+    cell.assert_cleared()
+
+
+def test_a_file_that_reads_back_differently_is_never_announced(cell: Cell) -> None:
+    cell.to_requested()
+    cell.transport.before["read"] = lambda: cell.transport._files.update({signals.TARGET_FILE: FILE[:-1]})
+    run_id = cell.submit()
+    cell.step()
+    cell.transport.before.clear()
+    assert "ready=1" not in cell.transport.log
+    outcome = cell.handshake.outcome(run_id)
+    assert outcome.error_code == FileVerificationError.code
+    assert f"first difference at byte {len(FILE) - 1}" in outcome.reason
+
+
+def test_a_file_whose_content_is_refused_is_never_announced() -> None:
+    def check(data: bytes, run_id: str, door_id: str) -> None:
+        assert (data, run_id, door_id) == (FILE, "run-1", "door")
+        raise TargetFileChecksumError("checksum differs")
+
+    cell = Cell(check=check)
+    cell.to_requested()
+    run_id = cell.submit()
+    assert cell.step() is State.FAILED
+    assert "ready=1" not in cell.transport.log
+    assert "checksum differs" in cell.handshake.outcome(run_id).reason
+
+
+def test_ready_that_does_not_read_back_high(cell: Cell) -> None:
+    cell.to_requested()
+    cell.transport.set_ready = lambda value: None
+    run_id = cell.submit()
+    assert cell.step() is State.FAILED
+    assert cell.handshake.outcome(run_id).error_code == ReadySignalError.code
+
+
+def test_ready_raised_by_somebody_else_is_noticed(cell: Cell) -> None:
+    cell.transport.set_ready(True)
+    cell.clock.now += LIMITS.watch
+    assert cell.step() is State.IDLE
+    cell.assert_cleared()
+
+
+def test_ready_that_cannot_be_lowered_keeps_everything_waiting(cell: Cell) -> None:
+    cell.to_ready()
+    cell.transport.before["ready=0"] = raising(UploadError("disk full"))
+    cell.handshake.abort("operator")
+    assert cell.step() is State.CLEARING
+    for _ in range(20):
+        cell.clock.now += 1.0
+        assert cell.step() is State.CLEARING
+    assert "disk full" in cell.handshake.snapshot.reason
+    with pytest.raises(HandshakeBusyError):
+        cell.submit()
+    cell.transport.before.clear()
+    cell.clock.now += LIMITS.retry_last
+    # The request may have fallen and risen meanwhile, so it counts as new.
+    assert cell.step() is State.FAILED
+    assert cell.step() is State.REQUESTED
+    assert cell.handshake.snapshot.request_number == 2
+    cell.assert_cleared()
+
+
+def test_the_attempts_to_clear_back_off(cell: Cell) -> None:
+    cell.to_ready()
+    cell.transport.before["ready=0"] = raising(ConnectionLostError("cable"))
+    cell.handshake.abort("operator")
+    cell.transport.log.clear()
+    for _ in range(1000):
+        cell.step()
+        cell.clock.now += 0.01
+    assert 10 <= cell.transport.log.count("ready=0") <= 20
+
+
+def test_no_acknowledgement_in_time(cell: Cell) -> None:
+    run_id = cell.to_ready()
+    cell.clock.now += LIMITS.acknowledge
+    assert cell.step() is State.FAILED
+    assert cell.handshake.outcome(run_id).error_code == AcknowledgeTimeoutError.code
+    cell.assert_cleared()
+
+
+def test_a_short_loss_of_the_link_while_ready_is_bridged(cell: Cell) -> None:
+    cell.to_ready()
+    cell.transport.before["request?"] = raising(ConnectionLostError("cable"))
+    cell.step()
+    cell.clock.now += 0.9 * LIMITS.link_loss
+    assert cell.step() is State.READY
+    cell.transport.before.clear()
+    cell.request(False)
+    assert cell.step() is State.MILLING
+
+
+def test_a_long_loss_of_the_link_while_ready_ends_the_run(cell: Cell) -> None:
+    run_id = cell.to_ready()
+    cell.transport.before["request?"] = raising(ConnectionLostError("cable"))
+    cell.step()
+    cell.clock.now += LIMITS.link_loss
+    cell.step()
+    outcome = cell.handshake.outcome(run_id)
+    assert outcome.error_code == ConnectionLostError.code
+    assert "look at the robot" in outcome.reason
+    cell.assert_cleared()
+
+
+def test_a_file_refused_by_the_robot(cell: Cell) -> None:
+    run_id = cell.to_ready()
+    cell.transport.set_signal(signals.FAULT, True)
+    cell.request(False)
+    cell.step()
+    assert cell.handshake.outcome(run_id).error_code == FileRefusedError.code
+    cell.assert_cleared()
+
+
+def test_a_fault_while_milling(cell: Cell) -> None:
+    run_id = cell.to_ready()
+    cell.request(False)
+    cell.step()
+    cell.transport.set_signal(signals.FAULT, True)
+    assert cell.step() is State.FAILED
+    assert "while milling" in cell.handshake.snapshot.reason
+    assert cell.handshake.outcome(run_id).handed_over
+
+
+def test_milling_that_never_ends(cell: Cell) -> None:
+    cell.to_ready()
+    cell.request(False)
+    cell.step()
+    cell.clock.now += LIMITS.milling
+    assert cell.step() is State.FAILED
+    assert cell.handshake.snapshot.error_code == MillingTimeoutError.code
+
+
+def test_the_next_request_may_come_without_a_done_signal(cell: Cell) -> None:
+    cell.to_ready()
+    cell.request(False)
+    assert cell.step() is State.MILLING
+    cell.to_ready()
+    assert cell.handshake.snapshot.request_number == 2
+
+
+def test_an_operation_in_doubt_is_waited_for() -> None:
+    cell = Cell()
+    cell.transport.in_doubt_time = 8.0
+    cell.to_requested()
+    late = raising(ConnectionLostError("cable"))
+    cell.transport.before["ready=1"] = late
+    cell.submit()
+    assert cell.step() is State.CLEARING
+    cell.clock.now += 4.0
+    MemoryTransport.set_ready(cell.transport, True)  # the lost order arrives after all
+    assert cell.step() is State.CLEARING
+    cell.assert_cleared()
+    cell.clock.now += 4.1
+    cell.transport.before.clear()
+    assert cell.step() is State.FAILED
+    cell.assert_cleared()
+
+
+def test_closing_clears() -> None:
+    cell = Cell()
+    cell.to_ready()
+    cell.handshake.close()
+    cell.assert_cleared()
+
+
+def test_times_of_the_stages_are_in_order(cell: Cell) -> None:
+    cell.transport.before["write"] = lambda: setattr(cell.clock, "now", cell.clock.now + 0.5)
+    cell.to_ready()
+    times = cell.handshake.snapshot.times
+    assert times["verifying"] - times["writing"] == pytest.approx(0.5)
+    assert times["requested"] <= times["writing"] <= times["verifying"] <= times["raising"] <= times["ready"]
+
+
+def test_the_loop_answers_and_stops_without_help() -> None:
+    transport = MemoryTransport()
+    reached = {state: threading.Event() for state in State}
+    handshake = Handshake(transport, on_change=lambda s: reached[s.state].set())
+    with HandshakeLoop(handshake) as loop:
+        assert reached[State.IDLE].wait(10)
+        transport.set_signal(signals.REQUEST, True)
+        assert reached[State.REQUESTED].wait(10)
+        handshake.submit("run", "door", FILE)
+        assert reached[State.READY].wait(10)
+        transport.set_signal(signals.REQUEST, False)
+        assert reached[State.MILLING].wait(10)
+        transport.set_signal(signals.REQUEST, True)
+        assert loop.alive
+    assert not loop.alive
+    assert loop.failure is None
+    assert not transport.signal(signals.READY)
+
+
+def test_a_programming_error_in_the_loop_leaves_the_controller_cleared() -> None:
+    transport = MemoryTransport()
+    handshake = Handshake(transport)
+    ready = threading.Event()
+    handshake._on_change = lambda s: ready.set() if s.state is State.READY else None
+    loop = HandshakeLoop(handshake)
+    transport.set_signal(signals.REQUEST, True)
+    loop.start()
+    while not handshake.snapshot.accepts_submission:
+        pass
+    handshake.submit("run", "door", FILE)
+    assert ready.wait(10)
+    seen: list[object] = []
+    hook, threading.excepthook = threading.excepthook, seen.append
+    try:
+        handshake._step_ready = raising(ZeroDivisionError())
+        loop._thread.join(10)
+    finally:
+        threading.excepthook = hook
+    assert isinstance(loop.failure, ZeroDivisionError)
+    assert not transport.signal(signals.READY)
+    assert not transport._files
+
+
+def test_no_part_of_the_link_looks_at_the_wall_clock() -> None:
+    """A clock step cannot matter to code that never asks the wall clock."""
+    package = Path(__file__).resolve().parents[2] / "doormill_ros" / "abb"
+    files = [*package.glob("hand*.py"), *package.glob("transport*.py"), *package.glob("transports/*.py")]
+    assert len(files) >= 15
+    forbidden = {("time", "time"), ("time", "time_ns"), ("datetime", "now"), ("date", "today")}
+    for path in files:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Attribute):
+                owner = getattr(node.value, "id", getattr(node.value, "attr", ""))
+                assert (owner, node.attr) not in forbidden, f"{path}: {owner}.{node.attr}"
