@@ -173,9 +173,8 @@ def _established(search: Search, best: Fit, structure: bool) -> tuple[Cause, ...
 def implausible(found: Fit, cause: Cause) -> bool:
     """Whether a cause was pushed to the end of its range, where it only imitates something else."""
     theta = found.theta[found.part(cause)]
-    span = cause.upper - cause.lower
-    low = (theta < cause.lower + 0.02 * span) & (cause.lower < 0.0)
-    high = theta > cause.upper - 0.02 * span
+    low = (theta < 0.98 * cause.lower) & (cause.lower < 0.0)
+    high = theta > 0.98 * cause.upper
     return bool(np.any(low | high))
 
 

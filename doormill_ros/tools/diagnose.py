@@ -49,13 +49,17 @@ def choose_runner(folders: Sequence[Path]) -> Runner:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the tool; 0 for every verdict, 2 for data that cannot be read."""
     parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
-    parser.add_argument("--data", metavar="DIR", type=Path, action="append", required=True, help="set to diagnose")
-    parser.add_argument("--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only")
+    parser.add_argument(
+        "--data", metavar="DIR", type=Path, action="append", required=True, help="set to diagnose"
+    )
+    parser.add_argument(
+        "--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only"
+    )
     parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
     parser.add_argument("--quiet", action="store_true", help="print the verdict only")
     chosen = parser.parse_args(arguments)
     logging.basicConfig(level=logging.ERROR)
-    console = Console(stderr=True, quiet=chosen.quiet)
+    console = Console(stderr=True, quiet=chosen.quiet, log_path=False)
     try:
         with console.status("reading") as status:
 
