@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -154,3 +155,19 @@ def test_complaints_are_one_line(tmp_path, robot, change, problem):
     assert problem in caught.value.message
     assert "\n" not in caught.value.message
     assert "line " in caught.value.message
+
+
+def test_tool_reads_raw_files(tmp_path, robot, capsys):
+    from doormill_ros.tools.identify import main
+
+    write_raw(tmp_path, robot, seed=9)
+    assert main(["--raw", str(tmp_path), "--out", str(tmp_path / "out")]) == 0
+    assert "10 loadings" in capsys.readouterr().out
+    document = json.loads((tmp_path / "out" / "identification.json").read_text())
+    assert document["stiffness"] == pytest.approx(TRUE, rel=0.05)
+    assert len(document["windows"]) == 30  # 20 tracker files, 10 force logs
+    # A broken file: one line that names it, nothing written.
+    (tmp_path / "FARO_joint5_0_1.txt").write_text("0 1 2 3\n0.1 1 2 x\n")
+    assert main(["--raw", str(tmp_path), "--out", str(tmp_path / "other")]) == 2
+    assert "FARO_joint5_0_1.txt: line 2, column 4: 'x' is no number" in capsys.readouterr().err
+    assert not (tmp_path / "other").exists()

@@ -1,0 +1,125 @@
+"""identify: joint stiffness from loading tests.
+
+`identify --data DIR --out OUT` takes a measurement set, `--raw DIR` a folder of laser tracker and force files
+with loading_tests.yaml, `--thesis` the six tests of the thesis. Prints a table and writes identification.json
+and robot.yaml (a robot with the identified stiffness, for `load_robot`).
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from pathlib import Path
+from typing import NoReturn
+
+from doormill_ros.errors import DoormillError
+from doormill_ros.stiffness.identification.outcome import Outcome, outcome_of_loadings
+
+
+class _Parser(argparse.ArgumentParser):
+    """Complains in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    top = _Parser(prog="identify", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    source = top.add_mutually_exclusive_group(required=True)
+    source.add_argument("--data", metavar="DIR", type=Path, help="measurement set (set.yaml, trials.csv)")
+    source.add_argument("--raw", metavar="DIR", type=Path, help="raw files with loading_tests.yaml")
+    source.add_argument("--thesis", action="store_true", help="the six loading tests of the thesis")
+    top.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
+    return top
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the tool.
+
+    Returns:
+        0; 2 with one line on stderr and nothing written when the data cannot be used.
+    """
+    try:
+        arguments = parser().parse_args(argv)
+    except SystemExit as stop:  # --help, or a wrong command line
+        return int(stop.code or 0)
+    logging.basicConfig(level=logging.ERROR)
+    try:
+        if arguments.thesis:
+            outcome = from_thesis()
+        elif arguments.raw is not None:
+            outcome = from_raw(arguments.raw)
+        else:
+            outcome = from_measurement_set(arguments.data)
+        files = outcome.write(arguments.out)
+    except (DoormillError, OSError) as error:
+        print(f"identify: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    print("\n".join(outcome.lines))
+    print("wrote " + ", ".join(map(str, files)))
+    return 0
+
+
+def from_measurement_set(folder: Path) -> Outcome:
+    """Identify from a measurement set.
+
+    Raises:
+        DataSetError: The set cannot be read or tells no joint.
+    """
+    from doormill_ros.diagnosis.measurement_set import read_measurement_set
+    from doormill_ros.robot.description import load_robot
+    from doormill_ros.robot.kinematics import Kinematics
+    from doormill_ros.stiffness.identification.joint_by_joint import identify_joint_by_joint
+    from doormill_ros.stiffness.identification.measured import loadings_of_set
+    from doormill_ros.stiffness.identification.weighted import fit_stiffness
+
+    measurements = read_measurement_set(folder)
+    robot = load_robot(measurements.robot)
+    kinematics = Kinematics(robot)
+    loadings = loadings_of_set(kinematics, measurements)
+    steps = identify_joint_by_joint(kinematics, loadings, measurements.joint_stiffness)
+    fit = fit_stiffness(kinematics, loadings)
+    return outcome_of_loadings(robot, f"measurement set {folder.resolve().name}", steps, fit, len(loadings))
+
+
+def from_raw(folder: Path) -> Outcome:
+    """Identify from raw laser tracker and force files.
+
+    Raises:
+        DataSetError: A file cannot be read, a recording is not steady, or no joint is told.
+    """
+    from doormill_ros.robot.kinematics import Kinematics
+    from doormill_ros.stiffness.identification.joint_by_joint import identify_joint_by_joint
+    from doormill_ros.stiffness.identification.raw_set import read_raw_set
+    from doormill_ros.stiffness.identification.weighted import fit_stiffness
+
+    raw = read_raw_set(folder)
+    kinematics = Kinematics(raw.robot)
+    steps = identify_joint_by_joint(kinematics, raw.loadings, raw.robot.stiffness)
+    fit = fit_stiffness(kinematics, raw.loadings)
+    source = f"raw loading tests {folder.resolve().name}"
+    outcome = outcome_of_loadings(raw.robot, source, steps, fit, len(raw.loadings))
+    outcome.document["windows"] = {
+        name: {
+            "duration": window.duration,
+            "samples": window.stop - window.start,
+            "mean": window.mean,
+            "standard_error": window.standard_error,
+        }
+        for name, window in raw.windows.items()
+    }
+    return outcome
+
+
+def from_thesis() -> Outcome:
+    """Identify from the tests that the thesis prints."""
+    from doormill_ros.stiffness.identification.thesis_outcome import outcome_of_thesis
+    from doormill_ros.stiffness.identification.thesis_tests import load_thesis_data
+
+    return outcome_of_thesis(load_thesis_data())
+
+
+if __name__ == "__main__":
+    sys.exit(main())
