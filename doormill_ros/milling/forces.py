@@ -1,0 +1,157 @@
+"""Process forces: the mean wrench on the tool along each segment of a path (appendix A.16, table 4.8).
+
+The log is rotated from sensor axes into flange axes, the spindle's weight comes off, and each segment's
+samples are averaged. The thesis picked its four intervals by hand in sample numbers, 4500 to 5800, and let
+neighbours share a sample; here a segment is a half-open time interval, or a label on every sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.milling.errors import SegmentError
+from doormill_ros.milling.payload import Payload
+from doormill_ros.stiffness.identification.raw_files import Recording
+from doormill_ros.stiffness.identification.sensor import MOUNTING_ROTATION, rotation_about_z, sensor_to_flange
+
+#: Fewest samples of a segment that make a mean.
+FEWEST_SAMPLES = 5
+_BLOCKS = 10
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentForce:
+    """Mean process wrench of one path segment.
+
+    Attributes:
+        name: Name of the segment.
+        wrench: Mean force on the tool and moment, flange axes, shape (6,) [N, N m].
+        std: Standard deviation of the samples about it, shape (6,): how much the cut chatters.
+        standard_error: Standard deviation of the mean, shape (6,), from means of ten blocks, so that a slow
+            swing is not taken for many independent samples.
+        samples: Number of samples.
+    """
+
+    name: str
+    wrench: np.ndarray
+    std: np.ndarray
+    standard_error: np.ndarray
+    samples: int
+
+
+def process_wrench(
+    readings: np.ndarray,
+    rotation: float = MOUNTING_ROTATION,
+    payload: Payload | None = None,
+    R_base_flange: np.ndarray | None = None,
+) -> np.ndarray:
+    """Sensor readings as process wrench in flange axes.
+
+    Args:
+        readings: Sensor axes, shape (n, 6) [N, N m].
+        rotation: Mounting angle from sensor axes to flange axes about the flange z [rad].
+        payload: Weight and offset to remove; nothing is removed when None.
+        R_base_flange: Orientation of the flange, shape (3, 3) or (n, 3, 3); needed with a payload.
+
+    Returns:
+        Shape (n, 6) [N, N m].
+
+    Raises:
+        SegmentError: A payload without the orientation.
+    """
+    readings = np.asarray(readings, dtype=float)
+    if payload is not None:
+        if R_base_flange is None:
+            raise SegmentError(
+                "the spindle weight can only be removed when the flange's orientation is known; give R_base_flange"
+            )
+        readings = payload.remove(readings, np.asarray(R_base_flange) @ rotation_about_z(rotation))
+    return sensor_to_flange(readings, rotation)
+
+
+def segment_forces(
+    log: Recording,
+    segments: Mapping[str, tuple[float, float]],
+    rotation: float = MOUNTING_ROTATION,
+    payload: Payload | None = None,
+    R_base_flange: np.ndarray | None = None,
+    air: tuple[float, float] | None = None,
+) -> list[SegmentForce]:
+    """Mean wrench of every segment.
+
+    Args:
+        log: Force log, sensor axes.
+        segments: Start and end of each segment [s since the start of the log]; the end is not in it.
+        rotation: Mounting angle from sensor axes to flange axes about the flange z [rad].
+        payload: Spindle weight and sensor offset to remove.
+        R_base_flange: Orientation of the flange, shape (3, 3) or (n, 3, 3); needed with a payload.
+        air: A window in which the tool turns in air in the same orientation; its mean is taken off, which
+            removes weight and offset where the payload is unknown.
+
+    Raises:
+        SegmentError: An interval upside down, outside the log or with too few samples.
+    """
+    wrench = process_wrench(log.values, rotation, payload, R_base_flange)
+    if air is not None:
+        wrench = wrench - wrench[_rows(log, "air", air)].mean(axis=0)
+    return [_segment(name, wrench[_rows(log, name, span)]) for name, span in segments.items()]
+
+
+def labelled_forces(wrench: np.ndarray, labels: np.ndarray) -> list[SegmentForce]:
+    """Mean wrench of every label, in the order of first appearance; samples labelled "" are left out.
+
+    Args:
+        wrench: Process wrench, flange axes, shape (n, 6) [N, N m].
+        labels: Name of the segment each sample belongs to, shape (n,).
+
+    Raises:
+        SegmentError: A label on too few samples.
+    """
+    labels = np.asarray(labels).astype(str)
+    forces = []
+    for name in dict.fromkeys(labels.tolist()):
+        if name:
+            rows = np.flatnonzero(labels == name)
+            _enough(name, len(rows))
+            forces.append(_segment(name, np.asarray(wrench)[rows]))
+    return forces
+
+
+def _rows(log: Recording, name: str, span: tuple[float, float]) -> slice:
+    start, end = span
+    last = float(log.time[-1])
+    if not 0.0 <= start < end:
+        raise SegmentError(f"segment {name} runs from {start:g} s to {end:g} s, allowed is 0 <= start < end")
+    if start > last:
+        raise SegmentError(f"segment {name} starts at {start:g} s, the log {log.path} ends at {last:g} s")
+    rows = slice(int(np.searchsorted(log.time, start)), int(np.searchsorted(log.time, end)))
+    _enough(name, rows.stop - rows.start)
+    return rows
+
+
+def _enough(name: str, samples: int) -> None:
+    if samples < FEWEST_SAMPLES:
+        raise SegmentError(
+            f"segment {name} holds {samples} samples, allowed are at least {FEWEST_SAMPLES}; widen it or log faster"
+        )
+
+
+def _segment(name: str, wrench: np.ndarray) -> SegmentForce:
+    n = len(wrench)
+    std = wrench.std(axis=0, ddof=1)
+    blocks = min(_BLOCKS, n // 2)
+    means = np.array([block.mean(axis=0) for block in np.array_split(wrench, blocks)])
+    error = np.maximum(means.std(axis=0, ddof=1) / np.sqrt(blocks), std / np.sqrt(n))
+    return SegmentForce(name, wrench.mean(axis=0), std, error, n)
+
+
+#: Table 4.8 of the thesis: mean process wrench, flange axes [N, N m], in the order of milling.
+THESIS_FORCES: dict[str, tuple[float, ...]] = {
+    "left_line": (-209.0, 29.0, 12.0, -5.0, -43.0, 3.0),
+    "top_turn": (-100.0, 13.0, 25.0, -3.0, -26.0, 2.0),
+    "right_line": (-62.0, 3.0, -11.0, -1.0, -8.0, 2.0),
+    "bottom_turn": (-13.0, 2.0, -22.0, -1.0, 4.0, 0.0),
+}
