@@ -189,7 +189,7 @@ def _check_walls(recipe: Recipe, prisms: dict[str, Prism]) -> None:
     for (_, first), (index, second) in combinations(enumerate(recipe.features), 2):
         if _belong(first, second) or _belong(second, first):
             continue
-        if prisms[first.id].meets(prisms[second.id], MIN_WALL):
+        if prisms[first.id].meets(prisms[second.id], MIN_WALL - ROUNDING):
             raise FeaturesMeet(
                 f"features.{index}",
                 f"{second.id!r} meets {first.id!r}; allowed is at least {m_to_mm(MIN_WALL):g} mm of wood "

@@ -22,6 +22,10 @@ class _StrictLoader(yaml.SafeLoader):
 def _mapping(loader: _StrictLoader, node: yaml.MappingNode) -> dict[Any, Any]:
     seen = set()
     for key, _ in node.value:
+        if not isinstance(key, yaml.ScalarNode):
+            raise yaml.constructor.ConstructorError(
+                None, None, "a field name must be plain text", key.start_mark
+            )
         if key.value in seen:
             raise DuplicateField(
                 str(key.value), f"is given twice, the second time in line {key.start_mark.line + 1}"

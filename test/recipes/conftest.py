@@ -73,7 +73,14 @@ def document():
                 },
             },
             "features": [
-                {"kind": "hinge_oblong", "id": "hinge_1", "height_mm": 200, "tool": "mill_16", **hinge, **COMMON},
+                {
+                    "kind": "hinge_oblong",
+                    "id": "hinge_1",
+                    "height_mm": 200,
+                    "tool": "mill_16",
+                    **hinge,
+                    **COMMON,
+                },
                 {
                     "kind": "hinge_leaf",
                     "id": "hinge_2",

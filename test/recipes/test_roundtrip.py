@@ -73,7 +73,9 @@ def test_thesis_text_round_trip(document):
     assert parse_thesis_text(format_thesis_text(recipe), "x.txt", "x") == recipe
 
 
-@pytest.mark.parametrize("code", ["=1+2", "007", "1e5", "7040000000017", "+47", "@a", "'x", "_x0041_", '"', ";,"])
+@pytest.mark.parametrize(
+    "code", ["=1+2", "007", "1e5", "7040000000017", "+47", "@a", "'x", "_x0041_", '"', ";,"]
+)
 def test_odd_bar_codes_survive_spreadsheets(code, tmp_path, document):
     recipe = Recipe.from_document({**document, "bar_code": code})
     for ending in ("xlsx", "csv", "json", "yaml"):
