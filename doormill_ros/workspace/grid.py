@@ -44,7 +44,7 @@ class JointGrid:
         q[0], q[3], q[4], q[5] = (np.full(q.shape[1], angle) for angle in self.others)
         if self.tool_along_x:
             q[0], q[3], q[5] = 0.0, 0.0, -90 * DEG
-            q[4] = -(q[1] + q[2])
+            q[4] = np.angle(np.exp(-1j * (q[1] + q[2])))
         return q
 
 

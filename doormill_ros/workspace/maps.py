@@ -28,6 +28,8 @@ _CHUNK = 2048  # configurations a pass: its arrays stay in the second-level cach
 class Maps:
     """Maps over a grid; every map has shape (n3, n2).
 
+    Where pointing the tool along base x would take axis 5 beyond its limits, every map is NaN.
+
     Attributes:
         grid: The grid.
         wrench: Wrench of the K_c study at the load point, base axes, shape (6,) [N, N m].
@@ -76,7 +78,8 @@ def compute_maps(
     for first in range(0, rows, step):
         last = min(first + step, rows)
         part = slice(first * columns, last * columns)
-        frames = chain_frames(robot.dh, grid.joints(first, last))
+        q = grid.joints(first, last)
+        frames = chain_frames(robot.dh, q)
         velocity = jacobian_columns(frames, frames.point(JOINTS, point))
         results["nu_p"][part], results["nu_r"][part] = complementary_influence(
             frames, velocity, robot.stiffness, column_wrench
@@ -84,6 +87,10 @@ def compute_maps(
         results["conditioning"][part] = inverse_condition_number(frames, velocity, length)
         for name, direction in DIRECTIONS.items():
             results[name][part] = directional_stiffness(velocity, robot.stiffness, np.array(direction))
+        if grid.tool_along_x:
+            beyond = (q[4] < robot.lower[4]) | (q[4] > robot.upper[4])
+            for values in results.values():
+                values[part][beyond] = np.nan
         if progress:
             progress(last / rows)
     shaped = {name: values.reshape(rows, columns) for name, values in results.items()}
