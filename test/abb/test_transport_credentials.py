@@ -1,0 +1,161 @@
+"""Credentials: found where they belong, shown nowhere."""
+
+from __future__ import annotations
+
+import base64
+import copy
+import logging
+import os
+import pickle
+import traceback
+from pathlib import Path
+
+import pytest
+
+from doormill_ros.abb.credentials import (
+    FILE_VARIABLE,
+    PASSWORD_VARIABLE,
+    USER_VARIABLE,
+    Credentials,
+    load_credentials,
+)
+from doormill_ros.abb.link_errors import (
+    CredentialsFormatError,
+    CredentialsMissingError,
+    CredentialsPermissionError,
+    LinkError,
+    LoginError,
+)
+from doormill_ros.abb.transports.rws1 import connect_rws1
+from doormill_ros.abb.transports.rws2 import connect_rws2
+from doormill_ros.simulation.rws_server.app import Behaviour
+from doormill_ros.simulation.rws_server.cabinet import Cabinet
+from doormill_ros.simulation.rws_server.server import RwsServer
+
+SECRET = "qu8-Zebra!wagon"
+
+
+def write(path: Path, text: str, mode: int = 0o600) -> Path:
+    path.write_text(text, encoding="utf-8")
+    path.chmod(mode)
+    return path
+
+
+def test_from_the_environment() -> None:
+    found = load_credentials({USER_VARIABLE: "mill", PASSWORD_VARIABLE: SECRET})
+    assert (found.user, found.reveal()) == ("mill", SECRET)
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o400])
+def test_from_a_private_file(tmp_path: Path, mode: int) -> None:
+    path = write(tmp_path / "c.yaml", f'user: mill\npassword: "{SECRET}"\n', mode)
+    assert load_credentials({}, path).reveal() == SECRET
+    assert load_credentials({FILE_VARIABLE: str(path)}).user == "mill"
+
+
+@pytest.mark.parametrize("mode", [0o640, 0o604, 0o660, 0o622, 0o601, 0o777])
+def test_a_file_that_others_reach_is_refused(tmp_path: Path, mode: int) -> None:
+    path = write(tmp_path / "c.yaml", f"user: mill\npassword: {SECRET}\n", mode)
+    with pytest.raises(CredentialsPermissionError, match="chmod 600"):
+        load_credentials({}, path)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="giving a file away needs root")
+def test_a_file_of_somebody_else_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path / "c.yaml", f"user: mill\npassword: {SECRET}\n")
+    os.chown(path, 12345, 12345)
+    with pytest.raises(CredentialsPermissionError, match="12345"):
+        load_credentials({}, path)
+
+
+def test_a_pipe_is_refused_and_does_not_hang(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "c.yaml", 0o600)
+    with pytest.raises(CredentialsPermissionError):
+        load_credentials({}, tmp_path / "c.yaml")
+
+
+@pytest.mark.parametrize(
+    "environment", [{}, {USER_VARIABLE: "mill"}, {USER_VARIABLE: "m", PASSWORD_VARIABLE: ""}]
+)
+def test_nothing_given(environment: dict[str, str]) -> None:
+    with pytest.raises(CredentialsMissingError, match=FILE_VARIABLE):
+        load_credentials(environment)
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(CredentialsMissingError):
+        load_credentials({FILE_VARIABLE: str(tmp_path / "none")})
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        SECRET,
+        f"password: {SECRET}",
+        "user: mill\npassword: 1234\n",
+        f"user: mill\npassword: {SECRET}\nhost: x\n",
+        f"user: [mill\npassword: {SECRET}\n",
+        f"user: ''\npassword: {SECRET}\n",
+        f"user: mill\npassword: {SECRET}\n" + "#" * 20_000,
+    ],
+)
+def test_a_file_of_another_form_is_refused_without_quoting_it(tmp_path: Path, text: str) -> None:
+    path = write(tmp_path / "c.yaml", text)
+    with pytest.raises(CredentialsFormatError) as caught:
+        load_credentials({}, path)
+    shown = "".join(traceback.format_exception(caught.value)) + repr(caught.value.data)
+    assert SECRET not in shown
+    assert "1234" not in str(caught.value)
+
+
+def test_the_password_shows_in_no_text_of_the_credentials() -> None:
+    found = Credentials("mill", SECRET)
+    for text in (repr(found), str(found), f"{found}", f"{[found]!r}", "%s" % found):  # noqa: UP031
+        assert "mill" in text
+        assert SECRET not in text
+    for store in (pickle.dumps, copy.deepcopy):
+        with pytest.raises(TypeError):
+            store(found)
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_the_password_is_in_no_log_record_and_no_error(
+    tmp_path: Path, version: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Everything of every library is logged, good and bad logins and broken connections are tried."""
+    caplog.set_level(logging.DEBUG)
+    for name in ("httpx", "httpcore", "websockets", "websockets.client", "asyncio", "doormill_ros"):
+        caplog.set_level(logging.DEBUG, logger=name)
+    errors: list[BaseException] = []
+    behaviour = Behaviour(user="mill", password=SECRET)
+    with RwsServer(Cabinet.create(tmp_path), version, behaviour=behaviour) as server:
+        for password in (SECRET, SECRET + "x"):
+            credentials = Credentials("mill", password)
+            if version == 1:
+                link = connect_rws1(server.url, credentials)
+            else:
+                link = connect_rws2(server.url, credentials, certificate=server.certificate)
+            try:
+                link.write_file("Hei2.txt", b"x")
+                link.read_request()
+                while not link.events_live:
+                    link.wait(0.05)
+            except LinkError as error:
+                errors.append(error)
+            assert SECRET not in repr(link)
+            link.close()
+    with pytest.raises(LinkError) as caught:
+        (connect_rws1 if version == 1 else connect_rws2)(
+            "http://127.0.0.1:1", Credentials("mill", SECRET), **({} if version == 1 else {"insecure": True})
+        ).read_ready()
+    errors.append(caught.value)
+    assert any(isinstance(error, LoginError) for error in errors)
+    assert len(caplog.records) > 20
+    basic = base64.b64encode(f"mill:{SECRET}".encode()).decode()
+    texts = [record.getMessage() + repr(record.args) for record in caplog.records]
+    texts += ["".join(traceback.format_exception(error)) + repr(error.data) for error in errors]
+    for text in texts:
+        assert SECRET not in text
+        assert basic not in text
+        assert "Authorization" not in text
