@@ -150,7 +150,7 @@ def test_a_hole_from_both_sides_needs_both_robots():
     alone = inspect(recipe, T_base_door, near)
     assert not alone.features[0].milled
     T_first_second = transform(Rotation.from_euler("z", math.pi).as_matrix(), [3.2, 0.7, 0.1])
-    far = executed(recipe, np.eye(4), ring + [30e-6, 0.0], depth=0.021, feature="handle_hole")
+    far = executed(recipe, np.eye(4), ring + np.array([30e-6, 0.0]), depth=0.021, feature="handle_hole")
     # The far robot comes from the rear: half a turn about the feature's y axis at the other face.
     T_door_feature = recipe.T_door_feature(hole)
     turn = transform(np.diag([-1.0, 1.0, -1.0]), [0.0, 0.0, recipe.thickness])
@@ -168,9 +168,17 @@ def test_a_hole_from_both_sides_needs_both_robots():
 
 
 def test_executed_path_refuses_what_is_no_path():
-    path = dict(time=np.arange(3.0), T_base_tool=np.tile(np.eye(4), (3, 1, 1)), q=np.zeros((3, 6)))
-    path |= dict(T_base_tool_commanded=path["T_base_tool"], motion=np.zeros(3), cutting=np.zeros(3, bool))
-    path |= dict(feature=np.array(["", "a", "a"]), wrench=np.zeros((3, 6)))
+    pose = np.tile(np.eye(4), (3, 1, 1))
+    path = {
+        "time": np.arange(3.0),
+        "T_base_tool": pose,
+        "T_base_tool_commanded": pose,
+        "q": np.zeros((3, 6)),
+        "motion": np.zeros(3),
+        "cutting": np.zeros(3, bool),
+        "feature": np.array(["", "a", "a"]),
+        "wrench": np.zeros((3, 6)),
+    }
     assert len(ExecutedPath(**path)) == 3
     for key, value, words in (
         ("time", np.array([0.0, 2.0, 1.0]), "runs backwards"),
