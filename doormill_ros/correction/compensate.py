@@ -10,6 +10,7 @@ import numpy as np
 from doormill_ros.correction.poses import displace, twist_to
 
 MAX_ITERATIONS = 25
+FULL_STEPS = 8
 # A turn of this many radians moves the tip of a 1 m lever by one tolerance of translation.
 ROTATION_PER_METRE = 1.0
 
@@ -54,7 +55,7 @@ def compensate(
     of a millimetre that three or four steps reach a micrometre. Orientation is corrected too.
 
     A model with steps (play in a gear) may have no solution: the torque of a joint changes sign
-    within the correction. Such targets end in the middle of the step and keep their residual.
+    within the correction. Such targets come to rest at the step and keep its nearer side as residual.
 
     Args:
         T_base_tool: Nominal poses, shape (n, 4, 4).
@@ -82,8 +83,8 @@ def compensate(
         settled = size <= tolerance
         if settled.all() or iterations == MAX_ITERATIONS:
             break
-        # Full steps first; later ones are halved so that a target at a step comes to rest in it.
-        share = 1.0 if iterations <= MAX_ITERATIONS // 2 else 0.5
+        # Full steps first; later ones get smaller so that a target at a step comes to rest on it.
+        share = 0.5 ** max(0, iterations - FULL_STEPS)
         step = np.einsum("nij,nj->ni", inverse_jacobian, missing)
         q = q + share * np.where(settled[:, None], 0.0, step)
     return Compensation(T_base_commanded, q, deflection, size, iterations)

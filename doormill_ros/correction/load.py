@@ -35,6 +35,20 @@ class Bench:
         """Twist of the loaded tool, base axes; shapes (n, 6) each [rad], [N, N m], [-] -> [m, rad]."""
         return self.model.deflection(q, wrench, self.load_point, direction)
 
+    def posture(self, T_base_tool: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Joint angles that reach nominal poses unloaded, from angles near them.
+
+        Args:
+            T_base_tool: Poses, shape (n, 4, 4).
+            q: Joint angles near them, shape (n, 6) [rad].
+
+        Returns:
+            Shape (n, 6) [rad].
+        """
+        unloaded = np.zeros((len(q), 6))
+        found = compensate(T_base_tool, q, lambda _: unloaded, self.kinematics, self.T_flange_tool, 1e-9)
+        return found.q
+
     def corrected(
         self, T_base_tool: np.ndarray, q: np.ndarray, wrench: np.ndarray, direction: np.ndarray
     ) -> Compensation:
