@@ -8,8 +8,7 @@
     |-- 500..599  DataSetError        doormill_ros.diagnosis.errors (measurement and pose sets)
     |-- 600..699  BagError            doormill_ros.recording.errors
     |-- 700..799  RobotError          doormill_ros.robot.errors (description, kinematics)
-    |-- 800..899  CellError           doormill_ros.cell.errors (the run as a whole)
-    `-- 900..999  MillingError        doormill_ros.milling.errors (speeds, process forces)
+    `-- 800..899  CellError           doormill_ros.cell.errors (the run as a whole)
 
 Each leaf class has one code of its own; messages and action results carry it as `error_code`.
 """

@@ -141,8 +141,8 @@ def _robot_yaml(outcome: Outcome) -> str:
         "reach": {"value": robot.reach},
         "payload": {"value": robot.payload},
         "limits": {
-            "lower": np.degrees(robot.lower).round(9).tolist(),
-            "upper": np.degrees(robot.upper).round(9).tolist(),
+            "lower": _degrees(robot.lower),
+            "upper": _degrees(robot.upper),
         },
         "max_velocity": {"value": _degrees(robot.max_velocity)},
     }

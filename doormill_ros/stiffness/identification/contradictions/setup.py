@@ -6,12 +6,13 @@ import numpy as np
 
 from doormill_ros.stiffness.identification.contradictions.finding import Contradiction, Evidence
 from doormill_ros.stiffness.identification.thesis_tests import GRAVITY
+from doormill_ros.units import DEG
 
 
 def _signs_of_test_4(c: Evidence) -> Contradiction:
     down = {}
     for name, q4, q5 in (("section 3.1", 90.0, -90.0), ("section 3.1.4", -90.0, 90.0)):
-        R = c.kinematics.forward(np.radians([0.0, 0.0, 0.0, q4, q5, 90.0]))[:3, :3]
+        R = c.kinematics.forward(np.array([0.0, 0.0, 0.0, q4, q5, 90.0]) * DEG)[:3, :3]
         # Flange x component of a weight, as a share of it.
         down[name] = float(R[:, 0] @ [0.0, 0.0, -1.0])
     return Contradiction(
