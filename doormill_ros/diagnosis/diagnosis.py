@@ -21,6 +21,8 @@ from doormill_ros.diagnosis.stability import instability
 STRUCTURE = 1e-4
 #: Chance of a stable cause below which it is not believed when structure remains.
 UNSTABLE = 1e-3
+#: Difference between first-order and finite joint angles, in noise floors, from which both are tried.
+CURVED = 0.3
 #: Share of the excess over the noise that a cause must explain when structure remains.
 MAIN_PART = 0.3
 
@@ -83,14 +85,17 @@ class Diagnosis:
 def diagnose_set(data: MeasurementSet, progress: Callable[[str], None] = lambda line: None) -> Diagnosis:
     """Question the simulation of one loading test."""
     problem = Problem(data)
-    library = candidates(dict.fromkeys(data.reflector.tolist()))
-    patterns = unnamed_patterns(data.q, data.time, data.temperature, problem.configuration)
     progress(
-        f"{len(data)} trials in {len(np.unique(problem.configuration))} configurations, noise floor "
-        f"{1e6 * problem.noise_floor:.1f} um, {len(library)} causes to try"
+        f"{len(data)} trials in {len(np.unique(problem.configuration))} configurations, "
+        f"noise floor {1e6 * problem.noise_floor:.1f} um"
     )
-    search = Search(problem, [*library, *patterns], progress=progress)
-    best = search.run()
+    search, best = _search(problem, progress)
+    if np.sqrt(np.mean(problem.curvature**2)) > CURVED * problem.noise_floor:
+        # Heavy loads: first-order and finite joint angles differ by more than the noise.
+        progress("large deflections: trying finite joint angles")
+        other, bent = _search(Problem(data, finite=True), progress)
+        if other.total(bent) < search.total(best):
+            search, best, problem = other, bent, other.problem
     structure = has_structure(best)
     established = _established(search, best, structure)
     extended = search.fit(established, [_theta_of(best, established)])
@@ -118,6 +123,14 @@ def diagnose_set(data: MeasurementSet, progress: Callable[[str], None] = lambda 
         ratio_ci=interval,
         remarks=_remarks(problem, best, established, verdict, search),
     )
+
+
+def _search(problem: Problem, progress: Callable[[str], None]) -> tuple[Search, Fit]:
+    data = problem.data
+    library = candidates(dict.fromkeys(data.reflector.tolist()))
+    patterns = unnamed_patterns(data.q, data.time, data.temperature, problem.configuration)
+    search = Search(problem, [*library, *patterns], progress=progress)
+    return search, search.run()
 
 
 def rmse(residual: np.ndarray, kept: np.ndarray) -> float:

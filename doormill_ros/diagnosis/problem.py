@@ -43,10 +43,16 @@ class Problem:
         folds: Fold of each trial, shape (n,).
         whiten: Inverse Cholesky factors of the noise covariance, shape (n, 3, 3).
         noise_floor: Root mean square of the propagated noise over all components [m].
+        curvature: What finite joint angles would add to the springs, shape (n, 3) [m].
     """
 
-    def __init__(self, data: MeasurementSet) -> None:
-        """Compute geometry and the noise of every trial."""
+    def __init__(self, data: MeasurementSet, finite: bool = False) -> None:
+        """Compute geometry and the noise of every trial.
+
+        Args:
+            data: The set.
+            finite: Whether the springs turn the joints by finite angles instead of to first order.
+        """
         self.data = data
         self.kinematics = Kinematics(data.dh)
         self._position, self._link = data.reflector_position, data.reflector_link
@@ -56,7 +62,8 @@ class Problem:
         self.noise_floor = float(np.sqrt(np.trace(covariance, axis1=1, axis2=2).mean() / 3.0))
         self.configuration = data.configuration
         self.folds = make_folds(self.configuration)
-        self.springs = self.case.springs()[:, :3]
+        self.curvature = self._curvature()
+        self.bend = self.curvature if finite else np.zeros_like(self.curvature)
 
     def __len__(self) -> int:
         return len(self.data)
@@ -98,6 +105,16 @@ class Problem:
             + noise.torque**2 * by_moment @ by_moment.transpose(0, 2, 1)
         )
 
+    def _curvature(self) -> np.ndarray:
+        """What finite joint angles add to the first-order displacement of the springs, shape (n, 3) [m]."""
+        case = self.case
+        give = case.torque / case.joint_stiffness
+        frames = self.kinematics.link_frames(np.stack([self.data.q, self.data.q + give]))
+        rows = np.arange(len(case))
+        still, loaded = frames[0, rows, self._link], frames[1, rows, self._link]
+        moved = np.einsum("nij,nj->ni", loaded[:, :3, :3] - still[:, :3, :3], self._position)
+        return moved + loaded[:, :3, 3] - still[:, :3, 3] - case.springs()[:, :3]
+
     def case_of(self, members: Sequence[Cause], theta: np.ndarray) -> LoadCase:
         """Geometry and loads after the causes that act before the elasticity."""
         parts = split(members, theta)
@@ -112,7 +129,7 @@ class Problem:
         self, members: Sequence[Cause], theta: np.ndarray, case: LoadCase
     ) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
         """Certain displacement (n, 3), and (probability, displacement) of each hidden cause."""
-        total = self.springs if case is self.case else case.springs()[:, :3]
+        total = case.springs()[:, :3] + self.bend
         hidden = []
         for cause, part in split(members, theta):
             if cause.stage != "robot":
@@ -194,7 +211,7 @@ class Problem:
         columns = np.zeros((n, 3, len(theta)))
         spread: tuple[np.ndarray, np.ndarray] | None = None
         trackers = [(c, p) for c, p in split(members, theta) if c.stage == "tracker"]
-        at, h = 0, 0
+        at, h, passed = 0, 0, 0
         for cause, part in split(members, theta):
             block = slice(at, at + cause.size)
             at += cause.size
@@ -212,7 +229,13 @@ class Problem:
                     slope = state[:, None, None] * slope
                 columns[:, :, block] = self._carry(trackers, slope)
             elif cause.stage == "tracker":
-                columns[:, :, block] = cause.observe_derivative(inner, dt, part)
+                before = inner
+                for earlier, its_part in trackers[:passed]:
+                    before = earlier.observe(before, dt, its_part)
+                passed += 1
+                columns[:, :, block] = self._carry(
+                    trackers[passed:], cause.observe_derivative(before, dt, part)
+                )
             else:
                 columns[:, :, block] = self._setup_slope(members, theta, block, cause, states, inner)
         jacobian = self.whiten @ columns

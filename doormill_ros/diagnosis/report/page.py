@@ -16,11 +16,13 @@ _STYLE = """
 :root{color-scheme:light}body{font:15px/1.5 system-ui,sans-serif;color:#1d2327;background:#f6f7f8;margin:0}
 main{max-width:1180px;margin:auto;padding:24px}h1{font-size:24px;margin:0 0 4px}h2{font-size:18px;margin:34px 0 8px}
 .tiles{display:flex;flex-wrap:wrap;gap:12px;margin:16px 0}
-.tile{background:#fff;border:1px solid #dcdfe3;border-radius:6px;padding:10px 16px;min-width:130px}.tile b{display:block;font-size:22px}.charts{display:grid;gap:12px;
-grid-template-columns:repeat(auto-fit,minmax(340px,1fr))}.wide{display:grid;gap:12px}
+.tile{background:#fff;border:1px solid #dcdfe3;border-radius:6px;padding:10px 16px;min-width:130px}
+.tile b{display:block;font-size:22px}
+.charts{display:grid;gap:12px;grid-template-columns:repeat(auto-fit,minmax(340px,1fr))}.wide{display:grid;gap:12px}
 svg{background:#fff;border:1px solid #dcdfe3;border-radius:6px;width:100%;height:auto}
 svg .t{font:600 13px system-ui}svg .l{font:11.5px system-ui}svg .n{font:11px system-ui;fill:#555}
-svg .g{stroke:#e6e9ec;stroke-width:1}table{border-collapse:collapse;background:#fff;width:100%}
+svg .g{stroke:#e6e9ec;stroke-width:1}
+table{border-collapse:collapse;background:#fff;width:100%}
 td,th{border:1px solid #dcdfe3;padding:5px 9px;text-align:left;vertical-align:top}th{background:#eef0f2}
 .lead{font-size:17px}.note{color:#555}
 """

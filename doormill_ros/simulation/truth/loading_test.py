@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from doormill_ros.simulation.truth.chain import turn
+from doormill_ros.simulation.truth.chain import chain, turn
 from doormill_ros.simulation.truth_robot import DEFAULT_STIFFNESS, TruthRobot
 
 HEADER = "trial,t,dt,temperature,q1,q2,q3,q4,q5,q6,a1,a2,a3,a4,a5,a6,fx,fy,fz,mx,my,mz,reflector,dx,dy,dz"
@@ -60,30 +60,54 @@ _MIDDLE = np.array([0.0, 0.15, -0.3, 0.0, 0.3, 0.0])
 _HALF = np.array([1.3, 0.75, 0.7, 1.6, 1.3, 1.6])
 
 
-def draw_plan(rng: np.random.Generator, dh: np.ndarray, trials: int = 120, postures: int = 15) -> LoadingPlan:
-    """A varied test: random postures and loads, three reflectors, last motions from both sides."""
+#: Reflectors that labs use: a few on the flange, some further down the arm.
+_REFLECTORS = {
+    "ee": (6, np.array([0.05, 0.0, 0.18])),
+    "tip": (6, np.array([-0.12, 0.09, 0.30])),
+    "elbow": (3, np.array([0.10, -0.05, 0.12])),
+    "shoulder": (1, np.array([-0.20, 0.10, 0.15])),
+    "upper_arm": (2, np.array([-0.30, 0.05, 0.20])),
+}
+
+#: How a lab may go about it: which reflectors, whether it pulls with a rope along the axes of the
+#: base frame, whether it waits the same time in every trial.
+STYLES = (
+    (("ee", "tip", "elbow"), False, False),
+    (("ee",), False, False),
+    (("ee", "tip"), True, False),
+    (("ee", "elbow", "shoulder", "upper_arm"), True, True),
+)
+
+
+def draw_plan(
+    rng: np.random.Generator, dh: np.ndarray, trials: int = 120, postures: int = 15, style: int = 0
+) -> LoadingPlan:
+    """A varied test: random postures and loads, last motions from both sides, in one of the STYLES."""
+    names, rope, steady = STYLES[style]
     poses = _MIDDLE + _HALF * rng.uniform(-1.0, 1.0, (postures, 6))
     order = np.sort(np.arange(trials) % postures)
-    force = rng.normal(size=(trials, 3))
-    force *= (rng.uniform(150.0, 700.0, trials) / np.linalg.norm(force, axis=1))[:, None]
-    couple = rng.normal(size=(trials, 3)) * 30.0
-    names = ("ee", "tip", "elbow")
-    chosen = rng.choice(3, size=trials, p=[0.45, 0.3, 0.25])
-    dt = rng.uniform(15.0, 120.0, trials)
+    size = rng.uniform(150.0, 700.0, (trials, 1))
+    if rope:
+        pull = np.vstack([np.eye(3), -np.eye(3)])[rng.integers(6, size=trials)]
+        R_base_flange = chain(np.asarray(dh, dtype=float), poses[order])[:, 6, :3, :3]
+        force = np.einsum("nji,nj->ni", R_base_flange, pull) * size
+        couple = np.zeros((trials, 3))
+    else:
+        force = rng.normal(size=(trials, 3))
+        force *= size / np.linalg.norm(force, axis=1, keepdims=True)
+        couple = rng.normal(size=(trials, 3)) * 30.0
+    dt = np.full(trials, 60.0) if steady else rng.uniform(15.0, 120.0, trials)
     time = np.cumsum(dt + rng.uniform(20.0, 60.0, trials))
+    warm = 20.0 + 1.5 * time / time[-1] + 0.1 * rng.normal(size=trials)
     return LoadingPlan(
         q=poses[order],
         direction=rng.choice([-1.0, 1.0], size=(trials, 6)),
         wrench=np.column_stack([force, couple]),
-        reflector=tuple(names[i] for i in chosen),
+        reflector=tuple(rng.choice(names, size=trials).tolist()),
         time=time,
         dt=dt,
-        temperature=20.0 + 1.5 * time / time[-1] + 0.1 * rng.normal(size=trials),
-        reflectors={
-            "ee": (6, np.array([0.05, 0.0, 0.18])),
-            "tip": (6, np.array([-0.12, 0.09, 0.30])),
-            "elbow": (3, np.array([0.10, -0.05, 0.12])),
-        },
+        temperature=np.full(trials, np.nan) if steady else warm,
+        reflectors={name: _REFLECTORS[name] for name in names},
         dh=np.array(dh, dtype=float),
         load_point=np.array([0.0, 0.0, 0.18]),
     )
@@ -120,7 +144,8 @@ def true_displacement(plan: LoadingPlan, effects: Sequence[Mapping[str, Any]]) -
         elif effect["cause"] == "tracker_jump":
             moved = moved + (plan.time > values["time"])[:, None] * np.asarray(values["step"])
         elif effect["cause"] == "warm_springs":
-            warm = plan.temperature - np.nanmin(plan.temperature)
+            # The cell warms by 1.5 degrees during the test, whether or not that is recorded.
+            warm = 1.5 * plan.time / plan.time[-1]
             moved = moved * (1.0 + values["per_degree"] * warm)[:, None]
     return moved
 
