@@ -40,30 +40,36 @@ class ChainFrames:
         return result
 
 
-def chain_frames(dh: np.ndarray, q: np.ndarray) -> ChainFrames:
+def chain_frames(
+    dh: np.ndarray, q: np.ndarray, sin_cos: tuple[np.ndarray, np.ndarray] | None = None
+) -> ChainFrames:
     """Frames of every link (thesis eq. 2.1).
 
     Args:
         dh: Denavit-Hartenberg table, shape (6, 4).
         q: Joint angles, configurations last, shape (6, n) [rad].
+        sin_cos: Sine and cosine of q where they are known, each shape (6, n).
     """
     n = q.shape[1]
     x, y, z, origin = (np.empty((JOINTS + 1, 3, n)) for _ in range(4))
     for array, start in ((x, (1.0, 0.0, 0.0)), (y, (0.0, 1.0, 0.0)), (z, (0.0, 0.0, 1.0))):
         array[0] = np.array(start)[:, None]
     origin[0] = 0.0
-    sin_q, cos_q = np.sin(q), np.cos(q)
+    part, across = np.empty((3, n)), np.empty((3, n))
+    sin_q, cos_q = (np.sin(q), np.cos(q)) if sin_cos is None else sin_cos
     for joint, row in enumerate(dh):
         s, c = _turned(sin_q[joint], cos_q[joint], row[THETA_OFFSET])
         before, after = joint, joint + 1
         np.multiply(x[before], c, out=x[after])
-        x[after] += s * y[before]
-        across = c * y[before]
-        across -= s * x[before]
+        np.multiply(y[before], s, out=part)
+        x[after] += part
+        np.multiply(y[before], c, out=across)
+        np.multiply(x[before], s, out=part)
+        across -= part
         sin_alpha, cos_alpha = _exact_sin_cos(row[ALPHA])
         if sin_alpha == 0.0:
-            y[after] = cos_alpha * across
-            z[after] = cos_alpha * z[before]
+            np.multiply(across, cos_alpha, out=y[after])
+            np.multiply(z[before], cos_alpha, out=z[after])
         elif cos_alpha == 0.0:
             np.multiply(z[before], sin_alpha, out=y[after])
             np.multiply(across, -sin_alpha, out=z[after])
@@ -72,9 +78,11 @@ def chain_frames(dh: np.ndarray, q: np.ndarray) -> ChainFrames:
             z[after] = cos_alpha * z[before] - sin_alpha * across
         origin[after] = origin[before]
         if row[D] != 0.0:
-            origin[after] += row[D] * z[before]
+            np.multiply(z[before], row[D], out=part)
+            origin[after] += part
         if row[A] != 0.0:
-            origin[after] += row[A] * x[after]
+            np.multiply(x[after], row[A], out=part)
+            origin[after] += part
     return ChainFrames(x, y, z, origin)
 
 

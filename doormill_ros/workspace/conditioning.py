@@ -27,8 +27,9 @@ def inverse_condition_number(frames: ChainFrames, velocity: np.ndarray, length: 
     0 in a singularity; at most 1/6, for a matrix whose singular values are all equal. (Angeles
     divides both norms by the square root of 6 and so ends at 1; the thesis' script does not.)
 
-    J_n = Q R leaves both norms to R. Gram-Schmidt in its modified form gives R as accurately as
-    reflections do, also near singularities, and runs over all configurations at once.
+    Gram-Schmidt in its modified form, J_n = Q U with unit upper triangular U and columns of Q at right
+    angles but of any length, is as accurate as reflections are and runs over all configurations at
+    once. With D the squared lengths of those columns |J_n^-1|^2 = |U^-1 D^-1/2|^2.
 
     Args:
         frames: Frames of n configurations.
@@ -40,29 +41,34 @@ def inverse_condition_number(frames: ChainFrames, velocity: np.ndarray, length: 
     np.multiply(velocity, 1.0 / length, out=columns[:, :3])
     columns[:, 3:] = frames.z[:JOINTS]
     norm_squared = np.einsum("jin,jin->n", columns, columns)
-    R = np.empty((JOINTS, JOINTS, n))
+    U = np.empty((JOINTS, JOINTS, n))
+    per_length = np.empty((JOINTS, n))  # 1 / D
+    part = np.empty((6, n))
     for j in range(JOINTS):
-        size = np.sqrt(np.einsum("in,in->n", columns[j], columns[j]))
-        R[j, j] = size
+        squared = np.einsum("in,in->n", columns[j], columns[j])
+        # A column that vanishes becomes a number so small that the result ends at zero without a
+        # division by zero on the way.
+        np.divide(1.0, np.maximum(squared, 1e-150), out=per_length[j])
         if j + 1 < JOINTS:
-            unit = columns[j] / np.maximum(size, np.finfo(float).tiny)
-            np.einsum("in,kin->kn", unit, columns[j + 1 :], out=R[j, j + 1 :])
-            columns[j + 1 :] -= R[j, j + 1 :, None] * unit
-    return 1.0 / np.sqrt(norm_squared * _inverse_norm_squared(R))
+            np.einsum("in,kin->kn", columns[j], columns[j + 1 :], out=U[j, j + 1 :])
+            U[j, j + 1 :] *= per_length[j]
+            for k in range(j + 1, JOINTS):
+                np.multiply(columns[j], U[j, k], out=part)
+                columns[k] -= part
+    return 1.0 / np.sqrt(norm_squared * _inverse_norm_squared(U, per_length))
 
 
-def _inverse_norm_squared(R: np.ndarray) -> np.ndarray:
-    """Squared Frobenius norm of the inverse of upper triangular matrices, shape (6, 6, n)."""
-    # A zero on the diagonal becomes a number so large that the condition number ends at zero
-    # without a division by zero on the way.
-    pivot = 1.0 / np.maximum(np.einsum("jjn->jn", R), 1e-60)
-    inverse = np.empty_like(R)
-    total = np.zeros(R.shape[-1])
-    for column in range(JOINTS):
-        inverse[column, column] = pivot[column]
+def _inverse_norm_squared(U: np.ndarray, per_length: np.ndarray) -> np.ndarray:
+    """|U^-1 D^-1/2|^2, shape (n,), of unit upper triangular U, shape (6, 6, n), and 1 / D, (6, n)."""
+    inverse = np.empty_like(U)
+    total = per_length.sum(axis=0)
+    for column in range(1, JOINTS):
+        inverse[column, column] = 1.0
         for row in range(column - 1, -1, -1):
-            part = np.einsum("kn,kn->n", R[row, row + 1 : column + 1], inverse[row + 1 : column + 1, column])
-            part *= pivot[row]
-            np.negative(part, out=inverse[row, column])
-        total += np.einsum("kn,kn->n", inverse[: column + 1, column], inverse[: column + 1, column])
+            known = inverse[row + 1 : column + 1, column]
+            np.einsum("kn,kn->n", U[row, row + 1 : column + 1], known, out=inverse[row, column])
+            np.negative(inverse[row, column], out=inverse[row, column])
+        above = np.einsum("kn,kn->n", inverse[:column, column], inverse[:column, column])
+        above *= per_length[column]
+        total += above
     return total

@@ -47,6 +47,21 @@ class JointGrid:
             q[4] = np.angle(np.exp(-1j * (q[1] + q[2])))
         return q
 
+    def sin_cos(self, first: int, last: int) -> tuple[np.ndarray, np.ndarray]:
+        """Sine and cosine of `joints`, each shape (6, n), from those of the axes alone."""
+        if self.tool_along_x:
+            q = self.joints(first, last)
+            return np.sin(q), np.cos(q)
+        q3 = self.q3[first:last]
+        parts = []
+        for function in (np.sin, np.cos):
+            values = np.empty((JOINTS, len(q3) * len(self.q2)))
+            values[1] = np.tile(function(self.q2), len(q3))
+            values[2] = np.repeat(function(q3), len(self.q2))
+            values[[0, 3, 4, 5]] = function(np.array(self.others))[:, None]
+            parts.append(values)
+        return parts[0], parts[1]
+
 
 def thesis_grid(robot: Robot, step: float = THESIS_STEP, tool_along_x: bool = False) -> JointGrid:
     """The study range of the thesis (sections 3.4, 3.5): joints 2 and 3 within the robot's limits.

@@ -21,7 +21,7 @@ WRENCH_SCRIPT = (0.0, 0.0, -2000.0, 200.0, 200.0, 0.0)  #: appendix A.14
 # A slot is milled along the door's edge (base z) and turns across it (base y).
 DIRECTIONS = {"along_edge": (0.0, 0.0, 1.0), "across_edge": (0.0, 1.0, 0.0), "into_door": (1.0, 0.0, 0.0)}
 
-_CHUNK = 2048  # configurations a pass: its arrays stay in the second-level cache
+_CHUNK = 4096  # configurations a pass: its arrays stay in the second-level cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ def compute_maps(
         last = min(first + step, rows)
         part = slice(first * columns, last * columns)
         q = grid.joints(first, last)
-        frames = chain_frames(robot.dh, q)
+        frames = chain_frames(robot.dh, q, grid.sin_cos(first, last))
         velocity = jacobian_columns(frames, frames.point(JOINTS, point))
         results["nu_p"][part], results["nu_r"][part] = complementary_influence(
             frames, velocity, robot.stiffness, column_wrench

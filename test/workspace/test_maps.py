@@ -1,3 +1,5 @@
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -43,7 +45,10 @@ def test_maps_agree_with_plain_formulas(irb6600, tool_along_x):
             q2, q3 = grid.q2[column], grid.q3[row]
             q = np.array([0, q2, q3, *[np.pi / 4] * 3])
             if tool_along_x:
-                q = np.array([0, q2, q3, 0, -(q2 + q3), -np.pi / 2])
+                q = np.array([0, q2, q3, 0, np.angle(np.exp(-1j * (q2 + q3))), -np.pi / 2])
+                if abs(q[4]) > np.radians(120):  # axis 5 of the IRB 6600 turns no farther
+                    assert all(np.isnan(layer[row, column]) for layer in layers)
+                    continue
             expected = one_configuration(irb6600, kinematics, q, wrench, maps.length)
             found = [layer[row, column] for layer in layers]
             # nu_p is a small difference of two lengths: 1e-9 of it is 1e-13 of the lengths.
@@ -54,6 +59,23 @@ def test_tool_along_x_points_the_tool_along_x(irb6600):
     grid = thesis_grid(irb6600, step=0.3, tool_along_x=True)
     T = Kinematics(irb6600).forward(grid.joints(0, grid.shape[0]).T)
     np.testing.assert_allclose(T[:, :3, :3] - [[0, 0, 1], [-1, 0, 0], [0, -1, 0]], 0, atol=1e-12)
+
+
+def test_sine_and_cosine_of_the_grid_are_those_of_its_joints(irb6600):
+    for along_x in (False, True):
+        grid = thesis_grid(irb6600, step=0.2, tool_along_x=along_x)
+        sine, cosine = grid.sin_cos(2, 5)
+        np.testing.assert_allclose(sine, np.sin(grid.joints(2, 5)), atol=1e-15)
+        np.testing.assert_allclose(cosine, np.cos(grid.joints(2, 5)), atol=1e-15)
+
+
+def test_memory_of_the_full_grid_stays_far_below_two_gibibytes(irb6600):
+    grid = thesis_grid(irb6600)
+    tracemalloc.start()
+    compute_maps(irb6600, grid)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 0.1 * 2**31
 
 
 def test_thesis_grid_covers_the_study_range(irb6600):
