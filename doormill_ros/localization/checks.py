@@ -29,7 +29,8 @@ _MOST_WHITE = 0.6  # share of clipped pixels in a picture
 _DARKEST = 16  # grey level that one pixel in two hundred must exceed
 _FEWEST_ROWS = 60
 _SKEW = 4.5  # out of square by that many standard deviations is another line
-_DOUBLE = 0.04  # misfit of the mean profile, as a share of the step, that one edge does not show
+_DOUBLE = 0.04  # misfit of the mean profile, as a share of the step, that one edge does not show,
+_STREAKS = 1.5  # nor this times the streaks of wood grain along it
 
 
 def check_input(
@@ -124,8 +125,14 @@ def check_share(edge: str, share: float, settings: LocalizerSettings) -> None:
         )
 
 
-def check_spread(edge: str, spread: Spread, settings: LocalizerSettings) -> None:
+def check_spread(edge: str, spread: Spread, streaks: float, settings: LocalizerSettings) -> None:
     """Whether an edge is sharp, and one.
+
+    Args:
+        edge: "hinge" or "bottom".
+        spread: Its blur.
+        streaks: Standard deviation of the streaks beside it, as a share of the step.
+        settings: Limits of refusal.
 
     Raises:
         LocalizationError: Blurred or WrongEdge.
@@ -137,10 +144,11 @@ def check_spread(edge: str, spread: Spread, settings: LocalizerSettings) -> None
             edge=edge,
             blur=spread.blur,
         )
-    if spread.misfit > max(_DOUBLE, 4 * spread.level):
+    allowed = max(_DOUBLE, 4 * spread.level, _STREAKS * streaks)
+    if spread.misfit > allowed:
         raise WrongEdge(
             f"the {edge} edge is not one step from face to background: {100 * spread.misfit:.0f} % of it do not "
-            f"fit, allowed are {100 * _DOUBLE:.0f} %; another edge or a shadow lies beside it, change the light",
+            f"fit, allowed are {100 * allowed:.0f} %; another edge or a shadow lies beside it, change the light",
             edge=edge,
             misfit=spread.misfit,
         )
@@ -178,7 +186,7 @@ def check_range(offset: DoorOffset, limits: PlacementLimits) -> None:
 
 
 def check_certainty(
-    covariance: np.ndarray, lines: tuple[LineFit, LineFit], settings: LocalizerSettings
+    covariance: np.ndarray, hinge: LineFit, bottom: LineFit, settings: LocalizerSettings
 ) -> None:
     """Whether the pose is known well enough.
 
@@ -188,7 +196,7 @@ def check_certainty(
     deviation = np.sqrt(np.diag(covariance))
     if np.any(deviation > settings.max_deviation):
         allowed = settings.max_deviation
-        scatter = m_to_mm(max(line.scatter for line in lines))
+        scatter = m_to_mm(max(hinge.scatter, bottom.scatter))
         raise TooFewInliers(
             f"the pose is uncertain by {m_to_mm(deviation[0]):.3f} mm, {m_to_mm(deviation[1]):.3f} mm and "
             f"{rad_to_deg(deviation[2]):.3f} degrees, allowed are {m_to_mm(allowed[0]):.3f} mm, "

@@ -6,7 +6,7 @@ The variance that counts is that of averages over pieces longer than the wander.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +39,14 @@ class LineFit:
     residuals: np.ndarray
     inliers: np.ndarray
     scatter: float
+
+    def pushed(self, place_variance: float, slope_variance: float) -> LineFit:
+        """This line with the uncertainty [m^2], [-] that texture beside the edge adds."""
+        return replace(
+            self,
+            place_variance=self.place_variance + place_variance,
+            slope_variance=self.slope_variance + slope_variance,
+        )
 
 
 def _weighted_line(along: np.ndarray, across: np.ndarray, weight: np.ndarray) -> tuple[float, float, float]:

@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.special import ndtr
 
+from doormill_ros.localization.texture import PHASES, phase_places, step_design
 from doormill_ros.localization.view import HINGE, FaceView
 
 WHITE = 253  # grey level from which a pixel counts as clipped
-_PHASES = 32  # sub-pixel phases for which the fit's matrices are kept
-_PIXEL_VARIANCE = 1.0 / 12.0  # what the pixel's own width adds to the point spread [px^2]
 _WEAKEST = 0.35  # share of the median step below which a row is not taken for edge
 
 
@@ -52,17 +50,23 @@ class Profiles:
         return -float(np.median(self.contrast[self.edge_like])) if self.edge_like.any() else 0.0
 
 
-@lru_cache(maxsize=256)
-def _fit_table(half: int, blur_hundredths: int) -> np.ndarray:
-    """Matrices (p, 3, w) that give level, step and shift x step of a row, for each sub-pixel phase."""
-    place = np.arange(-half, half + 1)[None] - ((np.arange(_PHASES) + 0.5) / _PHASES - 0.5)[:, None]
-    sigma = np.sqrt((blur_hundredths / 100.0) ** 2 + _PIXEL_VARIANCE)
-    slope = np.exp(-0.5 * (place / sigma) ** 2) / (np.sqrt(2 * np.pi) * sigma)
-    design = np.stack([np.ones_like(place), ndtr(place / sigma), -slope], axis=-1)
-    return np.linalg.pinv(design).astype(np.float32)
+@lru_cache(maxsize=64)
+def plain_weights(half: int, blur: float) -> np.ndarray:
+    """Least squares weights (PHASES, 3, w) of level, step and shift x step on untextured surfaces."""
+    return np.linalg.pinv(step_design(phase_places(half), blur)).astype(np.float32)
 
 
-def _predicted(
+def gather(
+    picture: np.ndarray, edge: str, lines: np.ndarray, centre: np.ndarray, span: np.ndarray
+) -> np.ndarray:
+    """Pixels at `centre + span` of each of `lines`, rows for the hinge edge, columns for the bottom edge."""
+    height, width = picture.shape
+    if edge == HINGE:
+        return picture[lines[:, None], np.clip(centre[:, None] + span, 0, width - 1)]
+    return picture[np.clip(centre[:, None] + span, 0, height - 1), lines[:, None]]
+
+
+def crossing(
     view: FaceView, edge: str, pose: np.ndarray, half: int, start: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rows that cross the predicted edge and the columns where they do (bottom edge: the other way)."""
@@ -84,8 +88,7 @@ def measure(
     view: FaceView,
     edge: str,
     pose: np.ndarray,
-    blur: float,
-    half: int,
+    weights: np.ndarray,
     every: int = 1,
     start: float = 0.8e-3,
 ) -> Profiles:
@@ -96,29 +99,24 @@ def measure(
         view: The camera before the face.
         edge: "hinge" or "bottom".
         pose: Predicted y, z [m] and rotation [rad], shape (3,).
-        blur: Standard deviation of the point spread [px].
-        half: Pixels looked at on each side.
+        weights: Of level, step and shift x step for each sub-pixel phase, shape (PHASES, 3, 2 half + 1).
         every: Take only each n-th row.
         start: Distance from the corner at which to begin [m].
     """
-    lines, at = _predicted(view, edge, pose, half, start)
+    half = weights.shape[2] // 2
+    lines, at = crossing(view, edge, pose, half, start)
     lines, at = lines[::every], at[::every]
     centre = np.rint(at).astype(np.intp)
-    phase = np.clip(((at - centre + 0.5) * _PHASES).astype(np.intp), 0, _PHASES - 1)
-    table = _fit_table(half, round(100.0 * blur))
-    span = np.arange(-half, half + 1)
-    if edge == HINGE:
-        raw = picture[lines[:, None], centre[:, None] + span]
-    else:
-        raw = picture[(centre[:, None] + span), lines[:, None]]
+    phase = np.clip(((at - centre + 0.5) * PHASES).astype(np.intp), 0, PHASES - 1)
+    raw = gather(picture, edge, lines, centre, np.arange(-half, half + 1))
     clipped = raw.max(axis=1, initial=0) >= WHITE
     values = raw.astype(np.float32)
-    level, step, moment = np.matmul(table[phase], values[:, :, None])[..., 0].T
+    level, step, moment = np.matmul(weights[phase], values[:, :, None])[..., 0].T
     typical = np.median(step) if step.size else 0.0
     edge_like = (step * np.sign(typical) > max(_WEAKEST * abs(typical), 1e-3)) & ~clipped
     shift = np.divide(moment, step, out=np.zeros_like(moment), where=edge_like)
     edge_like &= np.abs(shift) < 0.6 * half
-    place = (phase + 0.5) / _PHASES - 0.5
+    place = (phase + 0.5) / PHASES - 0.5
     found = centre + place + np.clip(shift, -half, half)
     pixels = np.column_stack([found, lines] if edge == HINGE else [lines, found]).astype(float)
     return Profiles(edge, lines, values, place, pixels, level, step, clipped, edge_like)
