@@ -21,8 +21,12 @@ from doormill_ros.diagnosis.stability import instability
 STRUCTURE = 1e-4
 #: Chance of a stable cause below which it is not believed when structure remains.
 UNSTABLE = 1e-3
+#: The same when nothing else is left over.
+WILD = 1e-4
 #: Difference between first-order and finite joint angles, in noise floors, from which both are tried.
 CURVED = 0.3
+#: Fall of the score with one more number that chance reaches once in ten sets.
+LEANING = 2.7
 #: Share of the excess over the noise that a cause must explain when structure remains.
 MAIN_PART = 0.3
 
@@ -164,7 +168,7 @@ def _established(search: Search, best: Fit, structure: bool) -> tuple[Cause, ...
         and not any(spoils(other, cause) for other in best.members if not other.named)
     )
     if not structure and len(named) == len(best.members):
-        return named
+        return tuple(c for c in named if instability(search.problem, best, c)[0] > WILD)
     empty = search.fit(())
     floor = 3.0 * len(search.problem)
     excess = max(empty.held_out_score - floor, 1.0)
@@ -235,6 +239,8 @@ def _finding(
     confusable: list[Cause] = []
     for other, found in rivals:
         nested = other.where == cause.where and cause.name in (other.generalises, other.name)
+        # A law that contains this one counts as another only if the data lean towards it.
+        nested = nested and (other.name == cause.name or found.score > best.score - LEANING)
         if other.named and not nested and found.held_out_score < best.held_out_score + EQUAL:
             confusable.append(other)
     unique = {other.key: other for other in reversed(confusable) if other.key != cause.key}

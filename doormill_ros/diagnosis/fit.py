@@ -50,6 +50,11 @@ class Fit:
         """Number of fitted numbers."""
         return len(self.theta)
 
+    @property
+    def identity(self) -> frozenset:
+        """Identities of the members, whatever their order."""
+        return frozenset(cause.identity for cause in self.members)
+
     def part(self, cause: Cause) -> slice:
         """Where a member's numbers stand in theta."""
         at = 0
@@ -189,9 +194,11 @@ def _finish(
     if free.any():
         covariance[np.ix_(free, free)] = np.linalg.inv(hessian[np.ix_(free, free)])
     held_white = prediction.white.copy()
+    # A number at a kink hangs on the few trials beside it; a linear step away from it means nothing.
+    smooth = free & ~np.concatenate([np.isin(np.arange(c.size), c.kinked) for c in members])
     for fold in range(problem.folds.max() + 1):
         rows = problem.folds == fold
-        if not free.any():
+        if not smooth.any():
             break
         part = Prediction(
             prediction.residual[rows],
@@ -201,9 +208,9 @@ def _finish(
             None if prediction.spread is None else (prediction.spread[0][rows], prediction.spread[1][rows]),
         )
         own_hessian, own_descent = normal_equations(part, weights[rows])
-        matrix = (hessian - own_hessian)[np.ix_(free, free)]
+        matrix = (hessian - own_hessian)[np.ix_(smooth, smooth)]
         change = np.zeros_like(theta)
-        change[free] = np.linalg.solve(matrix, -own_descent[free])
+        change[smooth] = np.linalg.solve(matrix, -own_descent[smooth])
         change = np.clip(theta + change, lower, upper) - theta
         held_white[rows] -= prediction.jacobian[rows] @ change
     held_cost = prediction.cost + np.sum(held_white**2, axis=1) - np.sum(prediction.white**2, axis=1)

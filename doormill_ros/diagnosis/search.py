@@ -38,6 +38,7 @@ class Search:
     candidates: Sequence[Cause]
     fits: dict[frozenset, Fit] = field(default_factory=dict)
     progress: Callable[[str], None] = lambda line: None
+    _polished: set[tuple[frozenset, frozenset]] = field(default_factory=set)
 
     def fit(self, members: Iterable[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
         """Fit a model once."""
@@ -112,7 +113,7 @@ class Search:
             for parent in beam:
                 for cause in self.extensions(parent):
                     child = self.add(parent, cause)
-                    grown[frozenset(c.identity for c in child.members)] = child
+                    grown[child.identity] = child
             ranked = sorted(grown.values(), key=self.total)
             if not ranked:
                 break
@@ -144,15 +145,23 @@ class Search:
     def _prune(self, best: Fit) -> Fit:
         """Drop members without which the model is as good."""
         for cause in best.members:
-            rest = [c for c in best.members if c is not cause]
-            smaller = self.fit(rest)
+            smaller = self.without(best, cause)
             if self.total(smaller) < self.total(best) + ENTRY / 2.0:
                 return self._prune(smaller)
         return best
 
     def without(self, found: Fit, cause: Cause) -> Fit:
-        """The same model less one member, fitted anew."""
-        return self.fit([c for c in found.members if c is not cause])
+        """The same model less one member, fitted anew, also from where the others stand now."""
+        rest = tuple(c for c in found.members if c is not cause)
+        smaller = self.fit(rest)
+        tried = (found.identity, smaller.identity)
+        if rest and tried not in self._polished:
+            self._polished.add(tried)
+            theta = np.concatenate([found.theta[found.part(c)] for c in rest])
+            again = fit(self.problem, rest, [theta])
+            if again.score < smaller.score - 1e-6:
+                self.fits[again.identity] = smaller = again
+        return smaller
 
     def rivals(self, found: Fit, cause: Cause) -> list[tuple[Cause, Fit]]:
         """Every candidate in the place of one member, the best first."""

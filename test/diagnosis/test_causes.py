@@ -115,7 +115,7 @@ def test_derivatives_agree_with_finite_differences(make_set, name, where, parame
             + [0.01 * np.ones(c.size) for c in members[1:]]
         )
         prediction = problem.predict(members, theta, derivative=True)
-        hidden = members[0].hidden_state(problem.case)
+        hidden = members[0].hidden_state(problem.case_of(members, theta))
         # The state of a trial near zero torque is chosen anew at every theta; leave those out.
         sure = np.ones(len(problem), bool) if hidden is None else (hidden == 0.0) | (hidden == 1.0)
         for i in range(len(theta)):
