@@ -123,7 +123,7 @@ class Operations:
         """Create a folder."""
         if not name or "/" in name:
             raise RefusalError(400, CODE_BAD_REQUEST, "fs-newname missing")
-        self.path(f"{relative}/{name}").mkdir(exist_ok=True)
+        self.path(f"{relative}/{name}".lstrip("/")).mkdir(exist_ok=True)
 
     # RAPID and panel ---------------------------------------------------------------------------
 
