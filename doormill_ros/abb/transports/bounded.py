@@ -37,6 +37,7 @@ class BoundedCaller:
         """
         self._queue: queue.SimpleQueue[_Call | None] = queue.SimpleQueue()
         self._stuck: _Call | None = None
+        self._closed = False
         self._thread = threading.Thread(target=self._work, name=name, daemon=True)
         self._thread.start()
 
@@ -50,6 +51,8 @@ class BoundedCaller:
         Raises:
             CallTimeout: Not done in time, or an earlier call still hangs (then this one is not made).
         """
+        if self._closed:
+            raise CallTimeout
         if self._stuck is not None:
             if not self._stuck.done.wait(timeout):
                 raise CallTimeout
@@ -64,7 +67,8 @@ class BoundedCaller:
         return call.result
 
     def close(self) -> None:
-        """Let the thread end when its last call returns; does not wait."""
+        """Let the thread end when its last call returns; does not wait. Later calls are refused."""
+        self._closed = True
         self._queue.put(None)
 
     def _work(self) -> None:

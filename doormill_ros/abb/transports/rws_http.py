@@ -169,6 +169,7 @@ class RwsHttp:
         if self._logged_in and logout is not None:
             with contextlib.suppress(LinkError):
                 logout()
+        self._logged_in = False
         self._worker.close()
         self._client.close()
 
@@ -181,12 +182,15 @@ class RwsHttp:
                 response = self._exchange(method, path, content, headers)
             except ConnectionLostError:
                 losses += 1
-                if not repeat or losses > 1:
+                # What its caller has given up must not be sent any more.
+                if not repeat or losses > 1 or time.monotonic() > deadline:
                     raise
                 continue
             if response.status_code == 401:
                 logins += 1
-                if logins > 1 or self._digest:  # httpx has answered the digest challenge already
+                if (
+                    logins > 1 or self._digest or time.monotonic() > deadline
+                ):  # httpx has answered the digest challenge already
                     raise LoginError(
                         f"controller {self.url} refuses user {self._credentials.user!r} (401); "
                         "check name and password and the user's grants",
@@ -195,8 +199,8 @@ class RwsHttp:
                 self._logged_in = False
                 self._client.cookies.clear()
                 continue
-            self._logged_in = True
             if response.status_code != 503:
+                self._logged_in = True
                 return response
             pause = backoff.failed()
             if time.monotonic() + pause >= deadline:
@@ -261,7 +265,7 @@ def map_http_error(error: httpx.HTTPError, doing: str) -> LinkError:
         return ConnectError(f"{doing}: {reason}; check that the controller runs and the address is right")
     if isinstance(error, httpx.UnsupportedProtocol):
         return ConnectError(f"{doing}: {reason}; the address must begin with http:// or https://")
-    if isinstance(error, httpx.ReadTimeout):
+    if isinstance(error, httpx.TimeoutException) and not isinstance(error, httpx.WriteTimeout):
         return ReadTimeoutError(f"{doing}: no answer in time; check the network and the controller's load")
     if isinstance(error, httpx.WriteTimeout):
         return WriteTimeoutError(f"{doing}: the controller did not take the data in time; check the network")
