@@ -20,7 +20,7 @@ from doormill_ros.workspace.grid import THESIS_STEP, thesis_grid
 from doormill_ros.workspace.maps import WRENCH_SCRIPT, WRENCH_TEXT, Maps, compute_maps, save_maps
 from doormill_ros.workspace.pictures import draw_conditioning, draw_influence, draw_region, draw_stiffness
 from doormill_ros.workspace.posture import POSTURES
-from doormill_ros.workspace.region import Placement, Search, assess, search
+from doormill_ros.workspace.region import Placement, Search, assess, survey
 
 SCHEMA = "doormill/workspace/1"
 THESIS_ROBOT = "irb6600_175_255"
@@ -140,13 +140,14 @@ def _region(
         "travel": doors.travel().tolist(),
         "thesis": _placement(reference, lowest),
     }
+    task = progress.add_task("region of operation", total=1.0)
+    everywhere = survey(robot, doors, progress=_bar(progress, task, 0.8))
     for objective in ("conditioning", "stiffness"):
-        task = progress.add_task(f"region, best {objective}", total=1.0)
-        found = search(robot, doors, objective, progress=_bar(progress, task, 0.9))
+        found = everywhere.best(objective)
         draw_region(robot, found, reference, arguments.out / f"region_{objective}.png")
         _save_search(found, arguments.out / f"region_{objective}.npz")
         region[f"best_{objective}"] = _placement(found.best, lowest) if found.best else None
-        progress.update(task, completed=1.0)
+    progress.update(task, completed=1.0)
     return {"region": region}
 
 

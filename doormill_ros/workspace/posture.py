@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,27 +53,40 @@ def posture_figures(robot: Robot, positions: np.ndarray, posture: int) -> Postur
     Raises:
         GeometryError: The robot has no closed-form inverse here.
     """
+    return all_posture_figures(robot, positions, (posture,))[posture]
+
+
+def all_posture_figures(
+    robot: Robot, positions: np.ndarray, postures: Iterable[int] = tuple(POSTURES)
+) -> dict[int, PostureFigures]:
+    """`posture_figures` of several postures, for which the inverse is solved once."""
     n = len(positions)
-    result = {name: np.full(n, worst) for name, worst in _UNREACHED.items()}
+    results = {p: {name: np.full(n, worst) for name, worst in _UNREACHED.items()} for p in postures}
     length = characteristic_length(robot)
     for first in range(0, n, _CHUNK):
         part = np.arange(first, min(first + _CHUNK, n))
         T = np.zeros((len(part), 4, 4))
         T[:, :3, :3], T[:, :3, 3], T[:, 3, 3] = R_AT_HINGE, positions[part], 1.0
-        flips = inverse_branches(robot, T)[:, 2 * posture : 2 * posture + 2]  # (n, 2, 6)
-        reached = np.isfinite(flips[:, 0, 0])
-        flips, part = flips[reached], part[reached]
-        if not len(part):
-            continue
-        room = np.minimum(flips - robot.lower, robot.upper - flips)[..., [0, 1, 2, 4]]
-        frames = chain_frames(robot.dh, np.ascontiguousarray(flips[:, 0].T))
-        velocity = jacobian_columns(frames, frames.origin[JOINTS])
-        result["conditioning"][part] = inverse_condition_number(frames, velocity, length)
-        result["stiffness"][part] = softest_direction(velocity, robot.stiffness)
-        result["margin"][part] = room.min(axis=2).max(axis=1)
-        result["wrist"][part] = _wrist_angle(frames)
-        result["clearance"][part] = frames.origin[JOINTS, 0] - frames.origin[2, 0]
-    return PostureFigures(**result)
+        branches = inverse_branches(robot, T)
+        for posture, result in results.items():
+            flips = branches[:, 2 * posture : 2 * posture + 2]  # (n, 2, 6)
+            reached = np.isfinite(flips[:, 0, 0])
+            if reached.any():
+                _fill(robot, length, flips[reached], part[reached], result)
+    return {posture: PostureFigures(**result) for posture, result in results.items()}
+
+
+def _fill(
+    robot: Robot, length: float, flips: np.ndarray, part: np.ndarray, result: dict[str, np.ndarray]
+) -> None:
+    room = np.minimum(flips - robot.lower, robot.upper - flips)[..., [0, 1, 2, 4]]
+    frames = chain_frames(robot.dh, np.ascontiguousarray(flips[:, 0].T))
+    velocity = jacobian_columns(frames, frames.origin[JOINTS])
+    result["conditioning"][part] = inverse_condition_number(frames, velocity, length)
+    result["stiffness"][part] = softest_direction(velocity, robot.stiffness)
+    result["margin"][part] = room.min(axis=2).max(axis=1)
+    result["wrist"][part] = _wrist_angle(frames)
+    result["clearance"][part] = frames.origin[JOINTS, 0] - frames.origin[2, 0]
 
 
 def softest_direction(velocity: np.ndarray, stiffness: np.ndarray) -> np.ndarray:

@@ -13,9 +13,17 @@ from doormill_ros.robot.description import Robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.units import DEG
 from doormill_ros.workspace.doors import DoorRange, FlangeBox
-from doormill_ros.workspace.posture import FIGURES, POSTURES, R_AT_HINGE, posture_figures
+from doormill_ros.workspace.posture import (
+    FIGURES,
+    POSTURES,
+    R_AT_HINGE,
+    all_posture_figures,
+    posture_figures,
+)
 
 _PITCH = 0.05  # m, coarsest spacing of the samples
+_SLABS = 20  # parts in which the lattice is computed, for the progress bar
+_WALKS = 200  # candidates tried before the search gives up
 
 
 @dataclass(frozen=True)
@@ -83,20 +91,19 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Every placement looked at, and the best.
+    """Every placement looked at in the best posture, and the best.
 
     Attributes:
         best: The best placement, None when no placement keeps to the rules.
         objective: Figure whose worst value was made as large as can be.
         corners: Corner coordinates along x, y and z, three arrays [m].
-        worst: For the best posture, the worst value of each figure over the box at every corner,
-            each shape (nx, ny, nz).
+        worst: Worst value of each figure over the box at every corner, each shape (nx, ny, nz).
         allowed: Where the rules hold, shape (nx, ny, nz).
     """
 
     best: Placement | None
     objective: str
-    corners: tuple[np.ndarray, np.ndarray, np.ndarray]
+    corners: tuple[np.ndarray, ...]
     worst: dict[str, np.ndarray]
     allowed: np.ndarray
 
@@ -114,14 +121,60 @@ def assess(robot: Robot, box: FlangeBox, posture: int = 0, pitch: float = 0.02) 
     )
 
 
-def search(
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """Worst figures of a box of one size at every place of a lattice around the robot.
+
+    Attributes:
+        robot: The robot.
+        size: Size of the box, shape (3,) [m].
+        corners: Corner coordinates along x, y and z, three arrays [m].
+        worst: For each posture of `POSTURES` the worst value of each figure over the box at every
+            corner, each shape (nx, ny, nz).
+        allowed: For each posture where the rules hold, shape (nx, ny, nz).
+    """
+
+    robot: Robot
+    size: np.ndarray
+    corners: tuple[np.ndarray, ...]
+    worst: dict[int, dict[str, np.ndarray]]
+    allowed: dict[int, np.ndarray]
+
+    def best(self, objective: str = "conditioning") -> Search:
+        """The placement whose worst `objective`, "conditioning" or "stiffness", is largest.
+
+        Raises:
+            ValueError: An unknown objective.
+        """
+        if objective not in ("conditioning", "stiffness"):
+            raise ValueError(f"objective is '{objective}', allowed are conditioning and stiffness")
+
+        def top(posture: int) -> float:
+            return float(np.max(self.worst[posture][objective], initial=-np.inf, where=self.allowed[posture]))
+
+        posture = max(POSTURES, key=top)
+        worst, allowed = self.worst[posture], self.allowed[posture]
+        return Search(self._first_to_walk(posture, objective), objective, self.corners, worst, allowed)
+
+    def _first_to_walk(self, posture: int, objective: str) -> Placement | None:
+        """The best allowed place through whose box one configuration really leads."""
+        worst, allowed = self.worst[posture], self.allowed[posture]
+        places = np.argwhere(allowed)[np.argsort(-worst[objective][allowed], kind="stable")]
+        for place in places[:_WALKS]:
+            corner = np.array([axis[i] for axis, i in zip(self.corners, place, strict=True)])
+            if not _walk(self.robot, FlangeBox(corner, self.size), posture):
+                values = {name: float(worst[name][tuple(place)]) for name in FIGURES}
+                return Placement(corner=corner, size=self.size, posture=posture, **values)
+        return None
+
+
+def survey(
     robot: Robot,
     doors: DoorRange,
-    objective: str = "conditioning",
     rules: RegionRules | None = None,
     progress: Callable[[float], None] | None = None,
-) -> Search:
-    """Find the robot position and base height that serve every door best.
+) -> Survey:
+    """Look at every robot position and base height for a range of doors.
 
     The figures are computed once on a lattice of flange positions around the robot. The worst over a
     box, for a box at every place of the lattice, is then a sliding minimum.
@@ -129,60 +182,38 @@ def search(
     Args:
         robot: The robot.
         doors: Range of doors.
-        objective: "conditioning" or "stiffness": the figure whose worst value shall be largest.
         rules: What must hold everywhere in the box; None for the defaults.
         progress: Called with the finished share, 0 to 1.
 
     Raises:
-        ValueError: An unknown objective.
         GeometryError: The robot has no closed-form inverse here.
     """
-    if objective not in ("conditioning", "stiffness"):
-        raise ValueError(f"objective is '{objective}', allowed are conditioning and stiffness")
     rules = rules or RegionRules()
     size = doors.travel()
     cells = np.ceil(size / _PITCH - 1e-9).astype(int)
     pitch = np.where(cells > 0, size / np.maximum(cells, 1), _PITCH)
     axes = _lattice(robot, pitch, cells, rules.distance)
     positions = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    corners = tuple(axis[: len(axis) - n] for axis, n in zip(axes, cells, strict=True))
-    best: tuple[float, int, dict[str, np.ndarray], np.ndarray] | None = None
-    for posture in POSTURES:
-        figures = asdict(posture_figures(robot, positions.reshape(-1, 3), posture))
-        worst = {
-            name: _sliding_minimum(figures[name].reshape(positions.shape[:3]), cells) for name in FIGURES
-        }
-        allowed = (
-            (worst["margin"] >= rules.margin)
-            & (worst["wrist"] >= rules.wrist)
-            & (worst["clearance"] >= rules.clearance)
-        )
-        top = float(worst[objective][allowed].max()) if allowed.any() else -np.inf
-        if best is None or top > best[0]:
-            best = (top, posture, worst, allowed)
+    flat = positions.reshape(-1, 3)
+    parts = []
+    for done, slab in enumerate(np.array_split(flat, _SLABS), start=1):
+        parts.append(all_posture_figures(robot, slab))
         if progress:
-            progress((posture + 1) / len(POSTURES))
-    _, posture, worst, allowed = best
-    return Search(_best_that_walks(robot, size, best, objective, corners), objective, corners, worst, allowed)
-
-
-def _best_that_walks(
-    robot: Robot,
-    size: np.ndarray,
-    found: tuple[float, int, dict[str, np.ndarray], np.ndarray],
-    objective: str,
-    corners: tuple[np.ndarray, ...],
-) -> Placement | None:
-    """The best allowed corner through whose box one configuration really leads."""
-    _, posture, worst, allowed = found
-    places = np.argwhere(allowed)
-    for place in places[np.argsort(-worst[objective][allowed], kind="stable")][:200]:
-        corner = np.array([axis[i] for axis, i in zip(corners, place, strict=True)])
-        refusal = _walk(robot, FlangeBox(corner, size), posture)
-        if not refusal:
-            values = {name: float(worst[name][tuple(place)]) for name in FIGURES}
-            return Placement(corner=corner, size=size, posture=posture, **values)
-    return None
+            progress(done / _SLABS)
+    worst, allowed = {}, {}
+    for posture in POSTURES:
+        columns = [asdict(part[posture]) for part in parts]
+        figures = {name: np.concatenate([column[name] for column in columns]) for name in FIGURES}
+        shaped = {name: figures[name].reshape(positions.shape[:3]) for name in FIGURES}
+        least = {name: _sliding_minimum(values, cells) for name, values in shaped.items()}
+        worst[posture] = least
+        allowed[posture] = (
+            (least["margin"] >= rules.margin)
+            & (least["wrist"] >= rules.wrist)
+            & (least["clearance"] >= rules.clearance)
+        )
+    corners = tuple(axis[: len(axis) - n] for axis, n in zip(axes, cells, strict=True))
+    return Survey(robot, size, corners, worst, allowed)
 
 
 def _lattice(robot: Robot, pitch: np.ndarray, cells: np.ndarray, distance: float) -> list[np.ndarray]:

@@ -5,7 +5,7 @@ from doormill_ros.robot.inverse import inverse_all
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.workspace.doors import DoorRange, FlangeBox, thesis_box
 from doormill_ros.workspace.posture import R_AT_HINGE, posture_figures
-from doormill_ros.workspace.region import RegionRules, _sliding_minimum, assess, search
+from doormill_ros.workspace.region import RegionRules, _sliding_minimum, assess, survey
 
 
 def test_travel_of_table_4_4():
@@ -90,7 +90,7 @@ def test_the_region_of_the_thesis_holds_a_wrist_singularity(irb6600):
 @pytest.fixture(scope="module", params=["irb6600", "irb6700"])
 def found(request):
     robot = request.getfixturevalue(request.param)
-    return robot, search(robot, DoorRange())
+    return robot, survey(robot, DoorRange()).best()
 
 
 def test_best_region_keeps_to_the_rules_everywhere(found):
@@ -135,11 +135,9 @@ def test_pedestal_raises_the_base_to_the_box(irb6600):
 
 
 def test_rules_that_nothing_keeps_find_nothing(irb6600):
-    result = search(irb6600, DoorRange(), rules=RegionRules(margin=np.radians(40)))
-    assert result.best is None
-    assert not result.allowed.any()
-
-
-def test_an_unknown_objective_is_refused(irb6600):
+    doors = DoorRange(width=(0.9, 1.0))
+    found = survey(irb6600, doors, RegionRules(margin=np.radians(60)))
+    assert found.best().best is None
+    assert not any(allowed.any() for allowed in found.allowed.values())
     with pytest.raises(ValueError, match="conditioning and stiffness"):
-        search(irb6600, DoorRange(), objective="beauty")
+        found.best("beauty")
