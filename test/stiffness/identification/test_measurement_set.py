@@ -8,7 +8,7 @@ import pytest
 from doormill_ros.diagnosis.measurement_set import read_measurement_set
 from doormill_ros.stiffness.identification.errors import IdentifiabilityError
 from doormill_ros.stiffness.identification.joint_by_joint import identify_joint_by_joint
-from doormill_ros.stiffness.identification.loading import predicted_displacement
+from doormill_ros.stiffness.identification.loading import displacement_per_compliance, predicted_displacement
 from doormill_ros.stiffness.identification.measured import loadings_of_set
 from doormill_ros.stiffness.identification.weighted import fit_stiffness
 
@@ -66,6 +66,21 @@ def test_formulas_are_exact_when_only_one_joint_gives_way(kinematics, make_set, 
     assert first.joint == joint + 1
     assert first.isolation > 0.99
     assert first.stiffness == pytest.approx(TRUE[joint], rel=2e-3)
+
+
+def test_known_joint_is_taken_off_the_next(kinematics, make_set):
+    """Joints 1 and 6 soft: reflectors on link 1 tell joint 1, then the flange tells joint 6 beside it."""
+    stiffness = np.full(6, 1e13)
+    stiffness[[0, 5]] = TRUE[[0, 5]]
+    data = loadings(kinematics, make_set(stiffness, n=100, noise=(1e-12, 1e-9, 1e-9)))
+    steps = identify_joint_by_joint(kinematics, data, stiffness)
+    assert (steps[0].joint, steps[1].joint, steps[1].subtracted) == (1, 6, (1,))
+    assert steps[0].stiffness == pytest.approx(TRUE[0], rel=2e-3)
+    assert steps[1].stiffness == pytest.approx(TRUE[5], rel=2e-3)
+    # Without taking joint 1 off, its share of these trials would be left in.
+    A = displacement_per_compliance(kinematics, data)[list(steps[1].trials)]
+    left_in = np.linalg.norm(A[:, :, 0], axis=1).sum() / TRUE[0]
+    assert left_in > 0.02 * np.linalg.norm(A[:, :, 5], axis=1).sum() / TRUE[5]
 
 
 def test_first_step_is_as_wrong_as_its_isolation_allows(kinematics, make_set):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 
@@ -175,6 +176,19 @@ def test_simulation_against_measurement(data, recovery):
     sides = [compare_with_simulation(data, recovery, np.zeros(6), side)[5].predicted for side in (1, -1)]
     assert sides[0] > 1.4 * 541.7e-6
     assert sides[1] < 0.6 * 541.7e-6
+
+
+def test_deviation_of_the_prediction_by_finite_differences(data, recovery):
+    """Each stiffness moved by a thousandth of its deviation; the changes add up in squares."""
+    std = np.array([0.06, 0.1, 0.03, 0.05, 0.12, 0.35]) * recovery.stiffness
+    base = compare_with_simulation(data, recovery, std)
+    change = np.zeros((6, 6))
+    for joint in range(6):
+        moved = recovery.stiffness.copy()
+        moved[joint] += 1e-3 * std[joint]
+        rows = compare_with_simulation(data, dataclasses.replace(recovery, stiffness=moved), std)
+        change[:, joint] = [(row.predicted - b.predicted) / 1e-3 for row, b in zip(rows, base, strict=True)]
+    assert [row.predicted_std for row in base] == pytest.approx(np.linalg.norm(change, axis=1), rel=2e-3)
 
 
 def test_lengths_of_the_simulated_components():
