@@ -29,7 +29,9 @@ from doormill_ros.simulation.executed_path import ExecutedPath
 LAYERS = (0.05, 0.275, 0.5, 0.725, 0.95)  #: fractions of the depth at which walls are measured
 CONTOUR_STEP = 2.5e-4  #: distance of measured points along an outline [m]
 PARALLEL = 0.99  #: cosine between tool and feature axis above which the tool cuts with its flank
-FLOOR_BAND = 1e-3  #: tips this close to the full depth belong to the floor [m]
+FLOOR_STEP = 2e-3  #: distance of measured places on the floor [m]
+TIP_STEP = 5e-4  #: distance of the tips looked at along a stretch [m]
+FLOOR_CHUNK = 256  #: tips looked at in one go
 FLAT = 0.5  #: slope of a motion, depth over way along the floor, below which it mills the floor
 CLEARED = 5e-4  #: distance from the wall within which leftover wood is the wall's deviation [m]
 DISC_SEGMENTS = 64  #: corners of a quarter disc in the milled region, 1 um at a radius of 10 mm
@@ -139,7 +141,7 @@ def _measure(
         deviation=by_depth[worst, np.arange(len(points))],
         by_depth=by_depth,
         depths=depths,
-        floor=(0.0, 0.0) if feature.through else _floor(ways, depth),
+        floor=(0.0, 0.0) if feature.through else _floor(ways, points, depth, radius),
         uncleared=float(inner.difference(region).area),
         region=region,
     )
@@ -151,10 +153,23 @@ class _Way:
     def __init__(self, T_feature_tool: np.ndarray, own: np.ndarray, cutting: np.ndarray) -> None:
         self.tip = T_feature_tool[:, :3, 3]
         self.axis = T_feature_tool[:, :3, 2]
-        self.cutting = cutting & own
         # The tool moved straight from sample to sample; both must be this feature's.
         upright = own & (np.abs(self.axis[:, 2]) > PARALLEL)
         self.joined = upright[:-1] & upright[1:]
+        step = np.diff(self.tip, axis=0)
+        along = np.abs(step[:, 2]) <= FLAT * np.linalg.norm(step[:, :2], axis=1)
+        # Stretches that mill a floor, shape (n - 1,).
+        self.flat = along & self.joined & cutting[1:] & (self.tip[1:, 2] > 0.0)
+
+    def floor_tips(self) -> np.ndarray:
+        """Tips along every stretch that mills a floor, at most TIP_STEP apart, shape (m, 3) [m]."""
+        start, end = self.tip[:-1][self.flat], self.tip[1:][self.flat]
+        parts = np.ceil(np.linalg.norm(end - start, axis=1) / TIP_STEP).astype(int)
+        parts = np.maximum(parts, 1)
+        stretch = np.repeat(np.arange(len(parts)), parts)
+        number = np.arange(len(stretch)) - np.repeat(np.cumsum(parts) - parts, parts)
+        share = ((number + 1) / parts[stretch])[:, None]
+        return start[stretch] + share * (end - start)[stretch]
 
     def at_depth(self, z: float) -> np.ndarray:
         """Stretches of the tool axis through the plane at depth z, shape (m, 2, 2) [m]."""
@@ -197,13 +212,32 @@ def _swept(stretches: np.ndarray, radius: float) -> shapely.Geometry:
     return shapely.buffer(shapely.simplify(lines, 1e-7), radius, quad_segs=DISC_SEGMENTS)
 
 
-def _floor(ways: Sequence[_Way], depth: float) -> tuple[float, float]:
-    """Smallest and largest depth of the tips that milled the floor, less the recipe's [m]."""
-    found = []
-    for way in ways:
-        step = np.diff(way.tip, axis=0)
-        flat = np.abs(step[:, 2]) <= FLAT * np.linalg.norm(step[:, :2], axis=1)
-        floor = flat & way.joined & way.cutting[1:] & (way.tip[1:, 2] > depth - FLOOR_BAND)
-        found.append(way.tip[1:, 2][floor] - depth)
-    values = np.concatenate(found)
-    return (float(values.min()), float(values.max())) if len(values) else (-depth, -depth)
+def _floor(ways: Sequence[_Way], outline: np.ndarray, depth: float, radius: float) -> tuple[float, float]:
+    """Smallest and largest depth of the finished floor, less the recipe's [m].
+
+    At a place of the floor the deepest tip counts that ever covered it. Only motions along the
+    floor are looked at: the way down and the way out leave no floor behind.
+    """
+    tips = np.concatenate([way.floor_tips() for way in ways])
+    tips = tips[np.argsort(-tips[:, 2])]  # deepest first
+    places = _grid(outline)
+    found = np.full(len(places), -depth)
+    open_ = np.arange(len(places))
+    for chunk in np.array_split(tips, max(1, len(tips) // FLOOR_CHUNK)):
+        if not len(open_) or not len(chunk):
+            break
+        covered = np.linalg.norm(places[open_, None] - chunk[None, :, :2], axis=-1) < radius
+        first, hit = covered.argmax(axis=1), covered.any(axis=1)
+        found[open_[hit]] = chunk[first[hit], 2] - depth
+        open_ = open_[~hit]
+    return float(found.min()), float(found.max())
+
+
+def _grid(outline: np.ndarray) -> np.ndarray:
+    """Places on the floor, FLOOR_STEP apart, inside the outline less CLEARED, shape (n, 2) [m]."""
+    inner = shapely.Polygon(outline).buffer(-CLEARED)
+    low_x, low_y, high_x, high_y = inner.bounds
+    x = np.linspace(low_x, high_x, max(3, round((high_x - low_x) / FLOOR_STEP)))
+    y = np.linspace(low_y, high_y, max(3, round((high_y - low_y) / FLOOR_STEP)))
+    places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    return places[shapely.contains_xy(inner, places[:, 0], places[:, 1])]

@@ -18,7 +18,7 @@ ROUNDS = 5  #: play in a gear makes steps that no number of divisions would foll
 def adapted(
     plan: Plan, q: np.ndarray, T_base_door: np.ndarray, bench: Bench, settings: Correction
 ) -> tuple[Plan, Stations, np.ndarray]:
-    """The plan with its wall passes divided where the correction asks for it.
+    """The plan with its cuts divided where the correction asks for it.
 
     The first round spreads the changes of wrench and divides by the bend it sees; further rounds
     divide what still bends too much, down to the shortest allowed segment. A smooth robot model
@@ -38,13 +38,13 @@ def adapted(
     k = len(FRACTIONS)
     stations = stations_of(plan.steps, T_base_door)
     for number in range(ROUNDS):
-        wall = np.array([i for i, step in enumerate(plan.steps) if step.wall])
-        load = np.repeat(stations.wrench[wall], k, axis=0)
-        nominal = stations.T_base_tool[wall].reshape(-1, 4, 4)
-        turning = directions(q)[wall].reshape(-1, 6)
-        found = bench.corrected(nominal, q[wall].reshape(-1, 6), load, turning)
+        cut = np.array([i for i, step in enumerate(plan.steps) if step.cutting])
+        load = np.repeat(stations.wrench[cut], k, axis=0)
+        nominal = stations.T_base_tool[cut].reshape(-1, 4, 4)
+        turning = directions(q)[cut].reshape(-1, 6)
+        found = bench.corrected(nominal, q[cut].reshape(-1, 6), load, turning)
         correction = np.zeros((len(plan.steps), k, 3))
-        correction[wall] = (found.T_base_tool - nominal)[:, :3, 3].reshape(-1, k, 3)
+        correction[cut] = (found.T_base_tool - nominal)[:, :3, 3].reshape(-1, k, 3)
         division = divide(plan.steps, correction, settings, blend=number == 0)
         if len(division.steps) == len(plan.steps):
             break

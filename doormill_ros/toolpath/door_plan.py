@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
 
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.curve import Curve
@@ -16,13 +18,17 @@ from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.thesis_path import is_thesis_door, thesis_plan
 
+SWING_PARTS = 4  #: motions in which the tool turns round an edge of the door
+
 
 def whole_door(recipe: Recipe) -> list[Operation]:
     """Every feature of the recipe in its order, through holes in one go: one robot mills all."""
     return [operation(feature, recipe.size) for feature in recipe.features]
 
 
-def door_plan(recipe: Recipe, operations: Sequence[Operation], settings: PathSettings) -> Plan:
+def door_plan(
+    recipe: Recipe, operations: Sequence[Operation], settings: PathSettings, far: float | None = None
+) -> Plan:
     """Nominal path on the door.
 
     A door that Path_20 of the thesis can mill gets exactly the thesis' targets and motions. Any
@@ -33,6 +39,8 @@ def door_plan(recipe: Recipe, operations: Sequence[Operation], settings: PathSet
         recipe: The door.
         operations: What this robot mills, in order.
         settings: Clearances and speeds.
+        far: Distance from the door at which the robot changes between features of one side joint
+            by joint, free to change its configuration [m]; None to stay close and go straight.
 
     Raises:
         NothingToMillError: There is no operation.
@@ -49,14 +57,19 @@ def door_plan(recipe: Recipe, operations: Sequence[Operation], settings: PathSet
     before: Operation | None = None
     for item in operations:
         cuts = pocket_steps(item, settings)
-        steps += _way(before, item, steps, cuts[0], settings)
+        steps += _way(before, item, steps, cuts[0], settings, far)
         steps += cuts[1:]
         before = item
     return Plan(tuple(steps))
 
 
 def _way(
-    before: Operation | None, after: Operation, steps: Sequence[Step], first: Step, settings: PathSettings
+    before: Operation | None,
+    after: Operation,
+    steps: Sequence[Step],
+    first: Step,
+    settings: PathSettings,
+    far: float | None,
 ) -> list[Step]:
     """Motions from where the last feature ended to the front of the next one."""
     goal = first.curve.end
@@ -64,20 +77,29 @@ def _way(
         return [_air(first, goal, goal, MotionKind.JOINT)]
     last = steps[-1]
     at = last.curve.end
-    if before.side is after.side:
+    if before.side is after.side and far is None:
         return [_air(first, at, goal, MotionKind.LINEAR)]
-    # Clear of the door on both sides of the edge between them, and the swing in between.
-    back = at - (settings.approach.edge_clearance - settings.approach.clearance) * last.R_door_tool[:, 2]
-    wait = goal - (settings.approach.edge_clearance - settings.approach.clearance) * first.R_door_tool[:, 2]
-    corner = _beyond_both(back, wait, last.R_door_tool[:, 2], first.R_door_tool[:, 2])
-    along = [_air(last, at, back, MotionKind.LINEAR), _air(last, back, corner, MotionKind.LINEAR)]
-    swing = _air(first, corner, corner, MotionKind.JOINT)
-    return [
-        *along,
-        swing,
-        _air(first, corner, wait, MotionKind.LINEAR),
-        _air(first, wait, goal, MotionKind.LINEAR),
-    ]
+    distance = far if before.side is after.side else settings.approach.edge_clearance
+    out = distance - settings.approach.clearance
+    back, wait = at - out * last.R_door_tool[:, 2], goal - out * first.R_door_tool[:, 2]
+    way = [_air(last, at, back, MotionKind.LINEAR)]
+    if before.side is after.side:
+        way.append(_air(first, back, wait, MotionKind.JOINT))
+    else:
+        # Clear of the door on both sides of the edge between them, and the swing in between.
+        corner = _beyond_both(back, wait, last.R_door_tool[:, 2], first.R_door_tool[:, 2])
+        way.append(_air(last, back, corner, MotionKind.LINEAR))
+        way += _swing(last, first, corner)
+        way.append(_air(first, corner, wait, MotionKind.LINEAR))
+    return [*way, _air(first, wait, goal, MotionKind.LINEAR)]
+
+
+def _swing(last: Step, first: Step, corner: np.ndarray) -> list[Step]:
+    """Turn the tool about its tip, in parts so small that a MoveJ hardly moves the tip."""
+    ends = Rotation.from_matrix(np.stack([last.R_door_tool, first.R_door_tool]))
+    turned = Slerp([0.0, 1.0], ends)(np.arange(1, SWING_PARTS + 1) / SWING_PARTS).as_matrix()
+    pattern = _air(first, corner, corner, MotionKind.JOINT)
+    return [*(replace(pattern, R_door_tool=R) for R in turned[:-1]), pattern]
 
 
 def _beyond_both(back: np.ndarray, wait: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:

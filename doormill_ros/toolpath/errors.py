@@ -4,7 +4,7 @@ PathError 300
 |-- PathSettingsError 301       config/toolpath.yaml holds an impossible value
 |-- DoorPoseError 302           the door stands outside the placement limits
 |-- NothingToMillError 303      the recipe, or a robot's share of it, holds no feature
-|-- UnknownFeatureError 304     no strategy mills this kind of feature
+|-- ProgramSizeError 304        more targets than a controller keeps
 |-- ToolFitError 305            the tool is too wide or too short for a feature
 |-- ArcError 306                an arc that no MoveC can follow
 |-- ReachError 310              a target lies outside the reach
@@ -12,6 +12,7 @@ PathError 300
 |-- PathSingularityError 312    the path passes too close to a singularity
 |-- ConfigurationChangeError 313  no single robot configuration serves a feature
 |-- JointSpeedError 314         the feed asks a joint for more than its speed
+|-- AirMoveError 315            a way through the air touches the door
 |-- CorrectionLimitError 320    the robot bends further than may be corrected
 |-- CorrectionSettleError 321   the correction does not settle
 `-- CycleTimeError 330          the program is slower than the cell's cycle
@@ -46,8 +47,8 @@ class NothingToMillError(PathError):
     code = 303
 
 
-class UnknownFeatureError(PathError):
-    """The generator has no way to mill this kind of feature."""
+class ProgramSizeError(PathError):
+    """The program has more targets than a controller keeps."""
 
     code = 304
 
@@ -92,6 +93,12 @@ class JointSpeedError(PathError):
     """A joint would have to turn faster than it can."""
 
     code = 314
+
+
+class AirMoveError(PathError):
+    """A way through the air comes too close to the door."""
+
+    code = 315
 
 
 class CorrectionLimitError(PathError):

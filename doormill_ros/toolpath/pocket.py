@@ -20,7 +20,7 @@ from doormill_ros.units import m_to_mm
 STEPOVER = 0.8  #: of the tool diameter; below 0.85 no wood is left in the corners of square rings
 LEAD_RADIUS = 0.5  #: of the tool radius
 SHORTEST_LEAD = 4e-4  #: below this radius there is no room to lead in on an arc [m]
-CLOSING = 0.002  #: how far the wall pass runs past its start, so that no mark stays [m]
+CLOSING = 0.005  #: how far the wall pass runs past its start, so that no mark stays [m]
 ABOVE_FLOOR = 0.002  #: where the way down changes from rapid to plunge feed [m]
 SMALLEST_CHORD = 1e-4  #: a MoveC needs more than this from its start to its circle point [m]
 LARGEST_ARC = math.radians(180.0)  #: longer arcs are divided; MoveC allows about 240 degrees
@@ -125,13 +125,22 @@ class _Pocket:
         for curve, name in pieces:
             self._cut(curve, name if wall else CLEARING, wall)
         if wall:
-            first, name = pieces[0]
-            closing = first.part(0.0, min(1.0, CLOSING / first.length))
-            self._cut(closing, name, wall)
-            leave = self._lead(closing.end, _tangent(closing, 1.0), inset, away=True)
+            last = self._close(pieces)
+            leave = self._lead(last.end, _tangent(last, 1.0), inset, away=True)
             if leave is not None:
-                self._cut(leave, name, wall)
+                self._cut(leave, None, wall)
             self._mark_corners()
+
+    def _close(self, pieces: list[tuple[Curve, str]]) -> Curve:
+        """Past the start of the wall pass, where nothing is left to cut and no force acts."""
+        left = CLOSING
+        for curve, _ in pieces:
+            last = curve if curve.length <= left else curve.part(0.0, left / curve.length)
+            self._cut(last, None, True)
+            left -= last.length
+            if left < SMALLEST_CHORD:
+                break
+        return last
 
     def _lead(self, point: np.ndarray, tangent: np.ndarray, inset: float, away: bool = False) -> Curve | None:
         """Quarter turn that meets the wall pass along its tangent, from the middle of the pocket."""
@@ -188,9 +197,9 @@ class _Pocket:
         )
         self.at = end
 
-    def _cut(self, curve: Curve, name: str, wall: bool) -> None:
+    def _cut(self, curve: Curve, name: str | None, wall: bool) -> None:
         kind = MotionKind.CIRCULAR if curve.is_arc else MotionKind.LINEAR
-        wrench = self.feature.wrench(name)
+        wrench = np.zeros(6) if name is None else self.feature.wrench(name)
         self.result.append(
             replace(self.pattern, kind=kind, curve=curve, cutting=True, wall=wall, wrench_tool=wrench)
         )

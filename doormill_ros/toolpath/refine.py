@@ -1,4 +1,4 @@
-"""Divide the wall passes where one corrected segment would not follow the loaded robot."""
+"""Divide the cuts where one corrected segment would not follow the loaded robot."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def bends(correction: np.ndarray, arc: np.ndarray) -> np.ndarray:
 def divide(
     steps: Sequence[Step], correction: np.ndarray, settings: Correction, blend: bool = True
 ) -> Division:
-    """Divide wall passes, and spread their changes of wrench.
+    """Divide cuts, and spread their changes of wrench.
 
     Where one segment of an outline follows another the wrench changes, and with it the
     correction. The tool's engagement changes over about its radius, so the wrench is blended
@@ -74,7 +74,7 @@ def divide(
     i = 0
     while i < len(steps):
         j = i
-        while j < len(steps) and steps[j].wall and steps[j].feature == steps[i].feature:
+        while j < len(steps) and steps[j].cutting and steps[j].feature == steps[i].feature:
             j += 1
         if j == i:
             new.append(steps[i])
@@ -96,7 +96,7 @@ def divide(
 def _divide_run(
     run: Sequence[Step], correction: np.ndarray, bend: np.ndarray, settings: Correction, blend: bool
 ) -> list[tuple[int, float, float, np.ndarray]]:
-    """One uninterrupted wall pass: (step, first, last, wrench) of every part."""
+    """One uninterrupted cut: (step, first, last, wrench) of every part."""
     length = np.array([step.curve.length for step in run])
     border = np.concatenate([[0.0], np.cumsum(length)])  # (m + 1,) [m]
     jump = np.linalg.norm(correction[1:, 0] - correction[:-1, -1], axis=-1)  # (m - 1,)

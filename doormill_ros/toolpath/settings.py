@@ -23,12 +23,15 @@ class Approach:
     Attributes:
         clearance: Tool tip in front of the surface between features [m].
         edge_clearance: The same while the spindle swings from one side of the door to another [m].
+        retreats: How far to draw back, one after the other, where the straight way close to the
+            door is not possible [m].
         rapid_speed: Speed in the air [m/s].
         plunge_speed: Speed of the way down to the wood [m/s].
     """
 
     clearance: float
     edge_clearance: float
+    retreats: tuple[float, ...]
     rapid_speed: float
     plunge_speed: float
 
@@ -59,6 +62,7 @@ class Checks:
     """Limits of the whole-door checks.
 
     Attributes:
+        targets: Most targets of a program.
         joint_margin: Distance kept from each joint limit [rad].
         wrist: Smallest angle of axis 5 from straight [rad].
         elbow: Smallest angle of the forearm from in line with the lower arm [rad].
@@ -66,6 +70,7 @@ class Checks:
         joint_speed_share: Allowed share of the joints' speed limits.
     """
 
+    targets: float
     joint_margin: float
     wrist: float
     elbow: float
@@ -155,11 +160,16 @@ def _part(path: Path, name: str, kind: type, values: Any) -> Any:
         raise PathSettingsError(f"{name} in {path} holds {found}, allowed are exactly {sorted(known)}")
     if kind is SecondRobot:
         return _second_robot(path, values)
-    for key, value in values.items():
+    numbers = {key: value for key, value in values.items() if key != "retreats"}
+    numbers |= {f"retreats[{i}]": value for i, value in enumerate(values.get("retreats", ()))}
+    for key, value in numbers.items():
         good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
         if not good or value <= 0.0:
             raise PathSettingsError(f"{name}.{key} in {path} is {value!r}, allowed is a positive number")
-    return kind(**{key: float(value) for key, value in values.items()})
+    plain = {key: float(value) for key, value in values.items() if key != "retreats"}
+    if kind is Approach:
+        plain["retreats"] = tuple(float(value) for value in values["retreats"])
+    return kind(**plain)
 
 
 def _second_robot(path: Path, values: dict[str, Any]) -> SecondRobot:

@@ -67,9 +67,11 @@ def _hinge(
     front = operation.point(feature.point_positions(feature.tool.radius)[1], -approach.clearance)
     feed, spindle = feature.cutting.feed_rate(feature.tool), feature.cutting.spindle(feature.tool)
 
-    def air(origin: np.ndarray, end: np.ndarray, speed: float, name: str) -> Step:
+    def air(
+        origin: np.ndarray, end: np.ndarray, speed: float, name: str, kind: MotionKind = MotionKind.LINEAR
+    ) -> Step:
         return Step(
-            MotionKind.LINEAR,
+            kind,
             Curve(origin, end),
             R_door_tool,
             speed,
@@ -96,9 +98,13 @@ def _hinge(
         )
         for (curve, segment), (name, via) in zip(pieces, names, strict=True)
     ]
-    arrive = approach.rapid_speed if before is None else approach.plunge_speed
+    if before is None:
+        # Path_20 comes in a straight line from its own home; another home may have another configuration.
+        arrive = air(front, front, approach.rapid_speed, init, MotionKind.JOINT)
+    else:
+        arrive = air(before, front, approach.plunge_speed, init)
     return [
-        air(front if before is None else before, front, arrive, init),
+        arrive,
         air(front, start, approach.plunge_speed, first),
         *cut,
         air(start, front, approach.plunge_speed, init),

@@ -1,0 +1,147 @@
+"""Random valid doors over the whole range of sizes, with process forces of the size of table 4.8."""
+
+import math
+
+from hypothesis import strategies as st
+
+TOOLS = {  # diameter, cutting length in mm
+    "mill_6": (6.0, 30.0),
+    "mill_10": (10.0, 60.0),
+    "mill_16": (16.0, 160.0),
+    "mill_19": (19.0, 110.0),
+}
+
+
+@st.composite
+def _work(draw, segments, tool, depth):
+    force = st.floats(-150.0, 150.0).map(lambda v: round(v, 3))
+    small = st.floats(-5.0, 5.0).map(lambda v: round(v, 3))
+    rows = {}
+    for name in (*segments, "plunge", "clearing"):
+        fx, fy, fz = draw(force), draw(force), draw(st.floats(-40.0, 40.0).map(lambda v: round(v, 3)))
+        # The moment at the sensor is that of the force at the tool tip, plus a little.
+        arm = 0.208
+        rows[name] = [
+            fx,
+            fy,
+            fz,
+            round(-arm * fy + draw(small), 3),
+            round(arm * fx + draw(small), 3),
+            draw(small),
+        ]
+    return {
+        "tool": tool,
+        "cutting": {"spindle_speed_rpm": 6000, "feed_mm_s": draw(st.sampled_from([20, 50, 80]))},
+        "passes": {
+            "depth_step_mm": max(0.5, round(depth / draw(st.integers(1, 3)) + 0.01, 3)),
+            "finish_allowance_mm": draw(st.sampled_from([0.0, 0.3, 1.0])),
+        },
+        "direction": draw(st.sampled_from(["climb", "conventional"])),
+        "wrench_n_nm": rows,
+        "wrench_point_mm": 208,
+    }
+
+
+RECT = [f"{a}_{b}_corner" for a in ("top", "bottom") for b in ("left", "right")] + [
+    f"{s}_line" for s in ("top", "bottom", "left", "right")
+]
+OBLONG = ["top_turn", "bottom_turn", "left_line", "right_line"]
+
+
+def mm(low, high):
+    return st.floats(low, high).map(lambda v: round(min(max(v, low), high), 3))
+
+
+@st.composite
+def _hinges(draw, door):
+    count = draw(st.integers(1, 4))
+    slot = door["height_mm"] / count
+    features = []
+    for k in range(count):
+        oblong = draw(st.booleans())
+        tool = draw(st.sampled_from(["mill_6", "mill_10", "mill_16", "mill_19"]))
+        d = TOOLS[tool][0]
+        width = draw(mm(max(d + 1.0, 12.0), 45.0))
+        length = draw(mm(width + 2.0, min(220.0, slot - 20.0)))
+        depth = draw(mm(1.0, min(12.0, door["thickness_mm"] - 5.0)))
+        low, high = slot * k + length / 2 + 5, slot * (k + 1) - length / 2 - 5
+        feature = {
+            "kind": "hinge_oblong" if oblong else "hinge_leaf",
+            "id": f"hinge_{k + 1}",
+            "side": "front",
+            "height_mm": draw(mm(low, high)),
+            "backset_mm": draw(mm(width / 2 + 2.5, width / 2 + 25.0)),
+            "width_mm": width,
+            "length_mm": length,
+            "depth_mm": depth,
+        }
+        if oblong:
+            feature["points"] = draw(st.sampled_from([6, 9]))
+        else:
+            # Square, round and, by a hair, too round for the tool's path to keep an arc.
+            radius = draw(st.sampled_from([d / 2, d / 2 + 0.05, (d / 2 + width / 2) / 2]))
+            feature["corner_radius_mm"] = round(min(radius, width / 2 - 0.6), 3)
+            if 2 * feature["corner_radius_mm"] < d:
+                feature["corner_radius_mm"] = d / 2
+                feature["width_mm"] = width = max(width, d + 1.2)
+                feature["backset_mm"] = width / 2 + 5.0
+        features.append(feature | draw(_work(OBLONG if oblong else RECT, tool, depth)))
+    return features
+
+
+@st.composite
+def _lock(draw, door):
+    width = draw(mm(17.0, min(26.0, door["thickness_mm"] - 6.0)))
+    length, depth = draw(mm(100.0, 240.0)), draw(mm(40.0, 80.0))
+    middle = draw(mm(400.0, door["height_mm"] - 400.0))
+    case = {
+        "kind": "lock_case",
+        "id": "case",
+        "side": "lock_edge",
+        "height_mm": middle,
+        "width_mm": width,
+        "length_mm": length,
+        "depth_mm": depth,
+    }
+    features = [case | draw(_work(OBLONG, "mill_16", depth))]
+    if draw(st.booleans()):
+        hole = {
+            "kind": "handle_hole",
+            "id": "hole",
+            "side": "front",
+            "height_mm": middle,
+            "backset_mm": 35.0,
+            "diameter_mm": draw(mm(17.0, 50.0)),
+            "from_both_sides": True,
+            "lock_case": "case",
+        }
+        features.append(hole | draw(_work(["top_turn", "bottom_turn"], "mill_16", door["thickness_mm"])))
+    return features
+
+
+@st.composite
+def doors(draw):
+    """A recipe document and a placement (y, z [m], rotation [rad])."""
+    door = {
+        "height_mm": draw(mm(1000.0, 3000.0)),
+        "width_mm": draw(mm(190.0, 1350.0)),
+        "thickness_mm": draw(mm(30.0, 100.0)),
+    }
+    document = {
+        "schema": "doormill/recipe/1",
+        "door_id": "random",
+        "bar_code": "1",
+        "hinge_side": "right",
+        "material": "softwood",
+        "mass_kg": round(min(125.0, 2e-7 * door["height_mm"] * door["width_mm"] * door["thickness_mm"]), 3),
+        **door,
+        "tools": {
+            name: {"diameter_mm": d, "flutes": 2, "cutting_length_mm": cut, "max_spindle_speed_rpm": 18000}
+            for name, (d, cut) in TOOLS.items()
+        },
+        "features": draw(_hinges(door)) + (draw(_lock(door)) if draw(st.booleans()) else []),
+    }
+    corner = st.sampled_from([-1.0, 0.0, 1.0])
+    edge = st.one_of(corner, st.floats(-1.0, 1.0))
+    placement = (0.010 * draw(edge), 0.010 * draw(edge), math.radians(2.0) * draw(edge))
+    return document, placement
