@@ -53,11 +53,24 @@ def band(view: FaceView, edge: str, reach: float, inside: float) -> Band:
     """
     step = REDUCE * view.pixel
     across, along = np.arange(-reach, inside, step), np.arange(-reach, view.length(edge), step)
-    grid_along, grid_across = np.meshgrid(along, across, indexing="ij")
+    # The lens is smooth: between nodes some 60 px apart its map is linear to a tenth of a pixel.
+    nodes_along, nodes_across = _nodes(along), _nodes(across)
+    grid_along, grid_across = np.meshgrid(nodes_along, nodes_across, indexing="ij")
     pair = [grid_across, grid_along] if edge == HINGE else [grid_along, grid_across]
-    at = (view.pixels(np.stack(pair, axis=-1)) + 0.5) / REDUCE - 0.5
-    maps = (np.ascontiguousarray(at[..., i], dtype=np.float32) for i in range(2))
+    at = ((view.pixels(np.stack(pair, axis=-1)) + 0.5) / REDUCE - 0.5).astype(np.float32)
+    row = np.linspace(0, nodes_along.size - 1, along.size, dtype=np.float32)
+    column = np.linspace(0, nodes_across.size - 1, across.size, dtype=np.float32)
+    where_column, where_row = np.meshgrid(column, row)
+    maps = (
+        cv2.remap(np.ascontiguousarray(at[..., i]), where_column, where_row, cv2.INTER_LINEAR)
+        for i in range(2)
+    )
     return Band(across, along, *maps)
+
+
+def _nodes(samples: np.ndarray) -> np.ndarray:
+    """Every sixteenth sample or so, evenly, with both ends."""
+    return np.linspace(samples[0], samples[-1], max(samples.size // 16, 1) + 1)
 
 
 def reduced(picture: np.ndarray) -> np.ndarray:
@@ -76,20 +89,22 @@ class Steps:
         rows: Step at each sample, shape (n, a).
         segments: Means of it over pieces of edge that are inside the door wherever it stands, shape (s, a).
         centres: Distance of the pieces from the nominal corner [m], shape (s,).
-        scores: Median over the pieces for each tilt; column j is a line that passes `across[j]` in
-            the middle of the pieces, shape (k, a).
-        tilts: Slopes of the lines, across per along, shape (k,).
         middle: Distance of the pieces' middle from the nominal corner [m].
-        brightness: Median brightness inside of each column of `scores` [grey levels], shape (a,).
+        tilts: Slopes of the lines tried, across per along, shape (k,).
+        scores: Median over the pieces for each tilt; column j is a line that passes `across[j]` in
+            the middle of the pieces, shape (k, c).
+        texture: The same for a few tilts in columns c.. where no edge can be, shape (l, a - c).
+        brightness: Median brightness just inside of each column [grey levels], shape (a,).
     """
 
     where: Band
     rows: np.ndarray
     segments: np.ndarray
     centres: np.ndarray
-    scores: np.ndarray
-    tilts: np.ndarray
     middle: float
+    tilts: np.ndarray
+    scores: np.ndarray
+    texture: np.ndarray
     brightness: np.ndarray
 
     def along_line(
@@ -104,7 +119,7 @@ class Steps:
         return float(np.quantile(self.rows[chosen, np.clip(at, 0, len(where.across) - 1)], quantile))
 
 
-def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float) -> Steps:
+def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float, reach: float) -> Steps:
     """Steps of a reduced picture in a band.
 
     The median over pieces lets chips, dust, screws and clamps cover almost half of the edge.
@@ -114,10 +129,12 @@ def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float) -
         where: The band.
         tilts: Slopes to try, shape (k,).
         free: Distance from the nominal corner beyond which the edge exists wherever the door stands [m].
+        reach: Largest distance of an edge's middle from its nominal place [m].
     """
     values = cv2.remap(small, where.map_u, where.map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     count = len(where.across)
-    sums = cv2.integral(values)[1:] - cv2.integral(values)[:-1]  # (n, a + 1), running sums of each row
+    sums = np.zeros((len(where.along), count + 1), dtype=np.float32)
+    np.cumsum(values, axis=1, out=sums[:, 1:])
     rows = np.zeros((len(where.along), count), dtype=np.float32)
     rows[:, WING : count + 1 - WING] = (
         sums[:, 2 * WING :] + sums[:, : count + 1 - 2 * WING] - 2 * sums[:, WING : count + 1 - WING]
@@ -129,10 +146,24 @@ def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float) -
     segments = rows[used].reshape(pieces, per, count).mean(axis=1)
     centres = where.along[used].reshape(pieces, per).mean(axis=1)
     middle = float(centres.mean())
-    shift = np.rint(np.outer(tilts, centres - middle) / where.step).astype(int)  # (k, pieces)
-    at = np.clip(np.arange(count)[:, None] + shift[:, None], 0, count - 1)  # (k, a, pieces)
-    picked = segments[np.arange(pieces), at]
-    picked.partition(pieces // 2, axis=-1)
+
+    def scores(columns: np.ndarray, tilts: np.ndarray) -> np.ndarray:
+        shift = np.rint(np.outer(tilts, centres - middle) / where.step).astype(np.intp)  # (k, pieces)
+        at = np.clip(columns[:, None] + shift[:, None], 0, count - 1)  # (k, columns, pieces)
+        picked = segments.T.ravel()[at * pieces + np.arange(pieces)]
+        picked.partition(pieces // 2, axis=-1)
+        return picked[..., pieces // 2]
+
+    near = int(np.searchsorted(where.across, reach)) + WING + 1
     inside = np.minimum(np.arange(count) + WING, count - 1)
-    brightness = np.median(values[first::per], axis=0)[inside]
-    return Steps(where, rows, segments, centres, picked[..., pieces // 2], tilts, middle, brightness)
+    return Steps(
+        where=where,
+        rows=rows,
+        segments=segments,
+        centres=centres,
+        middle=middle,
+        tilts=tilts,
+        scores=scores(np.arange(near), tilts),
+        texture=scores(np.arange(near + WING, count - WING), tilts[len(tilts) % 4 // 2 :: 4]),
+        brightness=np.median(values[first::per], axis=0)[inside],
+    )

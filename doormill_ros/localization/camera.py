@@ -17,7 +17,7 @@ from doormill_ros.resources import resource
 # Columns are camera x, y, z in base axes: z into the picture is base x, x right is -y, y down is -z.
 R_BASE_CAMERA_NOMINAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
-_UNDISTORT_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
+_UNDISTORT_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 20, 1e-8)
 
 
 def _frozen(values: object, shape: tuple[int, ...], name: str) -> np.ndarray:

@@ -40,12 +40,13 @@ def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
         reach: Largest distance of an edge's middle from its nominal place [m].
     """
     strength = np.abs(steps.scores)
-    across = steps.where.across
+    near = strength.shape[1]
+    across, brightness = steps.where.across[:near], steps.brightness[:near]
     # The contrast of texture goes with the light, so it is learned in relation to the brightness.
-    far = across > reach + _MARGIN
-    texture = strength[:, far] / np.maximum(steps.brightness[far], 5.0)
+    far = steps.brightness[near + WING : steps.brightness.size - WING]
+    texture = np.abs(steps.texture) / np.maximum(far, 5.0)
     share = float(np.sqrt(np.mean(np.minimum(texture, 3 * np.median(texture)) ** 2)))
-    level = np.maximum(share * steps.brightness, _FLOOR)
+    level = np.maximum(share * brightness, _FLOOR)
     best = strength.max(axis=0)
     best[np.abs(across) > reach] = 0.0
     # A step is as wide as the averages on its two sides; nearer maxima are the same edge.
@@ -60,7 +61,7 @@ def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
         k = int(np.argmax(strength[:, j]))
         tilt = float(steps.tilts[k])
         lines.append(Line(float(across[j]) - tilt * steps.middle, tilt, float(steps.scores[k, j])))
-    return lines, float(np.median(level[far]))
+    return lines, float(np.median(level))
 
 
 def refine(steps: Steps, line: Line) -> Line:
@@ -134,10 +135,12 @@ def search(picture: np.ndarray, view: FaceView, limit: float, rotation: float) -
     pitch = 1.5 * REDUCE * view.pixel / max(b.along[-1] for b in bands.values())
     number = int(np.ceil(rotation / pitch)) + 1
     tilts = np.arange(-number, number + 1) * pitch
-    steps = {edge: find_steps(small, b, tilts, limit + 0.5e-3) for edge, b in bands.items()}
-    lines = {}
+    steps, lines = {}, {}
     for edge in (HINGE, BOTTOM):
-        lines[edge], level = candidates(steps[edge], limit + rotation * steps[edge].middle + 0.5 * _MARGIN)
+        where = bands[edge]
+        widest = limit + 0.5 * rotation * (limit + where.along[-1]) + 0.5 * _MARGIN
+        steps[edge] = find_steps(small, where, tilts, limit + 0.5e-3, widest)
+        lines[edge], level = candidates(steps[edge], widest)
         if not lines[edge]:
             raise NoEdge(
                 f"no line of at least {max(_FAINTEST, _SIGNIFICANT * level):.1f} grey levels where the {edge} edge "

@@ -25,6 +25,7 @@ class Profiles:
     Attributes:
         edge: "hinge" or "bottom".
         lines: Number of the row, shape (n,).
+        centre: Column in the middle of `values`, shape (n,).
         values: Pixels of the row about the edge, shape (n, 2 half + 1), float32.
         place: Where the edge was predicted, from the middle of `values` [px], shape (n,).
         pixels: Edge points u, v [px], shape (n, 2).
@@ -36,6 +37,7 @@ class Profiles:
 
     edge: str
     lines: np.ndarray
+    centre: np.ndarray
     values: np.ndarray
     place: np.ndarray
     pixels: np.ndarray
@@ -112,11 +114,11 @@ def measure(
     clipped = raw.max(axis=1, initial=0) >= WHITE
     values = raw.astype(np.float32)
     level, step, moment = np.matmul(weights[phase], values[:, :, None])[..., 0].T
-    typical = np.median(step) if step.size else 0.0
+    typical = np.partition(step, step.size // 2)[step.size // 2] if step.size else 0.0
     edge_like = (step * np.sign(typical) > max(_WEAKEST * abs(typical), 1e-3)) & ~clipped
     shift = np.divide(moment, step, out=np.zeros_like(moment), where=edge_like)
     edge_like &= np.abs(shift) < 0.6 * half
     place = (phase + 0.5) / PHASES - 0.5
     found = centre + place + np.clip(shift, -half, half)
     pixels = np.column_stack([found, lines] if edge == HINGE else [lines, found]).astype(float)
-    return Profiles(edge, lines, values, place, pixels, level, step, clipped, edge_like)
+    return Profiles(edge, lines, centre, values, place, pixels, level, step, clipped, edge_like)

@@ -34,18 +34,16 @@ def phase_places(half: int) -> np.ndarray:
 
 def variogram(strip: np.ndarray, lags: int) -> np.ndarray:
     """gamma(0..lags) of rows of pixels (n, m) on one surface; where lag >= m the last value is kept."""
-    out = np.zeros(lags + 1)
+    level = strip - strip.mean(axis=1, keepdims=True)
+    liveliness = np.einsum("nm,nm->n", level, level)
     keep = max(int(_TRIM * len(strip)), 1)
-    for lag in range(1, lags + 1):
-        if lag >= strip.shape[1]:
-            out[lag] = out[lag - 1]
-            continue
-        difference = strip[:, lag:] - strip[:, :-lag]
-        each = np.einsum("nm,nm->n", difference, difference) / difference.shape[1]
-        each.partition(keep - 1)
-        out[lag] = 0.5 * each[:keep].mean()
+    calm = level[np.argpartition(liveliness, keep - 1)[:keep]]
+    products = calm.T @ calm / keep
+    power = np.diag(products)
+    squares = power[:, None] + power - 2 * products  # E[(v_i - v_j)^2]
+    out = np.array([0.5 * np.diagonal(squares, lag).mean() for lag in range(min(lags + 1, strip.shape[1]))])
     out[1:] += _FLOOR
-    return out
+    return np.pad(out, (0, lags + 1 - out.size), mode="edge")
 
 
 def step_weights(half: int, blur: float, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:

@@ -62,7 +62,7 @@ class FaceView:
     @lru_cache(maxsize=8)  # noqa: B019  views are few and live in a cache themselves
     def length(self, edge: str) -> float:
         """Length of the nominal edge inside the picture [m]."""
-        along = np.arange(0.0, 0.5, self.pixel)
+        along = np.arange(0.0, 0.3, 1.0e-3)
         points = np.zeros((along.size, 2))
         points[:, 1 if edge == HINGE else 0] = along
         u, v = self.pixels(points).T
