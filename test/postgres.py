@@ -49,12 +49,18 @@ class Server:
     def url(self, database: str) -> str:
         return f"postgresql://{USER}:{self.password}@127.0.0.1:{self.port}/{database}"
 
-    def create_database(self) -> str:
-        """URL of a new, empty database."""
-        name = f"t_{secrets.token_hex(6)}"
+    def empty_database(self) -> str:
+        """URL of the database `test`, emptied; far quicker than a new database each time."""
         with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
-            connection.execute(f"CREATE DATABASE {name}")
-        return self.url(name)
+            known = connection.execute("SELECT 1 FROM pg_database WHERE datname = 'test'").fetchone()
+            if known is None:
+                connection.execute("CREATE DATABASE test")
+            connection.execute(
+                "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = 'test'"
+            )
+        with psycopg.connect(self.url("test"), autocommit=True) as connection:
+            connection.execute("DROP SCHEMA public CASCADE; CREATE SCHEMA public")
+        return self.url("test")
 
 
 def find_binaries() -> Path:
@@ -162,7 +168,7 @@ def _start(binaries: Path, folder: Path, options: dict) -> Server:
 def _end_with_parent() -> None:
     """Have the kernel stop the server when the test run is killed."""
     if hasattr(ctypes, "CDLL") and os.uname().sysname == "Linux":
-        ctypes.CDLL(None).prctl(1, signal.SIGINT)
+        ctypes.CDLL(None).prctl(1, signal.SIGQUIT)
 
 
 def _answers(server: Server) -> bool:
@@ -177,11 +183,7 @@ def _answers(server: Server) -> bool:
 
 
 def _stop(process: subprocess.Popen) -> None:
-    """Fast shutdown; the postmaster takes its children with it."""
+    """Immediate shutdown, as the data go too; the postmaster takes its children with it."""
     if process.poll() is None:
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(20)
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGQUIT)
-            process.wait(20)
+        process.send_signal(signal.SIGQUIT)
+        process.wait(30)

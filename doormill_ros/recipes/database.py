@@ -11,14 +11,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import sqlalchemy as sa
-from sqlalchemy.dialects import postgresql, sqlite
 
 from doormill_ros.recipes import schema
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.engine import WRITE, make_engine
 from doormill_ros.recipes.errors import (
     BadText,
-    BarCodeTaken,
     DamagedRecord,
     DatabaseUnreachable,
     UnknownBarCode,
@@ -27,9 +25,9 @@ from doormill_ros.recipes.errors import (
 )
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.statements import BY_BAR_CODE, BY_DOOR, BY_VERSION, RECORD, next_version
 
 STAMP = ("version", "author", "created")  #: columns of their own, not part of the stored document
-UPSERT = {"sqlite": sqlite.insert, "postgresql": postgresql.insert}
 
 
 @dataclass(frozen=True)
@@ -105,10 +103,10 @@ class RecipeDatabase:
             raise _unknown_door(door_id)
         with self._begin() as connection:
             if version is None:
-                row = connection.execute(_BY_DOOR, {"door_id": door_id}).one_or_none()
+                row = connection.execute(BY_DOOR, {"door_id": door_id}).one_or_none()
             else:
                 wanted = version if 0 < version < 2**31 else 0  # the column holds no others
-                row = connection.execute(_BY_VERSION, {"door_id": door_id, "wanted": wanted}).one_or_none()
+                row = connection.execute(BY_VERSION, {"door_id": door_id, "wanted": wanted}).one_or_none()
                 if row is None:
                     versions = [record.version for record in self._history(connection, door_id)]
                     raise UnknownVersion(
@@ -130,7 +128,7 @@ class RecipeDatabase:
         row = None
         if _storable(code):
             with self._begin() as connection:
-                row = connection.execute(_BY_BAR_CODE, {"bar_code": code}).one_or_none()
+                row = connection.execute(BY_BAR_CODE, {"bar_code": code}).one_or_none()
         if row is None:
             raise UnknownBarCode(
                 f"found no recipe for bar code {code!r}; import one, or read the code again", found=code
@@ -148,7 +146,7 @@ class RecipeDatabase:
             schema.door.c.door_id == schema.recipe_version.c.door_id,
             schema.door.c.latest_version == schema.recipe_version.c.version,
         )
-        query = sa.select(*_RECORD).select_from(schema.recipe_version.join(schema.door, newest))
+        query = sa.select(*RECORD).select_from(schema.recipe_version.join(schema.door, newest))
         query = query.where(schema.door.c.door_id.startswith(prefix, autoescape=True))
         query = query.order_by(schema.recipe_version.c.door_id).limit(limit)
         with self._begin() as connection:
@@ -182,7 +180,11 @@ class RecipeDatabase:
         """Store several recipes in one transaction: all of them, or none. See `save`."""
         checked = [self._checked(recipe, author) for recipe in recipes]
         with self._begin(write=True) as connection:
-            return tuple(self._save(connection, recipe, author) for recipe in checked)
+            # In one order everywhere, so that two savers cannot wait for each other.
+            saved = {}
+            for index in sorted(range(len(checked)), key=lambda index: checked[index].door_id):
+                saved[index] = self._save(connection, checked[index], author)
+            return tuple(saved[index] for index in range(len(checked)))
 
     def import_file(self, path: str | Path, author: str) -> ImportReport:
         """Store the recipes of a file that differ from the newest version: all, or none.
@@ -199,8 +201,8 @@ class RecipeDatabase:
         checked = [self._checked(recipe, author) for recipe in read_file(path)]
         saved, unchanged = [], []
         with self._begin(write=True) as connection:
-            for recipe in checked:
-                row = connection.execute(_BY_DOOR, {"door_id": recipe.door_id}).one_or_none()
+            for recipe in sorted(checked, key=lambda recipe: recipe.door_id):
+                row = connection.execute(BY_DOOR, {"door_id": recipe.door_id}).one_or_none()
                 if row is not None and row.document == _content(recipe):
                     unchanged.append(recipe.door_id)
                 else:
@@ -223,16 +225,12 @@ class RecipeDatabase:
         """Store the recipes that ship with the package and that the database does not know."""
         shipped = shipped_recipes()
         known = {record.door_id for record in self.list()}
-        if known.issuperset(shipped):
+        checked = [self._checked(recipe, author) for name, recipe in shipped.items() if name not in known]
+        if not checked:
             return ()
-        checked = [self._checked(recipe, author) for recipe in shipped.values()]
-        saved = []
         with self._begin(write=True) as connection:
-            for recipe in checked:
-                # Asked again inside the transaction: another cell may have been quicker.
-                if connection.execute(_BY_DOOR, {"door_id": recipe.door_id}).one_or_none() is None:
-                    saved.append(_record_of(self._save(connection, recipe, author)))
-        return tuple(saved)
+            saved = [self._save(connection, recipe, author, only_new=True) for recipe in checked]
+        return tuple(_record_of(recipe) for recipe in saved if recipe is not None)
 
     @contextmanager
     def _begin(self, write: bool = False) -> Iterator[sa.Connection]:
@@ -256,26 +254,13 @@ class RecipeDatabase:
             raise BadText("author", f"found {author!r}, allowed are 1 to 100 printable characters")
         return Recipe.from_document({**recipe.to_document(), "author": author})
 
-    def _save(self, connection: sa.Connection, recipe: Recipe, author: str) -> Recipe:
-        insert = UPSERT[connection.dialect.name](schema.door).values(
-            door_id=recipe.door_id, bar_code=recipe.bar_code, latest_version=1
-        )
-        # One statement counts the version up, so that no two savers can get the same one.
-        upsert = insert.on_conflict_do_update(
-            index_elements=[schema.door.c.door_id],
-            set_={
-                "latest_version": schema.door.c.latest_version + 1,
-                "bar_code": insert.excluded.bar_code,
-            },
-        ).returning(schema.door.c.latest_version)
-        try:
-            version = connection.execute(upsert).scalar_one()
-        except sa.exc.IntegrityError as error:
-            raise BarCodeTaken(
-                f"found bar code {recipe.bar_code!r} for door {recipe.door_id!r}, which another door has; "
-                "give every door its own",
-                found=recipe.bar_code,
-            ) from error
+    def _save(
+        self, connection: sa.Connection, recipe: Recipe, author: str, only_new: bool = False
+    ) -> Recipe | None:
+        """Store a checked recipe; with `only_new` None when the door or its bar code is known."""
+        version = next_version(connection, recipe, only_new)
+        if version is None:
+            return None
         stored = recipe.stamped(version, author, self._clock().astimezone(UTC))
         content = _content(stored)
         connection.execute(
@@ -292,29 +277,11 @@ class RecipeDatabase:
         return stored
 
     def _history(self, connection: sa.Connection, door_id: str) -> tuple[RecipeRecord, ...]:
-        query = sa.select(*_RECORD).where(schema.recipe_version.c.door_id == door_id)
+        query = sa.select(*RECORD).where(schema.recipe_version.c.door_id == door_id)
         rows = connection.execute(query.order_by(schema.recipe_version.c.version)).all()
         if not rows:
             raise _unknown_door(door_id)
         return tuple(_record(row) for row in rows)
-
-
-_RECORD = [schema.recipe_version.c[name] for name in ("door_id", "version", "bar_code", "author", "created")]
-_ROW = sa.select(*_RECORD, schema.recipe_version.c.document, schema.recipe_version.c.sha256)
-_NEWEST = _ROW.join_from(
-    schema.door,
-    schema.recipe_version,
-    sa.and_(
-        schema.door.c.door_id == schema.recipe_version.c.door_id,
-        schema.door.c.latest_version == schema.recipe_version.c.version,
-    ),
-)
-_BY_DOOR = _NEWEST.where(schema.door.c.door_id == sa.bindparam("door_id"))
-_BY_BAR_CODE = _NEWEST.where(schema.door.c.bar_code == sa.bindparam("bar_code"))
-_BY_VERSION = _ROW.where(
-    schema.recipe_version.c.door_id == sa.bindparam("door_id"),
-    schema.recipe_version.c.version == sa.bindparam("wanted"),
-)
 
 
 def _content(recipe: Recipe) -> str:

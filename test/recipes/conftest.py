@@ -1,5 +1,6 @@
 import copy
 import importlib.util
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ def _load(name):
     path = Path(__file__).resolve().parent.parent / f"{name}.py"
     spec = importlib.util.spec_from_file_location(f"doormill_test_{name}", path)
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     return module
 
@@ -27,7 +29,7 @@ def url(request, tmp_path):
     """URL of an empty database, SQLite and PostgreSQL in turn."""
     if request.param == "sqlite":
         return f"sqlite:///{tmp_path / 'recipes.sqlite'}"
-    return request.getfixturevalue("postgres").create_database()
+    return request.getfixturevalue("postgres").empty_database()
 
 
 @pytest.fixture

@@ -1,0 +1,86 @@
+"""SQL of the recipe database, built once: what is looked up, and how a version number is drawn."""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+from sqlalchemy.dialects import postgresql, sqlite
+
+from doormill_ros.recipes import schema
+from doormill_ros.recipes.errors import BarCodeTaken
+from doormill_ros.recipes.recipe import Recipe
+
+INSERT = {"sqlite": sqlite.insert, "postgresql": postgresql.insert}
+RECORD = [schema.recipe_version.c[name] for name in ("door_id", "version", "bar_code", "author", "created")]
+_ROW = sa.select(*RECORD, schema.recipe_version.c.document, schema.recipe_version.c.sha256)
+_NEWEST = _ROW.join_from(
+    schema.door,
+    schema.recipe_version,
+    sa.and_(
+        schema.door.c.door_id == schema.recipe_version.c.door_id,
+        schema.door.c.latest_version == schema.recipe_version.c.version,
+    ),
+)
+BY_DOOR = _NEWEST.where(schema.door.c.door_id == sa.bindparam("door_id"))
+BY_BAR_CODE = _NEWEST.where(schema.door.c.bar_code == sa.bindparam("bar_code"))
+BY_VERSION = _ROW.where(
+    schema.recipe_version.c.door_id == sa.bindparam("door_id"),
+    schema.recipe_version.c.version == sa.bindparam("wanted"),
+)
+
+
+def next_version(connection: sa.Connection, recipe: Recipe, only_new: bool) -> int | None:
+    """Count the door's version up, so that no two savers can get the same one.
+
+    The order matters on PostgreSQL, where others save at the same time: `ON CONFLICT (door_id) DO
+    UPDATE` would meet the bar code of the same door, just made by another saver, as a violation.
+
+    Args:
+        connection: In a transaction that is going to write.
+        recipe: What shall be stored.
+        only_new: Leave a door alone that is known, or whose bar code is.
+
+    Returns:
+        The version to store, or None when the door is left alone.
+
+    Raises:
+        BarCodeTaken: Another door has the bar code.
+    """
+    if not only_new:
+        version = _count_up(connection, recipe)
+        if version is not None:
+            return version
+    insert = INSERT[connection.dialect.name](schema.door).values(
+        door_id=recipe.door_id, bar_code=recipe.bar_code, latest_version=1
+    )
+    statement = insert.on_conflict_do_nothing().returning(schema.door.c.latest_version)
+    version = connection.execute(statement).scalar()
+    if version is not None or only_new:
+        return version
+    # Somebody was quicker: with this door, which is there now, or with the bar code.
+    version = _count_up(connection, recipe)
+    if version is None:
+        raise _bar_code_taken(recipe)
+    return version
+
+
+_COUNT_UP = (
+    schema.door.update()
+    .where(schema.door.c.door_id == sa.bindparam("door"))
+    .values(latest_version=schema.door.c.latest_version + 1, bar_code=sa.bindparam("code"))
+    .returning(schema.door.c.latest_version)
+)
+
+
+def _count_up(connection: sa.Connection, recipe: Recipe) -> int | None:
+    try:
+        return connection.execute(_COUNT_UP, {"door": recipe.door_id, "code": recipe.bar_code}).scalar()
+    except sa.exc.IntegrityError as error:
+        raise _bar_code_taken(recipe) from error
+
+
+def _bar_code_taken(recipe: Recipe) -> BarCodeTaken:
+    return BarCodeTaken(
+        f"found bar code {recipe.bar_code!r} for door {recipe.door_id!r}, which another door has; "
+        "give every door its own",
+        found=recipe.bar_code,
+    )
