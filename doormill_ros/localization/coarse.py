@@ -83,11 +83,11 @@ def refine(steps: Steps, line: Line) -> Line:
     # Steps sit between samples: step j compares the samples before j with those from j on.
     d = where.across[0] + where.step * (centre[good] + np.clip(place[good], -half, half) - 0.5)
     at, slope = line.across, line.tilt
-    for _ in range(8):
-        miss = np.abs(d - at - slope * s)
-        weight = 1.0 / np.maximum(miss, 0.3 * where.step) ** 1.5
-        mean_s, mean_d = np.average(s, weights=weight), np.average(d, weights=weight)
-        slope = np.sum(weight * (s - mean_s) * (d - mean_d)) / np.sum(weight * (s - mean_s) ** 2)
+    for _ in range(6):
+        weight = 1.0 / np.maximum(np.abs(d - at - slope * s), 0.3 * where.step) ** 1.5
+        total = weight.sum()
+        mean_s, mean_d = weight @ s / total, weight @ d / total
+        slope = weight @ ((s - mean_s) * (d - mean_d)) / (weight @ (s - mean_s) ** 2)
         at = mean_d - slope * mean_s
     return Line(float(at), float(slope), line.step)
 

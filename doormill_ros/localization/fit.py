@@ -73,12 +73,12 @@ def fit_line(
         across: Their place across it [m], shape (n,).
         usable: Points that may take part, at least four, shape (n,), bool.
         guess: Across at along = 0 [m], and slope.
-        rounds: Rounds of reweighting, after three with least absolute distances.
+        rounds: Rounds of reweighting, after two with least absolute distances.
     """
     x, y = along[usable], across[usable]
     residual = y - guess[0] - guess[1] * x
     residual = residual - _median(residual)
-    for step in range(-3, rounds):
+    for step in range(-2, rounds):
         scale = 1.4826 * _median(np.abs(residual)) + _FINEST
         if step < 0:  # the guess may be off by more than the scatter: least absolute distances
             weight = scale / np.maximum(np.abs(residual), scale)

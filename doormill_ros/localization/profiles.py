@@ -72,7 +72,7 @@ def crossing(
     view: FaceView, edge: str, pose: np.ndarray, half: int, start: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rows that cross the predicted edge and the columns where they do (bottom edge: the other way)."""
-    along = np.linspace(start, view.length(edge) + 0.025, 48)
+    along = np.linspace(start, view.length(edge) + 0.025, 32)
     pixels = view.pixels(view.line(edge, pose, along))
     run, cross = (1, 0) if edge == HINGE else (0, 1)
     nodes_run, nodes_cross = pixels[::-1, run], pixels[::-1, cross]

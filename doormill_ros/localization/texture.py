@@ -9,6 +9,7 @@ over the face beside the edge show how far the edge may have been pushed.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.special import ndtr
@@ -41,9 +42,17 @@ def variogram(strip: np.ndarray, lags: int) -> np.ndarray:
     products = calm.T @ calm / keep
     power = np.diag(products)
     squares = power[:, None] + power - 2 * products  # E[(v_i - v_j)^2]
-    out = np.array([0.5 * np.diagonal(squares, lag).mean() for lag in range(min(lags + 1, strip.shape[1]))])
+    lag, count = _lags(strip.shape[1])
+    out = 0.5 * np.bincount(lag, weights=squares.ravel()) / count
     out[1:] += _FLOOR
-    return np.pad(out, (0, lags + 1 - out.size), mode="edge")
+    return out[np.minimum(np.arange(lags + 1), out.size - 1)]
+
+
+@lru_cache(maxsize=8)
+def _lags(size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lag of each pair of pixels (size^2,), and how many pairs each lag has."""
+    lag = np.abs(np.arange(size)[:, None] - np.arange(size)).ravel()
+    return lag, np.bincount(lag)
 
 
 def step_weights(half: int, blur: float, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
@@ -102,10 +111,8 @@ def push(strip: np.ndarray, along: np.ndarray, weights: np.ndarray, blur: float,
     used = kernel[: half + int(np.ceil(2 * blur)) + 2]
     if strip.shape[1] < used.size + 2:
         return Push(0.0, 0.0)
-    moved = np.stack(
-        [strip[:, i : i + used.size] @ used for i in range(0, strip.shape[1] - used.size + 1, 2)], axis=1
-    )
-    moved /= step  # (n, k), shift at each row for each place of the window
+    windows = np.lib.stride_tricks.sliding_window_view(strip, used.size, axis=1)[:, ::2]
+    moved = windows @ (used / step)  # (n, k), shift at each row for each place of the window
     limit = 4 * np.median(np.abs(moved)) + 1e-6
     moved = np.clip(moved, -limit, limit)
     lever = along - along.mean()

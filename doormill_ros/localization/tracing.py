@@ -16,7 +16,7 @@ from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 
 _WIDE_BLUR, _WIDE_HALF = 3.0, 12  # px; wide enough to catch an edge four pixels from where the search has it
 _EVERY = 6  # rows left out while focusing in
-_CAUGHT, _NEAR = 1.5, 0.3  # px; wide, then sharp focusing ends when the edges move by less
+_CAUGHT, _NEAR = 1.5, 0.5  # px; wide, then sharp focusing ends when the edges move by less
 _REACH = 2.5  # pixels looked at on each side of an edge, in standard deviations of its blur
 _FACE_STRIP, _BACK_STRIP = 40, 12  # px; surfaces beside an edge whose texture is learned
 _FREE_ANGLE = 1.0  # rad; so little is known of the right angle that a wrong pair of lines shows as such
@@ -117,21 +117,20 @@ def trace_edges(
     pose = _focus(picture, view, pose, settings)
     for _ in range(3):
         lenses = {edge: _lens(picture, view, edge, pose, settings) for edge in EDGES}
-        lines = {}
+        profiles, lines = {}, {}
         for edge, lens in lenses.items():
-            profiles = measure(picture, view, edge, pose, lens.weights, _EVERY)
-            checks.check_rows(profiles, settings)
-            lines[edge] = _line(view, profiles, pose, 3)
+            profiles[edge] = measure(picture, view, edge, pose, lens.weights)
+            checks.check_rows(profiles[edge], settings)
+            lines[edge] = _line(view, profiles[edge], pose, 5)
         before, pose = pose, fit_pose(lines[HINGE], lines[BOTTOM], _FREE_ANGLE).pose
         if _moved(view, before, pose) < _NEAR:
             break
     out = {}
     for edge, lens in lenses.items():
-        profiles = measure(picture, view, edge, pose, lens.weights)
-        checks.check_rows(profiles, settings)
-        checks.check_spread(edge, lens.spread, streaks(lens.strip) / abs(profiles.step), settings)
-        line = _line(view, profiles, pose, 5)
+        step, line = profiles[edge].step, lines[edge]
+        checks.check_spread(edge, lens.spread, streaks(lens.strip) / abs(step), settings)
         checks.check_share(edge, float(line.inliers.mean()), settings)
-        pushed = push(lens.strip, lens.rows, lens.weights, lens.spread.blur, profiles.step)
-        out[edge] = Trace(profiles, lens.spread, line.pushed(pushed.place * view.pixel**2, pushed.slope))
+        pushed = push(lens.strip, lens.rows, lens.weights, lens.spread.blur, step)
+        line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
+        out[edge] = Trace(profiles[edge], lens.spread, line)
     return out
