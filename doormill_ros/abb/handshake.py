@@ -259,7 +259,7 @@ class Handshake:
             self._update(request=False)
             raise RequestWithdrawnError("the request fell while the file was written; request again")
         self._enter(State.RAISING, f"{name} verified, setting {signals.READY}", 0)
-        self._access.announce()
+        self._access.announce(submission)
         self._deadline = self._clock() + self._timeouts.acknowledge
         self._watch_at = self._clock() + self._timeouts.watch
         self._unreadable_since = None

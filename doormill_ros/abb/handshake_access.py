@@ -60,6 +60,7 @@ class ControllerAccess:
         self.transport.set_ready(False)
         self.require_ready(False)
         self.transport.remove_file(self.file_name)
+        self.transport.remove_file(signals.ORDER_FILE)
         try:
             self.transport.read_file(self.file_name)
         except FileMissingError:
@@ -85,16 +86,7 @@ class ControllerAccess:
             FileVerificationError: It is not the submitted file, or not one of its run and door.
             LinkError: It cannot be read.
         """
-        expected, found = submission.data, self.transport.read_file(self.file_name)
-        if found != expected:
-            shorter = min(len(found), len(expected))
-            first = next((i for i in range(shorter) if found[i] != expected[i]), shorter)
-            raise FileVerificationError(
-                f"{self.file_name} reads back with {len(found)} bytes instead of {len(expected)}, first "
-                f"difference at byte {first}; check disk space and connection of the controller",
-                file=self.file_name,
-                first_difference=first,
-            )
+        found = self._compare(self.file_name, submission.data)
         if self._check is None:
             return
         try:
@@ -106,13 +98,19 @@ class ControllerAccess:
                 file=self.file_name,
             ) from error
 
-    def announce(self) -> None:
-        """Set ready and read it back.
+    def announce(self, submission: Submission) -> None:
+        """Name the run in the order file, then set ready and read it back.
+
+        Operations go out one at a time, so of an earlier attempt either the target file or the order
+        file can arrive late, not both: the robot program sees that they do not agree.
 
         Raises:
             ReadySignalError: It does not read high.
             LinkError: It is perhaps not high, or will be later.
         """
+        order = submission.run_id.encode("ascii", "backslashreplace") + b"\n"
+        self._doubtful(lambda: self.transport.write_file(signals.ORDER_FILE, order))
+        self._compare(signals.ORDER_FILE, order)
         self._doubtful(lambda: self.transport.set_ready(True))
         self.require_ready(True)
 
@@ -151,6 +149,19 @@ class ControllerAccess:
         except UnknownSignalError:
             self._absent_signals.add(name)
             return False
+
+    def _compare(self, name: str, expected: bytes) -> bytes:
+        found = self.transport.read_file(name)
+        if found != expected:
+            shorter = min(len(found), len(expected))
+            first = next((i for i in range(shorter) if found[i] != expected[i]), shorter)
+            raise FileVerificationError(
+                f"{name} reads back with {len(found)} bytes instead of {len(expected)}, first "
+                f"difference at byte {first}; check disk space and connection of the controller",
+                file=name,
+                first_difference=first,
+            )
+        return found
 
     def _doubtful(self, operation: Callable[[], None]) -> None:
         try:

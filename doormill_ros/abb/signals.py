@@ -36,3 +36,6 @@ HIGH: Final = b"1"
 
 #: The name the thesis' program opens (figure 3.36).
 TARGET_FILE: Final = "Hei2.txt"
+#: Beside the target file: the run id that READY announces, one line, written last. The robot program
+#: compares, so an upload of an earlier attempt that arrives late is not taken for the announced file.
+ORDER_FILE: Final = "Hei2.run"

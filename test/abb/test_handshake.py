@@ -120,7 +120,7 @@ class Cell:
 
     def assert_cleared(self) -> None:
         assert self.transport.signal(signals.READY) is False
-        assert signals.TARGET_FILE not in self.transport._files
+        assert not self.transport._files
 
 
 @pytest.fixture
@@ -140,6 +140,8 @@ def test_memory_transport_is_a_transport() -> None:
 
 
 def test_a_whole_run_in_the_order_that_keeps_the_robot_safe(cell: Cell) -> None:
+    announced: list[bytes] = []
+    cell.transport.before["ready=1"] = lambda: announced.append(cell.transport._files[signals.ORDER_FILE])
     run_id = cell.to_ready()
     assert cell.transport._files[signals.TARGET_FILE] == FILE
     cell.request(False)
@@ -162,8 +164,9 @@ def test_a_whole_run_in_the_order_that_keeps_the_robot_safe(cell: Cell) -> None:
         State.DONE,
     ]
     order = [entry for entry in cell.transport.log if entry != "request?"]
-    clear = ["ready=0", "remove", "read"]
-    assert order == [*clear, *clear, "write", "read", "ready=1", *clear]
+    clear = ["ready=0", "remove", "remove", "read"]
+    assert order == [*clear, *clear, "write", "read", "write", "read", "ready=1", *clear]
+    assert announced == [f"{run_id}\n".encode()]
 
 
 def test_a_start_clears_what_a_killed_process_left() -> None:

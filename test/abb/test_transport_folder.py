@@ -120,8 +120,13 @@ def test_a_full_disk_leaves_the_old_file_and_no_rest(
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
+    def half(path: Path, data: bytes) -> None:
+        with path.open("wb") as file:
+            file.write(data[: len(data) // 2])
+        full()
+
     with monkeypatch.context() as patch:
-        patch.setattr(os, "fsync", full)
+        patch.setattr(Path, "write_bytes", half)
         with pytest.raises(UploadError, match="disk is full"):
             link.write_file("Hei2.txt", b"new")
     assert sorted(p.name for p in tmp_path.iterdir() if p.is_file() and p.name[0] != ".") == ["Hei2.txt"]

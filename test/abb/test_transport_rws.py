@@ -446,6 +446,7 @@ def test_a_whole_handshake(listening: RwsTransport, server: RwsServer, tmp_path:
     handshake.submit("run", "door", b"file" * 500)
     run_to(State.READY)
     assert (tmp_path / "Hei2.txt").read_bytes() == b"file" * 500
+    assert (tmp_path / "Hei2.run").read_bytes() == b"run\n"
     assert server.cabinet.value(signals.READY) == 1
     server.cabinet.set_value(signals.REQUEST, 0)
     run_to(State.MILLING)

@@ -95,9 +95,9 @@ class SharedFolderTransport:
         self._bounded(lambda: self._set_ready(value), WriteTimeoutError, f"writing {signals.READY}")
 
     def write_file(self, name: str, data: bytes) -> None:
-        """Write beside the target, flush to the medium, then replace in one step."""
+        """Write beside the target, then replace in one step."""
         path = self._folder / check_file_name(name)
-        self._bounded(lambda: self._replace(path, data, sync=True), WriteTimeoutError, f"writing {name}")
+        self._bounded(lambda: self._replace(path, data), WriteTimeoutError, f"writing {name}")
 
     def read_file(self, name: str) -> bytes:
         """The file's bytes."""
@@ -186,7 +186,7 @@ class SharedFolderTransport:
     def _set_ready(self, value: bool) -> None:
         path = self._io / signals.READY
         try:
-            self._replace(path, signals.HIGH if value else signals.LOW, sync=False)
+            self._replace(path, signals.HIGH if value else signals.LOW)
         except UploadError as error:
             # Lowering must work on a full disk too, and a missing file reads as low.
             if not value:
@@ -197,14 +197,12 @@ class SharedFolderTransport:
                 f"signal {signals.READY} cannot be written: {error.message}", signal=signals.READY
             ) from error
 
-    def _replace(self, path: Path, data: bytes, sync: bool) -> None:
+    def _replace(self, path: Path, data: bytes) -> None:
         temporary = path.with_name(f".{path.name}.{os.getpid()}.doormill-tmp")
         try:
-            with temporary.open("wb") as file:
-                file.write(data)
-                file.flush()
-                if sync:
-                    os.fsync(file.fileno())  # network file systems report a full disk only here
+            # Not flushed to the medium: after a power cut nobody reads a stale file, because a start
+            # clears; and network file systems report a full disk when the file is closed.
+            temporary.write_bytes(data)
             os.replace(temporary, path)
         except OSError as error:
             with contextlib.suppress(OSError):
