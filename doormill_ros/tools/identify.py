@@ -13,8 +13,10 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
+import numpy as np
+
 from doormill_ros.errors import DoormillError
-from doormill_ros.stiffness.identification.outcome import Outcome, outcome_of_loadings
+from doormill_ros.stiffness.identification.outcome import Outcome, add_preload, outcome_of_loadings
 
 
 class _Parser(argparse.ArgumentParser):
@@ -73,7 +75,7 @@ def from_measurement_set(folder: Path) -> Outcome:
     from doormill_ros.robot.kinematics import Kinematics
     from doormill_ros.stiffness.identification.joint_by_joint import identify_joint_by_joint
     from doormill_ros.stiffness.identification.measured import loadings_of_set
-    from doormill_ros.stiffness.identification.weighted import fit_stiffness
+    from doormill_ros.stiffness.identification.weighted import fit_by_preload, fit_stiffness
 
     measurements = read_measurement_set(folder)
     robot = load_robot(measurements.robot)
@@ -81,7 +83,11 @@ def from_measurement_set(folder: Path) -> Outcome:
     loadings = loadings_of_set(kinematics, measurements)
     steps = identify_joint_by_joint(kinematics, loadings, measurements.joint_stiffness)
     fit = fit_stiffness(kinematics, loadings)
-    return outcome_of_loadings(robot, f"measurement set {folder.resolve().name}", steps, fit, len(loadings))
+    source = f"measurement set {folder.resolve().name}"
+    outcome = outcome_of_loadings(robot, source, steps, fit, len(loadings))
+    if np.any(measurements.direction):
+        add_preload(outcome, fit_by_preload(kinematics, loadings, measurements.direction))
+    return outcome
 
 
 def from_raw(folder: Path) -> Outcome:

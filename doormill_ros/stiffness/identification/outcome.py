@@ -112,6 +112,35 @@ def outcome_of_loadings(
     return Outcome(robot, source, fit.stiffness, fit.std, lines, document)
 
 
+def add_preload(outcome: Outcome, fit: StiffnessFit) -> None:
+    """Add the stiffness of pre-loaded and not pre-loaded joints (table 4.3) to text and document.
+
+    Args:
+        outcome: What to add to.
+        fit: Twelve stiffnesses, pre-loaded joints first.
+    """
+    outcome.lines.append(
+        "joint   pre-loaded [N m/rad]              not pre-loaded              not / pre-loaded"
+    )
+    for joint in range(JOINTS):
+        (k, s), (k0, s0) = ((fit.stiffness[i], fit.std[i]) for i in (joint, joint + JOINTS))
+        one, other = (
+            f"{a:11.4g} +- {b:<9.2g}" if math.isfinite(a) else f"{'not told':>24}"
+            for a, b in ((k, s), (k0, s0))
+        )
+        ratio = f"{k0 / k:6.3f} +- {k0 / k * math.hypot(s / k, s0 / k0):.3f}" if math.isfinite(k0 / k) else ""
+        outcome.lines.append(f"{joint + 1:>5} {one} {other} {ratio}")
+        # Play makes a joint softer when it is not pre-loaded, by more than both deviations.
+        if k - k0 > 4.0 * math.hypot(s, s0):
+            outcome.lines.append(
+                f"joint {joint + 1} has play, and one spring does not describe it: run `diagnose`"
+            )
+    outcome.document["by_preload"] = {
+        "preloaded": {"stiffness": fit.stiffness[:JOINTS], "std": fit.std[:JOINTS]},
+        "not_preloaded": {"stiffness": fit.stiffness[JOINTS:], "std": fit.std[JOINTS:]},
+    }
+
+
 def plain(value: Any) -> Any:
     """Arrays as lists, numbers as Python numbers, and what is not finite as None."""
     if isinstance(value, dict):

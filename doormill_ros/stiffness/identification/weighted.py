@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.stiffness.identification.errors import IdentifiabilityError
 from doormill_ros.stiffness.identification.loading import (
     Loadings,
     displacement_per_compliance,
+    joint_torques,
     load_jacobian,
     reflector_jacobian,
 )
@@ -67,11 +67,45 @@ def fit_stiffness(kinematics: Kinematics, loadings: Loadings) -> StiffnessFit:
     Raises:
         IdentifiabilityError: No joint is left.
     """
-    A = displacement_per_compliance(kinematics, loadings)  # (n, 3, 6)
-    # Displacement per wrench component and compliance: (n, 3, 6 wrench components, 6 joints).
+    A, gain = _design(kinematics, loadings)
+    return _fit_columns(A, gain, loadings)
+
+
+def fit_by_preload(kinematics: Kinematics, loadings: Loadings, direction: np.ndarray) -> StiffnessFit:
+    """Stiffness of each joint when pre-loaded and when not (thesis section 3.3, table 4.3).
+
+    A joint is pre-loaded when its last motion went against the direction in which the load turns it; then its
+    gears touch on the side that carries the load. A joint of unknown motion counts as pre-loaded.
+
+    Args:
+        kinematics: Of the robot that was loaded.
+        loadings: The trials.
+        direction: Last motion of each joint, -1, 0 (unknown) or +1, shape (n, 6).
+
+    Returns:
+        A fit of twelve stiffnesses: first the six pre-loaded joints, then the six that are not.
+
+    Raises:
+        IdentifiabilityError: No joint is told.
+    """
+    A, gain = _design(kinematics, loadings)
+    slack = np.asarray(direction) * joint_torques(kinematics, loadings) > 0.0  # (n, 6)
+    split = np.concatenate([~slack, slack], axis=1)  # (n, 12)
+    A = np.concatenate([A, A], axis=2) * split[:, None]
+    gain = np.concatenate([gain, gain], axis=3) * split[:, None, None]
+    return _fit_columns(A, gain, loadings)
+
+
+def _design(kinematics: Kinematics, loadings: Loadings) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement per compliance (n, 3, 6), and per wrench component and compliance (n, 3, 6, 6)."""
+    A = displacement_per_compliance(kinematics, loadings)
     lever = reflector_jacobian(kinematics, loadings)[:, :3]
-    gain = np.einsum("nik,nwk->niwk", lever, load_jacobian(kinematics, loadings))
-    joints = np.flatnonzero(np.linalg.norm(A.reshape(-1, JOINTS), axis=0) > 0.0)
+    return A, np.einsum("nik,nwk->niwk", lever, load_jacobian(kinematics, loadings))
+
+
+def _fit_columns(A: np.ndarray, gain: np.ndarray, loadings: Loadings) -> StiffnessFit:
+    """Drop the least certain column until every compliance that is left is told."""
+    joints = np.flatnonzero(np.linalg.norm(A.reshape(-1, A.shape[2]), axis=0) > 0.0)
     while joints.size:
         compliance, covariance, inverse_std, rounds = _reweighted(A, gain, loadings, joints)
         std = np.sqrt(np.diag(covariance))
@@ -127,9 +161,10 @@ def _report(
     inverse_std: np.ndarray,
     rounds: int,
 ) -> StiffnessFit:
-    compliance = np.full(JOINTS, np.nan)
+    columns = A.shape[2]
+    compliance = np.full(columns, np.nan)
     compliance[joints] = found
-    full = np.full((JOINTS, JOINTS), np.nan)
+    full = np.full((columns, columns), np.nan)
     full[np.ix_(joints, joints)] = covariance
     residual = loadings.displacement - A[:, :, joints] @ found
     return StiffnessFit(

@@ -46,7 +46,9 @@ class Truth:
     q: np.ndarray
 
 
-def write_set(folder: Path, truth: TruthRobot, seed: int, n: int = 60, noise=(8e-6, 0.3, 0.03)) -> Truth:
+def write_set(
+    folder: Path, truth: TruthRobot, seed: int, n: int = 60, noise=(8e-6, 0.3, 0.03), directed: bool = False
+) -> Truth:
     rng = np.random.default_rng(seed)
     folder.mkdir(parents=True, exist_ok=True)
     robot = load_robot("irb6600_175_255")
@@ -56,8 +58,10 @@ def write_set(folder: Path, truth: TruthRobot, seed: int, n: int = 60, noise=(8e
     force = rng.normal(size=(n, 3))
     force *= 400.0 / np.linalg.norm(force, axis=1, keepdims=True)
     wrench = np.hstack([force, rng.normal(scale=60.0, size=(n, 3))])
+    # Each joint comes from a side of its own, or nobody knows from which.
+    direction = rng.choice([-1, 1], size=(n, 6)) if directed else np.zeros((n, 6), dtype=int)
     names = [list(REFLECTORS)[i % len(REFLECTORS)] for i in range(n)]
-    rest, bent = truth.link_frames(q), truth.deflected_frames(q, wrench, LOAD_POINT)
+    rest, bent = truth.link_frames(q), truth.deflected_frames(q, wrench, LOAD_POINT, direction)
     c, s = math.cos(ROTATION), math.sin(ROTATION)
     R_flange_sensor = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     rows = []
@@ -68,7 +72,7 @@ def write_set(folder: Path, truth: TruthRobot, seed: int, n: int = 60, noise=(8e
         R_sensor_base = (rest[i, 6, :3, :3] @ R_flange_sensor).T
         f = R_sensor_base @ wrench[i, :3] + rng.normal(scale=noise[1], size=3)
         m = R_sensor_base @ wrench[i, 3:] + rng.normal(scale=noise[2], size=3)
-        numbers = [*q[i], *([0] * 6), *f, *m]
+        numbers = [*q[i], *direction[i], *f, *m]
         rows.append([i, 10.0 * i, 5.0, "", *map(repr, map(float, numbers[:6])), *numbers[6:12],
                      *map(repr, map(float, numbers[12:])), names[i], *map(repr, map(float, d))])  # fmt: skip
     header = "trial t dt temperature q1 q2 q3 q4 q5 q6 a1 a2 a3 a4 a5 a6 fx fy fz mx my mz reflector dx dy dz"
@@ -90,6 +94,8 @@ def write_set(folder: Path, truth: TruthRobot, seed: int, n: int = 60, noise=(8e
 @pytest.fixture
 def make_set(tmp_path, robot) -> Callable[..., Truth]:
     def make(stiffness: np.ndarray, seed: int = 0, **options) -> Truth:
-        return write_set(tmp_path / f"set{seed}", TruthRobot(robot.dh, stiffness=stiffness), seed, **options)
+        effects = options.pop("effects", ())
+        truth = TruthRobot(robot.dh, effects, stiffness=stiffness)
+        return write_set(tmp_path / f"set{seed}", truth, seed, **options)
 
     return make
