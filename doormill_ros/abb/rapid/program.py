@@ -100,6 +100,10 @@ class Program:
             )
         symbol.store[0] = value
 
+    def has_data(self, name: str) -> bool:
+        """Whether global data of that name is loaded."""
+        return self._data.has_here(name)
+
     def has_routine(self, name: str) -> bool:
         """Whether a procedure or function of that name is loaded."""
         return self._routines.has_here(name)

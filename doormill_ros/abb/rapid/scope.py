@@ -112,6 +112,8 @@ class Context:
     depth: int = 0
     #: ERRNO, as the list of one that the symbol refers to.
     errno: list[float] = field(default_factory=lambda: [0.0])
+    #: Error numbers handed out by BookErrNo; the controller's own begin far above.
+    booked_errors: int = 0
     #: Open files, to be closed when the program ends.
     devices: list[Any] = field(default_factory=list)
 

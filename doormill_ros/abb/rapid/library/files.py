@@ -104,12 +104,11 @@ def open_file(
 
 @predefined("PROC Close(VAR iodev IODevice)")
 def close_file(context: Context, place: tuple[list, int]) -> None:
-    """Close a file; one that is not open is no error."""
-    device = place[0][place[1]]
-    if isinstance(device, Device):
-        device.stream.close()
-        place[0][place[1]] = None
-        context.devices.remove(device)
+    """Close a file; one that is not open is taken for an error, the harsher of two readings."""
+    device = opened(place, "Close")
+    device.stream.close()
+    place[0][place[1]] = None
+    context.devices.remove(device)
 
 
 @predefined(

@@ -58,6 +58,15 @@ def err_write(
     context.machine.log(kind, header, " ".join(lines))
 
 
+@predefined("PROC BookErrNo(VAR errnum ErrorName)")
+def book_err_no(context: Context, place: tuple[list, int]) -> None:
+    """Give an error of the program's own a number; only one that is still -1 may be booked."""
+    if place[0][place[1]] != -1.0:
+        raise RapidStop("BookErrNo: the error number is booked already, allowed is one that is -1")
+    context.booked_errors += 1
+    place[0][place[1]] = float(context.booked_errors)
+
+
 @predefined("PROC Stop(\\switch NoRegain | switch AllMoveTasks)")
 def stop(context: Context, _no_regain: bool, _all: bool) -> None:
     """Stop when the motions so far are done."""

@@ -1,0 +1,179 @@
+"""The robot as the simulated controller believes it to be: rigid, with the nominal geometry.
+
+Written apart from the robot package: the controller that judges a path must not share a mistake
+with the code that made it.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from doormill_ros.simulation.truth.chain import chain
+
+#: Axes whose quarter turns are in confdata.
+CONF_AXES = (0, 3, 5)
+QUARTER = np.pi / 2.0
+
+
+class ControllerArm:
+    """Closed-form kinematics of an arm with three parallel-or-orthogonal axes and a spherical wrist.
+
+    Attributes:
+        dh: Table [theta_offset, d, a, alpha], shape (6, 4).
+        lower: Joint limits, shape (6,) [rad].
+        upper: Joint limits, shape (6,) [rad].
+        max_velocity: Joint speeds the drives reach, shape (6,) [rad/s].
+    """
+
+    def __init__(
+        self, dh: np.ndarray, lower: np.ndarray, upper: np.ndarray, max_velocity: np.ndarray | None = None
+    ) -> None:
+        """Take the nominal geometry.
+
+        Args:
+            dh: Table, shape (6, 4), of the form of the thesis' table 2.1.
+            lower: Lower joint limits, shape (6,) [rad].
+            upper: Upper joint limits, shape (6,) [rad].
+            max_velocity: Largest joint speeds, shape (6,) [rad/s]; None for no limit.
+
+        Raises:
+            ValueError: The table is not of that form.
+        """
+        self.dh = np.array(dh, dtype=float)
+        self.lower, self.upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
+        self.max_velocity = (
+            np.full(6, np.inf) if max_velocity is None else np.array(max_velocity, dtype=float)
+        )
+        theta, d, a, alpha = self.dh.T
+        form = (
+            np.allclose(theta, [0.0, -QUARTER, 0.0, 0.0, 0.0, np.pi])
+            and np.allclose(alpha, [-QUARTER, 0.0, -QUARTER, QUARTER, -QUARTER, 0.0])
+            and np.allclose(d[[1, 2, 4]], 0.0)
+            and np.allclose(a[3:], 0.0)
+        )
+        if not form:
+            raise ValueError(
+                "the DH table is not that of an elbow arm with a spherical wrist (thesis table 2.1)"
+            )
+        self._shoulder = np.array([a[0], d[0]])
+        self._upper_arm = a[1]
+        self._forearm = float(np.hypot(a[2], d[3]))
+        self._bend = float(np.arctan2(a[2], d[3]))
+        self._flange = d[5]
+
+    def forward(self, q: np.ndarray) -> np.ndarray:
+        """T_base_flange, shape (n, 4, 4), at q (n, 6) [rad]."""
+        return chain(self.dh, np.atleast_2d(q))[:, 6]
+
+    def branches(self, T_base_flange: np.ndarray) -> np.ndarray:
+        """All eight ways to stand at poses, without regard to limits.
+
+        Args:
+            T_base_flange: Shape (n, 4, 4).
+
+        Returns:
+            Joint angles, shape (n, 8, 6) [rad], NaN where out of reach. The branch number is cfx
+            (front or behind of axis 1, of the lower arm, sign of axis 5); angles are in (-pi, pi].
+        """
+        rotation, flange = T_base_flange[:, :3, :3], T_base_flange[:, :3, 3]
+        wrist = flange - self._flange * rotation[:, :, 2]
+        distance = np.hypot(wrist[:, 0], wrist[:, 1])
+        height = wrist[:, 2] - self._shoulder[1]
+        heading = np.arctan2(wrist[:, 1], wrist[:, 0])
+        result = np.full((len(wrist), 8, 6), np.nan)
+        for behind_axis, behind_arm in itertools.product((0, 1), (0, 1)):
+            q1 = heading + (np.pi if behind_axis else 0.0)
+            reach = (-distance if behind_axis else distance) - self._shoulder[0]
+            sine = (reach**2 + height**2 - self._upper_arm**2 - self._forearm**2) / (
+                2.0 * self._upper_arm * self._forearm
+            )
+            with np.errstate(invalid="ignore"):
+                angle = np.arcsin(np.where(np.abs(sine) <= 1.0, sine, np.nan))
+            gamma = np.pi - angle if behind_arm else angle
+            along = self._upper_arm + self._forearm * np.sin(gamma)
+            across = self._forearm * np.cos(gamma)
+            q2 = np.arctan2(along * reach - across * height, along * height + across * reach)
+            q3 = self._bend - gamma
+            arm = np.stack([q1, q2, q3, *[np.zeros_like(q1)] * 3], axis=1)
+            R_3_6 = np.swapaxes(self._third(np.nan_to_num(arm)), 1, 2) @ rotation
+            for negative in (0, 1):
+                # R_3_6 = Rz(q4) Ry(-q5) Rz(q6 + pi); the two wrists differ in the sign of axis 5.
+                sign = -1.0 if negative else 1.0
+                sine5 = sign * np.hypot(R_3_6[:, 0, 2], R_3_6[:, 1, 2])
+                q5 = np.arctan2(sine5, R_3_6[:, 2, 2])
+                q4 = np.arctan2(-sign * R_3_6[:, 1, 2], -sign * R_3_6[:, 0, 2])
+                q6 = np.arctan2(-sign * R_3_6[:, 2, 1], sign * R_3_6[:, 2, 0]) - np.pi
+                solution = np.stack([q1, q2, q3, q4, q5, q6], axis=1)
+                solution = np.where(np.isnan(q2)[:, None], np.nan, _wrapped(solution))
+                result[:, 4 * behind_axis + 2 * behind_arm + negative] = solution
+        return result
+
+    def _third(self, q: np.ndarray) -> np.ndarray:
+        return chain(self.dh, q)[:, 3, :3, :3]
+
+    def within_limits(self, q: np.ndarray) -> np.ndarray:
+        """Whether joint angles (n, 6) are within the limits, shape (n,)."""
+        tolerance = 1e-9
+        return np.all((q >= self.lower - tolerance) & (q <= self.upper + tolerance), axis=1)
+
+    def in_configuration(
+        self, T_base_flange: np.ndarray, quarters: tuple[int, int, int], cfx: int, tolerance: float = 1e-3
+    ) -> np.ndarray | None:
+        """Joint angles at one pose in one configuration, or None when it does not exist.
+
+        Args:
+            T_base_flange: Shape (4, 4).
+            quarters: Quarter turns of axes 1, 4 and 6.
+            cfx: Branch 0..7.
+            tolerance: How far outside its quarter an axis may be [rad]: on the border both count.
+        """
+        q = self.branches(T_base_flange[None])[0, cfx].copy()
+        if np.isnan(q[1]):
+            return None
+        for axis, quarter in zip(CONF_AXES, quarters, strict=True):
+            low = quarter * QUARTER
+            turns = [q[axis] + 2.0 * np.pi * k for k in (-2, -1, 0, 1, 2)]
+            fitting = [t for t in turns if low - tolerance <= t <= low + QUARTER + tolerance]
+            if not fitting:
+                return None
+            q[axis] = fitting[0]
+        return q if bool(self.within_limits(q[None])[0]) else None
+
+    def nearest(self, T_base_flange: np.ndarray, start: np.ndarray) -> np.ndarray:
+        """Follow a path of poses from joint angles on, each pose in the branch nearest to the last.
+
+        Args:
+            T_base_flange: Shape (n, 4, 4).
+            start: Joint angles before the first pose, shape (6,) [rad].
+
+        Returns:
+            Shape (n, 6) [rad], NaN from the first pose on that has no solution.
+        """
+        branches = self.branches(T_base_flange)  # (n, 8, 6)
+        result = np.full((len(branches), 6), np.nan)
+        last = np.asarray(start, dtype=float)
+        for i, candidates in enumerate(branches):
+            # The turn of each angle that is nearest to where the axis is.
+            near = candidates + 2.0 * np.pi * np.round((last - candidates) / (2.0 * np.pi))
+            distance = np.abs(near - last).max(axis=1)
+            if np.all(np.isnan(distance)):
+                break
+            result[i] = last = near[int(np.nanargmin(distance))]
+        return result
+
+    def conf_of(self, q: np.ndarray) -> tuple[int, int, int, int]:
+        """cf1, cf4, cf6, cfx of joint angles (6,) [rad]."""
+        quarters = [int(np.floor(q[axis] / QUARTER)) for axis in CONF_AXES]
+        frames = chain(self.dh, np.atleast_2d(q))[0]
+        # The wrist centre in the frame of axis 1, and beside the line of the lower arm.
+        wrist = frames[5, :3, 3]
+        forward = np.array([np.cos(q[0]), np.sin(q[0]), 0.0])
+        gamma = self._bend - q[2]
+        return (*quarters, 4 * int(wrist @ forward < 0.0) + 2 * int(np.cos(gamma) < 0.0) + int(q[4] < 0.0))
+
+
+def _wrapped(q: np.ndarray) -> np.ndarray:
+    """Angles in (-pi, pi]."""
+    return np.pi - np.mod(np.pi - q, 2.0 * np.pi)

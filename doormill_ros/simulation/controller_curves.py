@@ -1,0 +1,156 @@
+"""Curves of the tool between programmed targets: straight lines, arcs, joint motions and corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
+
+#: Limits of MoveC as documented for the controller.
+SHORTEST_CHORD = 0.1e-3  # m, from the start to the circle point and to the end
+SMALLEST_ANGLE = np.radians(1.0)  # between circle point and end, seen from the start
+LARGEST_ARC = np.radians(240.0)
+
+
+class Curve(Protocol):
+    """A tool path with parameter u from 0 to 1."""
+
+    length: float  # of the tool centre point [m]
+    turn: float  # of the tool's orientation [rad]
+
+    def poses(self, u: np.ndarray) -> np.ndarray:
+        """T_base_tool, shape (n, 4, 4), at u (n,)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Straight line; the orientation turns evenly about one axis."""
+
+    start: np.ndarray
+    end: np.ndarray
+
+    @property
+    def length(self) -> float:
+        """Distance of the two points [m]."""
+        return float(np.linalg.norm(self.end[:3, 3] - self.start[:3, 3]))
+
+    @property
+    def turn(self) -> float:
+        """Angle between the two orientations [rad]."""
+        return _angle(self.start, self.end)
+
+    def poses(self, u: np.ndarray) -> np.ndarray:
+        """T_base_tool at u."""
+        u = np.asarray(u, dtype=float)
+        points = self.start[:3, 3] + u[:, None] * (self.end[:3, 3] - self.start[:3, 3])
+        return _assemble(_rotations(self.start, self.end, u), points)
+
+
+class Arc:
+    """Arc through three points; the orientation turns evenly from the first to the last."""
+
+    def __init__(self, start: np.ndarray, via: np.ndarray, end: np.ndarray) -> None:
+        """Fit the circle.
+
+        Args:
+            start: T_base_tool at the start, shape (4, 4).
+            via: Pose whose point lies on the arc; its orientation is not used.
+            end: T_base_tool at the end.
+
+        Raises:
+            ValueError: One of the controller's limits for circles is broken; says which.
+        """
+        self.start, self.end = start, end
+        a, b, c = (pose[:3, 3] for pose in (start, via, end))
+        to_via, to_end = b - a, c - a
+        for what, chord in (("circle point", to_via), ("end point", to_end)):
+            if np.linalg.norm(chord) < SHORTEST_CHORD:
+                raise ValueError(
+                    f"the {what} is {np.linalg.norm(chord) * 1e3:.3f} mm from the start, allowed is at least 0.1 mm"
+                )
+        cosine = to_via @ to_end / np.linalg.norm(to_via) / np.linalg.norm(to_end)
+        seen = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        if seen < SMALLEST_ANGLE or seen > np.pi - 1e-9:
+            raise ValueError(
+                f"circle point and end are {np.degrees(seen):.3f} deg apart seen from the start, "
+                "allowed is 1 to 180 deg"
+            )
+        normal = np.cross(to_via, to_end)
+        square = normal @ normal
+        centre = a + (
+            np.cross(normal, to_via) * (to_end @ to_end) + np.cross(to_end, normal) * (to_via @ to_via)
+        ) / (2.0 * square)
+        self._centre = centre
+        self.radius = float(np.linalg.norm(a - centre))
+        self._x = (a - centre) / self.radius
+        self._y = np.cross(normal / np.sqrt(square), self._x)
+        self.angle = float(np.mod(np.arctan2(self._y @ (c - centre), self._x @ (c - centre)), 2.0 * np.pi))
+        if self.angle > LARGEST_ARC:
+            raise ValueError(f"the arc is {np.degrees(self.angle):.1f} deg long, allowed are 240 deg")
+        self.length = self.radius * self.angle
+        self.turn = _angle(start, end)
+
+    def poses(self, u: np.ndarray) -> np.ndarray:
+        """T_base_tool at u."""
+        u = np.asarray(u, dtype=float)
+        angle = (u * self.angle)[:, None]
+        points = self._centre + self.radius * (np.cos(angle) * self._x + np.sin(angle) * self._y)
+        return _assemble(_rotations(self.start, self.end, u), points)
+
+
+@dataclass(frozen=True, eq=False)
+class Corner:
+    """Parabola that rounds off the corner between two curves."""
+
+    before: np.ndarray
+    corner: np.ndarray
+    after: np.ndarray
+
+    @property
+    def length(self) -> float:
+        """Length of the two legs, which the parabola is timed by [m]."""
+        p, q, r = (pose[:3, 3] for pose in (self.before, self.corner, self.after))
+        return float(np.linalg.norm(q - p) + np.linalg.norm(r - q))
+
+    @property
+    def turn(self) -> float:
+        """Angle turned along the legs [rad]."""
+        return _angle(self.before, self.corner) + _angle(self.corner, self.after)
+
+    def poses(self, u: np.ndarray) -> np.ndarray:
+        """T_base_tool at u."""
+        u = np.asarray(u, dtype=float)
+        p, q, r = (pose[:3, 3] for pose in (self.before, self.corner, self.after))
+        w = u[:, None]
+        points = (1.0 - w) ** 2 * p + 2.0 * w * (1.0 - w) * q + w**2 * r
+        first = Rotation.from_matrix(_rotations(self.before, self.corner, u))
+        second = Rotation.from_matrix(_rotations(self.corner, self.after, u))
+        step = Rotation.from_rotvec((second * first.inv()).as_rotvec() * w)
+        return _assemble((step * first).as_matrix(), points)
+
+
+def corner_joints(before: np.ndarray, corner: np.ndarray, after: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """The same parabola over joint angles, for corners at joint motions; shape (n, 6) [rad]."""
+    w = np.asarray(u, dtype=float)[:, None]
+    return (1.0 - w) ** 2 * before + 2.0 * w * (1.0 - w) * corner + w**2 * after
+
+
+def _angle(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.linalg.norm(Rotation.from_matrix(a[:3, :3].T @ b[:3, :3]).as_rotvec()))
+
+
+def _rotations(start: np.ndarray, end: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Rotations between two poses, shape (n, 3, 3)."""
+    slerp = Slerp([0.0, 1.0], Rotation.from_matrix([start[:3, :3], end[:3, :3]]))
+    return slerp(np.clip(u, 0.0, 1.0)).as_matrix()
+
+
+def _assemble(rotations: np.ndarray, points: np.ndarray) -> np.ndarray:
+    poses = np.zeros((len(points), 4, 4))
+    poses[:, :3, :3] = rotations
+    poses[:, :3, 3] = points
+    poses[:, 3, 3] = 1.0
+    return poses
