@@ -282,16 +282,15 @@ def profile_std(problem: Problem, found: Fit, index: int) -> float:
     least = float(weights @ found.prediction.cost)
     reach = []
     for end in (lower[index], upper[index]):
-        steps = start + (end - start) * np.geomspace(1e-3, 1.0, 25)
-        rises = np.array([cost(value) for value in steps]) - least
-        beyond = np.flatnonzero(rises > 4.0)
-        if not len(beyond):
-            reach.append(abs(end - start))
-            continue
-        j = beyond[0]
-        before = (0.0, 0.0) if j == 0 else (abs(steps[j - 1] - start), max(rises[j - 1], 0.0))
-        share = (4.0 - before[1]) / max(rises[j] - before[1], 1e-9)
-        reach.append(before[0] + share * (abs(steps[j] - start) - before[0]))
+        before = (0.0, 0.0)
+        reach.append(abs(end - start))
+        for value in start + (end - start) * np.geomspace(1e-3, 1.0, 25):
+            rise = cost(value) - least
+            if rise > 4.0:
+                share = (4.0 - before[1]) / max(rise - before[1], 1e-9)
+                reach[-1] = before[0] + share * (abs(value - start) - before[0])
+                break
+            before = (abs(value - start), max(rise, 0.0))
     return max(reach) / 2.0
 
 

@@ -87,7 +87,7 @@ def trial_weights(distance: np.ndarray, reject: bool) -> np.ndarray:
 def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
     """Fit a model from the best of the starts given, or of its own."""
     members = tuple(members)
-    starts = list(starts) if starts is not None else _starts(members)
+    starts = list(starts) if starts is not None else _starts(problem, members)
     best: tuple[float, np.ndarray, np.ndarray] | None = None
     if len(starts) > 2:
         # Laws with a kink have many valleys: a few steps from every start show which are worth following.
@@ -103,10 +103,10 @@ def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[np.ndarray]
     return _finish(problem, members, best[1], best[2], best[0])
 
 
-def _starts(members: tuple[Cause, ...]) -> list[np.ndarray]:
+def _starts(problem: Problem, members: tuple[Cause, ...]) -> list[np.ndarray]:
     starts = [np.zeros(0)]
     for cause in members:
-        starts = [np.concatenate([theta, part]) for theta in starts for part in cause.starts()]
+        starts = [np.concatenate([theta, part]) for theta in starts for part in cause.starts(problem.case)]
     return starts
 
 

@@ -38,6 +38,7 @@ class Search:
     candidates: Sequence[Cause]
     fits: dict[frozenset, Fit] = field(default_factory=dict)
     progress: Callable[[str], None] = lambda line: None
+    _columns: tuple[np.ndarray, list[tuple[int, slice]]] | None = None
     _polished: set[tuple[frozenset, frozenset]] = field(default_factory=set)
 
     def fit(self, members: Iterable[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
@@ -58,50 +59,54 @@ class Search:
             + PATTERN_PENALTY * sum(not cause.named for cause in found.members)
         )
 
-    def extensions(self, found: Fit) -> list[Cause]:
-        """Candidates that may join a model, the most promising first, by a linear preview."""
+    def extensions(self, found: Fit) -> list[tuple[Cause, float]]:
+        """Candidates that may join a model and by how much, to first order; the most promising first."""
         taken = [(cause.name, cause.where) for cause in found.members]
         springs = {w for n, w in taken if n in ("joint_stiffness", "joint_hardening")}
+        gains = self._preview(found)
         allowed = [
-            cause
-            for cause in self.candidates
+            (cause, gain)
+            for cause, gain in zip(self.candidates, gains, strict=True)
             if cause.key not in taken
             and not (cause.name in ("joint_stiffness", "joint_hardening") and cause.where in springs)
         ]
-        gains = [self._preview(found, cause) for cause in allowed]
-        order = np.argsort(gains)[::-1]
-        return [allowed[i] for i in order if gains[i] > 0.5 * ENTRY or i in order[:3]][:_SCREEN]
+        allowed.sort(key=lambda pair: -pair[1])
+        return [pair for i, pair in enumerate(allowed) if pair[1] > 0.5 * ENTRY or i < 3][:_SCREEN]
 
-    def _preview(self, found: Fit, cause: Cause) -> float:
-        """How much the score may fall when a cause joins, to first order and at its best start."""
-        problem = self.problem
+    def _preview(self, found: Fit) -> np.ndarray:
+        """How much the score may fall when each candidate joins, to first order and at its best start."""
         white, own = found.prediction.white, found.prediction.jacobian
-        # Trials set aside by the smaller model may be just those that the new cause explains.
-        weights = trial_weights(np.sum(white**2, axis=1), reject=False)[:, None]
-        target = (white * np.sqrt(weights)).ravel()
-        columns = []
-        for start in cause.starts():
-            slope = self._slope(cause, start)
-            if slope is not None:
-                columns.append(slope)
-        best = 0.0
-        for slope in columns:
-            block = slope if own is None or not found.size else np.concatenate([own, slope], axis=2)
-            matrix = (block * np.sqrt(weights)[:, :, None]).reshape(3 * len(problem), -1)
-            normal = matrix.T @ matrix
-            normal[np.diag_indices_from(normal)] *= 1.0 + 1e-9
-            normal[np.diag_indices_from(normal)] += 1e-9
-            gradient = matrix.T @ target
-            best = max(best, float(gradient @ np.linalg.solve(normal, gradient)))
-        return best
+        # Trials set aside by the smaller model may be just those that a new cause explains.
+        weights = np.sqrt(trial_weights(np.sum(white**2, axis=1), reject=False))
+        target = (white * weights[:, None]).ravel()
+        slopes, owners = self._slopes()
+        columns = slopes * np.repeat(weights, 3)[:, None]
+        if own is not None and found.size:
+            # What the members can take over themselves does not count.
+            base, _ = np.linalg.qr((own * weights[:, None, None]).reshape(len(target), -1))
+            target = target - base @ (base.T @ target)
+            columns = columns - base @ (base.T @ columns)
+        pull = columns.T @ target
+        gains = np.zeros(len(self.candidates))
+        for index, block in owners:
+            part = columns[:, block]
+            gram = part.T @ part
+            gram[np.diag_indices_from(gram)] += 1e-9 * (1.0 + np.trace(gram))
+            gains[index] = max(gains[index], float(pull[block] @ np.linalg.solve(gram, pull[block])))
+        return gains
 
-    def _slope(self, cause: Cause, start: np.ndarray) -> np.ndarray | None:
-        key = ("slope", cause.identity, start.tobytes())
-        cache = self.problem.case.cache
-        if key not in cache:
-            prediction = self.problem.predict([cause], start, derivative=True)
-            cache[key] = prediction.jacobian
-        return cache[key]
+    def _slopes(self) -> tuple[np.ndarray, list[tuple[int, slice]]]:
+        """Whitened derivatives of all candidates at all their starts, side by side, and whose they are."""
+        if self._columns is None:
+            blocks, owners, at = [], [], 0
+            for index, cause in enumerate(self.candidates):
+                for start in cause.starts(self.problem.case):
+                    jacobian = self.problem.predict([cause], start, derivative=True).jacobian
+                    blocks.append(jacobian.reshape(-1, cause.size))
+                    owners.append((index, slice(at, at + cause.size)))
+                    at += cause.size
+            self._columns = (np.hstack(blocks), owners)
+        return self._columns
 
     def run(self) -> Fit:
         """The best model."""
@@ -111,7 +116,10 @@ class Search:
         for size in range(1, LARGEST + 1):
             grown: dict[frozenset, Fit] = {}
             for parent in beam:
-                for cause in self.extensions(parent):
+                for cause, gain in self.extensions(parent):
+                    # The preview is to first order: leave it a factor of two.
+                    if parent is not beam[0] and self.total(parent) - 2.0 * gain > self.total(best):
+                        continue
                     child = self.add(parent, cause)
                     grown[child.identity] = child
             ranked = sorted(grown.values(), key=self.total)
@@ -139,7 +147,7 @@ class Search:
 
     def add(self, parent: Fit, cause: Cause) -> Fit:
         """A model with one more member, started from what is known of the others."""
-        starts = [np.concatenate([parent.theta, start]) for start in cause.starts()]
+        starts = [np.concatenate([parent.theta, start]) for start in cause.starts(self.problem.case)]
         return self.fit((*parent.members, cause), starts)
 
     def _prune(self, best: Fit) -> Fit:
@@ -167,7 +175,7 @@ class Search:
         """Every candidate in the place of one member, the best first."""
         rest = self.without(found, cause)
         swapped = []
-        for other in self.extensions(rest):
+        for other, _ in self.extensions(rest):
             if other.identity != cause.identity:
                 swapped.append((other, self.add(rest, other)))
         return sorted(swapped, key=lambda pair: self.total(pair[1]))

@@ -102,7 +102,7 @@ class Cause:
         """One sentence: what the cause leaves in the data."""
         raise NotImplementedError
 
-    def starts(self) -> list[np.ndarray]:
+    def starts(self, case: LoadCase) -> list[np.ndarray]:
         """Values of theta from which a fit may start."""
         return [np.zeros(self.size)]
 

@@ -35,9 +35,11 @@ class JointBacklash(Cause):
             "and then hardly grows with the torque"
         )
 
-    def starts(self) -> list[np.ndarray]:
-        """Steps and ramps of several sizes."""
-        return [np.array([gap, crossing]) for crossing in _CROSSINGS for gap in (0.3, 3.0)]
+    def starts(self, case: LoadCase) -> list[np.ndarray]:
+        """Steps and ramps, of several sizes where last motions are unknown: there the gap picks the trials."""
+        unknown = np.any(case.direction[:, number(self.where)] == 0.0)
+        gaps = (0.1, 0.5, 3.0) if unknown else (1.0,)
+        return [np.array([gap, crossing]) for crossing in _CROSSINGS for gap in gaps]
 
     def hidden_state(self, case: LoadCase) -> np.ndarray | None:
         """Unknown direction, or a torque too small to tell its sign."""

@@ -26,7 +26,7 @@ class JointFriction(Cause):
         """What it leaves."""
         return f"{self.where} gives way less than its spring when pre-loaded, by a part that does not grow"
 
-    def starts(self) -> list[np.ndarray]:
+    def starts(self, case: LoadCase) -> list[np.ndarray]:
         """Small and large."""
         return [np.array([0.05]), np.array([0.4])]
 

@@ -25,7 +25,7 @@ class JointHardening(Cause):
         """What it leaves."""
         return f"the residual of {self.where} bends over its torque: soft at small torque, stiff at large"
 
-    def starts(self) -> list[np.ndarray]:
+    def starts(self, case: LoadCase) -> list[np.ndarray]:
         """No hardening, and a marked one."""
         return [np.array([0.0, 0.05]), np.array([1.0, 1.5])]
 
