@@ -111,6 +111,25 @@ def test_beyond_the_limits_names_the_joint(irb6600):
     assert caught.value.data["joint"] in (2, 3, 5)
 
 
+@pytest.mark.parametrize(("side", "bound"), [("lower", 35.5), ("upper", 34.5)])
+@pytest.mark.parametrize("margin", [0.0, 0.2])
+def test_either_limit_and_the_margin_count(irb6600, side, bound, margin):
+    # At the bottom hinge joint 3 stands at 34.97 deg (table 4.6). The other elbow is out of range.
+    rules = BranchRules(limit_margin=np.radians(margin))
+
+    def with_bound(degrees):
+        limits = getattr(irb6600, side).copy()
+        limits[2] = np.radians(degrees)
+        return type(irb6600)(**{**irb6600.__dict__, side: limits})
+
+    with pytest.raises(JointLimitError, match="joint 3") as caught:
+        choose_branch(with_bound(bound), EDGE[:1], rules=rules)
+    over = abs(bound - 34.973) + margin
+    assert f"joint 3 {over:.2f} deg" in caught.value.message
+    inside = 34.973 + (margin + 0.01) * (1 if side == "upper" else -1)
+    choose_branch(with_bound(inside), EDGE[:1], rules=rules)
+
+
 def test_a_jump_on_the_path_is_refused_and_allowed_between_segments(irb6600):
     # Bottom and top hinge of one edge: the wrist turns over on the way, too far for one step.
     jump = poses(1.4, 0.29, [0.0, 0.02, 2.68, 2.7])
@@ -119,6 +138,8 @@ def test_a_jump_on_the_path_is_refused_and_allowed_between_segments(irb6600):
         choose_branch(irb6600, jump, rules=rules)
     q = choose_branch(irb6600, jump, rules=rules, segment=np.array([0, 0, 1, 1]))
     np.testing.assert_allclose(Kinematics(irb6600).forward(q), jump, atol=1e-9)
+    # One configuration serves both hinges, so it stays.
+    assert len(set(configuration_index(irb6600, q))) == 1
 
 
 def test_between_segments_the_wrist_may_flip_but_not_the_arm(irb6600):

@@ -7,7 +7,10 @@ import yaml
 
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
-from doormill_ros.robot.errors import RobotDescriptionError
+from doormill_ros.robot.errors import GeometryError, RobotDescriptionError
+from doormill_ros.robot.inverse import inverse
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot.pinocchio_model import PinocchioKinematics
 
 
 @pytest.fixture
@@ -121,3 +124,43 @@ def test_links_beside_the_chain_are_passed_by(folder):
 def test_an_unknown_name_says_what_ships():
     with pytest.raises(RobotDescriptionError, match="irb6600_175_255, irb6700_235_265"):
         load_robot("irb9999")
+
+
+def test_any_six_axis_robot_loads_even_without_a_closed_form_inverse(tmp_path):
+    # An arm of another kind: three parallel axes, no spherical wrist, axes along z after rpy turns.
+    lines = []
+    origins = [
+        ("0 0 0.128", "0 0 0"),
+        ("0 0.176 0", "0 1.5707963267948966 0"),
+        ("0 -0.128 0.612", "0 0 0"),
+        ("0 0 0.572", "0 1.5707963267948966 0"),
+        ("0 0.116 0", "0 0 0"),
+        ("0 0 0.116", "0 0 0"),
+    ]
+    axes = ["0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1", "0 1 0"]
+    for joint, ((xyz, rpy), axis) in enumerate(zip(origins, axes, strict=True), start=1):
+        parent = "base_link" if joint == 1 else f"link_{joint - 1}"
+        lines.append(
+            f'<link name="link_{joint}"/><joint name="joint_{joint}" type="revolute">'
+            f'<origin xyz="{xyz}" rpy="{rpy}"/><parent link="{parent}"/><child link="link_{joint}"/>'
+            f'<axis xyz="{axis}"/><limit lower="-6.29" upper="6.29" velocity="2" effort="0"/></joint>'
+        )
+    flange = (
+        '<link name="tool0"/><joint name="flange" type="fixed"><parent link="link_6"/><child link="tool0"/>'
+        '<origin xyz="0 0.092 0" rpy="-1.5707963267948966 0 0"/></joint>'
+    )
+    (tmp_path / "robot.urdf").write_text(
+        f'<robot name="arm"><link name="base_link"/>{"".join(lines)}{flange}</robot>', encoding="utf-8"
+    )
+    document = yaml.safe_load(
+        resource("config/robots/irb6600_175_255/robot.yaml").read_text(encoding="utf-8")
+    )
+    document["limits"].update(lower=[-360] * 6, upper=[360] * 6)
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    arm = load_robot(tmp_path)
+    ours, pinocchio = Kinematics(arm), PinocchioKinematics(arm)
+    for q in np.random.default_rng(5).uniform(-np.pi, np.pi, (50, 6)):
+        np.testing.assert_allclose(ours.forward(q), pinocchio.forward(q), atol=1e-12)
+        np.testing.assert_allclose(ours.hessian(q), pinocchio.hessian(q), atol=1e-12)
+    with pytest.raises(GeometryError, match="no closed-form inverse"):
+        inverse(arm, ours.forward(np.zeros(6)))

@@ -120,3 +120,13 @@ def test_springs_under_any_load(irb6600, stiff, configurations, load):
     ours = solve_springs(irb6600.stiffness, K_c.transpose(1, 2, 0), torque)
     expected = np.linalg.solve(np.diag(irb6600.stiffness) - K_c, torque.T[..., None])[..., 0].T
     np.testing.assert_allclose(ours, expected, rtol=1e-9, atol=1e-15)
+
+
+def test_springs_on_the_verge_of_buckling_are_solved_with_pivoting(irb6600):
+    # K_c as large as the stiffness of joint 1: the first pivot all but vanishes, the matrix does not.
+    K_c = np.zeros((6, 6, 1))
+    K_c[0, 0] = irb6600.stiffness[0] * (1 - 1e-15)
+    K_c[0, 1] = K_c[1, 0] = 1e5
+    torque = np.array([[100.0], [200.0], [300.0], [50.0], [20.0], [10.0]])
+    expected = np.linalg.solve(np.diag(irb6600.stiffness) - K_c[..., 0], torque[:, 0])
+    np.testing.assert_allclose(solve_springs(irb6600.stiffness, K_c, torque)[:, 0], expected, rtol=1e-12)

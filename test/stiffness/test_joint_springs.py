@@ -109,6 +109,12 @@ def test_one_soft_joint_is_a_lever(irb6600):
     np.testing.assert_allclose(moved, [angle * 0.12, angle * 0.48, 0.0], atol=1e-15)
 
 
+def test_stiffness_of_ones_own_takes_the_place_of_the_robot(irb6600, configurations):
+    q, wrench = configurations(5, 61), np.tile([100.0, -50.0, 30.0, 4.0, 5.0, -6.0], (5, 1))
+    factors = JointSpringModel(irb6600, 4.0 * irb6600.stiffness).deflection(q, wrench, POINT)
+    np.testing.assert_allclose(4.0 * factors, JointSpringModel(irb6600).deflection(q, wrench, POINT))
+
+
 @pytest.mark.parametrize("stiffness", [[1e6] * 5, [1e6] * 5 + [0.0], [1e6] * 5 + [-1.0], [np.nan] * 6])
 def test_impossible_stiffness_is_refused(irb6600, stiffness):
     with pytest.raises(ValueError, match="6 positive numbers"):

@@ -35,7 +35,10 @@ def test_impossible_doors_are_refused(wrong):
         DoorRange(**wrong)
 
 
-def test_figures_by_plain_search(irb6600):
+@pytest.mark.parametrize("lowest_axis_5", [-120, -60])
+def test_figures_by_plain_search(irb6600, lowest_axis_5):
+    limits = np.radians([-180, -65, -180, -300, lowest_axis_5, -300])
+    irb6600 = type(irb6600)(**{**irb6600.__dict__, "lower": limits})
     rng = np.random.default_rng(3)
     positions = rng.uniform([0.8, -0.8, -0.5], [2.4, 0.8, 2.8], (120, 3))
     T = np.tile(np.eye(4), (len(positions), 1, 1))
