@@ -75,18 +75,22 @@ def from_measurement_set(folder: Path) -> Outcome:
     from doormill_ros.robot.kinematics import Kinematics
     from doormill_ros.stiffness.identification.joint_by_joint import identify_joint_by_joint
     from doormill_ros.stiffness.identification.measured import loadings_of_set
-    from doormill_ros.stiffness.identification.weighted import fit_by_preload, fit_stiffness
+    from doormill_ros.stiffness.identification.outliers import fit_without_outliers
+    from doormill_ros.stiffness.identification.weighted import fit_by_preload
 
     measurements = read_measurement_set(folder)
     robot = load_robot(measurements.robot)
     kinematics = Kinematics(robot)
     loadings = loadings_of_set(kinematics, measurements)
-    steps = identify_joint_by_joint(kinematics, loadings, measurements.joint_stiffness)
-    fit = fit_stiffness(kinematics, loadings)
+    robust = fit_without_outliers(kinematics, loadings)
+    kept = loadings.pick(robust.kept)
+    steps = identify_joint_by_joint(kinematics, kept, measurements.joint_stiffness)
     source = f"measurement set {folder.resolve().name}"
-    outcome = outcome_of_loadings(robot, source, steps, fit, len(loadings))
+    outcome = outcome_of_loadings(
+        robot, source, steps, robust.fit, len(loadings), measurements.trial[robust.outliers]
+    )
     if np.any(measurements.direction):
-        add_preload(outcome, fit_by_preload(kinematics, loadings, measurements.direction))
+        add_preload(outcome, fit_by_preload(kinematics, kept, measurements.direction[robust.kept]))
     return outcome
 
 

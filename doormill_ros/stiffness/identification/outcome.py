@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import shutil
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -74,9 +75,14 @@ class Outcome:
 
 
 def outcome_of_loadings(
-    robot: Robot, source: str, steps: list[JointStep], fit: StiffnessFit, loadings: int
+    robot: Robot,
+    source: str,
+    steps: list[JointStep],
+    fit: StiffnessFit,
+    loadings: int,
+    outliers: Sequence[int] = (),
 ) -> Outcome:
-    """Outcome of loadings that were identified both ways."""
+    """Outcome of loadings that were identified both ways; `outliers` names trials that were left out."""
     by_joint = {step.joint: step for step in steps}
     reduced = fit.chi_square / fit.degrees_of_freedom if fit.degrees_of_freedom > 0 else float("nan")
     lines = [
@@ -94,6 +100,8 @@ def outcome_of_loadings(
         all_ = f"{k:11.4g} +- {s:<9.2g} ({s / k:.1%})" if math.isfinite(k) else f"{'not told':>11}"
         lines.append(f"{joint:>5} {one} {step.isolation:6.2f} {all_}")
     lines.append(f"residual {fit.rmse * 1e6:.1f} um rms, chi-square per degree of freedom {reduced:.2f}")
+    if len(outliers):
+        lines.append(f"left out as gross errors, worst first: trials {', '.join(map(str, outliers))}")
     if reduced > MISFIT:
         lines.append("springs in the joints do not explain these data: run `diagnose`")
     document = {
@@ -108,6 +116,7 @@ def outcome_of_loadings(
             "degrees_of_freedom": fit.degrees_of_freedom,
         },
         "loadings": loadings,
+        "outliers": list(outliers),
     }
     return Outcome(robot, source, fit.stiffness, fit.std, lines, document)
 
