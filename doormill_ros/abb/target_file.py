@@ -90,9 +90,9 @@ def render_target_file(program: MillingProgram, run_id: str) -> bytes:
     """
     lines = [format_line(t.T_base_tool_corrected, t.conf, t.name) for t in program.targets]
     trailer = Trailer(program.door_id, run_id, program.recipe_version, len(lines), program.motions)
-    body = _join(lines + format_trailer(trailer))
-    a, b = checksum(body)
-    return body + _join([f"{MARK}sum [{a},{b}]"])
+    lines += format_trailer(trailer)
+    a, b = checksum(lines)
+    return _join([*lines, f"{MARK}sum [{a},{b}]"])
 
 
 def read_target_file(data: bytes, *, trailer: bool = True) -> TargetFile:
@@ -126,7 +126,7 @@ def read_target_file(data: bytes, *, trailer: bool = True) -> TargetFile:
             "file: write the file anew",
             line=reader.number + 1,
         )
-    computed = checksum(_join(lines[:-1]))
+    computed = checksum(lines[:-1])
     if tuple(computed) != written:
         raise TargetFileChecksumError(
             f"the target file says checksum {list(written)}, its content gives {list(computed)}: "

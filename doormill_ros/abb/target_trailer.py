@@ -39,8 +39,8 @@ from doormill_ros.units import RPM, m_to_mm, mm_to_m
 MARK = "#"
 VERSION = 1
 #: Array sizes of the RAPID module.
-MAX_TARGETS = 1000
-MAX_MOTIONS = 1000
+MAX_TARGETS = 2000
+MAX_MOTIONS = 2000
 MAX_FEATURES = 40
 #: Zones that the RAPID module knows, as the controller predefines them.
 ZONES = (

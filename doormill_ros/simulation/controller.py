@@ -23,7 +23,7 @@ from doormill_ros.simulation.controller_arm import ControllerArm
 from doormill_ros.simulation.controller_cell import SimulatedCell, read_io_configuration
 from doormill_ros.simulation.controller_motion import MotionEngine, Sampling
 from doormill_ros.simulation.controller_moves import MovePlanner
-from doormill_ros.simulation.controller_process import Process, module_process
+from doormill_ros.simulation.controller_process import Process, WrenchOf, module_process
 from doormill_ros.simulation.executed_path import ExecutedPath
 from doormill_ros.simulation.recorded_path import build_executed_path
 from doormill_ros.simulation.truth_robot import TruthRobot
@@ -156,15 +156,18 @@ class VirtualController:
         """End the program from another thread."""
         self._stop.set()
 
-    def executed_path(self) -> ExecutedPath:
+    def executed_path(self, wrench_of: WrenchOf | None = None) -> ExecutedPath:
         """What the robot has done so far.
+
+        Args:
+            wrench_of: Wrenches that acted, where they were not known before; None for the process' own.
 
         Raises:
             ValueError: It has not moved.
         """
         truth = None if self._rigid else self._truth
         return build_executed_path(
-            self._engine.recording, truth, self._T_flange_tool, self._process.wrench_of
+            self._engine.recording, truth, self._T_flange_tool, wrench_of or self._process.wrench_of
         )
 
     @property
@@ -236,7 +239,7 @@ class VirtualController:
         if (
             pose is not None
             and tool is not None
-            and not np.allclose(tool[:3, 3], mm_to_m(np.array(move.tool[1][0])))
+            and not np.array_equal(tool[:3, 3], mm_to_m(np.array(move.tool[1][0])))
         ):
             pose = None  # another tool: its pose follows from the joints
         planned = self._planner.plan(move, self._engine.planned_q, pose, context)

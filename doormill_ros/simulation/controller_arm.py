@@ -15,6 +15,8 @@ from doormill_ros.simulation.truth.chain import chain
 #: Axes whose quarter turns are in confdata.
 CONF_AXES = (0, 3, 5)
 QUARTER = np.pi / 2.0
+#: Steps between poses of a path that is sampled finely enough to be followed at once [rad].
+SMOOTH = 0.3
 
 
 class ControllerArm:
@@ -96,8 +98,7 @@ class ControllerArm:
             across = self._forearm * np.cos(gamma)
             q2 = np.arctan2(along * reach - across * height, along * height + across * reach)
             q3 = self._bend - gamma
-            arm = np.stack([q1, q2, q3, *[np.zeros_like(q1)] * 3], axis=1)
-            R_3_6 = np.swapaxes(self._third(np.nan_to_num(arm)), 1, 2) @ rotation
+            R_3_6 = _seen_from_third(q1, q2 + q3, rotation)
             for negative in (0, 1):
                 # R_3_6 = Rz(q4) Ry(-q5) Rz(q6 + pi); the two wrists differ in the sign of axis 5.
                 sign = -1.0 if negative else 1.0
@@ -109,9 +110,6 @@ class ControllerArm:
                 solution = np.where(np.isnan(q2)[:, None], np.nan, _wrapped(solution))
                 result[:, 4 * behind_axis + 2 * behind_arm + negative] = solution
         return result
-
-    def _third(self, q: np.ndarray) -> np.ndarray:
-        return chain(self.dh, q)[:, 3, :3, :3]
 
     def within_limits(self, q: np.ndarray) -> np.ndarray:
         """Whether joint angles (n, 6) are within the limits, shape (n,)."""
@@ -152,11 +150,18 @@ class ControllerArm:
             Shape (n, 6) [rad], NaN from the first pose on that has no solution.
         """
         branches = self.branches(T_base_flange)  # (n, 8, 6)
-        result = np.full((len(branches), 6), np.nan)
         last = np.asarray(start, dtype=float)
+        # Away from singularities the whole path stays in one branch.
+        first = _near(branches[0], last)
+        distance = np.abs(first - last).max(axis=1)
+        if not np.all(np.isnan(distance)):
+            number = int(np.nanargmin(distance))
+            path = np.unwrap(np.concatenate([first[number][None], branches[1:, number]]), axis=0)
+            if not np.isnan(path).any() and np.abs(np.diff(path, axis=0)).max(initial=0.0) < SMOOTH:
+                return path
+        result = np.full((len(branches), 6), np.nan)
         for i, candidates in enumerate(branches):
-            # The turn of each angle that is nearest to where the axis is.
-            near = candidates + 2.0 * np.pi * np.round((last - candidates) / (2.0 * np.pi))
+            near = _near(candidates, last)
             distance = np.abs(near - last).max(axis=1)
             if np.all(np.isnan(distance)):
                 break
@@ -177,3 +182,19 @@ class ControllerArm:
 def _wrapped(q: np.ndarray) -> np.ndarray:
     """Angles in (-pi, pi]."""
     return np.pi - np.mod(np.pi - q, 2.0 * np.pi)
+
+
+def _near(candidates: np.ndarray, last: np.ndarray) -> np.ndarray:
+    """The turn of each angle that is nearest to where the axis is; shapes (k, 6) and (6,)."""
+    return candidates + 2.0 * np.pi * np.round((last - candidates) / (2.0 * np.pi))
+
+
+def _seen_from_third(q1: np.ndarray, tilt: np.ndarray, R_base_flange: np.ndarray) -> np.ndarray:
+    """R_3_6 from axis 1, the sum of axes 2 and 3, and R_0_6.
+
+    R_0_3 = Rz(q1) Ry(q2 + q3 - pi/2) Rx(pi) for the table's twists.
+    """
+    c1, s1, c, s = np.cos(q1), np.sin(q1), np.sin(tilt), -np.cos(tilt)
+    zero = np.zeros_like(c1)
+    R_0_3 = np.stack([c1 * c, s1, -c1 * s, s1 * c, -c1, -s1 * s, -s, zero, -c], axis=1).reshape(-1, 3, 3)
+    return np.swapaxes(R_0_3, 1, 2) @ R_base_flange
