@@ -16,6 +16,7 @@ from doormill_ros.toolpath.settings import Correction
 from doormill_ros.toolpath.stations import FRACTIONS
 
 FLAT_ARC = 0.5  #: arcs flatter than this share of the largest step of the correction become lines
+BLEND_SAMPLES = 80  #: places in one blend at which its progress is looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,14 +101,8 @@ def _divide_run(
     length = np.array([step.curve.length for step in run])
     border = np.concatenate([[0.0], np.cumsum(length)])  # (m + 1,) [m]
     jump = np.linalg.norm(correction[1:, 0] - correction[:-1, -1], axis=-1)  # (m - 1,)
-    wanted: list[np.ndarray] = []
-    changes: list[float] = []
-    for at, size in zip(border[1:-1], jump, strict=True) if blend else ():
-        pieces = math.ceil(size / settings.step)
-        if pieces > 1:
-            changes.append(float(at))
-            wanted.append(at + settings.blend * (np.arange(pieces + 1) / pieces - 0.5))
-    cuts = np.concatenate([np.zeros(0), *wanted])
+    changes = border[1:-1][jump > settings.step] if blend else np.zeros(0)
+    cuts = _blend_cuts(changes, _Blend(border, correction.mean(axis=1), settings.blend), settings)
     wrench = _Blend(border, np.array([step.wrench_tool for step in run]), settings.blend)
     cut_at: list[tuple[int, float, float]] = []
     for index in range(len(run)):
@@ -119,12 +114,30 @@ def _divide_run(
         cut_at += [(index, first, last) for first, last in itertools.pairwise(at)]
     index, first, last = (np.array(column) for column in zip(*cut_at, strict=True))
     middle = border[index] + 0.5 * (first + last)
-    near = np.abs(middle[:, None] - np.array(changes)) < 0.5 * settings.blend  # (parts, changes)
+    near = np.abs(middle[:, None] - changes) < 0.5 * settings.blend  # (parts, changes)
     blended = wrench.mean(border[index] + first, border[index] + last)
     own = np.array([step.wrench_tool for step in run])[index]
     load = np.where(near.any(axis=1)[:, None], blended, own)
     share = 1.0 / length[index]
     return list(zip(index.tolist(), (first * share).tolist(), (last * share).tolist(), load, strict=True))
+
+
+def _blend_cuts(changes: np.ndarray, correction: _Blend, settings: Correction) -> np.ndarray:
+    """Places at which the blended correction has moved on by one step, shape (n,) [m].
+
+    Args:
+        changes: Places where segments with different loads meet [m].
+        correction: The correction of each segment, to be blended.
+        settings: Step and length of the blend.
+    """
+    if not len(changes):
+        return np.zeros(0)
+    window = settings.blend * (np.arange(BLEND_SAMPLES + 1) / BLEND_SAMPLES - 0.5)
+    s = np.unique(changes[:, None] + window)
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(correction.at_places(s), axis=0), axis=1))])
+    steps = np.floor(way / settings.step)
+    passed = s[1:][np.diff(steps) > 0]
+    return np.concatenate([changes - 0.5 * settings.blend, passed, changes + 0.5 * settings.blend])
 
 
 def _stretches(
@@ -161,22 +174,25 @@ def _apart(inside: np.ndarray, length: float, shortest: float) -> list[float]:
 
 
 class _Blend:
-    """The wrench along a run: that of its segments, averaged over a sliding length."""
+    """A quantity along a run: that of its segments, averaged over a sliding length."""
 
-    def __init__(self, border: np.ndarray, wrench: np.ndarray, width: float) -> None:
+    def __init__(self, border: np.ndarray, values: np.ndarray, width: float) -> None:
         self.width = width
-        # Before the first and after the last segment their wrenches go on.
+        # Before the first and after the last segment their values go on.
         self.at = np.concatenate([[border[0] - width], border, [border[-1] + width]])
-        values = np.concatenate([wrench[:1], wrench, wrench[-1:]])  # (m + 2, 6)
-        area = np.diff(self.at)[:, None] * values
-        self.integral = np.concatenate([np.zeros((1, 6)), np.cumsum(area, axis=0)])  # (m + 3, 6)
+        values = np.concatenate([values[:1], values, values[-1:]])  # (m + 2, d)
+        area = np.cumsum(np.diff(self.at)[:, None] * values, axis=0)
+        self.integral = np.concatenate([np.zeros((1, values.shape[1])), area])  # (m + 3, d)
+
+    def at_places(self, s: np.ndarray) -> np.ndarray:
+        """The blended quantity, shapes (...,) [m] -> (..., d)."""
+        return (self._up_to(s + 0.5 * self.width) - self._up_to(s - 0.5 * self.width)) / self.width
 
     def mean(self, first: np.ndarray, last: np.ndarray) -> np.ndarray:
-        """Mean of the blended wrench between places, shapes (p,) [m] -> (p, 6)."""
+        """Its mean between places, shapes (p,) [m] -> (p, d)."""
         # Averages of a piecewise linear function: a few samples are close enough.
         samples = first + (last - first) * ((np.arange(8) + 0.5) / 8.0)[:, None]  # (8, p)
-        high, low = samples + 0.5 * self.width, samples - 0.5 * self.width
-        return ((self._up_to(high) - self._up_to(low)) / self.width).mean(axis=0)
+        return self.at_places(samples).mean(axis=0)
 
     def _up_to(self, s: np.ndarray) -> np.ndarray:
         return np.stack([np.interp(s, self.at, column) for column in self.integral.T], axis=-1)
