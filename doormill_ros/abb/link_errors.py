@@ -15,7 +15,8 @@ AbbError
     `-- handshake    NoRequestError 480, HandshakeBusyError 481, StaleSubmissionError 482,
                      RepeatedRunError 483, EmptyTargetFileError 484, SubmissionTimeoutError 485,
                      AcknowledgeTimeoutError 486, RequestWithdrawnError 487, FileRefusedError 488,
-                     RunAbortedError 489, MillingTimeoutError 490
+                     RunAbortedError 489, MillingTimeoutError 490,
+                     MillingFaultError 491
 """
 
 from __future__ import annotations
@@ -278,3 +279,9 @@ class MillingTimeoutError(LinkError):
     """The controller did not report the end of milling in time."""
 
     code = 490
+
+
+class MillingFaultError(LinkError):
+    """The controller stopped with a fault while it milled."""
+
+    code = 491

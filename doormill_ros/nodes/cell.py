@@ -33,7 +33,7 @@ from doormill_ros.nodes.run import init, shut_down
 THREADS = 6
 START_LIMIT = 20.0  # s
 RUN_LIMIT = 900.0  # s
-TRUTH_LIMIT = 10.0  # s, for what the simulation tells after a run
+TRUTH_LIMIT = 180.0  # s, for what the simulation tells after a run
 
 NODES: tuple[Callable[..., ManagedNode], ...] = (
     BagRecorder,

@@ -103,8 +103,25 @@ class ManagedNode(LifecycleNode):
         self.keep(self.destroy_subscription, subscription)
 
     def serve(self, service_type: Any, name: str, callback: Callable[[Any, Any], Any]) -> None:
-        """Offer a service until clean-up; it answers in the inactive state too."""
-        self.keep(self.destroy_service, self.create_service(service_type, name, callback))
+        """Offer a service until clean-up; it answers in the inactive state too.
+
+        What `callback` raises becomes `error_code` and `message` of the answer.
+        """
+
+        def answer(request: Any, response: Any) -> Any:
+            try:
+                return callback(request, response)
+            except DoormillError as error:
+                response.error_code, response.message = error.code, error.message
+                self.report(WARN, error.message, error_code=error.code)
+            except Exception as error:
+                response.error_code = DoormillError.code
+                response.message = f"unexpected {type(error).__name__}: {error}; see the log of {self.get_name()}"
+                self.report(ERROR, response.message)
+                self.get_logger().error(traceback.format_exc())
+            return response
+
+        self.keep(self.destroy_service, self.create_service(service_type, name, answer))
 
     def every(self, period: float, callback: Callable[[], None], **kwargs: Any) -> None:
         """Call `callback` every `period` seconds while the node is active."""

@@ -13,6 +13,7 @@ from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunResult, StageTimes
 from doormill_interfaces.srv import GetRecipe
 from doormill_ros.abb.handshake_state import HandshakeState
+from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefusedError
 from doormill_ros.cell.run import Run, StageLimits, new_run_id
 from doormill_ros.errors import DoormillError
@@ -22,7 +23,8 @@ from doormill_ros.nodes.convert.geometry import seconds_of
 if TYPE_CHECKING:
     from doormill_ros.nodes.abb_bridge import AbbBridge
 
-TAKEN = (HandshakeState.MILLING, HandshakeState.DONE)
+#: States that a run which was handed over can only reach once the controller has ended it.
+ENDED = (HandshakeState.DONE, HandshakeState.FAILED, HandshakeState.REQUESTED)
 
 
 class MillDoorServer:
@@ -194,12 +196,13 @@ class MillDoorServer:
         self._refuse_unless(outcome.handed_over, outcome.reason, outcome.error_code)
         stage("milling", 0.7)
         run.wait_until(
-            lambda: handshake.snapshot.state not in TAKEN or handshake.snapshot.state is HandshakeState.DONE,
+            lambda: handshake.snapshot.state in ENDED,
             limits.milling,
             "the controller did not report the end of milling; look at its pendant",
         )
         end = handshake.snapshot
-        self._refuse_unless(not end.error_code, end.reason, end.error_code)
+        if end.state is not HandshakeState.DONE:
+            raise MillingFaultError(end.reason)
         stage("milling", 1.0)
         result.success = True
         result.target_file = str(path)

@@ -23,9 +23,10 @@ from doormill_ros.nodes.convert.recipe import recipe_of
 from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.robot.description import load_robot
-from doormill_ros.toolpath.cycle_time import cycle_time
+from doormill_ros.toolpath.door_checks import check_door
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.settings import load_settings
 
 
 class PathGenerator(ManagedNode):
@@ -47,6 +48,7 @@ class PathGenerator(ManagedNode):
         self._robot = load_robot(self.value("robot") or self._layout.robot)
         self._model_name = self.value("robot_model") or self._robot.name
         self._model = load_compliance_model(self._model_name)
+        self._settings = load_settings()
         self._recipe: DoorRecipe | None = None
         self._early: PoseStamped | None = None
         self._targets = self.publisher(topics.PATH_TARGETS)
@@ -77,9 +79,11 @@ class PathGenerator(ManagedNode):
         )
         begun = time.perf_counter()
         try:
+            door = recipe_of(recipe)
             program = generate_program(
-                recipe_of(recipe), transform_of(pose.pose), self._layout, self._robot, self._model
+                door, transform_of(pose.pose), self._layout, self._robot, self._model, settings=self._settings
             )
+            answer.cycle_time = check_door(program, door, self._robot, self._settings).time
         except DoormillError as error:
             answer.duration = time.perf_counter() - begun
             answer.error_code = error.code
@@ -88,7 +92,6 @@ class PathGenerator(ManagedNode):
             self.report(WARN, f"door {recipe.door_id}: {error.message}", error_code=error.code)
             return
         answer.accepted = True
-        answer.cycle_time = cycle_time(program)
         program_into(answer, program)
         answer.duration = time.perf_counter() - begun
         self._targets.publish(answer)

@@ -9,10 +9,9 @@ from typing import Any
 from std_msgs.msg import Header
 
 from doormill_interfaces.srv import GetRecipe, ImportRecipes, ListRecipes
-from doormill_ros.errors import DoormillError
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
-from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.managed_node import OK, ManagedNode, Parameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recipes.database import RecipeDatabase
 
@@ -43,15 +42,10 @@ class RecipeDatabaseNode(ManagedNode):
         self._database.close()
 
     def _get(self, request: GetRecipe.Request, response: GetRecipe.Response) -> GetRecipe.Response:
-        try:
-            if request.door_id or not request.bar_code:
-                recipe = self._database.get(request.door_id, request.version or None)
-            else:
-                recipe = self._database.find_bar_code(request.bar_code)
-        except DoormillError as error:
-            response.error_code, response.message = error.code, error.message
-            self.report(WARN, error.message, error_code=error.code)
-            return response
+        if request.door_id or not request.bar_code:
+            recipe = self._database.get(request.door_id, request.version or None)
+        else:
+            recipe = self._database.find_bar_code(request.bar_code)
         header = Header(stamp=self.get_clock().now().to_msg())
         response.recipe = recipe_message(recipe, request.run_id, header)
         response.success = True
@@ -68,11 +62,7 @@ class RecipeDatabaseNode(ManagedNode):
     def _import(
         self, request: ImportRecipes.Request, response: ImportRecipes.Response
     ) -> ImportRecipes.Response:
-        try:
-            report = self._database.import_file(Path(request.path), author=request.author)
-        except DoormillError as error:
-            response.error_code, response.message = error.code, error.message
-            return response
+        report = self._database.import_file(Path(request.path), author=request.author)
         response.success = True
         response.door_ids = [record.door_id for record in report.saved]
         response.message = f"{len(report.saved)} recipes imported from {request.path}, {len(report.unchanged)} were there already"

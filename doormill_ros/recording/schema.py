@@ -6,7 +6,7 @@ import json
 import os
 import re
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
 from doormill_ros.recording.errors import UnknownTypeError
@@ -60,7 +60,7 @@ def _used_types(text: str, package: str) -> list[str]:
     return used
 
 
-@lru_cache(maxsize=None)
+@cache
 def load_schema(name: str) -> Schema:
     """Definition and hash of a message type, from the ament index.
 

@@ -35,7 +35,7 @@ def recipe_message(recipe: Recipe, run_id: str, header: Header) -> DoorRecipe:
                 id=feature.id,
                 kind=feature.kind,
                 pose=pose_message(recipe.T_door_feature(feature)),
-                depth=feature.depth,
+                depth=feature.cut_depth(recipe.size),
                 tool=feature.tool.name,
                 document=json.dumps(document, sort_keys=True),
             )

@@ -1,0 +1,127 @@
+"""Node /controller_simulator: a controller that runs our RAPID program and moves a compliant robot."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from pathlib import Path
+from typing import Any
+
+from std_msgs.msg import Header
+
+from doormill_interfaces.msg import DoorPlacement, DoorRecipe, RunResult, TargetArray
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.errors import DoormillError
+from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.executed import executed_message, milled_message
+from doormill_ros.nodes.convert.geometry import transform_of
+from doormill_ros.nodes.convert.program import program_of
+from doormill_ros.nodes.convert.recipe import recipe_of
+from doormill_ros.nodes.managed_node import ERROR, OK, ManagedNode, Parameter
+from doormill_ros.robot.description import load_robot
+from doormill_ros.simulation.controller_arm import ControllerArm
+from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun, load_effects
+
+STOP_LIMIT = 5.0  # s
+
+
+class ControllerSimulator(ManagedNode):
+    """Starts the RAPID program for each clamped door and inspects what it milled."""
+
+    PARAMETERS = (
+        Parameter("home", "out/controller/HOME", "folder behind the controller's HOME:"),
+        Parameter("effects", "", "YAML list of what the simulated robot hides; empty: joint springs only"),
+        Parameter("time_scale", 0.0, "simulated over real seconds; 0: as fast as possible", 0.0, 1e6),
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("controller_simulator", **kwargs)
+
+    def setup(self) -> None:
+        """Build the robot; subscribe."""
+        effects = self.value("effects")
+        # The published geometry is all that the truth takes from the robot's description.
+        robot = load_robot(load_layout().robot)
+        self._cell = RobotCell(
+            Path(self.value("home")),
+            ControllerArm(robot.dh, robot.lower, robot.upper, robot.max_velocity),
+            load_effects(Path(effects)) if effects else (),
+            self.value("time_scale") or None,
+        )
+        self._recipe: DoorRecipe | None = None
+        self._placement: DoorPlacement | None = None
+        self._targets: TargetArray | None = None
+        self._run: RobotCellRun | None = None
+        self._thread: threading.Thread | None = None
+        self._executed = self.publisher(topics.EXECUTED_PATH)
+        self._milled = self.publisher(topics.MILLED_DOOR)
+        self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
+        self.subscribe(topics.DOOR_PLACEMENT, self._take_placement)
+        self.subscribe(topics.PATH_TARGETS, self._take_targets)
+        self.subscribe(topics.RUN_RESULT, self._take_result)
+
+    def stop(self) -> None:
+        """Stop the program and the robot."""
+        self._halt()
+
+    def _take_recipe(self, recipe: DoorRecipe) -> None:
+        self._recipe = recipe
+
+    def _take_targets(self, targets: TargetArray) -> None:
+        if targets.accepted:
+            self._targets = targets
+
+    def _take_result(self, result: RunResult) -> None:
+        # A refused door is taken out by the operator, who also stops the waiting program.
+        if not result.success and self._placement is not None and result.run_id == self._placement.run_id:
+            self._halt()
+
+    def _take_placement(self, placement: DoorPlacement) -> None:
+        if self._placement is not None and placement.run_id == self._placement.run_id:
+            return
+        self._halt()
+        self._placement = placement
+        self._run = self._cell.start(placement.door_id)
+        self._thread = threading.Thread(
+            target=self._mill, args=(self._run, placement), name="controller", daemon=True
+        )
+        self._thread.start()
+
+    def _halt(self) -> None:
+        if self._run is not None:
+            self._run.stop()
+        if self._thread is not None:
+            self._thread.join(STOP_LIMIT)
+        self._run = self._thread = None
+
+    def _mill(self, run: RobotCellRun, placement: DoorPlacement) -> None:
+        self.report(OK, "program running", door_id=placement.door_id)
+        try:
+            if not run.execute():
+                self.report(OK, "program stopped", door_id=placement.door_id)
+                return
+            self._inspect(run, placement)
+        except DoormillError as error:
+            self.report(ERROR, f"program stopped: {error.message}", error_code=error.code)
+            self.get_logger().error(error.message)
+        except Exception as error:
+            self.report(ERROR, f"unexpected {type(error).__name__}: {error}")
+            self.get_logger().error(traceback.format_exc())
+
+    def _inspect(self, run: RobotCellRun, placement: DoorPlacement) -> None:
+        targets, recipe = self._targets, self._recipe
+        if targets is None or recipe is None or targets.run_id != placement.run_id:
+            return
+        program, door = program_of(targets), recipe_of(recipe)
+        executed = run.executed_path(program)
+        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
+        self._executed.publish(executed_message(executed, header, placement))
+        T_base_door = transform_of(placement.pose)
+        corrected = inspect(door, T_base_door, executed)
+        uncorrected = inspect(door, T_base_door, self._cell.execute_uncorrected(program))
+        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
+        self._milled.publish(milled_message(door, corrected, uncorrected, TOLERANCE, header, placement))
+        self.report(OK, "door milled", door_id=placement.door_id, deviation=corrected.max_deviation)

@@ -1,0 +1,65 @@
+"""What the robot did and how the door came out."""
+
+from __future__ import annotations
+
+import numpy as np
+from std_msgs.msg import Header
+
+from doormill_interfaces.msg import DoorPlacement, FeatureDeviation, MilledDoor
+from doormill_interfaces.msg import ExecutedPath as ExecutedPathMessage
+from doormill_ros.nodes.convert.geometry import pose_message, wrench_message
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.simulation.executed_path import ExecutedPath
+from doormill_ros.simulation.milled_part import MilledPart
+
+
+def executed_message(path: ExecutedPath, header: Header, placement: DoorPlacement) -> ExecutedPathMessage:
+    """All samples of an executed path."""
+    return ExecutedPathMessage(
+        header=header,
+        run_id=placement.run_id,
+        door_id=placement.door_id,
+        time=path.time.tolist(),
+        actual=[pose_message(T) for T in path.T_base_tool],
+        commanded=[pose_message(T) for T in path.T_base_tool_commanded],
+        joint_positions=path.q.ravel().tolist(),
+        motion=path.motion.tolist(),
+        cutting=path.cutting.tolist(),
+        wrench=[wrench_message(w) for w in path.wrench],
+        feature=path.feature.tolist(),
+    )
+
+
+def milled_message(
+    recipe: Recipe,
+    corrected: MilledPart,
+    uncorrected: MilledPart,
+    tolerance: float,
+    header: Header,
+    placement: DoorPlacement,
+) -> MilledDoor:
+    """Deviations of every feature, as milled and without correction."""
+    features = []
+    for feature in recipe.features:
+        with_correction = corrected.feature(feature.id)
+        without = uncorrected.feature(feature.id)
+        features.append(
+            FeatureDeviation(
+                feature=feature.id,
+                kind=feature.kind,
+                corrected_max=with_correction.max_deviation,
+                uncorrected_max=without.max_deviation,
+                arc_length=np.asarray(with_correction.station).tolist(),
+                corrected=np.asarray(with_correction.deviation).tolist(),
+                uncorrected=np.asarray(without.deviation).tolist(),
+            )
+        )
+    return MilledDoor(
+        header=header,
+        run_id=placement.run_id,
+        door_id=placement.door_id,
+        corrected_max=corrected.max_deviation,
+        uncorrected_max=uncorrected.max_deviation,
+        tolerance=tolerance,
+        features=features,
+    )

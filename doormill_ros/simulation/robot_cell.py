@@ -1,0 +1,126 @@
+"""The simulated milling robot: its controller, its program, and what it is like in truth."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from doormill_ros.abb import signals
+from doormill_ros.abb.errors import RapidStoppedError
+from doormill_ros.abb.io_port import FolderIo, MemoryIo
+from doormill_ros.abb.target_file import render_target_file, write_atomically
+from doormill_ros.simulation.controller import VirtualController
+from doormill_ros.simulation.controller_arm import ControllerArm
+from doormill_ros.simulation.controller_process import module_process
+from doormill_ros.simulation.errors import EffectsFileError
+from doormill_ros.simulation.executed_path import ExecutedPath
+from doormill_ros.simulation.truth_robot import TruthRobot
+from doormill_ros.toolpath.program import MillingProgram
+
+
+def load_effects(path: Path) -> tuple[Mapping[str, Any], ...]:
+    """Effects for `TruthRobot` from a YAML list of {cause, where, parameters}.
+
+    Raises:
+        EffectsFileError: No such file, or no such list.
+    """
+    try:
+        effects = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise EffectsFileError(f"{path} cannot be read: {error}", path=str(path)) from error
+    if not isinstance(effects, list) or not all(isinstance(e, dict) and "cause" in e for e in effects):
+        raise EffectsFileError(
+            f"{path} holds no list of effects; each has cause, where and parameters", path=str(path)
+        )
+    return tuple(effects)
+
+
+class RobotCellRun:
+    """One start of the controller's program for one door; made by `RobotCell.start`."""
+
+    def __init__(self, controller: VirtualController) -> None:
+        self._controller = controller
+
+    def execute(self) -> bool:
+        """Run the program to its end; blocks. False when it was stopped from outside.
+
+        Raises:
+            AbbError: The program stopped with an error.
+        """
+        try:
+            self._controller.run()
+        except RapidStoppedError:
+            return False
+        return self._controller.motion_count > 0
+
+    def stop(self) -> None:
+        """Stop program and robot; from any thread."""
+        self._controller.stop()
+
+    def executed_path(self, program: MillingProgram) -> ExecutedPath:
+        """What the tool did, given the wrenches under which the motions cut."""
+        return self._controller.executed_path(module_process(program).wrench_of)
+
+
+class RobotCell:
+    """A controller with a HOME folder and a robot that gives way.
+
+    Args:
+        home: Folder behind HOME:; made when it is missing.
+        arm: The robot as its controller believes it to be.
+        effects: What the robot hides, see `TruthRobot`.
+        time_scale: Simulated over real seconds of motion; None for as fast as possible.
+    """
+
+    def __init__(
+        self,
+        home: Path,
+        arm: ControllerArm,
+        effects: Iterable[Mapping[str, Any]] = (),
+        time_scale: float | None = None,
+    ) -> None:
+        self._home = home
+        self._arm = arm
+        self._truth = TruthRobot(self._arm.dh, effects)
+        self._time_scale = time_scale
+        home.mkdir(parents=True, exist_ok=True)
+        self._io = FolderIo(home)
+
+    def start(self, door_id: str) -> RobotCellRun:
+        """Clamp a door and get the program ready; `execute` runs it."""
+        for name in signals.CONTROLLER_SIGNALS:
+            self._io.write(name, 0)
+        controller = VirtualController(
+            self._home, self._arm, self._truth, io=self._io, time_scale=self._time_scale
+        )
+        controller.program.write("expectedDoor", f'"{door_id}"')
+        return RobotCellRun(controller)
+
+    def execute_uncorrected(self, program: MillingProgram) -> ExecutedPath:
+        """What the same robot would have done without the correction.
+
+        Raises:
+            AbbError: The program stopped with an error.
+        """
+        targets = tuple(replace(t, T_base_tool_corrected=t.T_base_tool_nominal) for t in program.targets)
+        nominal = replace(program, targets=targets)
+        with tempfile.TemporaryDirectory(prefix="doormill-") as folder:
+            home, io = Path(folder), MemoryIo()
+            write_atomically(home / signals.TARGET_FILE, render_target_file(nominal, "uncorrected"))
+            controller = VirtualController(
+                home,
+                self._arm,
+                self._truth,
+                io=io,
+                process=module_process(program),
+                # The other side of the handshake: the file is there as soon as it is asked for.
+                on_wait=lambda _: io.write(signals.READY, io.read(signals.REQUEST)),
+            )
+            controller.program.write("expectedDoor", f'"{program.door_id}"')
+            controller.run()
+            return controller.executed_path()
