@@ -59,6 +59,7 @@ def document():
             "hinge_side": "left",
             "material": "softwood",
             "mass_kg": 30,
+            "placement": {"y_mm": 1.5},
             "tools": {
                 "mill_16": {
                     "diameter_mm": 16,

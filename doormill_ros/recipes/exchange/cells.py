@@ -156,7 +156,9 @@ def _unflatten(row: Row, content: type | None, skip: str = "") -> dict[str, Any]
         for parent in parents:
             place = place.setdefault(parent, {})
             if not isinstance(place, dict):
-                place = {}
+                raise BadTable(f"{row.place}: the column {column!r} is inside {parent!r}, which has a value")
+        if leaf in place:
+            raise BadTable(f"{row.place}: the column {column!r} has a value, and a column inside it too")
         place[leaf] = _value(cell, column, codec_of(content, column), row.decimal_comma)
     return document
 

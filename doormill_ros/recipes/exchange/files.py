@@ -20,7 +20,7 @@ from doormill_ros.recipes.errors import (
 from doormill_ros.recipes.exchange.cells import located
 from doormill_ros.recipes.exchange.csv_file import format_csv, parse_csv
 from doormill_ros.recipes.exchange.thesis_text import decode, format_thesis_text, parse_thesis_text
-from doormill_ros.recipes.exchange.xlsx_file import read_xlsx, write_xlsx
+from doormill_ros.recipes.exchange.xlsx_file import format_xlsx, read_xlsx
 from doormill_ros.recipes.recipe import Recipe
 
 ENDINGS = (".xlsx", ".csv", ".txt", ".yaml", ".yml", ".json")
@@ -65,11 +65,9 @@ def write_file(path: str | Path, recipes: Sequence[Recipe]) -> None:
     """
     path = Path(path)
     ending = _ending(path)
+    content = format_xlsx(recipes) if ending == ".xlsx" else _text(ending, path, recipes).encode()
     try:
-        if ending == ".xlsx":
-            write_xlsx(path, recipes)
-            return
-        path.write_text(_text(ending, path, recipes), encoding="utf-8", newline="")
+        path.write_bytes(content)
     except OSError as error:
         raise UnreadableFile(f"{path}: cannot be written, {error.strerror}") from error
 

@@ -125,7 +125,7 @@ def _rows(text: str, name: str) -> dict[str, list[str]]:
         label, *cells = line.split("\t")
         while cells and cells[-1] == "":
             cells.pop()
-        label = " ".join(label.split()).rstrip(":")
+        label = " ".join(label.split()).rstrip(": ")
         if not label and not cells:
             continue
         variable = label.lower().startswith((DISPLACEMENT.lower(), FORCE.lower()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -71,8 +72,8 @@ def _rows(sheet: Any, record: Record, name: str) -> list[Row]:
     return rows
 
 
-def write_xlsx(path: Path, recipes: Sequence[Recipe]) -> None:
-    """Write a workbook; `read_xlsx` gives equal recipes."""
+def format_xlsx(recipes: Sequence[Recipe]) -> bytes:
+    """Content of a workbook; `read_xlsx` gives equal recipes."""
     book = Workbook(write_only=True)
     everything = [row for recipe in recipes for row in rows_of(recipe)]
     for record, title in SHEETS.items():
@@ -83,7 +84,9 @@ def write_xlsx(path: Path, recipes: Sequence[Recipe]) -> None:
         sheet.append([_cell(sheet, column) for column in columns])
         for row in rows:
             sheet.append([_cell(sheet, row.get(column)) for column in columns])
-    book.save(path)
+    stream = io.BytesIO()
+    book.save(stream)
+    return stream.getvalue()
 
 
 def _cell(sheet: Worksheet, value: Any) -> Any:
