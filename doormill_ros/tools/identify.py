@@ -103,6 +103,7 @@ def from_raw(folder: Path) -> Outcome:
     from doormill_ros.robot.kinematics import Kinematics
     from doormill_ros.stiffness.identification.joint_by_joint import identify_joint_by_joint
     from doormill_ros.stiffness.identification.raw_set import read_raw_set
+    from doormill_ros.stiffness.identification.thesis_procedure import thesis_stiffness
     from doormill_ros.stiffness.identification.weighted import fit_stiffness
 
     raw = read_raw_set(folder)
@@ -111,6 +112,13 @@ def from_raw(folder: Path) -> Outcome:
     fit = fit_stiffness(kinematics, raw.loadings)
     source = f"raw loading tests {folder.resolve().name}"
     outcome = outcome_of_loadings(raw.robot, source, steps, fit, len(raw.loadings))
+    found = thesis_stiffness(kinematics, raw.tests, raw.robot.stiffness)
+    if found:
+        outcome.lines.append("by the thesis' formulas:")
+        outcome.lines.extend(
+            f"{f.joint:>5} {f.stiffness:11.4g}   (equations {f.equations}, {f.test})" for f in found
+        )
+        outcome.document["thesis_formulas"] = [vars(f) for f in found]
     outcome.document["windows"] = {
         name: {
             "duration": window.duration,

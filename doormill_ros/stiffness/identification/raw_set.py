@@ -42,6 +42,31 @@ FILE_NAME = "loading_tests.yaml"
 
 
 @dataclass(frozen=True, eq=False)
+class RawTest:
+    """Means of one test, base axes.
+
+    Attributes:
+        name: Its name.
+        q: Posture, shape (6,) [rad].
+        wrench: Load on the robot at the load point, shape (6,) [N, N m].
+        load_link: Link that carries the load point.
+        load_point: The load point in that link's frame, shape (3,) [m].
+        unloaded: Mean position of each reflector without load, tracker origin, shape (m, 3) [m].
+        loaded: The same with load.
+        thesis: What the thesis' formula of a joint needs beside these, as written.
+    """
+
+    name: str
+    q: np.ndarray
+    wrench: np.ndarray
+    load_link: int
+    load_point: np.ndarray
+    unloaded: np.ndarray
+    loaded: np.ndarray
+    thesis: dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
 class RawSet:
     """Loading tests made from raw files.
 
@@ -50,12 +75,14 @@ class RawSet:
         loadings: One row for each reflector of each test.
         names: Test and reflector number of each row.
         windows: Every steady window that was used, by file name.
+        tests: The means of each test.
     """
 
     robot: Robot
     loadings: Loadings
     names: list[str]
     windows: dict[str, SteadyWindow]
+    tests: list[RawTest]
 
 
 def read_raw_set(folder: str | Path) -> RawSet:
@@ -75,7 +102,9 @@ def read_raw_set(folder: str | Path) -> RawSet:
     for index, test in enumerate(tests):
         rows += reader.test(index, test)
     stacked = {key: np.array([row[key] for row in rows]) for key in rows[0] if key != "name"}
-    return RawSet(reader.robot, Loadings(**stacked), [row["name"] for row in rows], reader.windows)
+    return RawSet(
+        reader.robot, Loadings(**stacked), [row["name"] for row in rows], reader.windows, reader.tests
+    )
 
 
 class _Reader:
@@ -103,6 +132,7 @@ class _Reader:
                     ("noise", name), f"is {self.noise[name]}, allowed is a positive number"
                 )
         self.windows: dict[str, SteadyWindow] = {}
+        self.tests: list[RawTest] = []
 
     def test(self, index: int, test: Any) -> list[dict[str, Any]]:
         where = f"test {index + 1}"
@@ -114,13 +144,14 @@ class _Reader:
         reflectors = test.get("reflectors")
         if not isinstance(reflectors, list) or not reflectors:
             raise self._wrong(where, "has no reflectors, it needs at least one")
-        rows = []
+        rows, positions = [], []
         for number, reflector in enumerate(reflectors, start=1):
             place = f"{where}, reflector {number}"
             if not isinstance(reflector, dict):
                 raise self._wrong(place, "is no mapping")
             before = self._window(reflector, "unloaded", read_tracker_file, place)
             after = self._window(reflector, "loaded", read_tracker_file, place)
+            positions.append([self.R_base_tracker @ before.mean, self.R_base_tracker @ after.mean])
             spread = np.hypot(before.standard_error, after.standard_error)
             rows.append(
                 {
@@ -136,6 +167,14 @@ class _Reader:
                     ),
                 }
             )
+        thesis = test.get("thesis", {})
+        if not isinstance(thesis, dict):
+            raise self._wrong(where, "has a 'thesis' that is no mapping")
+        name = str(test.get("name", index + 1))
+        at_rest, bent = np.array(positions).swapaxes(0, 1)
+        self.tests.append(
+            RawTest(name, q, load["wrench"], load["load_link"], load["load_point"], at_rest, bent, thesis)
+        )
         return rows
 
     def _load(self, test: dict[str, Any], q: np.ndarray, where: str) -> dict[str, Any]:

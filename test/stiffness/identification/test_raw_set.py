@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 
@@ -12,7 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from doormill_ros.diagnosis.errors import DataSetError
 from doormill_ros.simulation.truth_robot import TruthRobot
+from doormill_ros.stiffness.identification.errors import LoadingTestError
 from doormill_ros.stiffness.identification.raw_set import read_raw_set
+from doormill_ros.stiffness.identification.thesis_procedure import thesis_stiffness
 from doormill_ros.stiffness.identification.weighted import fit_stiffness
 
 TRUE = np.array([3.1e6, 1.7e6, 2.2e6, 2.6e5, 1.6e5, 6.1e4])
@@ -32,18 +35,29 @@ REFLECTORS = {
     "joint1": [(1, [-0.2, 0.3, 0.48])],
     "joint2": [(2, [0.025, 0.0, 0.0])],
     "joint3": [(6, [0.088, 0.0, 0.207]), (2, [0.0, 0.0, 0.05])],
-    "joint4": [(6, [0.088, 0.0, 0.207]), (4, [0.1, 0.0, 0.0])],
-    "joint5": [(6, [0.088, 0.0, 0.207]), (3, [0.0, 0.05, 0.0])],
+    # A on the axis of joint 4, 0.269 m from joint 3; B 0.095 m from that axis (A.11).
+    "joint4": [(3, [0.0, 0.0, 0.18]), (4, [0.095, 0.0, 0.0]), (6, [0.088, 0.0, 0.207])],
+    # A on the forearm, B on the axis of joint 5, C at the flange.
+    "joint5": [(3, [0.1, 0.0, 0.3]), (4, [0.0, 0.0, 0.0]), (6, [0.088, 0.0, 0.207])],
     "joint6": [(6, [0.088, 0.25, 0.207]), (5, [0.0, 0.0, 0.1])],
 }
 
+THESIS = {
+    "joint1": {"joint": 1, "force": "fy", "load_arm": 1.842, "lever": math.hypot(0.12, 0.48)},
+    "joint2": {"joint": 2, "load_arm": 1.075, "lever": 1.1},
+    "joint3": {"joint": 3, "lever": math.hypot(1.054, 0.207)},
+    "joint4": {"joint": 4, "force": "fx", "load_arm": 0.38, "lever": math.hypot(0.18, 0.2), "radius": 0.095},
+    "joint5": {"joint": 5, "force": "fx", "load_arm": 0.38},
+    "joint6": {"joint": 6, "lever": math.hypot(0.088, 0.25)},
+}
 
-def write_tracker(path, position, rng, settles):
+
+def write_tracker(path, position, rng, settles, noise):
     """Ten seconds at 100 Hz in tracker axes; a loaded reflector comes to rest first."""
     t = np.arange(1000) / 100
     swing = 2e-4 * np.exp(-t / 0.8) * np.cos(3 * t) if settles else 0 * t
     samples = TRACKER.inv().apply(position + np.array([0.3, 1.0, 0.2])) + swing[:, None]
-    samples = samples + rng.normal(scale=2e-5, size=samples.shape)
+    samples = samples + rng.normal(scale=noise, size=samples.shape)
     np.savetxt(path, np.column_stack([t + 512.5, samples]), fmt="%.9f")
 
 
@@ -58,20 +72,20 @@ def write_force(path, wrench_flange, rng, tare):
     np.savetxt(path, table, delimiter=",", header="Time (s),Fx,Fy,Fz,Tx,Ty,Tz", comments="")
 
 
-def write_raw(folder, robot, seed):
+def write_raw(folder, robot, seed, stiffness=TRUE, noise=2e-5):
     rng = np.random.default_rng(seed)
-    truth = TruthRobot(robot.dh, stiffness=TRUE)
+    truth = TruthRobot(robot.dh, stiffness=stiffness)
     tare = np.array([12.0, -7.0, 40.0, 0.5, -0.3, 0.1])
     tests = []
     for name, (degrees, load) in TESTS.items():
         q = np.radians(degrees)[None]
         rest = truth.link_frames(q)
-        test = {"name": name, "q": q[0].tolist(), "reflectors": []}
+        test = {"name": name, "q": q[0].tolist(), "reflectors": [], "thesis": THESIS[name]}
         if load is None:
             # A rope at the origin of frame 2 (joint 3): nothing behind it is loaded. Seen from the flange the
             # same load is a force and a couple, which bends joints 3 to 6 too, so these are made rigid.
             force, point = np.array([197.0, 0, 0]), rest[0, 2, :3, 3]
-            stiff = TruthRobot(robot.dh, stiffness=np.array([*TRUE[:2], *[1e15] * 4]))
+            stiff = TruthRobot(robot.dh, stiffness=np.array([*stiffness[:2], *[1e15] * 4]))
             lever = point - (rest[0, 6] @ np.append(LOAD_POINT, 1))[:3]
             bent = stiff.deflected_frames(
                 q, np.concatenate([force, np.cross(lever, force)])[None], LOAD_POINT
@@ -88,7 +102,7 @@ def write_raw(folder, robot, seed):
             files = [f"FARO_{name}_{i}_{state}.txt" for state in "01"]
             for file, frames in zip(files, (rest, bent), strict=True):
                 point = (frames[0, link] @ np.append(position, 1.0))[:3]
-                write_tracker(folder / file, point, rng, settles=file.endswith("1.txt"))
+                write_tracker(folder / file, point, rng, file.endswith("1.txt"), noise)
             test["reflectors"].append(
                 {"link": link, "position": position, "unloaded": files[0], "loaded": files[1]}
             )
@@ -109,7 +123,7 @@ def write_raw(folder, robot, seed):
 def test_raw_files_give_back_the_springs(tmp_path, robot, kinematics):
     write_raw(tmp_path, robot, seed=5)
     raw = read_raw_set(tmp_path)
-    assert len(raw.loadings) == 10
+    assert len(raw.loadings) == 12
     # 20 um samples, about 900 of them: the means are known to about a micrometre.
     assert raw.loadings.displacement_std.max() < 3e-6
     # The swing of the loaded reflector is not in the mean.
@@ -128,6 +142,70 @@ def test_a_wrong_mounting_angle_is_noticed(tmp_path, robot, kinematics):
     bad = fit_stiffness(kinematics, read_raw_set(tmp_path).loadings)
     assert good.chi_square < 3 * good.degrees_of_freedom
     assert bad.chi_square > 10 * bad.degrees_of_freedom
+
+
+def formulas(tmp_path, robot, kinematics, stiffness, seed=3):
+    write_raw(tmp_path, robot, seed, stiffness, noise=1e-7)
+    found = thesis_stiffness(kinematics, read_raw_set(tmp_path).tests, robot.stiffness)
+    assert [f.joint for f in found] == [1, 2, 3, 4, 5, 6]
+    return np.array([f.stiffness for f in found])
+
+
+@pytest.mark.parametrize("joint", range(1, 7))
+def test_formula_of_a_joint_that_gives_way_alone(tmp_path, robot, kinematics, joint):
+    """With one joint soft its formula gives it back; the noise of the logs is left, that of the tracker is not."""
+    stiffness = np.full(6, 1e13)
+    stiffness[joint - 1] = TRUE[joint - 1]
+    # Joints 3 and 6 take the robot's own joints 2 and 1 off where no test makes them soft: make these rigid too.
+    rigid = robot if joint in (1, 2) else dataclasses.replace(robot, stiffness=np.full(6, 1e13))
+    write_raw(tmp_path, robot, seed=joint, stiffness=stiffness, noise=1e-7)
+    tests = [t for t in read_raw_set(tmp_path).tests if t.thesis["joint"] == joint]
+    found = thesis_stiffness(kinematics, tests, rigid.stiffness)
+    assert len(found) == 1
+    assert found[0].stiffness == pytest.approx(TRUE[joint - 1], rel=0.01)
+
+
+def test_formulas_when_every_joint_gives_way(tmp_path, robot, kinematics):
+    """Tests 1 and 2 isolate their joint; the other formulas are wrong by what they do not take off."""
+    ratio = formulas(tmp_path, robot, kinematics, TRUE) / TRUE
+    assert ratio[:2] == pytest.approx(1.0, abs=0.01)
+    # Joint 2's displacement taken at the load point is not the reflector's: a tenth.
+    assert 0.85 < ratio[2] < 1.15
+    # (3.14) takes off more than joint 4 turned: the rotation and with it the stiffness come out negative.
+    assert ratio[3] < 0
+    # Pucks beside the joint see joint 5 alone.
+    assert ratio[4] == pytest.approx(1.0, abs=0.01)
+    # Joint 5 bends under the rope of test 6 and is read as joint 6.
+    assert ratio[5] < 0.8
+
+
+def test_formula_of_joint_4_drowns_in_noise(tmp_path, robot, kinematics):
+    """Its angle is a tenth of joint 4's turn, (3.14) takes the noise of A off: 20 um samples spoil it."""
+    stiffness = np.full(6, 1e13)
+    stiffness[3] = TRUE[3]
+    found = [formulas(tmp_path, robot, kinematics, stiffness, seed)[3] / TRUE[3] for seed in range(3)]
+    write_raw(tmp_path, robot, 0, stiffness)
+    noisy = thesis_stiffness(kinematics, read_raw_set(tmp_path).tests, robot.stiffness)[3].stiffness / TRUE[3]
+    assert np.abs(np.array(found) - 1).max() < 0.01
+    assert abs(noisy - 1) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("thesis", "problem"),
+    [
+        ({"joint": 7}, "thesis joint 7"),
+        ({"joint": 1, "force": "up", "load_arm": 1.0, "lever": 1.0}, "thesis force 'up'"),
+        ({"joint": 1, "force": "fy", "load_arm": 1842, "lever": 1.0}, "thesis load_arm 1842"),
+        ({"joint": 3}, "thesis lever None"),
+        ({"joint": 5, "force": "fx", "load_arm": 0.38}, "needs 3"),
+    ],
+)
+def test_formula_complaints(tmp_path, robot, kinematics, thesis, problem):
+    document = write_raw(tmp_path, robot, seed=1)
+    document["tests"][0]["thesis"] = thesis
+    (tmp_path / "loading_tests.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    with pytest.raises(LoadingTestError, match=problem):
+        thesis_stiffness(kinematics, read_raw_set(tmp_path).tests, robot.stiffness)
 
 
 @pytest.mark.parametrize(
@@ -162,10 +240,11 @@ def test_tool_reads_raw_files(tmp_path, robot, capsys):
 
     write_raw(tmp_path, robot, seed=9)
     assert main(["--raw", str(tmp_path), "--out", str(tmp_path / "out")]) == 0
-    assert "10 loadings" in capsys.readouterr().out
+    assert "12 loadings" in capsys.readouterr().out
     document = json.loads((tmp_path / "out" / "identification.json").read_text())
     assert document["stiffness"] == pytest.approx(TRUE, rel=0.05)
-    assert len(document["windows"]) == 30  # 20 tracker files, 10 force logs
+    assert [f["joint"] for f in document["thesis_formulas"]] == [1, 2, 3, 4, 5, 6]
+    assert len(document["windows"]) == 34  # 24 tracker files, 10 force logs
     # A broken file: one line that names it, nothing written.
     (tmp_path / "FARO_joint5_0_1.txt").write_text("0 1 2 3\n0.1 1 2 x\n")
     assert main(["--raw", str(tmp_path), "--out", str(tmp_path / "other")]) == 2
