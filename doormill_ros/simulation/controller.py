@@ -290,7 +290,7 @@ class VirtualController:
     def log(self, kind: str, title: str, text: str) -> None:
         """Add to the event log, a repeated entry once."""
         if not self.event_log or (self.event_log[-1].title, self.event_log[-1].text) != (title, text):
-            self.event_log.append(LogEntry(self.now(), kind, title, text))
+            self.event_log.append(LogEntry(float(self.now()), kind, title, text))
 
     # Time
 

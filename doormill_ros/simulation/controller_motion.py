@@ -28,12 +28,14 @@ class Sampling:
     Attributes:
         interval: Longest time between samples [s].
         cutting_step: Longest way between samples while cutting [m].
-        settling: Time that standing still at a stop point takes [s].
+        settling: Time that coming to rest at a stop point takes [s].
+        planning: Time that setting off from rest takes, in which the program pointer gets ahead [s].
     """
 
     interval: float = 0.01
     cutting_step: float = 0.5e-3
     settling: float = 0.02
+    planning: float = 0.05
 
 
 @dataclass(eq=False)
@@ -88,6 +90,7 @@ class MotionEngine:
         self._queue: list[PlannedMove] = []
         self._current: PlannedMove | None = None
         self._u = 0.0
+        self._resting = True
         self._phase: _Phase | None = None
         #: Programmed end of the last motion that was taken.
         self.planned_q = self.q.copy()
@@ -121,7 +124,7 @@ class MotionEngine:
         self.paused = True
         if clear:
             self._queue.clear()
-            self._current, self._phase, self._u = None, None, 0.0
+            self._current, self._phase, self._u, self._resting = None, None, 0.0, True
             self.planned_q, self.planned_pose = self.q.copy(), None
 
     def restart(self) -> None:
@@ -164,7 +167,11 @@ class MotionEngine:
         """The next stretch: along the present motion, round its corner, or into the next one."""
         if self._current is None:
             if not self._queue:
+                self._resting = True
                 return None
+            if self._resting:
+                self._resting = False
+                return self._set_off(self._queue[0])
             self._current, self._u = self._queue.pop(0), 0.0
         move = self._current
         if move.zone == 0.0 or move.length == 0.0:
@@ -188,10 +195,17 @@ class MotionEngine:
             return self._along(move, leave)
         return self._round(move, self._queue.pop(0), leave, radius)
 
+    def _set_off(self, move: PlannedMove) -> _Phase:
+        """Stand while the path is prepared."""
+        pose = self._arm.forward(self.q)[0] @ self._T_flange_tool
+        count = 2
+        time = np.array([0.0, self._sampling.planning])
+        return _Phase(time, np.array([pose] * count), np.array([self.q] * count), [move.context] * count)
+
     def _finish(self, move: PlannedMove) -> _Phase:
         """To the target, and stand there."""
         phase = self._along(move, 1.0)
-        self._current = None
+        self._current, self._resting = None, move.zone == 0.0
         phase.time[-1] += self._sampling.settling if move.zone == 0.0 else 0.0
         return phase
 
