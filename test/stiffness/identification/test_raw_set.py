@@ -12,6 +12,7 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.diagnosis.errors import DataSetError
+from doormill_ros.resources import share_directory
 from doormill_ros.simulation.truth_robot import TruthRobot
 from doormill_ros.stiffness.identification.errors import LoadingTestError
 from doormill_ros.stiffness.identification.raw_set import read_raw_set
@@ -250,3 +251,11 @@ def test_tool_reads_raw_files(tmp_path, robot, capsys):
     assert main(["--raw", str(tmp_path), "--out", str(tmp_path / "other")]) == 2
     assert "FARO_joint5_0_1.txt: line 2, column 4: 'x' is no number" in capsys.readouterr().err
     assert not (tmp_path / "other").exists()
+
+
+def test_page_says_what_the_formulas_make_of_the_shipped_stiffness(tmp_path, robot, kinematics):
+    ratio = formulas(tmp_path, robot, kinematics, np.array(robot.stiffness)) / robot.stiffness
+    page = (share_directory() / "docs" / "thesis.md").read_text(encoding="utf-8")
+    line = next(line for line in page.splitlines() if line.startswith("| found / true |"))
+    printed = [float(cell) for cell in line.strip("| ").split("|")[1:]]
+    assert printed == pytest.approx(ratio, abs=0.006)
