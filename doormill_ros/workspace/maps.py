@@ -21,7 +21,7 @@ WRENCH_SCRIPT = (0.0, 0.0, -2000.0, 200.0, 200.0, 0.0)  #: appendix A.14
 # A slot is milled along the door's edge (base z) and turns across it (base y).
 DIRECTIONS = {"along_edge": (0.0, 0.0, 1.0), "across_edge": (0.0, 1.0, 0.0), "into_door": (1.0, 0.0, 0.0)}
 
-_CHUNK = 4096  # configurations a pass: its arrays stay in the second-level cache
+_CHUNK = 3072  # configurations a pass: its arrays stay in the second-level cache
 
 
 @dataclass(frozen=True, eq=False)
