@@ -20,7 +20,12 @@ def _load(name):
 @pytest.fixture(scope="session")
 def postgres():
     """One server a test process; it starts when the first test asks for it."""
-    with _load("postgres").running_server() as server:
+    module = _load("postgres")
+    try:
+        module.find_binaries()
+    except RuntimeError as error:
+        pytest.fail(str(error), pytrace=False)
+    with module.running_server() as server:
         yield server
 
 
