@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +27,10 @@ def whole_door(recipe: Recipe) -> list[Operation]:
 
 
 def door_plan(
-    recipe: Recipe, operations: Sequence[Operation], settings: PathSettings, far: float | None = None
+    recipe: Recipe,
+    operations: Sequence[Operation],
+    settings: PathSettings,
+    retreats: Mapping[int, float] | None = None,
 ) -> Plan:
     """Nominal path on the door.
 
@@ -39,8 +42,9 @@ def door_plan(
         recipe: The door.
         operations: What this robot mills, in order.
         settings: Clearances and speeds.
-        far: Distance from the door at which the robot changes between features of one side joint
-            by joint, free to change its configuration [m]; None to stay close and go straight.
+        retreats: Operations before which the robot draws back this far [m] and changes joint by
+            joint, free to take another configuration. It goes straight and close to the others,
+            and round an edge of the door it always draws back.
 
     Raises:
         NothingToMillError: There is no operation.
@@ -55,9 +59,9 @@ def door_plan(
         return thesis_plan(operations, settings)
     steps: list[Step] = []
     before: Operation | None = None
-    for item in operations:
+    for number, item in enumerate(operations):
         cuts = pocket_steps(item, settings)
-        steps += _way(before, item, steps, cuts[0], settings, far)
+        steps += _way(before, item, steps, cuts[0], settings, (retreats or {}).get(number))
         steps += cuts[1:]
         before = item
     return Plan(tuple(steps))

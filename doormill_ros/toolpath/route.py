@@ -42,9 +42,9 @@ def route(
 ) -> tuple[Plan, JointPath]:
     """A plan whose every pose the robot reaches.
 
-    Straight ways close to the door are tried first. Where they lead through a singularity or keep
-    the robot in a configuration that does not serve the next feature, it draws back and changes
-    joint by joint.
+    Straight ways close to the door are tried first. Where one leads through a singularity, or
+    keeps the robot in a configuration that does not serve the next feature, the robot draws back
+    there and changes joint by joint.
 
     Args:
         recipe: The door.
@@ -57,18 +57,36 @@ def route(
     Raises:
         PathError: The leaf says which feature cannot be served, and why.
     """
+    retreats: dict[int, float] = {}
     refusal: PathError | None = None
-    for far in (None, *settings.approach.retreats):
+    while True:
+        plan = door_plan(recipe, operations, settings, retreats)
         try:
-            plan = door_plan(recipe, operations, settings, far)
             path = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings)
             check_air(plan.steps, path, recipe.size, T_base_door, robot, layout)
             return plan, path
         except (PathSingularityError, PathJointLimitError, ConfigurationChangeError, AirMoveError) as error:
             refusal = refusal or error
-            if plan.fixed:
-                break
-    raise refusal
+            if plan.fixed or not _draw_back(retreats, error, operations, settings.approach.retreats):
+                raise refusal from error
+
+
+def _draw_back(
+    retreats: dict[int, float], error: PathError, operations: Sequence[Operation], distances: Sequence[float]
+) -> bool:
+    """Note one more retreat that may help; False when there is none left to try."""
+    number = next((i for i, o in enumerate(operations) if o.feature.id == error.data.get("feature")), 0)
+    if isinstance(error, AirMoveError):
+        farther = [d for d in distances if d > retreats.get(number, 0.0)]
+        if farther:
+            retreats[number] = farther[0]
+        return bool(farther)
+    # Free the robot before the feature that it cannot serve, then after it, then anywhere.
+    around = [number, number + 1, *range(len(operations))]
+    free = [i for i in around if 0 < i < len(operations) and i not in retreats]
+    if free:
+        retreats[free[0]] = distances[0]
+    return bool(free)
 
 
 def check_air(
