@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.robot.branch_rules import BranchRules, Rejected, check_reach, refusal, too_close
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.errors import (
@@ -15,47 +16,13 @@ from doormill_ros.robot.errors import (
     JointLimitError,
     RobotError,
     SingularityError,
-    UnreachableError,
 )
 from doormill_ros.robot.inverse import BRANCHES, inverse_branches
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot.singularity import Clearance, clearance
-from doormill_ros.units import DEG, rad_to_deg
+from doormill_ros.robot.singularity import clearance
 
 _TURN = 2.0 * np.pi
 _WRIST_ROLLS = (3, 5)  # joints that turn about one line where axis 5 is straight
-
-
-@dataclass(frozen=True)
-class BranchRules:
-    """What a configuration must keep to along the path.
-
-    Attributes:
-        limit_margin: Distance of every joint from its limits [rad].
-        wrist: Smallest angle of axis 5 from straight [rad].
-        elbow: Smallest angle of the forearm from in line with the lower arm [rad].
-        shoulder: Smallest distance of the wrist centre from axis 1 [m].
-        max_step: Largest move of a joint between neighbouring poses [rad].
-        equal_compliance: Ratio up to which two candidates count as equally stiff; the one farther
-            from its limits, or nearer to the start, then wins.
-    """
-
-    limit_margin: float = 1.0 * DEG
-    wrist: float = 5.0 * DEG
-    elbow: float = 5.0 * DEG
-    shoulder: float = 0.1
-    max_step: float = 90.0 * DEG
-    equal_compliance: float = 1.02
-
-
-@dataclass(eq=False)
-class _Rejected:
-    """Why candidates failed, with the one that came closest for the message."""
-
-    limits: list[tuple[float, int, int]] = field(default_factory=list)
-    rolls: list[tuple[float, int, int]] = field(default_factory=list)
-    singular: list[tuple[str, int]] = field(default_factory=list)
-    steps: list[tuple[float, int, int]] = field(default_factory=list)
 
 
 def choose_branch(
@@ -103,7 +70,7 @@ def choose_branch(
         raise ValueError(f"the path has shape {T_base_flange.shape}, allowed is (n, 4, 4) with n > 0")
     compliance = compliance or _flange_compliance(robot)
     solutions = inverse_branches(robot, T_base_flange)
-    _check_reach(robot, T_base_flange, solutions)
+    check_reach(robot, T_base_flange, solutions)
     n = len(solutions)
     labels = np.zeros(n, dtype=int) if segment is None else np.asarray(segment)
     if labels.shape != (n,):
@@ -131,7 +98,7 @@ def _piecewise(
     over in front of a door sweeps the whole cell.
     """
     found: list[tuple[float, np.ndarray]] = []
-    refusal: RobotError | None = None
+    refused: RobotError | None = None
     for arm in range(0, BRANCHES, 2):
         parts: list[np.ndarray] = []
         softness = 0.0
@@ -143,11 +110,11 @@ def _piecewise(
                 softness = max(softness, soft)
                 parts.append(q)
         except RobotError as error:
-            refusal = refusal or error
+            refused = refused or error
             continue
         found.append((softness, np.concatenate(parts)))
     if not found:
-        raise refusal
+        raise refused
     return min(found, key=lambda item: item[0])[1]
 
 
@@ -166,7 +133,7 @@ class _Search:
         first: int = 0,
     ) -> tuple[float, np.ndarray]:
         """Largest compliance and joint angles of the best candidate; `first` numbers its first pose."""
-        rejected = _Rejected()
+        rejected = Rejected()
         best: tuple[float, float, np.ndarray] | None = None
         for branch in allowed:
             if np.isnan(solutions[:, branch]).any():
@@ -187,11 +154,11 @@ class _Search:
                 if best is None or _better((softness, merit), best[:2], self.rules.equal_compliance):
                     best = (softness, merit, candidate)
         if best is None:
-            raise _refusal(self.robot, rejected, self.rules, len(solutions), first)
+            raise refusal(self.robot, rejected, self.rules, len(solutions), first)
         return best[0], best[2]
 
-    def _passable(self, path: np.ndarray, borders: list[int], rejected: _Rejected, first: int) -> bool:
-        reason = _too_close(clearance(self.robot, path), self.rules, first)
+    def _passable(self, path: np.ndarray, borders: list[int], rejected: Rejected, first: int) -> bool:
+        reason = too_close(clearance(self.robot, path), self.rules, first)
         if reason:
             rejected.singular.append(reason)
             return False
@@ -244,62 +211,6 @@ def _better(new: tuple[float, float], old: tuple[float, float], equal: float) ->
     if new[0] * equal < old[0]:
         return True
     return new[0] <= old[0] * equal and new[1] < old[1] - 1e-9
-
-
-def _too_close(found: Clearance, rules: BranchRules, first: int) -> tuple[str, int] | None:
-    for name, values, allowed, unit in (
-        ("axis 5 is", rad_to_deg(found.wrist), rad_to_deg(rules.wrist), "deg from straight"),
-        ("the elbow is", rad_to_deg(found.elbow), rad_to_deg(rules.elbow), "deg from stretched"),
-        ("the wrist centre is", found.shoulder, rules.shoulder, "m from axis 1"),
-    ):
-        at = int(values.argmin())
-        if values[at] < allowed:
-            return f"{name} {values[at]:.3g} {unit}, allowed is {allowed:.3g}", first + at
-    return None
-
-
-def _check_reach(robot: Robot, T_base_flange: np.ndarray, solutions: np.ndarray) -> None:
-    lost = np.isnan(solutions[..., 0]).all(axis=1)
-    if lost.any():
-        at = int(lost.argmax())
-        x, y, z = T_base_flange[at, :3, 3]
-        raise UnreachableError(
-            f"{robot.label} cannot reach pose {at + 1} of {len(lost)} of the path, flange at "
-            f"({x:.3f}, {y:.3f}, {z:.3f}) m; move the work or the robot",
-            pose=at,
-        )
-
-
-def _refusal(robot: Robot, rejected: _Rejected, rules: BranchRules, n: int, first: int) -> RobotError:
-    where = f"poses {first + 1} to {first + n}"
-    if rejected.singular and not rejected.rolls:
-        reason, at = rejected.singular[0]
-        return SingularityError(
-            f"{robot.label} passes too close to a singularity on {where}: at pose {at + 1} {reason}; "
-            "move the work sideways or the robot's foot",
-            pose=at,
-        )
-    if rejected.steps:
-        step, at, joint = min(rejected.steps)
-        return BranchError(
-            f"{robot.label} keeps no configuration on {where}: joint {joint + 1} moves "
-            f"{rad_to_deg(step):.0f} deg after pose {at + 1}, allowed is {rad_to_deg(rules.max_step):.0f}; "
-            "add poses between or allow a change",
-            pose=at,
-        )
-    if rejected.rolls or rejected.limits:
-        over, joint, at = min(rejected.rolls or rejected.limits)
-        return JointLimitError(
-            f"{robot.label} reaches {where} only with joint {joint + 1} {rad_to_deg(over):.2f} deg "
-            f"beyond its range of {rad_to_deg(robot.lower[joint]):.0f} to "
-            f"{rad_to_deg(robot.upper[joint]):.0f} deg less {rad_to_deg(rules.limit_margin):.1f} deg; "
-            "move the work or the robot",
-            pose=at,
-            joint=joint + 1,
-        )
-    return BranchError(
-        f"{robot.label} reaches every one of {where}, but no branch reaches them all; split the path"
-    )
 
 
 def _flange_compliance(robot: Robot) -> Callable[[np.ndarray], np.ndarray]:
