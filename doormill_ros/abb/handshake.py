@@ -15,27 +15,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from doormill_ros.abb import signals
+from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.backoff import Backoff
 from doormill_ros.abb.handshake_access import ControllerAccess
 from doormill_ros.abb.handshake_inbox import Inbox, Submission
 from doormill_ros.abb.handshake_runs import RunLedger
-from doormill_ros.abb.handshake_state import (
-    CLEARED,
-    HandshakeSnapshot,
-    HandshakeTimeouts,
-    RunOutcome,
-)
+from doormill_ros.abb.handshake_state import CLEARED, HandshakeSnapshot, HandshakeTimeouts, RunOutcome
 from doormill_ros.abb.handshake_state import HandshakeState as State
-from doormill_ros.abb.link_errors import (
-    AcknowledgeTimeoutError,
-    FileRefusedError,
-    LinkError,
-    MillingTimeoutError,
-    RequestWithdrawnError,
-    StaleSubmissionError,
-    SubmissionTimeoutError,
-)
+from doormill_ros.abb.link_errors import LinkError
 from doormill_ros.abb.transport import Transport
 
 _LOG = logging.getLogger(__name__)
@@ -79,6 +66,7 @@ class Handshake:
         self._deadline = float("inf")
         self._after_clearing: tuple[State, str, int] = (State.IDLE, "started", 0)
         self._edges_missed = True
+        self._request_mark = b""
         self._watch_at = float("-inf")
         self._retry = Backoff(clock, self._timeouts.retry_first, self._timeouts.retry_last)
         self._unreadable_since: float | None = None
@@ -208,20 +196,20 @@ class Handshake:
         before = self._snapshot
         number = before.request_number + 1
         context = f" (before: {before.reason})" if before.error_code else ""
-        self._drop_submission(StaleSubmissionError("the file was made for an earlier request"))
+        self._drop_submission(link_errors.StaleSubmissionError("the file was made for an earlier request"))
+        self._edges_missed = True  # what fails in here makes the request count as new once the link works
+        # Read before anybody is told of the request: a picture is then never older than the mark.
+        self._request_mark = self._access.request_mark()
         self._update(request_number=number, times={})
         self._inbox.forget_abort()
         self._deadline = self._clock() + self._timeouts.submission
         self._enter(State.REQUESTED, f"request {number}: waiting for the target file{context}", 0)
-        try:
-            self._access.clear()
-        except LinkError:
-            self._edges_missed = True  # so that the request counts as new once the link works again
-            raise
+        self._access.clear()
+        self._edges_missed = False
 
     def _step_requested(self, high: bool) -> None:
         if not high:
-            raise RequestWithdrawnError(
+            raise link_errors.RequestWithdrawnError(
                 "the request fell before a file was ready; check the robot program, then request again"
             )
         self._inbox.raise_if_aborted()
@@ -229,7 +217,7 @@ class Handshake:
         if submission is not None:
             self._hand_over(submission)
         elif self._clock() >= self._deadline:
-            raise SubmissionTimeoutError(
+            raise link_errors.SubmissionTimeoutError(
                 f"no target file within {self._timeouts.submission:g} s after the request; "
                 "look at the localizer's and path generator's reports",
                 timeout=self._timeouts.submission,
@@ -237,7 +225,9 @@ class Handshake:
 
     def _step_failed(self, high: bool) -> None:
         if not high:
-            self._drop_submission(RequestWithdrawnError("the request fell before the file was written"))
+            self._drop_submission(
+                link_errors.RequestWithdrawnError("the request fell before the file was written")
+            )
             self._enter(State.IDLE, f"no request; before: {self._snapshot.reason}", 0)
         elif (submission := self._inbox.take()) is not None:
             self._hand_over(submission)
@@ -255,11 +245,12 @@ class Handshake:
         self._enter(State.VERIFYING, f"reading {name} back", 0)
         self._access.verify(submission)
         self._inbox.raise_if_aborted()
-        if not self._access.request_is_high():
-            self._update(request=False)
-            raise RequestWithdrawnError("the request fell while the file was written; request again")
         self._enter(State.RAISING, f"{name} verified, setting {signals.READY}", 0)
-        self._access.announce(submission)
+        try:
+            self._access.announce(submission, self._request_mark)
+        except link_errors.RequestWithdrawnError:
+            self._edges_missed = True  # if it is high again, it is a new request
+            raise
         self._deadline = self._clock() + self._timeouts.acknowledge
         self._watch_at = self._clock() + self._timeouts.watch
         self._unreadable_since = None
@@ -280,11 +271,11 @@ class Handshake:
         if not high:
             self._acknowledged()
         elif not reported:
-            raise RequestWithdrawnError(
+            raise link_errors.RequestWithdrawnError(
                 "the request fell and rose again before ready was lowered; request again"
             )
         elif self._clock() >= self._deadline:
-            raise AcknowledgeTimeoutError(
+            raise link_errors.AcknowledgeTimeoutError(
                 f"the controller did not take the file within {self._timeouts.acknowledge:g} s; "
                 "check that the milling program runs in automatic mode",
                 timeout=self._timeouts.acknowledge,
@@ -298,7 +289,7 @@ class Handshake:
         self._enter(State.ACKNOWLEDGED, "the controller has read the file", 0)
         # Read before ready is lowered: a low ready lets the controller clear FAULT and request again.
         if self._access.optional_signal(signals.FAULT):
-            raise FileRefusedError(
+            raise link_errors.FileRefusedError(
                 f"the controller refused the file of run {self._snapshot.run_id}; its pendant says why",
                 run_id=self._snapshot.run_id,
             )
@@ -313,7 +304,7 @@ class Handshake:
             self._enter(State.DONE, "the robot reported the end of milling", 0)
         elif self._clock() >= self._deadline:
             limit = self._timeouts.milling
-            raise MillingTimeoutError(
+            raise link_errors.MillingTimeoutError(
                 f"the robot did not report the end of milling within {limit:g} s; look at it", timeout=limit
             )
 
@@ -321,7 +312,7 @@ class Handshake:
         state = self._snapshot.state
         _LOG.warning("handshake, %s: %s", state.value, error.message)
         resting = state in (State.IDLE, State.DONE)
-        milling_on = state is State.MILLING and not isinstance(error, MillingTimeoutError)
+        milling_on = state is State.MILLING and not isinstance(error, link_errors.MillingTimeoutError)
         after = state if resting or milling_on else State.FAILED
         self._edges_missed = self._edges_missed or error.connection
         reason = error.message

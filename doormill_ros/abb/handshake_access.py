@@ -12,6 +12,7 @@ from doormill_ros.abb.link_errors import (
     FileVerificationError,
     LinkError,
     ReadySignalError,
+    RequestWithdrawnError,
     UnknownSignalError,
 )
 from doormill_ros.abb.transport import Transport, check_file_name
@@ -98,19 +99,36 @@ class ControllerAccess:
                 file=self.file_name,
             ) from error
 
-    def announce(self, submission: Submission) -> None:
-        """Name the run in the order file, then set ready and read it back.
+    def request_mark(self) -> bytes:
+        """What the robot program wrote about its present request; empty from a program that writes nothing.
+
+        Raises:
+            LinkError: It cannot be read.
+        """
+        try:
+            return self.transport.read_file(signals.REQUEST_FILE).strip()[:80]
+        except FileMissingError:
+            return b""
+
+    def announce(self, submission: Submission, request_mark: bytes) -> None:
+        """Name run and request in the order file, then set ready and read it back.
 
         Operations go out one at a time, so of an earlier attempt either the target file or the order
         file can arrive late, not both: the robot program sees that they do not agree.
 
         Raises:
+            RequestWithdrawnError: It is not the request any more that the file was made for.
             ReadySignalError: It does not read high.
             LinkError: It is perhaps not high, or will be later.
         """
         order = submission.run_id.encode("ascii", "backslashreplace") + b"\n"
+        order += request_mark + b"\n" if request_mark else b""
         self._doubtful(lambda: self.transport.write_file(signals.ORDER_FILE, order))
         self._compare(signals.ORDER_FILE, order)
+        if not self.request_is_high() or self.request_mark() != request_mark:
+            raise RequestWithdrawnError(
+                "the request fell, or fell and rose again, while the file was written; request again"
+            )
         self._doubtful(lambda: self.transport.set_ready(True))
         self.require_ready(True)
 

@@ -36,6 +36,10 @@ HIGH: Final = b"1"
 
 #: The name the thesis' program opens (figure 3.36).
 TARGET_FILE: Final = "Hei2.txt"
-#: Beside the target file: the run id that READY announces, one line, written last. The robot program
-#: compares, so an upload of an earlier attempt that arrives late is not taken for the announced file.
+#: Written by the robot program before REQUEST rises: a number, another one for each request. A request
+#: that falls and rises between two looks of the PC is told from the earlier one by it.
+REQUEST_FILE: Final = "Hei2.req"
+#: Written by the PC before READY rises: the run id that READY announces and, on a second line, the
+#: number of the request it answers. The robot program compares both, so neither an upload of an
+#: earlier attempt that arrives late nor an answer to an earlier request is milled.
 ORDER_FILE: Final = "Hei2.run"

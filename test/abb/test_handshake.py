@@ -165,7 +165,9 @@ def test_a_whole_run_in_the_order_that_keeps_the_robot_safe(cell: Cell) -> None:
     ]
     order = [entry for entry in cell.transport.log if entry != "request?"]
     clear = ["ready=0", "remove", "remove", "read"]
-    assert order == [*clear, *clear, "write", "read", "write", "read", "ready=1", *clear]
+    mark = ["read"]
+    handover = ["write", "read", "write", "read", *mark, "ready=1"]
+    assert order == [*clear, *mark, *clear, *handover, *clear]
     assert announced == [f"{run_id}\n".encode()]
 
 
@@ -248,6 +250,30 @@ def test_a_request_that_falls_and_rises_between_two_looks_is_a_new_one(cell: Cel
     for _ in range(3):
         cell.step()
     cell.assert_cleared()
+
+
+def test_the_robots_request_number_is_echoed(cell: Cell) -> None:
+    announced: list[bytes] = []
+    cell.transport.before["ready=1"] = lambda: announced.append(cell.transport._files[signals.ORDER_FILE])
+    cell.transport._files[signals.REQUEST_FILE] = b"17\n"
+    run_id = cell.to_ready()
+    assert announced == [f"{run_id}\n17\n".encode()]
+
+
+def test_a_request_that_was_made_anew_unseen_is_told_by_its_number(cell: Cell) -> None:
+    """The fall between two looks is never seen here, as when a polled program is started again."""
+    cell.transport._files[signals.REQUEST_FILE] = b"17\n"
+    cell.to_requested()
+    cell.transport._files[signals.REQUEST_FILE] = b"18\n"
+    run_id = cell.submit()
+    cell.step()
+    assert "ready=1" not in cell.transport.log
+    assert cell.handshake.outcome(run_id).error_code == RequestWithdrawnError.code
+    cell.step()
+    assert cell.handshake.snapshot.state is State.REQUESTED
+    assert cell.handshake.snapshot.request_number == 2
+    cell.submit()
+    assert cell.step() is State.READY
 
 
 def test_no_file_in_time(cell: Cell) -> None:

@@ -1,0 +1,107 @@
+"""What goes wrong in a run, drawn from its seed."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass, field
+
+STATES = (
+    "clearing",
+    "idle",
+    "requested",
+    "writing",
+    "verifying",
+    "raising",
+    "ready",
+    "acknowledged",
+    "milling",
+)
+#: Operations of the transport, in the order of a handover; faults hit one of the first so many.
+OPERATIONS = 70
+
+FOLDER_KINDS = (
+    *(f"kill -9 in {state}" for state in STATES),
+    "kill -9 at an operation",
+    "kill -9 in mid-write",
+    "kill -9 any time",
+    "kill -9 of the robot program",
+    "kill -9 of both",
+    "torn write, unnoticed",
+    "torn write, reported",
+    "full disk",
+    "duplicate request",
+    "early request",
+    "two files at once",
+    "late file",
+    "file of another door",
+    "door mixed up upstream",
+    "clock step",
+    "ready raised by somebody else",
+    "operations fail at random",
+)
+RWS_KINDS = (
+    "kill -9 at an operation, rws",
+    "kill -9 in mid-write, rws",
+    "kill -9 any time, rws",
+    "kill -9 of both, rws",
+    "dropped connections",
+    "slow connection",
+    "delivery after the timeout",
+    "delivery very late",
+    "session flood (503)",
+    "sessions expire (401)",
+    "event streams break",
+    "duplicate request, rws",
+    "early request, rws",
+)
+RAPID_KINDS = (
+    "kill -9 any time, RAPID program",
+    "kill -9 of both, RAPID program",
+    "torn write, RAPID program",
+)
+KINDS = ("no fault", *FOLDER_KINDS, *RWS_KINDS, *RAPID_KINDS)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One run.
+
+    Attributes:
+        seed: Where all chance of the run comes from.
+        kind: What goes wrong.
+        transport: "folder", "rws1" or "rws2".
+        robot: "checks" (a program with the RAPID module's checks), "rapid" (the RAPID module itself) or
+            "blind" (mills whatever is there when ready is high).
+        faults: How often it goes wrong before the run may end well.
+        sabotage: Part of the handshake that is left out, to see the judge notice; "" for none.
+    """
+
+    seed: int
+    kind: str
+    transport: str = "folder"
+    robot: str = "checks"
+    faults: int = 1
+    sabotage: str = ""
+    options: dict[str, float] = field(default_factory=dict)
+
+
+def draw(seed: int, index: int) -> Scenario:
+    """The run of that index: kinds take turns, the rest is chance."""
+    kind = KINDS[index % len(KINDS)]
+    chance = random.Random(f"{seed}/{index}")
+    rws = kind in RWS_KINDS
+    options = {
+        "operation": chance.randint(1, OPERATIONS),
+        "when": chance.uniform(0.0, 1.2),
+        "hold": chance.uniform(0.3, 0.45) if "very" not in kind else chance.uniform(0.8, 2.5),
+        "probability": chance.uniform(0.03, 0.2),
+        "read_pause": chance.choice([0.0, 0.0, 0.002, 0.01]),
+    }
+    return Scenario(
+        seed=chance.randrange(2**32),
+        kind=kind,
+        transport=chance.choice(["rws1", "rws2"]) if rws else "folder",
+        robot="rapid" if kind in RAPID_KINDS else "checks",
+        faults=chance.choice([1, 1, 2, 3]),
+        options=options,
+    )
