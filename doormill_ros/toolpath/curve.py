@@ -102,7 +102,7 @@ def points_of(curves: Sequence[Curve], index: np.ndarray, fraction: np.ndarray) 
     start = np.array([c.start for c in curves])
     end = np.array([c.end for c in curves])
     t = fraction[:, None]
-    result = start[index] + t * (end - start)[index]  # (n, 3)
+    result = np.where(t == 1.0, end[index], start[index] + t * (end - start)[index])  # (n, 3)
     centre = np.array([c.start if c.centre is None else c.centre for c in curves])
     across = np.array([np.zeros(3) if c.across is None else c.across for c in curves])
     round_ = np.array([c.is_arc for c in curves])[index] & (fraction != 0.0) & (fraction != 1.0)

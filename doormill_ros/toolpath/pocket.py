@@ -19,7 +19,8 @@ from doormill_ros.units import m_to_mm
 
 STEPOVER = 0.8  #: of the tool diameter; below 0.85 no wood is left in the corners of square rings
 LEAD_RADIUS = 0.5  #: of the tool radius
-SHORTEST_LEAD = 4e-4  #: below this radius there is no room to lead in on an arc [m]
+LEAD_ROOM = 0.5  #: of the width inside the path; in a round hole half of it ends farthest from the wall
+SHORTEST_LEAD = 2e-4  #: below this radius there is no room to lead in on an arc [m]
 CLOSING = 0.005  #: how far the wall pass runs past its start, so that no mark stays [m]
 ABOVE_FLOOR = 0.002  #: where the way down changes from rapid to plunge feed [m]
 SMALLEST_CHORD = 1e-4  #: a MoveC needs more than this from its start to its circle point [m]
@@ -125,15 +126,28 @@ class _Pocket:
         for curve, name in pieces:
             self._cut(curve, name if wall else CLEARING, wall)
         if wall:
-            last = self._close(pieces)
+            last = self._close(pieces, inset)
             leave = self._lead(last.end, _tangent(last, 1.0), inset, away=True)
             if leave is not None:
                 self._cut(leave, None, wall)
             self._mark_corners()
 
-    def _close(self, pieces: list[tuple[Curve, str]]) -> Curve:
+    def _lead_radius(self, inset: float) -> float | None:
+        """Radius of lead-in and lead-out [m], None where there is no room for them."""
+        shape = self.feature.shape.inset(inset)
+        radius = min(LEAD_RADIUS * self.radius, LEAD_ROOM * (self.half - inset))
+        straight = (max(shape.width, shape.length) - 2.0 * shape.radius) / 2.0
+        if shape.radius < radius:
+            # Both must end before the corner.
+            radius = min(radius, LEAD_ROOM * straight)
+        return radius if radius >= SHORTEST_LEAD else None
+
+    def _close(self, pieces: list[tuple[Curve, str]], inset: float) -> Curve:
         """Past the start of the wall pass, where nothing is left to cut and no force acts."""
         left = CLOSING
+        if not pieces[0][0].is_arc and self.feature.shape.inset(inset).radius < left:
+            # The way out must not run into the next corner.
+            left = min(left, max(pieces[0][0].length - (self._lead_radius(inset) or 0.0), SMALLEST_CHORD))
         for curve, _ in pieces:
             last = curve if curve.length <= left else curve.part(0.0, left / curve.length)
             self._cut(last, None, True)
@@ -144,8 +158,8 @@ class _Pocket:
 
     def _lead(self, point: np.ndarray, tangent: np.ndarray, inset: float, away: bool = False) -> Curve | None:
         """Quarter turn that meets the wall pass along its tangent, from the middle of the pocket."""
-        radius = min(LEAD_RADIUS * self.radius, 0.9 * (self.half - inset))
-        if radius < SHORTEST_LEAD:
+        radius = self._lead_radius(inset)
+        if radius is None:
             return None
         # The pocket lies to the right of climb milling, seen from inside the wood, else to the left.
         side = np.cross(tangent, self.inward)

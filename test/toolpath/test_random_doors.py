@@ -4,15 +4,13 @@ import importlib.util
 from pathlib import Path
 
 import numpy as np
-import pytest
 from hypothesis import HealthCheck, event, given, settings
 
-from doormill_ros.errors import DoormillError
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.errors import PathError
 from doormill_ros.toolpath.thesis_path import is_thesis_door
-from doormill_ros.toolpath.door_plan import whole_door
 
 
 def _load(path):
