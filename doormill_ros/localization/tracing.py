@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.localization import checks
 from doormill_ros.localization.blur import Spread, edge_spread
-from doormill_ros.localization.fit import LineFit, fit_line, fit_pose
+from doormill_ros.localization.fit import LineFit, fit_line
 from doormill_ros.localization.profiles import Profiles, gather, measure, plain_weights
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.localization.texture import push, step_weights, streaks, variogram
@@ -19,7 +19,6 @@ _EVERY = 6  # rows left out while focusing in
 _CAUGHT, _NEAR = 1.5, 0.5  # px; wide, then sharp focusing ends when the edges move by less
 _REACH = 2.5  # pixels looked at on each side of an edge, in standard deviations of its blur
 _FACE_STRIP, _BACK_STRIP = 40, 12  # px; surfaces beside an edge whose texture is learned
-_FREE_ANGLE = 1.0  # rad; so little is known of the right angle that a wrong pair of lines shows as such
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +45,26 @@ def _line(view: FaceView, profiles: Profiles, pose: np.ndarray, rounds: int) -> 
     return fit_line(y, z, profiles.edge_like, (pose[1] - tilt * pose[0], tilt), rounds)
 
 
-def _moved(view: FaceView, before: np.ndarray, after: np.ndarray) -> float:
+def _poses(lines: dict[str, LineFit]) -> dict[str, np.ndarray]:
+    """Pose (y, z, rotation) as each line has it: one corner, but a rotation of its own.
+
+    A right angle is not asked for yet, so that a wrong pair of lines shows as such in the end.
+    """
+    p, q = lines[HINGE].slope, lines[BOTTOM].slope
+    a, b = lines[HINGE].place - p * lines[HINGE].middle, lines[BOTTOM].place - q * lines[BOTTOM].middle
+    y = (a + p * b) / (1 - p * q)
+    z = b + q * y
+    return {HINGE: np.array([y, z, -np.arctan(p)]), BOTTOM: np.array([y, z, np.arctan(q)])}
+
+
+def _moved(view: FaceView, before: dict[str, np.ndarray], after: dict[str, np.ndarray]) -> float:
     """Largest movement of the edges' ends between two poses [px]."""
-    ends = np.array([0.0, view.length(BOTTOM)])
-    return float(np.abs(view.line(BOTTOM, after, ends) - view.line(BOTTOM, before, ends)).max() / view.pixel)
+    most = 0.0
+    for edge in EDGES:
+        ends = np.array([0.0, view.length(edge)])
+        move = view.line(edge, after[edge], ends) - view.line(edge, before[edge], ends)
+        most = max(most, float(np.abs(move).max()))
+    return most / view.pixel
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,19 +100,22 @@ def _lens(
     return _Lens(spread, weights, strip, wide.lines)
 
 
-def _focus(picture: np.ndarray, view: FaceView, pose: np.ndarray, settings: LocalizerSettings) -> np.ndarray:
-    """Pose to about half a pixel, with windows wide enough for what the search leaves open."""
+def _focus(
+    picture: np.ndarray, view: FaceView, pose: np.ndarray, settings: LocalizerSettings
+) -> dict[str, np.ndarray]:
+    """Poses to about half a pixel, with windows wide enough for what the search leaves open."""
     weights = plain_weights(_WIDE_HALF, _WIDE_BLUR)
+    poses = dict.fromkeys(EDGES, pose)
     for _ in range(3):
         lines = {}
         for edge in EDGES:
-            profiles = measure(picture, view, edge, pose, weights, _EVERY)
+            profiles = measure(picture, view, edge, poses[edge], weights, _EVERY)
             checks.check_rows(profiles, settings)
-            lines[edge] = _line(view, profiles, pose, 2)
-        before, pose = pose, fit_pose(lines[HINGE], lines[BOTTOM], _FREE_ANGLE).pose
-        if _moved(view, before, pose) < _CAUGHT:
+            lines[edge] = _line(view, profiles, poses[edge], 2)
+        before, poses = poses, _poses(lines)
+        if _moved(view, before, poses) < _CAUGHT:
             break
-    return pose
+    return poses
 
 
 def trace_edges(
@@ -114,16 +132,16 @@ def trace_edges(
     Raises:
         LocalizationError: NoEdge, WrongEdge, TooFewInliers, Blurred or OverExposed.
     """
-    pose = _focus(picture, view, pose, settings)
+    poses = _focus(picture, view, pose, settings)
     for _ in range(3):
-        lenses = {edge: _lens(picture, view, edge, pose, settings) for edge in EDGES}
+        lenses = {edge: _lens(picture, view, edge, poses[edge], settings) for edge in EDGES}
         profiles, lines = {}, {}
         for edge, lens in lenses.items():
-            profiles[edge] = measure(picture, view, edge, pose, lens.weights)
+            profiles[edge] = measure(picture, view, edge, poses[edge], lens.weights)
             checks.check_rows(profiles[edge], settings)
-            lines[edge] = _line(view, profiles[edge], pose, 5)
-        before, pose = pose, fit_pose(lines[HINGE], lines[BOTTOM], _FREE_ANGLE).pose
-        if _moved(view, before, pose) < _NEAR:
+            lines[edge] = _line(view, profiles[edge], poses[edge], 5)
+        before, poses = poses, _poses(lines)
+        if _moved(view, before, poses) < _NEAR:
             break
     out = {}
     for edge, lens in lenses.items():

@@ -149,14 +149,7 @@ class _Painter:
         return [b for b in blocks if b[1] > b[0] and b[3] > b[2]]
 
 
-def render_picture(scene: PictureScene, seed: int) -> np.ndarray:
-    """The grey picture of a scene, uint8, shape (rows, columns).
-
-    Args:
-        scene: What is seen, with the true pose.
-        seed: Of every random field and of the noise; equal seeds give equal pictures.
-    """
-    rng = np.random.default_rng(seed)
+def _exposure(scene: PictureScene, rng: np.random.Generator) -> np.ndarray:
     painter = _Painter(scene, rng)
     rows, columns = scene.camera.shape
     picture = spread(painter.radiance((0, rows, 0, columns), 1), scene.sensor, 1)
@@ -170,4 +163,20 @@ def render_picture(scene: PictureScene, seed: int) -> np.ndarray:
         picture[row0 + top : row1 - low, column0 + left : column1 - right] = fine[
             top : fine.shape[0] - low, left : fine.shape[1] - right
         ]
-    return expose(picture, scene.sensor, rng)
+    return picture
+
+
+def expected_picture(scene: PictureScene, seed: int) -> np.ndarray:
+    """What the sensor would show without noise, clipping and rounding: grey levels, float32, (rows, columns)."""
+    return _exposure(scene, np.random.default_rng(seed)) * np.float32(255.0)
+
+
+def render_picture(scene: PictureScene, seed: int) -> np.ndarray:
+    """The grey picture of a scene, uint8, shape (rows, columns).
+
+    Args:
+        scene: What is seen, with the true pose.
+        seed: Of every random field and of the noise; equal seeds give equal pictures.
+    """
+    rng = np.random.default_rng(seed)
+    return expose(_exposure(scene, rng), scene.sensor, rng)

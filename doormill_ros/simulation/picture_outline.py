@@ -43,7 +43,7 @@ class Outline:
 
     def __init__(self, rng: np.random.Generator, edges: Edges, name: str) -> None:
         """Draw the roughness and cut the chips of edge `name`, "hinge" or "bottom"."""
-        count = int(round((_STOP - _START) / _STEP))
+        count = round((_STOP - _START) / _STEP)
         along = _START + np.arange(count) * _STEP
         table = wander(rng, edges.roughness, edges.correlation, count, _STEP)
         for chip in edges.chips:
