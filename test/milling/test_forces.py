@@ -96,18 +96,16 @@ def test_table_4_8_turns_its_direction(payload):
     assert math.degrees(math.acos(cosine)) > 60
 
 
-@pytest.mark.parametrize("name", THESIS_FORCES)
-def test_table_4_8_puts_the_cut_before_the_sensor(name):
-    """Moments of a force at the tool tip: My = z Fx for a force along x gives the tool's distance.
-
-    Three segments agree on 0.13 to 0.26 m; the bottom turn, 13 N along x and 22 N along z, does not tell.
-    """
-    w = THESIS_FORCES[name]
-    z = w[4] / w[0]
-    if name == "bottom_turn":
-        assert z < 0
-    else:
-        assert 0.12 < z < 0.27
+def test_table_4_8_has_no_single_arm():
+    """My = z Fx for a force along x at one point; rounding half a unit, the segments leave no common z."""
+    bounds = {}
+    for name, (fx, _, _, _, my, _) in THESIS_FORCES.items():
+        corners = [(my + a) / (fx + b) for a in (-0.5, 0.5) for b in (-0.5, 0.5)]
+        bounds[name] = (min(corners), max(corners))
+    assert bounds["left_line"] == pytest.approx((0.203, 0.209), abs=0.001)
+    assert bounds["right_line"] == pytest.approx((0.120, 0.138), abs=0.001)
+    assert bounds["right_line"][1] < bounds["left_line"][0] < bounds["left_line"][1] < bounds["top_turn"][0]
+    assert bounds["bottom_turn"][1] < 0
 
 
 def test_labels(payload):

@@ -80,6 +80,16 @@ def test_bounds_of_the_ranges_do_not_warn(sfm, inch):
     assert speeds.from_cutting(sfm * SFM, inch * INCH, THESIS_CUTTER).warnings == ()
 
 
+def test_the_target_feed_of_the_dry_test_fits_every_range():
+    """Section 3.9: 70 mm/s; at the printed chip load of 0.019 inch it is inside all ranges, unlike table 4.9."""
+    spindle = 70 * MM / (2 * 0.019 * INCH) * 60 * RPM
+    assert spindle / RPM == pytest.approx(70 * 60 / (2 * 0.4826), rel=1e-12)
+    data = speeds.from_machine(spindle, 70 * MM, THESIS_CUTTER)
+    assert data.warnings == ()
+    assert data.surface_speed / SFM == pytest.approx(852, abs=0.5)
+    assert spindle / RPM == pytest.approx(4351, abs=0.5)
+
+
 def test_rating_warns():
     data = speeds.from_machine(18001 * RPM, 0.3, THESIS_CUTTER)
     assert any("18001 rpm" in w and "18000" in w for w in data.warnings)

@@ -72,7 +72,7 @@ def test_thesis(tmp_path, capsys):
     assert main(["--thesis", "--out", str(out)]) == 0
     printed = capsys.readouterr().out
     document = json.loads((out / "identification.json").read_text())
-    assert len(document["contradictions"]) == 17
+    assert len(document["contradictions"]) == 18
     for row in document["simulation_against_measurement"]:
         assert f"{row['measured'] * 1e6:.1f}" in printed
     assert load_robot(out).stiffness == pytest.approx(load_robot("irb6600_175_255").stiffness, rel=5e-4)

@@ -79,6 +79,19 @@ def _test_3_lengths(c: Evidence) -> Contradiction:
     )
 
 
+def _joint_5_in_test_3(c: Evidence) -> Contradiction:
+    A = displacement_per_compliance(c.kinematics, c.data.loadings(repeatability(c.data)))[2]
+    share = float(np.linalg.norm(A[:, 4])) / c.recovery.stiffness[4]
+    deviation = c.data.table_4_2["deviation_um"][2] * 1e-6
+    return Contradiction(
+        "cause of test 3's deviation",
+        "chapter 5; sections 3.1.3, table 4.1",
+        f"chapter 5 blames joint 5 for {um(deviation)}, but the load hangs along the flange axis through the "
+        f"wrist: joint 5 adds {um(share)}",
+        {"joint_5": share, "deviation": deviation},
+    )
+
+
 def _compared_length_6(c: Evidence) -> Contradiction:
     test = c.data.test(6)
     corrected = abs(test.wrench_flange[5]) * test.extra["radius"] / c.recovery.stiffness[5]
@@ -129,6 +142,7 @@ RULES = (
     _circular,
     _simulation_of_test_3,
     _test_3_lengths,
+    _joint_5_in_test_3,
     _compared_length_6,
     _simulated_rotation_4,
     _normalization,
