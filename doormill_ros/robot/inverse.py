@@ -36,7 +36,7 @@ class Solutions:
     Attributes:
         q: Joint angles within the limits, shape (m, 6) [rad].
         pose: Index of the pose that each row solves, ascending, shape (m,).
-        branch: Branch 0..7 of each row, shape (m,).
+        branch: Branch 0..7 of each row, ascending within a pose, shape (m,).
     """
 
     q: np.ndarray
@@ -75,8 +75,7 @@ def inverse_all(robot: Robot, T_base_flange: np.ndarray) -> Solutions:
     q = branches[pose, branch]
     for joint in range(JOINTS):
         q, pose, branch = _with_turns(robot, joint, q, pose, branch)
-    order = np.lexsort((np.abs(q).max(axis=1), branch, pose))
-    return Solutions(q[order], pose[order], branch[order])
+    return Solutions(q, pose, branch)
 
 
 def inverse_branches(robot: Robot, T_base_flange: np.ndarray) -> np.ndarray:
@@ -134,14 +133,13 @@ def _with_turns(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Repeat the rows for each whole turn of a joint that lands within its limits."""
     low, high = robot.lower[joint] - _LIMIT_SLACK, robot.upper[joint] + _LIMIT_SLACK
-    parts = []
-    for turn in range(int(np.floor((low + np.pi) / _TURN)), int(np.ceil((high - np.pi) / _TURN)) + 1):
-        angle = q[:, joint] + turn * _TURN
-        inside = np.nonzero((angle >= low) & (angle <= high))[0]
-        rows = q[inside]
-        rows[:, joint] = angle[inside]
-        parts.append((rows, pose[inside], branch[inside]))
-    return tuple(np.concatenate(columns) for columns in zip(*parts, strict=True))
+    turns = np.arange(np.floor((low + np.pi) / _TURN), np.ceil((high - np.pi) / _TURN) + 1) * _TURN
+    angle = q[:, joint, None] + turns
+    # Row by row, so that the rows stay in the order of poses and branches.
+    row, column = np.nonzero((angle >= low) & (angle <= high))
+    q = q[row]
+    q[:, joint] = angle[row, column]
+    return q, pose[row], branch[row]
 
 
 def _exact_wrist(robot: Robot, q: np.ndarray, T_base_flange: np.ndarray, flip: np.ndarray) -> np.ndarray:

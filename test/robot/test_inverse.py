@@ -88,6 +88,8 @@ def test_every_turn_within_the_limits_and_none_beyond(irb6600):
         ours = found.q[found.pose == pose]
         assert len(ours) == len(legal)
         assert all(nearest(ours, row) < 1e-12 for row in legal)
+    assert np.all(np.diff(found.pose) >= 0)
+    assert np.all(np.diff(found.pose * 8 + found.branch) >= 0)
 
 
 def test_a_pose_at_the_ends_of_axis_1_has_both(irb6600):
