@@ -14,6 +14,8 @@ GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross erro
 OUTLIER_SHARE = 0.1  #: at most this share of the trials is set aside
 _HUBER = 4.0  #: standard deviations up to which a trial keeps its full weight
 _MEDIAN = 2.366  #: median of chi-square with three degrees of freedom
+_KINKS = 40  #: values at which a kinked number is tried
+_NOTHING = 2.7  #: fall of the score below which a kinked number may as well be zero (one in ten)
 _RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
 
 
@@ -119,6 +121,35 @@ def bounds(members: Sequence[Cause]) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
+def polish(problem: Problem, found: Fit) -> Fit:
+    """Walk numbers with a kinked cost over all their kinks; a descent stops at the next one.
+
+    A number that may as well be zero becomes zero: a gap is a step until the data say otherwise.
+    The kinks of a torque limit lie at the torques of the trials, which the other numbers then
+    follow in two steps each.
+    """
+    for cause in found.members:
+        for i in cause.kinked:
+            index = found.part(cause).start + i
+            k = int(cause.where.split()[1]) - 1
+            size = np.abs(problem.case.torque[:, k]) / max(problem.case.largest_torque[k], 1e-9)
+            values = np.unique(np.append(np.quantile(size, np.linspace(0.0, 1.0, _KINKS)), 0.0))
+            tried = [(robust_sum(found.prediction.cost), found.theta)]
+            for value in values:
+                theta = found.theta.copy()
+                theta[index] = value
+                theta, _ = _descend(problem, found.members, theta, steps=3, fixed=index)
+                tried.append((robust_sum(problem.predict(found.members, theta).cost), theta))
+            score, theta = min(tried, key=lambda pair: pair[0])
+            at_zero = next(pair for pair in tried if pair[1][index] == 0.0 and pair is not tried[0])
+            if at_zero[0] < score + _NOTHING:
+                found = _finish(problem, found.members, at_zero[1], found.weights, at_zero[0])
+            elif theta is not found.theta:
+                again = fit(problem, found.members, [theta])
+                found = again if again.score < found.score else found
+    return found
+
+
 def normal_equations(prediction: Prediction, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Hessian (p, p) and descent (p,) of half the weighted cost."""
     jacobian, white = prediction.jacobian, prediction.white
@@ -134,7 +165,11 @@ def normal_equations(prediction: Prediction, weights: np.ndarray) -> tuple[np.nd
 
 
 def _descend(
-    problem: Problem, members: tuple[Cause, ...], theta: np.ndarray, steps: int = 25
+    problem: Problem,
+    members: tuple[Cause, ...],
+    theta: np.ndarray,
+    steps: int = 25,
+    fixed: int | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     lower, upper = bounds(members)
     scale = np.concatenate([np.zeros(0)] + [c.scale for c in members])
@@ -145,6 +180,8 @@ def _descend(
         hessian, descent = normal_equations(prediction, weights)
         descent = descent - ridge * theta
         free = ~(((theta <= lower) & (descent < 0.0)) | ((theta >= upper) & (descent > 0.0)))
+        if fixed is not None:
+            free[fixed] = False
         if not free.any():
             break
         move = np.zeros_like(theta)

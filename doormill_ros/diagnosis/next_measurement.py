@@ -18,6 +18,8 @@ _POSTURES = 24  #: postures that are considered
 _DECIDED = 4.6  #: log odds at which two models count as told apart: 100 to 1
 #: Loads considered, base axes.
 _LOADS = np.vstack([np.eye(3), -np.eye(3)])
+#: Where a reflector could be added: at the edge of the foot, or a hand's breadth off a link's frame [m].
+_NEW_BASE, _NEW = np.array([0.5, 0.4, 0.1]), np.array([0.15, 0.1, 0.1])
 _LOAD_NAMES = ("+x", "+y", "+z", "-x", "-y", "-z")
 
 
@@ -142,7 +144,7 @@ def _pool(data: MeasurementSet, seed: int) -> tuple[MeasurementSet, np.ndarray]:
     carried = {reflector.link for reflector in reflectors.values()}
     for link in range(7):
         if link not in carried:
-            reflectors[f"new on link {link}"] = Reflector(link, np.array([0.15, 0.1, 0.1]))
+            reflectors[f"new on link {link}"] = Reflector(link, _NEW_BASE if link == 0 else _NEW)
     grid = np.array(
         [
             (posture, load, approach, reflector)

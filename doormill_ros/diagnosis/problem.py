@@ -143,9 +143,8 @@ class Problem:
         return total, hidden
 
     def _observe(self, members: Sequence[Cause], theta: np.ndarray, displacement: np.ndarray) -> np.ndarray:
-        for cause, part in split(members, theta):
-            if cause.stage == "tracker":
-                displacement = cause.observe(displacement, self.data.dt, part)
+        for cause, part in _trackers(members, theta):
+            displacement = cause.observe(displacement, self.data.dt, part)
         return displacement
 
     def predict(self, members: Sequence[Cause], theta: np.ndarray, derivative: bool = False) -> Prediction:
@@ -210,8 +209,8 @@ class Problem:
         n, dt = len(self), self.data.dt
         columns = np.zeros((n, 3, len(theta)))
         spread: tuple[np.ndarray, np.ndarray] | None = None
-        trackers = [(c, p) for c, p in split(members, theta) if c.stage == "tracker"]
-        at, h, passed = 0, 0, 0
+        trackers = _trackers(members, theta)
+        at, h = 0, 0
         for cause, part in split(members, theta):
             block = slice(at, at + cause.size)
             at += cause.size
@@ -229,13 +228,11 @@ class Problem:
                     slope = state[:, None, None] * slope
                 columns[:, :, block] = self._carry(trackers, slope)
             elif cause.stage == "tracker":
-                before = inner
-                for earlier, its_part in trackers[:passed]:
+                before, place = inner, [c is cause for c, _ in trackers].index(True)
+                for earlier, its_part in trackers[:place]:
                     before = earlier.observe(before, dt, its_part)
-                passed += 1
-                columns[:, :, block] = self._carry(
-                    trackers[passed:], cause.observe_derivative(before, dt, part)
-                )
+                slope = cause.observe_derivative(before, dt, part)
+                columns[:, :, block] = self._carry(trackers[place + 1 :], slope)
             else:
                 columns[:, :, block] = self._setup_slope(members, theta, block, cause, states, inner)
         jacobian = self.whiten @ columns
@@ -283,6 +280,12 @@ def split(members: Sequence[Cause], theta: np.ndarray) -> list[tuple[Cause, np.n
         parts.append((cause, theta[at : at + cause.size]))
         at += cause.size
     return parts
+
+
+def _trackers(members: Sequence[Cause], theta: np.ndarray) -> list[tuple[Cause, np.ndarray]]:
+    """Causes in the tracker, in the order in which they act: a drift is added to what is reported."""
+    found = [(cause, part) for cause, part in split(members, theta) if cause.stage == "tracker"]
+    return sorted(found, key=lambda pair: pair[0].name == "thermal_drift")
 
 
 def make_folds(configuration: np.ndarray, folds: int = FOLDS) -> np.ndarray:

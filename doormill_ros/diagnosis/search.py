@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from doormill_ros.diagnosis.causes.cause import Cause
-from doormill_ros.diagnosis.fit import Fit, fit, trial_weights
+from doormill_ros.diagnosis.fit import Fit, fit, polish, trial_weights
 from doormill_ros.diagnosis.problem import Problem
 
 #: Score by which a cause must improve the held-out prediction. A pattern of pure noise reaches
@@ -131,7 +131,10 @@ class Search:
                 break
             best = ranked[0]
             beam = ranked[:BEAM]
-        return self._settle(self._prune(best))
+        best = self._settle(self._prune(best))
+        if any(cause.kinked for cause in best.members):
+            best = self.fits[best.identity] = polish(self.problem, best)
+        return best
 
     def _settle(self, best: Fit) -> Fit:
         """Swap members as long as that helps: the order in which they came must not matter."""

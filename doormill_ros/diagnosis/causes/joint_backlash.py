@@ -52,7 +52,9 @@ class JointBacklash(Cause):
     def _ramp(self, case: LoadCase, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         k = number(self.where)
         direction, torque = case.direction[:, k], case.torque[:, k]
-        share = np.abs(torque) / max(case.largest_torque[k], 1e-9)
+        # Near zero the size of a torque is mostly that of its noise.
+        size = np.sqrt(np.maximum(torque**2 - case.torque_noise[:, k] ** 2, 0.0))
+        share = size / max(case.largest_torque[k], 1e-9)
         full = share >= theta[1]
         ramp = np.where(full, 1.0, share / max(theta[1], 1e-12))
         slope = np.where(full, 0.0, -share / max(theta[1], 1e-12) ** 2)

@@ -133,7 +133,8 @@ def true_displacement(plan: LoadingPlan, effects: Sequence[Mapping[str, Any]]) -
         link, position = places[name]
         point = np.append(position, 1.0)
         moved[i] = ((loaded[i, link] - still[i, link]) @ point)[:3]
-    for effect in effects:
+    # What the tracker adds by itself comes on top of what it turns and scales.
+    for effect in sorted(effects, key=lambda effect: effect["cause"] in ("thermal_drift", "tracker_jump")):
         values = effect["parameters"]
         if effect["cause"] == "tracker_frame_rotation":
             moved = moved @ turn(np.asarray(values["rotation"], dtype=float)[None])[0].T
