@@ -171,14 +171,23 @@ def check_square(fit: PoseFit) -> None:
         )
 
 
+# A door at the very limit must not be lost to the noise of its measurement.
+_POSITION_MARGIN = 2e-5  # m
+_ROTATION_MARGIN = 3.5e-4  # rad
+
+
 def check_range(offset: DoorOffset, limits: PlacementLimits) -> None:
     """Whether the door stands where the cell accepts it.
 
     Raises:
         OutOfRange: It does not.
     """
-    off = (abs(offset.y) / limits.y, abs(offset.z) / limits.z, abs(offset.rotation) / limits.rotation)
-    if max(off) > 1:
+    over = (
+        abs(offset.y) - limits.y > _POSITION_MARGIN,
+        abs(offset.z) - limits.z > _POSITION_MARGIN,
+        abs(offset.rotation) - limits.rotation > _ROTATION_MARGIN,
+    )
+    if any(over):
         raise OutOfRange(
             f"the door stands {m_to_mm(offset.y):+.2f} mm in y, {m_to_mm(offset.z):+.2f} mm in z and "
             f"{rad_to_deg(offset.rotation):+.2f} degrees off, allowed are {m_to_mm(limits.y):.0f} mm, "
