@@ -19,7 +19,7 @@ WRENCH_TEXT = (0.0, 0.0, -2500.0, 250.0, 250.0, 0.0)  #: section 3.4
 WRENCH_SCRIPT = (0.0, 0.0, -2000.0, 200.0, 200.0, 0.0)  #: appendix A.14
 
 # A slot is milled along the door's edge (base z) and turns across it (base y).
-DIRECTIONS = {"along_edge": (0.0, 0.0, 1.0), "across_edge": (0.0, 1.0, 0.0), "into_door": (1.0, 0.0, 0.0)}
+DIRECTIONS = {"along_edge": 2, "across_edge": 1, "into_door": 0}  #: base axis of each direction
 
 _CHUNK = 3072  # configurations a pass: its arrays stay in the second-level cache
 
@@ -85,8 +85,9 @@ def compute_maps(
             frames, velocity, robot.stiffness, column_wrench
         )
         results["conditioning"][part] = inverse_condition_number(frames, velocity, length)
-        for name, direction in DIRECTIONS.items():
-            results[name][part] = directional_stiffness(velocity, robot.stiffness, np.array(direction))
+        along_axes = axis_stiffness(velocity, robot.stiffness)
+        for name, axis in DIRECTIONS.items():
+            results[name][part] = along_axes[axis]
         if grid.tool_along_x:
             beyond = (q[4] < robot.lower[4]) | (q[4] > robot.upper[4])
             for values in results.values():
@@ -130,19 +131,17 @@ def complementary_influence(
     return nu_p, nu_r
 
 
-def directional_stiffness(velocity: np.ndarray, stiffness: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """Force along a direction per displacement along it, shape (n,) [N/m].
+def axis_stiffness(velocity: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """Force along each base axis per displacement along it, shape (3, n) [N/m].
 
-    The tool is free to move sideways: 1 / (u^T J K^-1 J^T u). Infinite where no joint can move the
-    point along the direction.
+    The tool is free to move sideways: 1 / (u^T J K^-1 J^T u). Next to infinite where no joint can
+    move the point along the axis.
 
     Args:
         velocity: Translational Jacobian, shape (6, 3, n).
         stiffness: Joint stiffness, shape (6,) [N m/rad].
-        direction: Unit vector, base axes, shape (3,).
     """
-    along = np.einsum("jin,i->jn", velocity, direction)
-    compliance = np.einsum("jn,jn,j->n", along, along, 1.0 / stiffness)
+    compliance = np.einsum("jin,jin,j->in", velocity, velocity, 1.0 / stiffness)
     return 1.0 / np.maximum(compliance, np.finfo(float).tiny)
 
 
