@@ -153,6 +153,8 @@ def _is_number(cell: str) -> bool:
 
 def _number(path: Path, line: int, column: int, cell: str) -> float:
     try:
+        if "_" in cell:  # Python's own digit grouping is no number of a measuring device
+            raise ValueError
         value = float(cell)
     except ValueError:
         hint = "; write a decimal point" if re.fullmatch(r"[-+]?\d+,\d+", cell) else ""

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import re
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from doormill_ros.stiffness.identification.errors import RawFileError
 from doormill_ros.stiffness.identification.raw_files import read_force_log, read_tracker_file
@@ -70,6 +74,8 @@ def test_force_log_layouts(tmp_path, rows, header):
         ("0 1 2\n", 1, 3, "4 (t, x, y, z)"),
         ("0 1 2 3 4\n", 1, 5, "4 (t, x, y, z)"),
         ("0 1 2 3\n1 1 nan 3\n", 2, 3, "not finite"),
+        ("0 1 2 3\n1 1 1e999 3\n", 2, 3, "not finite"),
+        ("0 1 2 3\n1 1 1_0 3\n", 2, 3, "'1_0' is no number"),
         ("# c\n2 1 2 3\n1 1 2 3\n", 3, 1, "time goes back"),
         ("0 1 2 3\n1 1500.2 2 3\n", 2, 2, "millimetres"),
         ("", 1, 1, "no numbers"),
@@ -107,3 +113,23 @@ def test_missing_and_binary_files(tmp_path):
     (tmp_path / "binary.txt").write_bytes(b"\xff\xfe\x00\x01")
     with pytest.raises(RawFileError, match="UTF-8"):
         read_tracker_file(tmp_path / "binary.txt")
+
+
+@given(st.binary(max_size=200) | st.text("0123456789 .,;-+enaixyzt#%_\t\n", max_size=200).map(str.encode))
+def test_any_file_is_read_or_refused_in_one_line(content):
+    """No content makes the readers stumble: a recording, or one line that names the file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "fuzz.txt"
+        path.write_bytes(content)
+        for read in (read_tracker_file, read_force_log):
+            message, recording = "", None
+            try:
+                recording = read(path)
+            except RawFileError as error:
+                message = error.message
+            if recording is None:
+                assert re.fullmatch(rf"{re.escape(str(path))}: line \d+, column \d+: .+", message)
+            else:
+                assert np.all(np.isfinite(recording.values))
+                assert np.all(np.diff(recording.time) >= 0)
+                assert len(recording.time) == len(recording.values) > 0
