@@ -27,6 +27,7 @@ from doormill_ros.abb.transports.rws_http import LinkTimeouts
 from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
 
 TOTAL = 0.5
+_FAIL_TIME = 1.5
 _LIMITS = HandshakeTimeouts(submission=2.0, acknowledge=1.5, milling=5.0, link_loss=0.3, watch=0.1)
 _OPERATIONS = (
     "read_request",
@@ -48,6 +49,7 @@ class Meddler:
         self._scenario = scenario
         self._armed = armed
         self._count = 0
+        self._fail_until = time.monotonic() + _FAIL_TIME
         self._chance = random.Random(f"meddler/{scenario.seed}/{os.getpid()}")
         self.in_doubt_time = inner.in_doubt_time
         self.wait, self.wake, self.close = inner.wait, inner.wake, inner.close
@@ -70,7 +72,9 @@ class Meddler:
             self._tear(kind, *arguments)
             if kind.startswith("torn write"):
                 return None
-        if kind == "operations fail at random" and self._chance.random() < options["probability"]:
+        failing = kind == "operations fail at random" and time.monotonic() < self._fail_until
+        if failing and self._chance.random() < options["probability"]:
+            self._world.log("faults", what=f"{name} fails")
             if self._chance.random() < 0.5:
                 operation(*arguments)
             raise UploadError(f"{name} fails on purpose")
@@ -80,6 +84,7 @@ class Meddler:
         """Write part of the file in place, as a share without atomic replacement may."""
         if "mid-write" in kind or kind.startswith("torn write"):
             self._armed = "mid-write" in kind or self._chance.random() < 0.5
+            self._world.log("faults", what=f"torn write of {name}")
             (self._world.home / name).write_bytes(data[: self._chance.randrange(len(data))])
         if "mid-write" in kind:
             self._die()
@@ -100,6 +105,7 @@ class Bridge:
         self.armed = life < scenario.faults
         self.chance = random.Random(f"bridge/{scenario.seed}/{life}")
         if "clock step" in scenario.kind:
+            self._struck()
             self._step_the_wall_clock()
         transport = Meddler(open_link(world, scenario, link), world, scenario, self.armed)
         check = None if scenario.sabotage == "verify" else check_handover
@@ -121,24 +127,32 @@ class Bridge:
             time.sleep(0.003)
         self.world.log("faults", what=f"bridge ended: {loop.failure!r}")
 
+    def _struck(self) -> None:
+        self.world.log("faults", what=self.scenario.kind)
+
     def _answer(self, number: int) -> None:
         kind = self.scenario.kind
         placement, door_id = self.world.door()
         time.sleep(self.chance.choice([0.0, 0.01, 0.04]))
         if kind == "late file" and self.armed and self.chance.random() < 0.5:
+            self._struck()
             time.sleep(self.chance.uniform(0.1, 1.2))
         if kind == "late file" and self.old is not None and self.chance.random() < 0.3:
+            self._struck()
             self._submit(*self.old)  # what an earlier picture gave, with that picture's request
         self.old = (placement, door_id, number)
         if kind == "file of another door" and self.armed and self.chance.random() < 0.5:
+            self._struck()
             other = DOORS[1 - DOORS.index(door_id)]
             self._submit(placement, door_id, number, file_door=other)
             return
         if kind == "door mixed up upstream" and self.armed and self.chance.random() < 0.5:
+            self._struck()
             other = DOORS[1 - DOORS.index(door_id)]
             self._submit(placement, other, number)
             return
         if kind == "two files at once" and self.armed:
+            self._struck()
             rival = threading.Thread(target=self._submit, args=(placement, door_id, number))
             rival.start()
             self._submit(placement, door_id, number)
@@ -146,7 +160,7 @@ class Bridge:
             return
         if kind == "ready raised by somebody else" and self.armed and self.chance.random() < 0.5:
             (self.world.home / "io" / "doPathReady").write_bytes(b"1")
-            self.world.log("faults", what=kind)
+            self._struck()
         self._submit(placement, door_id, number)
 
     def _submit(self, placement: int, door_id: str, number: int, file_door: str = "") -> None:

@@ -10,7 +10,7 @@ import time
 from bench.fault_parts.scenario import Scenario
 from bench.fault_parts.world import DOORS, World, digest
 from doormill_ros.abb import signals
-from doormill_ros.abb.errors import AbbError
+from doormill_ros.abb.errors import AbbError, SignalError
 from doormill_ros.abb.io_port import FolderIo
 from doormill_ros.abb.target_file import read_target_file
 
@@ -46,6 +46,7 @@ class Robot:
         self._request()
         if "duplicate" in self.scenario.kind and self.chance.random() < 0.5:
             # An operator starts the program again: the request falls, another door, it rises.
+            self.world.log("faults", what=self.scenario.kind)
             time.sleep(self.chance.choice([0.004, 0.02, 0.06]))
             self.io.write(signals.REQUEST, 0)
             time.sleep(0.02)
@@ -138,9 +139,14 @@ class Robot:
 def robot_process(world: World, scenario: Scenario, incarnation: int) -> None:
     """Entry of the process."""
     logging.disable(logging.CRITICAL)
-    if scenario.robot == "rapid":
-        from bench.fault_parts.rapid_robot import RapidRobot
+    if "early" in scenario.kind and incarnation == 0:
+        world.log("faults", what=scenario.kind)
+    try:
+        if scenario.robot == "rapid":
+            from bench.fault_parts.rapid_robot import RapidRobot
 
-        RapidRobot(world, scenario, incarnation).run()
-    else:
-        Robot(world, scenario, incarnation).run()
+            RapidRobot(world, scenario, incarnation).run()
+        else:
+            Robot(world, scenario, incarnation).run()
+    except (OSError, SignalError) as error:
+        world.log("faults", what=f"the robot program stops: {error}")  # a full disk is full for it too

@@ -1,0 +1,126 @@
+"""A small, seeded part of the fault campaign (bench/faults.py), and the judge itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from bench.fault_parts.judge import Verdict, judge
+from bench.fault_parts.scenario import KINDS, Scenario, draw
+from bench.fault_parts.world import World, digest, make_file
+from bench.faults import campaign
+from doormill_ros.abb.target_file import read_target_file
+
+SEED = 2026
+SAMPLE = (
+    "no fault",
+    "kill -9 in writing",
+    "kill -9 in ready",
+    "kill -9 in mid-write",
+    "kill -9 of both",
+    "torn write, unnoticed",
+    "full disk",
+    "duplicate request",
+    "two files at once",
+    "late file",
+    "file of another door",
+    "kill -9 at an operation, rws",
+    "dropped connections",
+    "delivery after the timeout",
+    "sessions expire (401)",
+    "kill -9 any time, RAPID program",
+)
+
+
+def scenario_of(kind: str, **changes: object) -> Scenario:
+    drawn = draw(SEED, KINDS.index(kind))
+    return Scenario(**{**drawn.__dict__, **changes})
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, Verdict]:
+    scenarios = [scenario_of(kind) for kind in SAMPLE]
+    return {scenario.kind: verdict for scenario, verdict in campaign(scenarios, workers=4)}
+
+
+@pytest.mark.parametrize("kind", SAMPLE)
+def test_no_wrong_file_is_milled_and_the_cell_recovers(results: dict[str, Verdict], kind: str) -> None:
+    verdict = results[kind]
+    assert not verdict.wrong
+    assert verdict.recovered
+    assert verdict.milled >= 1
+    assert verdict.requests >= verdict.milled
+
+
+def test_the_faults_did_happen(results: dict[str, Verdict]) -> None:
+    struck = {kind for kind, verdict in results.items() if verdict.faults}
+    assert len(struck) >= len(SAMPLE) // 2
+
+
+def test_even_a_robot_that_checks_nothing_mills_the_right_file() -> None:
+    """The PC's part alone: the robot mills whatever lies there when ready is high."""
+    kinds = ("kill -9 in ready", "torn write, unnoticed", "late file", "kill -9 of both")
+    for scenario, verdict in campaign([scenario_of(kind, robot="blind") for kind in kinds], workers=4):
+        assert not verdict.wrong, scenario.kind
+        assert verdict.recovered, scenario.kind
+
+
+def test_without_reading_back_the_same_robot_mills_torn_files() -> None:
+    """Proof that the campaign can fail: one part of the handshake is left out."""
+    scenarios = [
+        scenario_of("torn write, unnoticed", robot="blind", sabotage="verify", seed=seed) for seed in range(3)
+    ]
+    assert any(verdict.wrong for _, verdict in campaign(scenarios, workers=3))
+
+
+def test_every_kind_has_its_turn_and_a_seed_gives_the_same_runs() -> None:
+    drawn = [draw(1, index) for index in range(len(KINDS))]
+    assert {scenario.kind for scenario in drawn} == set(KINDS)
+    assert drawn == [draw(1, index) for index in range(len(KINDS))]
+    assert [s.seed for s in drawn] != [draw(2, index).seed for index in range(len(KINDS))]
+
+
+def test_target_files_of_the_campaign_are_real_ones() -> None:
+    found = read_target_file(make_file(7, "door_a", "run-1"))
+    assert (found.door_id, found.run_id, found.recipe_version, len(found.targets)) == (
+        "door_a",
+        "run-1",
+        7,
+        14,
+    )
+
+
+class TestJudge:
+    """Synthetic logs."""
+
+    @pytest.fixture
+    def world(self, tmp_path: Path) -> World:
+        world = World.create(tmp_path / "run")
+        self.sha = digest(make_file(3, "door_a", "r"))
+        world.log("planned", run="r", placement=3, door="door_a", sha=self.sha)
+        return world
+
+    def mill(self, world: World, **changes: object) -> list[str]:
+        entry = {"placement": 3, "door": "door_a", "sha": self.sha, "run": "r", **changes}
+        world.log("robot", event="milled", **entry)
+        return judge(world).wrong
+
+    def test_right(self, world: World) -> None:
+        assert not self.mill(world)
+
+    @pytest.mark.parametrize(
+        ("changes", "found"),
+        [
+            ({"sha": digest(make_file(3, "door_a", "r")[:-1])}, "no complete file"),
+            ({"placement": 4}, "placement 3"),
+            ({"door": "door_b"}, "door door_a"),
+            ({"run": "other"}, "another run"),
+        ],
+    )
+    def test_wrong(self, world: World, changes: dict[str, object], found: str) -> None:
+        assert [text for text in self.mill(world, **changes) if found in text]
+
+    def test_twice(self, world: World) -> None:
+        self.mill(world)
+        assert "milled twice" in self.mill(world)[0]
