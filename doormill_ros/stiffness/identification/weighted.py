@@ -62,7 +62,7 @@ def fit_stiffness(kinematics: Kinematics, loadings: Loadings) -> StiffnessFit:
     """Fit the six joint stiffnesses to measured displacements.
 
     A joint that no loading turns, that cannot be told from others, or whose compliance comes out
-    less certain than `WORST_RELATIVE_STD` (or negative) is left NaN and its column dropped.
+    less certain than `WORST_RELATIVE_STD` (or negative) is NaN in the result.
 
     Raises:
         IdentifiabilityError: No joint is left.
@@ -104,16 +104,15 @@ def _design(kinematics: Kinematics, loadings: Loadings) -> tuple[np.ndarray, np.
 
 
 def _fit_columns(A: np.ndarray, gain: np.ndarray, loadings: Loadings) -> StiffnessFit:
-    """Drop the least certain column until every compliance that is left is told."""
+    """Fit every compliance that moves a reflector, and report those that come out certain enough.
+
+    The others stay in the fit: leaving a joint out would call it rigid and push its share onto the rest.
+    """
     joints = np.flatnonzero(np.linalg.norm(A.reshape(-1, A.shape[2]), axis=0) > 0.0)
-    while joints.size:
-        compliance, covariance, inverse_std, rounds = _reweighted(A, gain, loadings, joints)
-        std = np.sqrt(np.diag(covariance))
-        relative = np.where(compliance > 0.0, std / np.abs(compliance), np.inf)
-        relative[~np.isfinite(relative)] = np.inf
-        if relative.max() <= WORST_RELATIVE_STD:
-            return _report(A, loadings, joints, compliance, covariance, inverse_std, rounds)
-        joints = np.delete(joints, int(relative.argmax()))
+    if joints.size:
+        fit = _report(A, loadings, joints, *_reweighted(A, gain, loadings, joints))
+        if fit.identified.any():
+            return fit
     raise IdentifiabilityError(
         f"{len(loadings)} loadings tell the stiffness of no joint to better than "
         f"{WORST_RELATIVE_STD:.0%}; load the joints harder or in more configurations"
@@ -122,7 +121,8 @@ def _fit_columns(A: np.ndarray, gain: np.ndarray, loadings: Loadings) -> Stiffne
 
 def _reweighted(
     A: np.ndarray, gain: np.ndarray, loadings: Loadings, joints: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, int, int]:
+    """Compliances of the joints, their covariance, 1 / deviation of each component, rank and rounds."""
     design = A[:, :, joints].reshape(-1, joints.size)
     target = loadings.displacement.reshape(-1)
     inverse_std = 1.0 / loadings.displacement_std.reshape(-1)
@@ -130,26 +130,33 @@ def _reweighted(
     rounds = 0
     while rounds < _MAX_ROUNDS:
         rounds += 1
-        compliance, covariance = _solve(design * inverse_std[:, None], target * inverse_std)
+        compliance, covariance, rank = _solve(design * inverse_std[:, None], target * inverse_std)
         from_wrench = gain[..., joints] @ compliance * loadings.wrench_std[:, None]  # (n, 3, 6 wrench)
         variance = loadings.displacement_std**2 + (from_wrench**2).sum(axis=-1)
         inverse_std = 1.0 / np.sqrt(variance.reshape(-1))
         if np.all(np.abs(compliance - last) <= 1e-10 * np.abs(compliance)):
             break
         last = compliance
-    return compliance, covariance, inverse_std, rounds
+    return compliance, covariance, inverse_std, rank, rounds
 
 
-def _solve(design: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least squares with columns scaled to one, since compliances differ by a factor of 50."""
+def _solve(design: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+    """Least squares with columns scaled to one, since compliances differ by a factor of 50.
+
+    Returns:
+        Solution, covariance and rank.
+    """
     scale = np.linalg.norm(design, axis=0)
-    u, s, vt = np.linalg.svd(design / scale, full_matrices=False)
-    inverse = np.where(s > s[0] * 1e-10, 1.0 / np.maximum(s, np.finfo(float).tiny), 0.0)
-    solution = vt.T @ (inverse * (u.T @ target)) / scale
-    # A direction without information has infinite variance, not none.
-    spread = np.where(inverse > 0.0, inverse, 1e12)
-    half = vt.T * spread
-    return solution, half @ half.T / np.outer(scale, scale)
+    # All of V also where there are fewer equations than joints; never the square U of many equations.
+    _, s, vt = np.linalg.svd(design / scale, full_matrices=len(design) < design.shape[1])
+    rank = int(np.sum(s > s[0] * 1e-10))
+    v = vt[:rank].T
+    solution = v @ ((v.T @ (design / scale).T @ target) / s[:rank] ** 2) / scale
+    half = v / s[:rank]
+    # A direction without information has infinite variance, not none; a huge one keeps the arithmetic finite.
+    nothing = vt[rank:].T * 1e6 / s[0]
+    covariance = half @ half.T + nothing @ nothing.T
+    return solution, covariance / np.outer(scale, scale), rank
 
 
 def _report(
@@ -159,13 +166,15 @@ def _report(
     found: np.ndarray,
     covariance: np.ndarray,
     inverse_std: np.ndarray,
+    rank: int,
     rounds: int,
 ) -> StiffnessFit:
     columns = A.shape[2]
+    told = (found > 0.0) & (np.sqrt(np.diag(covariance)) <= WORST_RELATIVE_STD * np.abs(found))
     compliance = np.full(columns, np.nan)
-    compliance[joints] = found
+    compliance[joints[told]] = found[told]
     full = np.full((columns, columns), np.nan)
-    full[np.ix_(joints, joints)] = covariance
+    full[np.ix_(joints[told], joints[told])] = covariance[np.ix_(told, told)]
     residual = loadings.displacement - A[:, :, joints] @ found
     return StiffnessFit(
         stiffness=1.0 / compliance,
@@ -175,6 +184,6 @@ def _report(
         residual=residual,
         rmse=float(np.sqrt(np.mean(residual**2))),
         chi_square=float(np.sum((residual.reshape(-1) * inverse_std) ** 2)),
-        degrees_of_freedom=int(residual.size - joints.size),
+        degrees_of_freedom=int(residual.size - rank),
         rounds=rounds,
     )

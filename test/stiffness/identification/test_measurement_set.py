@@ -112,12 +112,30 @@ def test_a_joint_that_no_trial_turns_stays_unknown(kinematics, make_set):
     assert [step.joint for step in steps if np.isfinite(step.stiffness)] == [1]
 
 
-def test_two_joints_that_cannot_be_told_apart_are_not_both_named(kinematics, make_set):
-    """One trial repeated tells one combination of compliances, never six."""
+def test_joints_that_cannot_be_told_apart_are_not_named(kinematics, make_set):
+    """One trial, however often repeated, tells three combinations of six compliances and no joint."""
     data = loadings(kinematics, make_set(TRUE, noise=(1e-9, 1e-9, 1e-9)))
     row = int(np.flatnonzero(data.reflector_link == 6)[0])
-    fit = fit_stiffness(kinematics, data.pick(np.array([row] * 5)))
-    assert fit.identified.sum() <= 3
+    for repeats in (1, 5):
+        with pytest.raises(IdentifiabilityError):
+            fit_stiffness(kinematics, data.pick(np.array([row] * repeats)))
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5, 8])
+def test_few_trials_tell_few_joints_but_these_right(kinematics, make_set, n):
+    """A joint that the trials do not tell must not be taken for rigid: that would falsify the others."""
+    pulls = []
+    for seed in range(25):
+        try:
+            fit = fit_stiffness(kinematics, loadings(kinematics, make_set(TRUE, seed=seed, n=n)))
+        except IdentifiabilityError:
+            continue
+        told = fit.identified
+        deviation = np.sqrt(np.diag(fit.compliance_covariance))
+        pulls += list(((fit.compliance - 1.0 / TRUE) / deviation)[told])
+    assert len(pulls) > 5
+    assert np.abs(pulls).max() < 4.5
+    assert np.mean(np.square(pulls)) < 1.6
 
 
 def test_noise_alone_identifies_nothing(kinematics, make_set):
