@@ -17,7 +17,7 @@ from doormill_ros.resources import resource
 # Columns are camera x, y, z in base axes: z into the picture is base x, x right is -y, y down is -z.
 R_BASE_CAMERA_NOMINAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
-_UNDISTORT_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 20, 1e-8)
+_UNDISTORT_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 1e-8)
 
 
 def _frozen(values: object, shape: tuple[int, ...], name: str) -> np.ndarray:
@@ -88,7 +88,10 @@ class CameraModel:
         xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
         yd = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
         k = self.k
-        return np.stack([k[0, 0] * xd + k[0, 1] * yd + k[0, 2], k[1, 1] * yd + k[1, 2]], axis=-1)
+        pixels = np.empty(rays.shape)
+        pixels[..., 0] = k[0, 0] * xd + k[0, 1] * yd + k[0, 2]
+        pixels[..., 1] = k[1, 1] * yd + k[1, 2]
+        return pixels
 
     def undistort(self, pixels: np.ndarray) -> np.ndarray:
         """Ideal rays x/z, y/z (n, 2) of pixels (n, 2); inverse of `distort`."""

@@ -15,6 +15,7 @@ from doormill_ros.localization.texture import PHASES, phase_places, step_design
 from doormill_ros.localization.view import HINGE, FaceView
 
 WHITE = 253  # grey level from which a pixel counts as clipped
+_ALONG = np.linspace(0.0, 1.0, 32)  # nodes along an edge; between them its picture is straight enough
 _WEAKEST = 0.35  # share of the median step below which a row is not taken for edge
 
 
@@ -72,7 +73,7 @@ def crossing(
     view: FaceView, edge: str, pose: np.ndarray, half: int, start: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rows that cross the predicted edge and the columns where they do (bottom edge: the other way)."""
-    along = np.linspace(start, view.length(edge) + 0.025, 32)
+    along = start + _ALONG * (view.length(edge) + 0.025 - start)
     pixels = view.pixels(view.line(edge, pose, along))
     run, cross = (1, 0) if edge == HINGE else (0, 1)
     nodes_run, nodes_cross = pixels[::-1, run], pixels[::-1, cross]

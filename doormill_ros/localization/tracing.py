@@ -9,7 +9,7 @@ import numpy as np
 from doormill_ros.localization import checks
 from doormill_ros.localization.blur import Spread, edge_spread
 from doormill_ros.localization.fit import LineFit, fit_line
-from doormill_ros.localization.profiles import Profiles, gather, measure, plain_weights
+from doormill_ros.localization.profiles import Profiles, crossing, gather, measure, plain_weights
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.localization.texture import push, step_weights, streaks, variogram
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
@@ -84,13 +84,12 @@ class _Lens:
     rows: np.ndarray
 
 
-def _lens(
-    picture: np.ndarray, view: FaceView, edge: str, pose: np.ndarray, settings: LocalizerSettings
-) -> _Lens:
-    """Learn blur and texture along an edge that runs where `pose` says."""
-    wide = measure(picture, view, edge, pose, plain_weights(_WIDE_HALF, _WIDE_BLUR), _EVERY)
-    checks.check_rows(wide, settings)
-    spread = edge_spread(wide, wide.place, wide.edge_like)
+def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles) -> _Lens:
+    """Learn blur and texture along an edge that runs where `pose` says, from rows read about it."""
+    edge = wide.edge
+    lines, at = crossing(view, edge, pose, 0, -5.0e-3)
+    shift = np.interp(wide.lines, lines, at) - wide.centre
+    spread = edge_spread(wide, shift, wide.edge_like)
     half = int(np.clip(np.ceil(_REACH * spread.blur + 2.0), 4, 14))
     gap = int(np.ceil(3.0 * spread.blur)) + 2
     span = np.arange(-gap - _FACE_STRIP, gap + _BACK_STRIP + 1)
@@ -101,21 +100,20 @@ def _lens(
 
 
 def _focus(
-    picture: np.ndarray, view: FaceView, pose: np.ndarray, settings: LocalizerSettings
-) -> dict[str, np.ndarray]:
-    """Poses to about half a pixel, with windows wide enough for what the search leaves open."""
+    picture: np.ndarray, view: FaceView, poses: dict[str, np.ndarray], settings: LocalizerSettings
+) -> tuple[dict[str, np.ndarray], dict[str, Profiles]]:
+    """Poses to about half a pixel, with windows wide enough for what the search leaves open; the rows read."""
     weights = plain_weights(_WIDE_HALF, _WIDE_BLUR)
-    poses = dict.fromkeys(EDGES, pose)
     for _ in range(3):
-        lines = {}
+        wide, lines = {}, {}
         for edge in EDGES:
-            profiles = measure(picture, view, edge, poses[edge], weights, _EVERY)
-            checks.check_rows(profiles, settings)
-            lines[edge] = _line(view, profiles, poses[edge], 2)
+            wide[edge] = measure(picture, view, edge, poses[edge], weights, _EVERY)
+            checks.check_rows(wide[edge], settings)
+            lines[edge] = _line(view, wide[edge], poses[edge], 2)
         before, poses = poses, _poses(lines)
         if _moved(view, before, poses) < _CAUGHT:
             break
-    return poses
+    return poses, wide
 
 
 def trace_edges(
@@ -132,9 +130,9 @@ def trace_edges(
     Raises:
         LocalizationError: NoEdge, WrongEdge, TooFewInliers, Blurred or OverExposed.
     """
-    poses = _focus(picture, view, pose, settings)
+    poses, wide = _focus(picture, view, dict.fromkeys(EDGES, pose), settings)
     for _ in range(3):
-        lenses = {edge: _lens(picture, view, edge, poses[edge], settings) for edge in EDGES}
+        lenses = {edge: _lens(picture, view, poses[edge], wide[edge]) for edge in EDGES}
         profiles, lines = {}, {}
         for edge, lens in lenses.items():
             profiles[edge] = measure(picture, view, edge, poses[edge], lens.weights)
@@ -143,6 +141,7 @@ def trace_edges(
         before, poses = poses, _poses(lines)
         if _moved(view, before, poses) < _NEAR:
             break
+        wide = _focus(picture, view, poses, settings)[1]
     out = {}
     for edge, lens in lenses.items():
         step, line = profiles[edge].step, lines[edge]
