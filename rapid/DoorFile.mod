@@ -21,6 +21,11 @@ MODULE DoorFile
     ENDRECORD
 
     CONST string TARGET_FILE:="Hei2.txt";
+    ! Written here before each request: its number, so that the PC knows it from the one before.
+    CONST string REQUEST_FILE:="Hei2.req";
+    ! Written by the PC before ready: the run it announces, and the number of the request it answers.
+    CONST string ORDER_FILE:="Hei2.run";
+    CONST num MAX_REQUEST:=999999;
     CONST num FILE_VERSION:=1;
     CONST num MAX_TARGETS:=2000;
     CONST num MAX_MOVES:=2000;
@@ -47,6 +52,7 @@ MODULE DoorFile
     ! The last runs that were accepted; none of them is ever milled again.
     PERS string seenRuns{16}:=["","","","","","","","","","","","","","","",""];
     PERS num seenNext:=1;
+    PERS num requestNumber:=0;
 
     ! What the file says.
     VAR string doorId:="";
@@ -82,6 +88,7 @@ MODULE DoorFile
         CloseFile;
         CheckDoor;
         CheckRun;
+        CheckOrder;
     ERROR
         ! CloseFile has an error handler of its own, which changes ERRNO.
         problem:=ERRNO;
@@ -95,6 +102,14 @@ MODULE DoorFile
             refusalDetail:=TARGET_FILE;
         ENDIF
         RAISE ERR_FILE_REFUSED;
+    ENDPROC
+
+    PROC NumberRequest()
+        requestNumber:=requestNumber MOD MAX_REQUEST+1;
+        CloseFile;
+        Open "HOME:"\File:=REQUEST_FILE,file\Write;
+        Write file,NumToStr(requestNumber,0);
+        CloseFile;
     ENDPROC
 
     PROC RememberRun()
@@ -310,6 +325,25 @@ MODULE DoorFile
                 RefuseFile "This run was milled before:";
             ENDIF
         ENDFOR
+    ENDPROC
+
+    LOCAL PROC CheckOrder()
+        ! A file that arrived late, or that answers an earlier request, is complete and still wrong.
+        VAR string announcedRun;
+        VAR string announcedRequest;
+
+        IF NOT IsFile("HOME:/"+ORDER_FILE) THEN
+            ! A PC that announces nothing but the ready signal.
+            RETURN;
+        ENDIF
+        Open "HOME:"\File:=ORDER_FILE,file\Read;
+        announcedRun:=ReadStr(file);
+        announcedRequest:=ReadStr(file);
+        CloseFile;
+        IF announcedRun<>runId OR announcedRequest<>NumToStr(requestNumber,0) THEN
+            refusalDetail:=announcedRun;
+            RefuseFile "Another run or request is announced:";
+        ENDIF
     ENDPROC
 
     LOCAL PROC NextLine()

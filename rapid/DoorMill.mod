@@ -18,6 +18,7 @@ MODULE DoorMill
         PrepareCell;
         RequestPath;
         ReadTargetFile;
+        ConfirmReady;
         AcceptPath;
         MillMoves;
         FinishDoor;
@@ -49,7 +50,6 @@ MODULE DoorMill
         StopSpindle;
         Reset doPathRequest;
         Reset doPathBusy;
-        Reset doPathDone;
         IF NOT AtHome() THEN
             ! From anywhere else the way home may lead through a door.
             Report "The robot is not at home.","Jog it clear of the door and run MoveHome.";
@@ -62,8 +62,19 @@ MODULE DoorMill
         ! A ready signal that is still high belongs to an earlier file.
         WaitDO doPathReady,0\MaxTime:=READY_FALL_TIMEOUT;
         Reset doPathFault;
+        Reset doPathDone;
+        NumberRequest;
         Set doPathRequest;
         WaitDO doPathReady,1\MaxTime:=PATH_TIMEOUT;
+    ENDPROC
+
+    LOCAL PROC ConfirmReady()
+        ! Reading takes a while. A PC that lowered ready meanwhile has taken the file back.
+        IF doPathReady=0 THEN
+            refusal:="The PC took the target file back.";
+            refusalDetail:=runId;
+            RAISE ERR_FILE_REFUSED;
+        ENDIF
     ENDPROC
 
     LOCAL PROC AcceptPath()
