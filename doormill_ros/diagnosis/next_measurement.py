@@ -10,6 +10,7 @@ from doormill_ros.diagnosis.diagnosis import Diagnosis
 from doormill_ros.diagnosis.fit import Fit
 from doormill_ros.diagnosis.measurement_set import MeasurementSet, Reflector
 from doormill_ros.diagnosis.problem import Problem
+from doormill_ros.diagnosis.search import EQUAL
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.units import rad_to_deg
 
@@ -74,6 +75,7 @@ def plan_next(diagnosis: Diagnosis, seed: int = 0) -> NextMeasurement:
     if pair is None:
         return NextMeasurement("", "", (), 0.0, "Nothing is in doubt: no further trial is needed.", None)
     favourite, rival, names = pair
+    decided = rival.held_out_score > favourite.held_out_score + 3.0 * EQUAL
     pool, loads = _pool(diagnosis.problem.data, seed)
     mine, other = _predict(pool, favourite), _predict(pool, rival)
     chosen, gains = _choose(mine, other)
@@ -93,7 +95,9 @@ def plan_next(diagnosis: Diagnosis, seed: int = 0) -> NextMeasurement:
             )
         )
     odds = float(sum(gains))
-    return NextMeasurement(*names, tuple(trials), odds, _sentence(names, trials, odds), _rows(pool, chosen))
+    return NextMeasurement(
+        *names, tuple(trials), odds, _sentence(names, trials, odds, decided), _rows(pool, chosen)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +235,7 @@ def _choose(mine: _Forecast, other: _Forecast) -> tuple[list[int], list[float]]:
     return chosen, gains
 
 
-def _sentence(names: tuple[str, str], trials: list[ProposedTrial], odds: float) -> str:
+def _sentence(names: tuple[str, str], trials: list[ProposedTrial], odds: float, decided: bool) -> str:
     first = trials[0]
     angles = ", ".join(f"{angle:.0f}" for angle in rad_to_deg(first.q))
     if odds < _DECIDED:
@@ -239,8 +243,13 @@ def _sentence(names: tuple[str, str], trials: list[ProposedTrial], odds: float) 
             f"No loading of this kind tells {names[0]} from {names[1]} (the best {len(trials)} trials give odds of "
             f"{np.exp(min(odds, 20.0)):.1f} to 1): check one of them directly."
         )
+    purpose = (
+        f"No other candidate is left; to confirm {names[0]} against the closest, {names[1]},"
+        if decided
+        else f"To tell {names[0]} from {names[1]},"
+    )
     return (
-        f"To tell {names[0]} from {names[1]}, load {first.force:.0f} N along base {first.load} at joint angles "
+        f"{purpose} load {first.force:.0f} N along base {first.load} at joint angles "
         f"({angles}) deg with every joint last moved {'forwards' if first.direction > 0 else 'backwards'} and measure "
         f"reflector {first.reflector}: the two differ there by {1e6 * first.difference:.0f} um; "
         f"{len(trials)} such trials are proposed."

@@ -19,12 +19,19 @@ class Pattern(LinearTwist):
 
     named = False
 
-    def __init__(self, name: str, where: str, size: int, unit: Callable[[LoadCase], np.ndarray]) -> None:
-        """Keep how to compute the pattern; `unit` gives shape (n, 6, size)."""
+    def __init__(
+        self,
+        name: str,
+        where: str,
+        size: int,
+        unit: Callable[[LoadCase], np.ndarray],
+        lowest: float = -1e6,
+    ) -> None:
+        """Keep how to compute the pattern; `unit` gives shape (n, 6, size), `lowest` is the least amplitude."""
         super().__init__(where)
         self.name = name
         self._unit = unit
-        self.scale, self.lower, self.upper = np.ones(size), np.full(size, -1e6), np.full(size, 1e6)
+        self.scale, self.lower, self.upper = np.ones(size), np.full(size, lowest), np.full(size, 1e6)
 
     def pattern(self) -> str:
         """What it is."""
@@ -116,9 +123,16 @@ def unnamed_patterns(
                 ),
             ),
             Pattern("joint_one_sided_spring", where, 1, _joint(k, lambda c, k=k: [np.abs(_springs(c, k))])),
-            Pattern("joint_square_law", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * _share(c, k)])),
+            # A spring that stiffens with the torque has a name; one that softens has none.
             Pattern(
-                "joint_cubic_law", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * _share(c, k) ** 2])
+                "joint_square_law", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * _share(c, k)]), 0.0
+            ),
+            Pattern(
+                "joint_cubic_law",
+                where,
+                1,
+                _joint(k, lambda c, k=k: [_springs(c, k) * _share(c, k) ** 2]),
+                0.0,
             ),
             Pattern(
                 "joint_dead_zone", where, 1, _joint(k, lambda c, k=k: [np.sign(c.torque[:, k]) * _full(c, k)])

@@ -1,0 +1,50 @@
+"""The worked example of docs/diagnosis.md says what the tool says."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from doormill_ros.diagnosis.thesis_data import diagnose_thesis, read_preload_test
+from doormill_ros.stiffness.identification.thesis_tests import load_thesis_data
+from doormill_ros.tools.diagnose import main
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+
+
+@pytest.fixture(scope="module")
+def page():
+    return " ".join((DOCS / "diagnosis.md").read_text().replace("\n>", " ").split())
+
+
+def test_the_example_gives_the_line_and_the_figures_on_the_page(page, tmp_path, capsys):
+    assert main(["--data", str(DOCS / "diagnosis_example"), "--out", str(tmp_path), "--quiet"]) == 0
+    assert capsys.readouterr().out.strip() in page
+    document = json.loads((tmp_path / "diagnosis.json").read_text())
+    gap, crossing = (document["causes"][0]["parameters"][name] for name in ("gap", "crossing"))
+    assert f"Gap ({1e5 * gap['value']:.2f} +- {1e5 * gap['std']:.2f}) x 1e-5 rad" in page
+    assert f"Crossing torque {crossing['value']:.0f} +- {crossing['std']:.0f} N m" in page
+    assert document["outliers"] == [1, 48, 62, 63]
+    # What is hidden in the example, as the page tells.
+    assert abs(gap["value"] - 5.7e-5) < 2 * gap["std"]
+    assert abs(crossing["value"] - 30.0) < 2 * crossing["std"]
+
+
+def test_the_thesis_table_is_what_the_code_gives(page):
+    data = load_thesis_data()
+    found = diagnose_thesis(data)
+    for row in found.rows[2:5]:
+        figures = (row.measured, row.simulated, row.own_joint, row.all_joints, row.extended, row.held_out)
+        assert f"| {row.joint} | " + " | ".join(f"{1e6 * v:.1f}" for v in figures) + " |" in page
+    low, high = found.test_6_range
+    assert f"{1e6 * low:.0f} or {1e6 * high:.0f}" in page
+    assert f"({1e-6 * found.value:.2f} +- {1e-6 * found.std:.2f}) x 1e6 N m/rad" in page
+    gap = read_preload_test(data)
+    assert f"({1e5 * gap.gap:.1f} +- {1e5 * gap.gap_std:.1f}) x 1e-5 rad" in page
+    assert f"{1e5 * gap.gap_ci95[0]:.1f} to {1e5 * gap.gap_ci95[1]:.1f}" in page
+    assert f"{gap.friction:.0f} +- {gap.friction_std:.0f} N m" in page
+
+
+def test_the_page_is_two_pages_long(page):
+    assert len(re.findall(r"\S+", page)) < 1500
