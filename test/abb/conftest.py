@@ -135,6 +135,11 @@ class WatchedController(VirtualController):
         self.moves.append(move)
         super().move(move)
 
+    @property
+    def executed_count(self) -> int:
+        """Samples of motion so far."""
+        return len(self._engine.recording.time)
+
 
 @pytest.fixture
 def controller(tmp_path: Path, arm: ControllerArm) -> Callable[..., WatchedController]:
@@ -172,10 +177,10 @@ def thesis_listings() -> dict[str, str]:
     if not THESIS_TEXT.is_file():
         pytest.skip("the thesis' text is not beside the repository")
     text = THESIS_TEXT.read_text(encoding="utf-8")
-    found = dict(
-        (figure, code)
+    found = {
+        figure: code
         for code, figure in re.findall(r"```\n(.*?)```(?:(?!```).)*?Figure (3\.\d+):", text, re.DOTALL)
-    )
+    }
     listings = {figure: found[figure] for figure in ("3.36", "3.37", "3.38", "3.39", "3.40", "3.41")}
     for figure, wrong, right, _why in REPAIRS:
         assert listings[figure].count(wrong) == 1, (figure, wrong)

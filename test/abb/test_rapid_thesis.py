@@ -62,7 +62,7 @@ def test_the_thesis_program_mills_our_two_hinge_file_unchanged(name, door, thesi
         expected += [("MoveC", fifteen, thirteen), ("MoveL", None, eleven), ("MoveL", None, away)]
     told = [controller.program.read(f"Target_{n}") for n in NAMES]
     names = {tuple(map(tuple, t[:3])): n for n, t in zip(NAMES, told, strict=True)}
-    moves = [m for m in controller.moves[1:-1]]
+    moves = list(controller.moves[1:-1])
     assert [
         (m.kind, m.via and names[tuple(map(tuple, m.via[:3]))], names[tuple(map(tuple, m.target[:3]))])
         for m in moves
@@ -109,7 +109,7 @@ def test_fewer_than_14_targets_stop_the_thesis_program_before_it_moves(targets, 
     trailer = [line for line in whole if line.startswith("#")]
     (machine.home / "Hei2.txt").write_text("\n".join(whole[:targets] + trailer) + "\n")
     program = Program([parse_module(thesis_module(), "Thesis.mod")], machine)
-    with pytest.raises(RapidRuntimeError, match="StrFind: position .* is outside the string"):
+    with pytest.raises(RapidRuntimeError, match=r"StrFind: position .* is outside the string"):
         program.run()
     assert machine.moves == []
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from typing import Any
 
@@ -26,12 +26,16 @@ _DROPPED = """
 _KEYWORDS = {word: word for word in _KEPT} | {word: f"_{word}" for word in _DROPPED}
 
 
+@lru_cache(maxsize=32)
 def parse_module(text: str, file: str = "<text>") -> s.Module:
     """Parse one module.
 
     Args:
         text: The module; line ends LF or CR LF.
         file: What to call it in messages.
+
+    Returns:
+        The syntax tree; it cannot be changed, so modules that were parsed before are shared.
 
     Raises:
         RapidSyntaxError: The text is not RAPID; names file, line and column.
