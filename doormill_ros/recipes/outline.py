@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -131,6 +132,7 @@ class RoundedRectangle:
             width, length, 0.0 if radius < tiny else min(radius, width / 2.0, length / 2.0)
         )
 
+    @functools.lru_cache(maxsize=1024)  # noqa: B019 - shapes are small, frozen, and asked again and again
     def outline(self, split_lines: bool = False) -> Outline:
         """The contour, clockwise from the left end of the top turn or of the top left corner.
 

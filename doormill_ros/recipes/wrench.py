@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.recipes.errors import MissingField, OutOfRange, UnknownField, WrongType
-from doormill_ros.recipes.fields import Codec, as_mapping, join, number
+from doormill_ros.recipes.fields import GRID_DECIMALS, Codec, as_mapping, join, number
 
 DEFAULT = "default"
 FORCE_LIMIT = 5000.0  #: N; five times what a spindle of 5 kW gives at the speeds of the thesis
@@ -56,24 +56,27 @@ class WrenchRows(Codec):
             where = join(path, segment)
             if not isinstance(row, list | tuple) or len(row) != 6:
                 raise WrongType(where, f"found {row!r}, allowed are six numbers {COMPONENTS}", found=row)
-            wrench = []
-            for index, cell in enumerate(row):
-                found = number(cell, join(where, index))
-                limit, unit = (FORCE_LIMIT, "N") if index < 3 else (MOMENT_LIMIT, "N m")
-                if abs(found) > limit:
-                    raise OutOfRange(
-                        join(where, index),
-                        f"found {found:g} {unit}, allowed are {-limit:g} to {limit:g} {unit}",
-                        found=found,
-                    )
-                wrench.append(found)
-            rows.append((segment, tuple(wrench)))
+            rows.append((segment, tuple(_component(index, cell, where) for index, cell in enumerate(row))))
         # One order whatever the document's: tables of equal content are equal.
         return WrenchTable(tuple(sorted(rows, key=lambda row: (row[0] == DEFAULT, row[0]))))
 
     def write(self, value: WrenchTable) -> dict[str, list[float]]:
         """See the base class."""
         return {segment: list(row) for segment, row in value.rows}
+
+
+def _component(index: int, cell: Any, where: str) -> float:
+    limit, unit = (FORCE_LIMIT, "N") if index < 3 else (MOMENT_LIMIT, "N m")
+    if type(cell) is float and abs(cell) <= limit:
+        return round(cell, GRID_DECIMALS) + 0.0  # nothing to say: no path is built for a message
+    found = number(cell, join(where, index))
+    if abs(found) > limit:
+        raise OutOfRange(
+            join(where, index),
+            f"found {found:g} {unit}, allowed are {-limit:g} to {limit:g} {unit}",
+            found=found,
+        )
+    return found
 
 
 def check_segments(table: WrenchTable, segments: tuple[str, ...], path: str) -> None:

@@ -196,6 +196,14 @@ BAD = [
         e.FeaturesMeet,
         "features.2",
     ),
+    # The hinge begins 0.5 mm below the round top of the mortise (radius 9 mm, middle of the door at
+    # 20 mm); 2 mm further down the mortise is sqrt(9^2 - 6.5^2) = 6.22 mm to either side, so that
+    # the hinge may be 20 - 6.22 - 2 = 11.78 mm deep.
+    (
+        {"features.0.backset_mm": 760, "features.0.height_mm": 1139.5, "features.0.depth_mm": 11.9},
+        e.FeaturesMeet,
+        "features.2",
+    ),
     ({"features.4.lock_case": "plate"}, e.UnknownReference, None),
     ({"features.4.lock_case": "nothing"}, e.UnknownReference, None),
     ({"features.4.height_mm": 1200, "features.4.lock_case": "case"}, e.FeaturesApart, None),
@@ -272,6 +280,7 @@ GOOD = [
     {"features.0.backset_mm": 760, "features.0.height_mm": 900, "features.0.depth_mm": 9},
     {"features.0.backset_mm": 703, "features.0.height_mm": 1000, "features.0.depth_mm": 15},
     {"placement": {"y_mm": -10, "z_mm": 10, "rotation_deg": 2}},
+    {"features.0.backset_mm": 760, "features.0.height_mm": 1139.5, "features.0.depth_mm": 11.7},
     {"features.0.points": 9},
     {"features.0.side": "rear"},
 ]
