@@ -41,6 +41,7 @@ def test_deviations_are_as_large_as_the_standard_deviations_say(kinematics, make
     for seed in range(12):
         fit = fit_stiffness(kinematics, loadings(kinematics, make_set(TRUE, seed=seed)))
         pulls.append((fit.compliance - 1.0 / TRUE) / np.sqrt(np.diag(fit.compliance_covariance)))
+        assert fit.degrees_of_freedom == 3 * 60 - 6
         chi.append(fit.chi_square / fit.degrees_of_freedom)
     # chi-square with 72 degrees: 5 sigma bounds of the mean square are 1 +- 5 sqrt(2/72).
     assert np.mean(np.square(pulls)) == pytest.approx(1.0, abs=5 * np.sqrt(2 / 72))
@@ -107,6 +108,7 @@ def test_a_joint_that_no_trial_turns_stays_unknown(kinematics, make_set):
     data = data.pick(np.flatnonzero(data.reflector_link == 1))
     fit = fit_stiffness(kinematics, data)
     assert fit.identified.tolist() == [True, False, False, False, False, False]
+    assert fit.degrees_of_freedom == 3 * len(data) - 1
     assert fit.stiffness[0] == pytest.approx(TRUE[0], rel=2e-3)
     steps = identify_joint_by_joint(kinematics, data, TRUE)
     assert [step.joint for step in steps if np.isfinite(step.stiffness)] == [1]
