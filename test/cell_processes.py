@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
+from lifecycle_msgs.srv import GetState
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -26,7 +27,10 @@ NODES = (
     "abb_bridge",
     "cell_simulator",
 )
-START_LIMIT = 60.0  # s
+MANAGED = (*NODES[:-1], "camera_simulator", "controller_simulator")
+#: A loaded machine must not turn a good door into a refused one.
+PATIENT = {f"limit.{stage}": 60.0 for stage in ("recipe", "picture", "targets", "request", "ready")}
+START_LIMIT = 120.0  # s
 STOP_LIMIT = 20.0  # s
 
 
@@ -47,7 +51,7 @@ class CellProcesses:
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._parameters = {
             "bag_recorder": {"bag": folder / "bag"},
-            "abb_bridge": {"address": folder / "HOME", "archive": folder / "targets"},
+            "abb_bridge": {"address": folder / "HOME", "archive": folder / "targets", **PATIENT},
             "cell_simulator": {"controller_simulator:home": folder / "HOME"},
         }
         for name, values in (parameters or {}).items():
@@ -104,17 +108,24 @@ class CellProcesses:
             self.stop(name)
 
     def wait_until_up(self) -> None:
-        """The action is served and the simulators have said where they are."""
+        """The action is served and every managed node says that it is active."""
         assert self._action.wait_for_server(START_LIMIT), self.log("abb_bridge")
-        self.wait(
-            lambda: (
-                self.node.count_publishers("abb/request") == 1
-                and self.node.count_publishers("camera/image_raw") == 1
-                and self.node.count_publishers("path/targets") == 1
-                and self.node.count_publishers("door/recipe") == 1
-                and self.node.count_publishers("door/pose") == 1
-            )
-        )
+        for node in MANAGED:
+            self.wait_until_active(node)
+
+    def wait_until_active(self, node: str) -> None:
+        """Asks again and again: an answer of a process that was killed never comes."""
+        client = self.node.create_client(GetState, f"{node}/get_state")
+
+        def active() -> bool:
+            future = client.call_async(GetState.Request())
+            end = time.monotonic() + 1.0
+            while not future.done() and time.monotonic() < end:
+                time.sleep(0.01)
+            return future.done() and future.result().current_state.label == "active"
+
+        self.wait(lambda: client.service_is_ready() and active())
+        self.node.destroy_client(client)
 
     def wait(self, condition: Callable[[], Any], limit: float = START_LIMIT) -> Any:
         deadline = time.monotonic() + limit

@@ -116,7 +116,9 @@ class ManagedNode(LifecycleNode):
                 self.report(WARN, error.message, error_code=error.code)
             except Exception as error:
                 response.error_code = DoormillError.code
-                response.message = f"unexpected {type(error).__name__}: {error}; see the log of {self.get_name()}"
+                response.message = (
+                    f"unexpected {type(error).__name__}: {error}; see the log of {self.get_name()}"
+                )
                 self.report(ERROR, response.message)
                 self.get_logger().error(traceback.format_exc())
             return response

@@ -130,7 +130,11 @@ class MillDoorServer:
         if self._bridge.context.ok():
             self._result.publish(message)
         log = self._bridge.get_logger()
-        (log.info if result.success else log.warning)(result.message)
+        # rclpy ties a severity to the line that logs.
+        if result.success:
+            log.info(result.message)
+        else:
+            log.warning(result.message)
         if result.success:
             goal.succeed()
         elif goal.is_cancel_requested:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +11,19 @@ import yaml
 from doormill_ros.abb import signals
 from doormill_ros.abb.errors import RapidStoppedError
 from doormill_ros.abb.io_port import FolderIo, MemoryIo
-from doormill_ros.abb.target_file import render_target_file, write_atomically
+from doormill_ros.abb.rapid.machine import Move
+from doormill_ros.frames import quaternion_wxyz
 from doormill_ros.simulation.controller import VirtualController
 from doormill_ros.simulation.controller_arm import ControllerArm
-from doormill_ros.simulation.controller_process import module_process
+from doormill_ros.simulation.controller_process import listed_process, module_process
 from doormill_ros.simulation.errors import EffectsFileError
 from doormill_ros.simulation.executed_path import ExecutedPath
 from doormill_ros.simulation.truth_robot import TruthRobot
-from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.program import MillingProgram, Target
+from doormill_ros.units import m_to_mm
+
+NOT_CONNECTED = 9e9  #: RAPID's mark of an external axis that is not there
+SPEED_OF_OTHERS = (500.0, 5000.0, 1000.0)  #: reorientation and external axes of the predefined speeds
 
 
 def load_effects(path: Path) -> tuple[Mapping[str, Any], ...]:
@@ -104,23 +107,39 @@ class RobotCell:
     def execute_uncorrected(self, program: MillingProgram) -> ExecutedPath:
         """What the same robot would have done without the correction.
 
+        The motions go straight to the motion engine: file and program were tried by the run itself.
+
         Raises:
-            AbbError: The program stopped with an error.
+            AbbError: A motion that the controller refuses.
         """
-        targets = tuple(replace(t, T_base_tool_corrected=t.T_base_tool_nominal) for t in program.targets)
-        nominal = replace(program, targets=targets)
-        with tempfile.TemporaryDirectory(prefix="doormill-") as folder:
-            home, io = Path(folder), MemoryIo()
-            write_atomically(home / signals.TARGET_FILE, render_target_file(nominal, "uncorrected"))
-            controller = VirtualController(
-                home,
-                self._arm,
-                self._truth,
-                io=io,
-                process=module_process(program),
-                # The other side of the handshake: the file is there as soon as it is asked for.
-                on_wait=lambda _: io.write(signals.READY, io.read(signals.REQUEST)),
+        controller = VirtualController(
+            self._home, self._arm, self._truth, io=MemoryIo(), process=listed_process(program, first=0)
+        )
+        data = controller.program.read
+        tool, wobj = data("toolMill"), data("wobjDoor")
+        nominal = [_robtarget(target) for target in program.targets]
+        for number, motion in enumerate(program.motions):
+            controller.move(
+                Move(
+                    kind=motion.kind.value,
+                    target=nominal[motion.target],
+                    via=None if motion.via is None else nominal[motion.via],
+                    speed=[m_to_mm(motion.speed), *SPEED_OF_OTHERS],
+                    zone=data(motion.zone),
+                    tool=tool,
+                    wobj=wobj,
+                    duration=None,
+                    file="uncorrected program",
+                    line=number,
+                )
             )
-            controller.program.write("expectedDoor", f'"{program.door_id}"')
-            controller.run()
-            return controller.executed_path()
+        controller.wait_in_position()
+        return controller.executed_path()
+
+
+def _robtarget(target: Target) -> list[list[float]]:
+    """RAPID robtarget at the nominal pose."""
+    position = m_to_mm(target.T_base_tool_nominal[:3, 3]).tolist()
+    conf = target.conf
+    turns = [float(v) for v in (conf.cf1, conf.cf4, conf.cf6, conf.cfx)]
+    return [position, quaternion_wxyz(target.T_base_tool_nominal).tolist(), turns, [NOT_CONNECTED] * 6]
