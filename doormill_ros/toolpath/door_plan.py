@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -93,17 +94,21 @@ def _way(
         # Clear of the door on both sides of the edge between them, and the swing in between.
         corner = _beyond_both(back, wait, last.R_door_tool[:, 2], first.R_door_tool[:, 2])
         way.append(_air(last, back, corner, MotionKind.LINEAR))
-        way += _swing(last, first, corner)
-        way.append(_air(first, corner, wait, MotionKind.LINEAR))
+        way += _swing(last, first, corner, wait)
     return [*way, _air(first, wait, goal, MotionKind.LINEAR)]
 
 
-def _swing(last: Step, first: Step, corner: np.ndarray) -> list[Step]:
-    """Turn the tool about its tip, in parts so small that a MoveJ hardly moves the tip."""
+def _swing(last: Step, first: Step, corner: np.ndarray, wait: np.ndarray) -> list[Step]:
+    """From the corner to the side to come, in parts so small that a MoveJ goes almost straight."""
+    share = np.arange(1, SWING_PARTS + 1) / SWING_PARTS
     ends = Rotation.from_matrix(np.stack([last.R_door_tool, first.R_door_tool]))
-    turned = Slerp([0.0, 1.0], ends)(np.arange(1, SWING_PARTS + 1) / SWING_PARTS).as_matrix()
-    pattern = _air(first, corner, corner, MotionKind.JOINT)
-    return [*(replace(pattern, R_door_tool=R) for R in turned[:-1]), pattern]
+    turned = Slerp([0.0, 1.0], ends)(share).as_matrix()
+    turned[-1] = first.R_door_tool
+    places = [corner, *(corner + share[:, None] * (wait - corner))]
+    return [
+        replace(_air(first, start, end, MotionKind.JOINT), R_door_tool=R)
+        for (start, end), R in zip(itertools.pairwise(places), turned, strict=True)
+    ]
 
 
 def _beyond_both(back: np.ndarray, wait: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:

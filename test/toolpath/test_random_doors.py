@@ -4,12 +4,13 @@ import importlib.util
 from pathlib import Path
 
 import numpy as np
-from hypothesis import HealthCheck, event, given, settings
+from hypothesis import HealthCheck, Phase, event, given, settings
 
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.robot.inverse import inverse
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.toolpath.door_plan import whole_door
-from doormill_ros.toolpath.errors import PathError
+from doormill_ros.toolpath.errors import AirMoveError, ConfigurationChangeError, JointSpeedError, PathError
 from doormill_ros.toolpath.thesis_path import is_thesis_door
 
 
@@ -24,19 +25,48 @@ doors = _load(Path(__file__).with_name("doors.py"))
 QUIET = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.function_scoped_fixture]
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=QUIET)
+def generated(cell, recipe, T_base_door):
+    try:
+        return cell.program(recipe, T_base_door), None
+    except PathError as refusal:
+        return None, refusal
+
+
+def cause_is_there(cell, recipe, T_base_door, refusal):
+    """Ask the inverse kinematics, pose by pose, whether the feature really cannot be served."""
+    feature = recipe.feature(refusal.data["feature"])
+    box = [
+        s * np.array([feature.shape.width, feature.shape.length]) / 2
+        for s in ([1, 1], [1, -1], [-1, 1], [-1, -1])
+    ]
+    depths = (-0.08, 0.0, feature.cut_depth(recipe.size))
+    good = []
+    for x, y in (*box, (0.0, 0.0)):
+        for depth in depths:
+            T = T_base_door @ feature.T_door_tool(recipe.size, x, y, depth)
+            q = inverse(cell.robot, T @ np.linalg.inv(cell.layout.T_flange_tool))
+            # Room for the margins: 1 degree of the limits, 3 of the wrist; a little more than they.
+            low, high = cell.robot.lower + 0.03, cell.robot.upper - 0.03
+            ok = ((q > low) & (q < high)).all(axis=1) & (np.abs(np.sin(q[:, 4])) > 0.07)
+            good.append(ok.any())
+    return not all(good) or isinstance(refusal, ConfigurationChangeError | AirMoveError | JointSpeedError)
+
+
+@settings(
+    max_examples=15, deadline=None, suppress_health_check=QUIET, phases=[Phase.explicit, Phase.generate]
+)
 @given(doors.doors())
 def test_milled_within_five_hundredths_or_refused_with_a_reason(cell, door):
     document, (y, z, rotation) = door
     recipe = Recipe.from_document(document)
     T_base_door = cell.T_base_door(recipe, y, z, rotation)
-    try:
-        program = cell.program(recipe, T_base_door)
-    except PathError as error:
-        event(type(error).__name__)
-        assert 300 < error.code < 400
-        assert error.data["feature"] in {f.id for f in recipe.features}
-        assert error.data["feature"] in error.message
+    program, refusal = generated(cell, recipe, T_base_door)
+    if refusal is not None:
+        event(type(refusal).__name__)
+        assert 300 < refusal.code < 400
+        assert refusal.data["feature"] in {f.id for f in recipe.features}
+        assert refusal.data["feature"] in refusal.message
+        assert cause_is_there(cell, recipe, T_base_door, refusal)
         return
     event("milled")
     for target in program.targets:
