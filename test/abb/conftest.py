@@ -79,7 +79,7 @@ def load(machine: BareMachine) -> Callable[..., Program]:
     """Load module text; `body` alone becomes PROC main."""
 
     def load_(declarations: str = "", body: str = "", rest: str = "") -> Program:
-        text = f"MODULE test\n{declarations}\nPROC main()\n{body}\nENDPROC\n{rest}\nENDMODULE\n"
+        text = f"MODULE bench\n{declarations}\nPROC main()\n{body}\nENDPROC\n{rest}\nENDMODULE\n"
         return Program([parse_module(text, "test.mod")], machine)
 
     return load_

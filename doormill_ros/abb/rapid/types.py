@@ -14,7 +14,7 @@ from typing import Any
 
 STRING_LENGTH = 80  #: characters of a RAPID string
 
-_FLOAT32 = struct.Struct("f")
+_FLOAT32 = struct.Struct("<f")
 
 Value = Any  #: float, str, bool, list, or an opaque object of a non-value type
 
