@@ -134,7 +134,7 @@ def run() -> list[Entry]:
     if off > 1e-9 or done.residual.max() > TOLERANCE or done.translation.max() < 1e-5:
         raise RuntimeError(f"the two corrections differ by {off:.1e}, residual {done.residual.max():.1e} m")
     name = f"stiffness correction of a whole door, {len(q)} targets, residual below 1 um"
-    against_plain = compare(name, ours, "plain numpy, target by target", plain, n=7)
+    against_plain = compare(name, ours, "plain numpy, target by target", plain, n=21)
     return [
         entry(
             name,
