@@ -287,12 +287,7 @@ class Handshake:
     def _acknowledged(self) -> None:
         self._update(request=False)
         self._enter(State.ACKNOWLEDGED, "the controller has read the file", 0)
-        # Read before ready is lowered: a low ready lets the controller clear FAULT and request again.
-        if self._access.optional_signal(signals.FAULT):
-            raise link_errors.FileRefusedError(
-                f"the controller refused the file of run {self._snapshot.run_id}; its pendant says why",
-                run_id=self._snapshot.run_id,
-            )
+        self._access.require_taken(self._snapshot.run_id, self._request_mark)
         self._finish(handed_over=True, code=0, reason="file handed over")
         self._begin_clearing(State.MILLING, "file handed over, the robot mills", 0)
         self._step_clearing()

@@ -9,6 +9,7 @@ from doormill_ros.abb.errors import AbbError
 from doormill_ros.abb.handshake_inbox import Submission
 from doormill_ros.abb.link_errors import (
     FileMissingError,
+    FileRefusedError,
     FileVerificationError,
     LinkError,
     ReadySignalError,
@@ -167,6 +168,28 @@ class ControllerAccess:
         except UnknownSignalError:
             self._absent_signals.add(name)
             return False
+
+    def require_taken(self, run_id: str, request_mark: bytes) -> None:
+        """What the robot program made of the file, to be asked while ready is still high.
+
+        Once ready is low the program may clear FAULT and request again.
+
+        Raises:
+            FileRefusedError: It refused the file.
+            RequestWithdrawnError: It marks its requests, and neither refused the file nor began to mill.
+            LinkError: Its signals cannot be read.
+        """
+        if self.optional_signal(signals.FAULT):
+            raise FileRefusedError(
+                f"the controller refused the file of run {run_id}; its pendant says why", run_id=run_id
+            )
+        # Twice: between the end of BUSY and the start of DONE both are low for an instant.
+        began = any(self.optional_signal(name) for name in 2 * (signals.BUSY, signals.DONE))
+        if request_mark and not began:
+            raise RequestWithdrawnError(
+                "the request fell, but the robot neither refused the file nor began to mill; its program was "
+                "probably stopped: start it again"
+            )
 
     def _compare(self, name: str, expected: bytes) -> bytes:
         found = self.transport.read_file(name)

@@ -276,6 +276,19 @@ def test_a_request_that_was_made_anew_unseen_is_told_by_its_number(cell: Cell) -
     assert cell.step() is State.READY
 
 
+@pytest.mark.parametrize(("shown", "taken"), [(signals.BUSY, True), (signals.DONE, True), (None, False)])
+def test_a_program_that_was_stopped_did_not_take_the_file(cell: Cell, shown: str | None, taken: bool) -> None:
+    """A program that numbers its requests shows BUSY, later DONE, when it takes a file."""
+    cell.transport._files[signals.REQUEST_FILE] = b"17\n"
+    run_id = cell.to_ready()
+    if shown is not None:
+        cell.transport.set_signal(shown, True)
+    cell.request(False)
+    cell.step()
+    assert cell.handshake.outcome(run_id).handed_over is taken
+    assert not cell.transport.signal(signals.READY)
+
+
 def test_no_file_in_time(cell: Cell) -> None:
     cell.to_requested()
     cell.clock.now += LIMITS.submission - 0.1

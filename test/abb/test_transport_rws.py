@@ -349,6 +349,27 @@ def test_answers_of_something_else_than_a_controller(body: bytes) -> None:
     link.close()
 
 
+@pytest.mark.parametrize("url", ["", "192.168.125.1", "ftp://x", "http://", "out/controller"])
+def test_an_address_that_is_none(url: str) -> None:
+    with pytest.raises(ConnectError, match="must be like"):
+        connect_rws1(url, LOGIN)
+
+
+def test_a_password_in_the_address_is_refused_and_not_repeated() -> None:
+    with pytest.raises(ConnectError) as caught:
+        connect_rws1("http://mill:zebra@192.168.125.1", LOGIN)
+    assert "zebra" not in str(caught.value) + repr(caught.value.data)
+
+
+def test_a_connection_closed_under_a_call_is_a_lost_connection(server: RwsServer) -> None:
+    link = link_to(server)
+    link.read_ready()
+    link._http._client.close()
+    with pytest.raises(ConnectionLostError):
+        link.set_ready(True)
+    link.close()
+
+
 def test_nobody_there() -> None:
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]

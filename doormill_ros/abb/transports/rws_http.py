@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import httpx
 
@@ -86,6 +87,23 @@ def tls_context(certificate: Path | None, insecure: bool) -> ssl.SSLContext:
     return context
 
 
+def check_url(url: str) -> str:
+    """The address of a controller without a slash at its end.
+
+    Raises:
+        ConnectError: It is not of the form http://HOST or https://HOST, or holds a password.
+    """
+    parts = urlsplit(url)
+    if parts.scheme not in ("http", "https") or not parts.hostname:
+        raise ConnectError(f"controller address is {url!r}; it must be like 'http://192.168.125.1'", url=url)
+    if parts.username is not None or parts.password is not None:
+        raise ConnectError(
+            "controller address holds a user or password; take them out and set the environment variables "
+            "of the credentials instead"
+        )
+    return url.rstrip("/")
+
+
 class RwsHttp:
     """Sends requests one after the other within one session; safe to use from several threads."""
 
@@ -107,8 +125,11 @@ class RwsHttp:
             digest: HTTP digest (1.0) instead of basic authentication (2.0).
             headers: Sent with every request.
             tls: Trust for https.
+
+        Raises:
+            ConnectError: The address is no address.
         """
-        self.url = url.rstrip("/")
+        self.url = check_url(url)
         self.tls = tls
         self._credentials = credentials
         self._timeouts = timeouts
@@ -223,6 +244,11 @@ class RwsHttp:
             return self._client.request(method, self.url + path, content=content, headers=headers, auth=auth)
         except httpx.HTTPError as error:
             raise map_http_error(error, doing) from None
+        except (RuntimeError, OSError, ValueError) as error:
+            # What the libraries raise when another thread closed the connection to end a call that hung.
+            raise ConnectionLostError(
+                f"{doing}: the connection was given up ({type(error).__name__}); check the network"
+            ) from None
 
     def _new_client(self) -> httpx.Client:
         limits = self._timeouts
