@@ -39,23 +39,27 @@ def followable(steps: Sequence[Step], path: JointPath, robot: Robot, checks: Che
         JointSpeedError: The feed of a cut is too fast for a joint.
     """
     shares = joint_speed_shares(steps, path, robot)
-    result = []
-    for i, (step, share) in enumerate(zip(steps, shares.max(axis=1), strict=True)):
-        if share <= checks.joint_speed_share:
-            result.append(step)
-            continue
-        slower = step.speed * checks.joint_speed_share / float(share)
-        if step.cutting:
-            joint = int(shares[i].argmax())
-            raise JointSpeedError(
-                f"{step.feature}, motion {i + 1} of {len(steps)}: joint {joint + 1} would turn at "
-                f"{rad_to_deg(share * robot.max_velocity[joint]):.0f} deg/s, allowed are "
-                f"{rad_to_deg(checks.joint_speed_share * robot.max_velocity[joint]):.0f} deg/s; "
-                f"lower the feed from {m_to_mm(step.speed):.0f} to {m_to_mm(slower):.0f} mm/s",
-                feature=step.feature,
-                motion=i + 1,
-                found=float(share),
-                allowed=checks.joint_speed_share,
-            )
-        result.append(replace(step, speed=slower))
-    return result
+    worst = np.where([step.cutting for step in steps], shares.max(axis=1), 0.0)
+    if worst.max() > checks.joint_speed_share:
+        raise _too_fast(steps, int(worst.argmax()), shares, robot, checks)
+    slower = np.minimum(1.0, checks.joint_speed_share / np.maximum(shares.max(axis=1), 1e-12))
+    return [
+        s if f == 1.0 else replace(s, speed=s.speed * float(f)) for s, f in zip(steps, slower, strict=True)
+    ]
+
+
+def _too_fast(
+    steps: Sequence[Step], i: int, shares: np.ndarray, robot: Robot, checks: Checks
+) -> JointSpeedError:
+    step, joint = steps[i], int(shares[i].argmax())
+    found = float(shares[i, joint])
+    return JointSpeedError(
+        f"{step.feature}, motion {i + 1} of {len(steps)}: joint {joint + 1} would turn at "
+        f"{rad_to_deg(found * robot.max_velocity[joint]):.0f} deg/s, allowed are "
+        f"{rad_to_deg(checks.joint_speed_share * robot.max_velocity[joint]):.0f} deg/s; lower the feed "
+        f"from {m_to_mm(step.speed):.0f} to {m_to_mm(step.speed) * checks.joint_speed_share / found:.0f} mm/s",
+        feature=step.feature,
+        motion=i + 1,
+        found=found,
+        allowed=checks.joint_speed_share,
+    )

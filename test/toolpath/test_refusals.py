@@ -1,0 +1,241 @@
+"""Every error has a code of its own and a sentence with feature, found, allowed and what to do."""
+
+import inspect
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+
+from doormill_ros.recipes.cutting import Cutting
+from doormill_ros.resources import resource
+from doormill_ros.robot.description import load_robot
+from doormill_ros.stiffness.joint_springs import JointSpringModel
+from doormill_ros.toolpath import errors
+from doormill_ros.toolpath.arcs import check_arcs
+from doormill_ros.toolpath.door_checks import check_door, require_cycle
+from doormill_ros.toolpath.operation import operation
+from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.route import check_air, route
+from doormill_ros.toolpath.settings import load_settings
+
+LEAVES = [
+    c
+    for _, c in inspect.getmembers(errors, inspect.isclass)
+    if issubclass(c, errors.PathError) and c is not errors.PathError
+]
+
+
+def test_codes_are_unique_and_in_range():
+    codes = [leaf.code for leaf in LEAVES]
+    assert len(set(codes)) == len(codes)
+    assert all(300 < code < 400 for code in codes)
+    for leaf in LEAVES:
+        assert f"{leaf.__name__} {leaf.code}" in errors.__doc__
+
+
+@pytest.fixture
+def recipe(cell):
+    return cell.recipe("standard_door")
+
+
+def with_features(recipe, *features):
+    return replace(recipe, features=features)
+
+
+def refused(cell, recipe, kind, words, T_base_door=None, **options):
+    """The error, after looking at its sentence."""
+    T_base_door = cell.T_base_door(recipe) if T_base_door is None else T_base_door
+    with pytest.raises(kind, match=words) as caught:
+        cell.program(recipe, T_base_door, **options)
+    message = caught.value.message
+    assert "allowed" in message or "beyond" in message or "cannot reach" in message
+    assert ";" in message  # what to do
+    assert "\n" not in message
+    return caught.value
+
+
+@pytest.mark.parametrize(
+    ("offset", "axis"),
+    [((0.012, 0, 0), "y"), ((0, -0.0106, 0), "z"), ((0, 0, math.radians(2.2)), "rotation")],
+)
+def test_a_door_beyond_the_placement_limits(cell, recipe, offset, axis):
+    error = refused(cell, recipe, errors.DoorPoseError, "place it again", cell.T_base_door(recipe, *offset))
+    assert error.data["axis"] == axis
+
+
+def test_a_door_at_the_placement_limits_is_milled(cell):
+    recipe = cell.recipe("thesis_1350_0deg")
+    for sign in (-1, 1):
+        T = cell.T_base_door(recipe, sign * 0.010, -sign * 0.010, sign * math.radians(2))
+        assert len(cell.program(recipe, T).targets) == 14
+
+
+def test_a_door_out_of_its_clamp(cell, recipe):
+    T = np.array(cell.T_base_door(recipe))
+    T[0, 3] += 0.004
+    refused(cell, recipe, errors.DoorPoseError, r"\+4.00 mm off in x.*close the clamp", T)
+
+
+def test_nothing_to_mill(cell, recipe):
+    refused(
+        cell, recipe, errors.NothingToMillError, "standard_door leaves this robot 0 features", operations=[]
+    )
+
+
+def test_out_of_reach(cell):
+    """The top of the highest door, 2.85 m above the robot's foot, is above the bottom robot's reach."""
+    recipe = cell.recipe("thesis_190_0deg")
+    high = replace(recipe.features[0], height=3.5)
+    refused(
+        cell,
+        with_features(replace(recipe, height=3.6), high),
+        errors.ReachError,
+        "hinge_1, motion .* cannot reach",
+    )
+
+
+def test_beyond_a_joint_limit(cell):
+    recipe = cell.recipe("thesis_190_0deg")
+    ops = [operation(replace(recipe.features[0], side=type(recipe.features[0].side).REAR), recipe.size)]
+    refused(cell, recipe, (errors.PathJointLimitError, errors.ReachError), "hinge_1, motion", operations=ops)
+
+
+def test_too_close_to_a_singularity(cell, recipe):
+    """On a door whose hinge edge is straight before the robot, at wrist height, axes 4 and 6 line up."""
+    narrow = replace(recipe, width=0.770 + 2 * 0.025, height=3.0)
+    stiff = JointSpringModel(cell.robot, 10.0 * cell.robot.stiffness)
+    found = []
+    for height in np.arange(1.6, 2.6, 0.05):
+        hinge = replace(recipe.feature("hinge_1"), height=float(height), length=0.12)
+        try:
+            cell.program(with_features(narrow, hinge), cell.T_base_door(narrow), model=stiff)
+        except errors.PathSingularityError as error:
+            found.append(error)
+    assert found
+    assert all("axis 5 is" in e.message and "allowed is 3" in e.message for e in found)
+
+
+def test_a_feed_that_a_joint_cannot_follow(cell, recipe):
+    fast = replace(
+        recipe.feature("hinge_1"), cutting=Cutting(spindle_speed=300.0, feed=0.5, plunge_feed=0.005)
+    )
+    slow = load_settings()
+    slow = replace(slow, checks=replace(slow.checks, joint_speed_share=0.05))
+    error = refused(
+        cell, with_features(recipe, fast), errors.JointSpeedError, "lower the feed from 500 to", settings=slow
+    )
+    # The feed it names is one that passes.
+    possible = float(error.message.split(" to ")[-1].split(" mm/s")[0]) * 1e-3
+    good = replace(fast, cutting=Cutting(spindle_speed=300.0, feed=0.98 * possible, plunge_feed=0.005))
+    cell.program(with_features(recipe, good), cell.T_base_door(recipe), settings=slow)
+
+
+def test_air_motions_are_slowed_instead(cell, recipe):
+    slow = load_settings()
+    slow = replace(slow, checks=replace(slow.checks, joint_speed_share=0.15))
+    lowest = []
+    for settings in (load_settings(), slow):
+        program = cell.program(recipe, cell.T_base_door(recipe), settings=settings)
+        lowest.append(min(m.speed for m in program.motions if not m.cutting))
+    assert lowest[0] == 0.2  # the speed towards the wood, as it is set
+    assert 0.0 < lowest[1] < 0.2
+
+
+def test_a_correction_beyond_the_limit(cell, recipe):
+    soft = JointSpringModel(cell.robot, cell.robot.stiffness / 5.0)
+    error = refused(
+        cell,
+        recipe,
+        errors.CorrectionLimitError,
+        r"hinge_\d, target \d+: the robot bends by [1-9].* mm",
+        model=soft,
+    )
+    assert error.data["found"] > error.data["allowed"] == 0.001
+
+
+def test_a_model_that_jumps(cell, recipe):
+    class Jumping:
+        """Deflects by 0.4 mm to whichever side of the nominal hinge the tool stands on."""
+
+        def deflection(self, q, wrench, load_point, direction=None):
+            z = (cell.kinematics.forward(q) @ cell.layout.T_flange_tool)[:, 2, 3]
+            twist = np.zeros((len(q), 6))
+            twist[:, 2] = 2e-4 * np.where(np.floor(z / 1e-4) % 2 == 0, 1.0, -1.0)
+            return twist * (np.abs(wrench).max(axis=1) > 0)[:, None]
+
+    one = with_features(recipe, recipe.feature("hinge_1"))
+    refused(cell, one, errors.CorrectionSettleError, "the robot model jumps there", model=Jumping())
+
+
+def test_too_many_targets(cell, recipe):
+    tight = load_settings()
+    tight = replace(tight, checks=replace(tight.checks, targets=100.0))
+    refused(cell, recipe, errors.ProgramSizeError, "targets, allowed are 100", settings=tight)
+
+
+def test_an_arc_that_no_movec_follows(cell, recipe):
+    program = cell.program(recipe, cell.T_base_door(recipe))
+    i = next(k for k, m in enumerate(program.motions) if m.via is not None and m.feature == "hinge_2")
+    motion = program.motions[i]
+    start = program.targets[program.motions[i - 1].target]
+    for via, words in (
+        (start.T_base_tool_corrected, "are 0.000 mm apart"),
+        (
+            0.5 * (start.T_base_tool_corrected + program.targets[motion.target].T_base_tool_corrected),
+            "bends by",
+        ),
+    ):
+        targets = list(program.targets)
+        targets[motion.via] = replace(targets[motion.via], T_base_tool_corrected=via)
+        with pytest.raises(errors.ArcError, match=rf"hinge_2, target .*{words}.*check radius and tool"):
+            check_arcs(MillingProgram("x", 0, tuple(targets), program.motions))
+
+
+def test_a_way_through_the_wood(cell, recipe):
+    """The door moved into the way of a swing that was planned clear of it."""
+    settings, T = load_settings(), cell.T_base_door(recipe)
+    ops = [operation(f, recipe.size) for f in recipe.features]
+    plan, path = route(recipe, ops, T, cell.layout, cell.robot, settings)
+    check_air(plan.steps, path, recipe.size, T, cell.robot, cell.layout)
+    wide = replace(recipe, width=recipe.width + 0.2)
+    with pytest.raises(
+        errors.AirMoveError, match=r"the tool passes the door at -?[0-9]+ mm, allowed are 10 mm"
+    ):
+        check_air(plan.steps, path, wide.size, T, cell.robot, cell.layout)
+
+
+def test_a_cycle_that_takes_too_long(cell, recipe):
+    slow = replace(recipe.feature("lock_case"), cutting=Cutting(spindle_speed=300.0, feed=0.01))
+    recipe = with_features(recipe, slow)
+    program = cell.program(recipe, cell.T_base_door(recipe))
+    with pytest.raises(
+        errors.CycleTimeError, match=r"lock_case: it takes .* allowed are 80.0 s; raise its feed"
+    ):
+        require_cycle([check_door(program, recipe, cell.robot)])
+
+
+@pytest.mark.parametrize(
+    ("part", "key", "value"),
+    [("correction", "limit", -1.0), ("approach", "retreats", [0.1, "far"]), ("checks", "wrist", float("nan")),
+     ("cycle", "total", None), ("second_robot", "position", [1.0, 2.0]), ("correction", "colour", 1.0)],
+)  # fmt: skip
+def test_settings_that_cannot_be(tmp_path, part, key, value):
+    document = yaml.safe_load(resource("config/toolpath.yaml").read_text(encoding="utf-8"))
+    document[part][key] = value
+    path = tmp_path / "toolpath.yaml"
+    path.write_text(yaml.safe_dump(document), encoding="utf-8")
+    with pytest.raises(errors.PathSettingsError, match="allowed") as error:
+        load_settings(path)
+    assert part in error.value.message
+    assert str(path) in error.value.message
+
+
+def test_another_robot_works_too(cell, recipe):
+    """The cell of appendix A.1 has IRB 6700-235/2.65."""
+    robot = load_robot("irb6700_235_265")
+    from doormill_ros.toolpath.generate import generate_program
+
+    program = generate_program(recipe, cell.T_base_door(recipe), cell.layout, robot, JointSpringModel(robot))
+    assert len({m.feature for m in program.motions} - {""}) == len(recipe.features)
