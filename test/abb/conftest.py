@@ -140,6 +140,11 @@ class WatchedController(VirtualController):
         """Samples of motion so far."""
         return len(self._engine.recording.time)
 
+    @property
+    def executed_motion(self) -> int:
+        """Index of the motion that is being executed."""
+        return self._engine.recording.context[-1].index
+
 
 @pytest.fixture
 def controller(tmp_path: Path, arm: ControllerArm) -> Callable[..., WatchedController]:
