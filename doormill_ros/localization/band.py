@@ -1,7 +1,7 @@
 """The strip of the picture in which an edge may lie, straightened, and the steps found in it.
 
 `across` is the distance from the nominal edge, inside positive; `along` the distance from the
-nominal corner. The strip is sampled from the picture averaged down by REDUCE.
+nominal corner. The strip is sampled from the picture averaged down by ACROSS and ALONG.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from doormill_ros.localization.view import HINGE, FaceView
+from doormill_ros.localization.robust import column_medians
+from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 
-REDUCE = 4  # the picture is averaged down by this factor for the search
+ACROSS, ALONG = 4, 8  # pixels averaged for the search, across the edge and along it
 WING = 2  # samples averaged on each side of a step
 _SEGMENT = 4.0e-3  # length of edge over which a step is averaged before the median [m]
 
@@ -37,8 +38,13 @@ class Band:
 
     @property
     def step(self) -> float:
-        """Spacing of the samples [m]."""
+        """Spacing of the samples across the edge [m]."""
         return float(self.across[1] - self.across[0])
+
+    @property
+    def pitch(self) -> float:
+        """Spacing of the samples along the edge [m]."""
+        return float(self.along[1] - self.along[0])
 
 
 @lru_cache(maxsize=64)
@@ -51,12 +57,13 @@ def band(view: FaceView, edge: str, reach: float, inside: float) -> Band:
         reach: How far it reaches out of the nominal door and beyond its corner [m].
         inside: How far it reaches into the nominal door [m].
     """
-    step = REDUCE * view.pixel
-    across, along = np.arange(-reach, inside, step), np.arange(-reach, view.length(edge), step)
+    across = np.arange(-reach, inside, ACROSS * view.pixel)
+    along = np.arange(-reach, view.length(edge), ALONG * view.pixel)
     # The lens is smooth: polynomials through a few nodes are right to a hundredth of a pixel.
     grid_along, grid_across = np.meshgrid(_stretch(along), _stretch(across), indexing="ij")
     pair = [grid_across, grid_along] if edge == HINGE else [grid_along, grid_across]
-    at = (view.pixels(np.stack(pair, axis=-1)) + 0.5) / REDUCE - 0.5
+    factors = (ACROSS, ALONG) if edge == HINGE else (ALONG, ACROSS)
+    at = (view.pixels(np.stack(pair, axis=-1)) + 0.5) / factors - 0.5
     left, right = _lagrange(along.size), _lagrange(across.size).T
     maps = ((left @ at[..., i] @ right).astype(np.float32) for i in range(2))
     return Band(across, along, *maps)
@@ -77,11 +84,16 @@ def _lagrange(count: int) -> np.ndarray:
     return powers @ np.linalg.inv(np.vander(_NODES))
 
 
-def reduced(picture: np.ndarray) -> np.ndarray:
-    """The picture averaged over REDUCE x REDUCE pixels, in two halvings, which the library does fast."""
+def reduced(picture: np.ndarray) -> dict[str, np.ndarray]:
+    """The picture averaged down for each edge, by halvings, which the library does fast."""
     height, width = picture.shape
     half = cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
-    return cv2.resize(half, (width // 4, height // 4), interpolation=cv2.INTER_AREA)
+    quarter = cv2.resize(half, (width // 4, height // 4), interpolation=cv2.INTER_AREA)
+    rows, columns = len(quarter) // 2 * 2, quarter.shape[1] // 2 * 2
+    return {
+        HINGE: np.add(quarter[0:rows:2], quarter[1:rows:2], dtype=np.float32) * np.float32(0.5),
+        BOTTOM: np.add(quarter[:, 0:columns:2], quarter[:, 1:columns:2], dtype=np.float32) * np.float32(0.5),
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +143,7 @@ def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float, r
     The median over pieces lets chips, dust, screws and clamps cover almost half of the edge.
 
     Args:
-        small: Reduced picture.
+        small: Picture reduced for this edge.
         where: The band.
         tilts: Slopes to try, shape (k,).
         free: Distance from the nominal corner beyond which the edge exists wherever the door stands [m].
@@ -146,7 +158,7 @@ def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float, r
         sums[:, 2 * WING :] + sums[:, : count + 1 - 2 * WING] - 2 * sums[:, WING : count + 1 - WING]
     ) / WING
     first = int(np.searchsorted(where.along, free))
-    per = max(round(_SEGMENT / where.step), 1)
+    per = max(round(_SEGMENT / where.pitch), 1)
     pieces = (len(where.along) - first) // per
     used = slice(first, first + pieces * per)
     segments = rows[used].reshape(pieces, per, count).mean(axis=1)
@@ -171,5 +183,5 @@ def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float, r
         tilts=tilts,
         scores=scores(np.arange(near), tilts),
         texture=scores(np.arange(near + WING, count - WING), tilts[len(tilts) % 4 // 2 :: 4]),
-        brightness=np.median(values[first::per], axis=0)[inside],
+        brightness=column_medians(values[first::per])[inside],
     )

@@ -156,6 +156,14 @@ def check_spread(edge: str, spread: Spread, streaks: float, settings: LocalizerS
         )
 
 
+def edge_in_edge() -> WrongEdge:
+    """The refusal of a picture in which the edge of the face cannot be told from those beside it."""
+    return WrongEdge(
+        "several steps run side by side where an edge of the face must be, and which of them is the face's cannot "
+        "be told; change the light or clear the view of the door's corner"
+    )
+
+
 def check_square(fit: PoseFit) -> None:
     """Whether the two lines stand at a right angle.
 

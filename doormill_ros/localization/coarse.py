@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.localization.band import REDUCE, WING, Steps, band, find_steps, reduced
+from doormill_ros.localization.band import ACROSS, WING, Steps, band, find_steps, reduced
 from doormill_ros.localization.errors import NoEdge, WrongEdge
+from doormill_ros.localization.robust import median
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 
 _MARGIN = 2.0e-3  # how far beyond the largest displacement of an edge the search reaches [m]
@@ -20,6 +21,7 @@ _SIGNIFICANT = 4.0  # an edge stands out of the texture by that many standard de
 _CERTAIN = 7.0  # and by that many if a line further out is more than twice as strong
 _FLOOR = 0.25  # texture that noise alone makes [grey levels]
 _FAINTEST = 3.5  # smallest step taken for an edge [grey levels]
+_STRAY = 0.5e-3  # lines that far out of range are passed over if others are in range [m]
 _PARALLEL = 9.0e-3  # largest difference between the tilts of the two edges, as far as the search sees [rad]
 
 
@@ -45,7 +47,7 @@ def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
     # The contrast of texture goes with the light, so it is learned in relation to the brightness.
     far = steps.brightness[near + WING : steps.brightness.size - WING]
     texture = np.abs(steps.texture) / np.maximum(far, 5.0)
-    share = float(np.sqrt(np.mean(np.minimum(texture, 3 * np.median(texture)) ** 2)))
+    share = float(np.sqrt(np.mean(np.minimum(texture, 3 * median(texture)) ** 2)))
     level = np.maximum(share * brightness, _FLOOR)
     best = strength.max(axis=0)
     best[np.abs(across) > reach] = 0.0
@@ -61,7 +63,7 @@ def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
         k = int(np.argmax(strength[:, j]))
         tilt = float(steps.tilts[k])
         lines.append(Line(float(across[j]) - tilt * steps.middle, tilt, float(steps.scores[k, j])))
-    return lines, float(np.median(level))
+    return lines, median(level)
 
 
 def refine(steps: Steps, line: Line) -> Line:
@@ -71,19 +73,23 @@ def refine(steps: Steps, line: Line) -> Line:
     centre = np.clip(centre, half, len(where.across) - half - 1)
     span = np.arange(-half, half + 1)
     windows = np.sign(line.step) * steps.segments[np.arange(len(centre))[:, None], centre[:, None] + span]
-    top = np.clip(windows.argmax(axis=1), 1, 2 * half - 1)
+    highest = windows.argmax(axis=1)
+    top = np.clip(highest, 1, 2 * half - 1)
     i = np.arange(len(centre))
     left, middle, right = windows[i, top - 1], windows[i, top], windows[i, top + 1]
     bend = 2 * middle - left - right
     place = top - half + 0.5 * (right - left) / np.maximum(bend, 1e-6)
-    good = (middle > 0.3 * abs(line.step)) & (bend > 1e-6)
+    good = (middle > 0.3 * abs(line.step)) & (bend > 1e-6) & (highest == top)  # not rising out of the window
     if good.sum() < 4:
         return line
     s = steps.centres[good]
     # Steps sit between samples: step j compares the samples before j with those from j on.
     d = where.across[0] + where.step * (centre[good] + np.clip(place[good], -half, half) - 0.5)
-    at, slope = line.across, line.tilt
-    for _ in range(6):
+    # Median of the slopes between distant pieces: a clamp or chips on a quarter of them do no harm.
+    i, j = np.triu_indices(s.size, max(s.size // 4, 1))
+    slope = median((d[j] - d[i]) / (s[j] - s[i]))
+    at = median(d - slope * s)
+    for _ in range(3):
         weight = 1.0 / np.maximum(np.abs(d - at - slope * s), 0.3 * where.step) ** 1.5
         total = weight.sum()
         mean_s, mean_d = weight @ s / total, weight @ d / total
@@ -132,14 +138,14 @@ def search(picture: np.ndarray, view: FaceView, limit: float, rotation: float) -
     for edge in (HINGE, BOTTOM):
         reach = limit + rotation * view.length(edge) + _MARGIN
         bands[edge] = band(view, edge, reach, reach + _INSIDE)
-    pitch = 1.5 * REDUCE * view.pixel / max(b.along[-1] for b in bands.values())
+    pitch = 1.5 * ACROSS * view.pixel / max(b.along[-1] for b in bands.values())
     number = int(np.ceil(rotation / pitch)) + 1
     tilts = np.arange(-number, number + 1) * pitch
     steps, lines = {}, {}
     for edge in (HINGE, BOTTOM):
         where = bands[edge]
         widest = limit + 0.5 * rotation * (limit + where.along[-1]) + 0.5 * _MARGIN
-        steps[edge] = find_steps(small, where, tilts, limit + 0.5e-3, widest)
+        steps[edge] = find_steps(small[edge], where, tilts, limit + 0.5e-3, widest)
         lines[edge], level = candidates(steps[edge], widest)
         if not lines[edge]:
             raise NoEdge(
@@ -151,6 +157,9 @@ def search(picture: np.ndarray, view: FaceView, limit: float, rotation: float) -
     # A line that no other meets at a right angle is a shadow or a tool. Of what remains the innermost
     # two are the face's, or nothing is: to fall back on lines further out would be to guess.
     square = [[abs(h.tilt + b.tilt) < _PARALLEL for b in lines[BOTTOM]] for h in lines[HINGE]]
+    inside = [[np.abs(meet(h, b)[:2]).max() < limit + _STRAY for b in lines[BOTTOM]] for h in lines[HINGE]]
+    if np.any(np.logical_and(square, inside)):
+        square = np.logical_and(square, inside)
     if np.any(square):
         hinge = lines[HINGE][int(np.argmax(np.any(square, axis=1)))]
         bottom = lines[BOTTOM][int(np.argmax(np.any(square, axis=0)))]

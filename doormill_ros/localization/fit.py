@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from doormill_ros.localization.robust import median
+
 _PIECE = 6.0e-3  # length over which deviations are averaged [m]; a sawn edge wanders over 2 mm
 _PIECE_BIAS = 1.25  # of Gaussian wander over 2 mm, averages over 6 mm hold that much too little
 _CUT = 4.7  # Tukey's biweight ends at that many standard deviations
@@ -57,12 +59,6 @@ def _weighted_line(along: np.ndarray, across: np.ndarray, weight: np.ndarray) ->
     return middle, place, slope
 
 
-def _median(values: np.ndarray) -> float:
-    """Upper median of values (n,); the library's own spends most of its time on checks."""
-    middle = values.size // 2
-    return float(np.partition(values, middle)[middle])
-
-
 def fit_line(
     along: np.ndarray, across: np.ndarray, usable: np.ndarray, guess: tuple[float, float], rounds: int = 5
 ) -> LineFit:
@@ -77,14 +73,19 @@ def fit_line(
     """
     x, y = along[usable], across[usable]
     residual = y - guess[0] - guess[1] * x
-    residual = residual - _median(residual)
+    residual = residual - median(residual)
+    thin = max(x.size // 300, 1)  # a part of the points serves to find the line's neighbourhood
+    every = (x, y)
+    x, y, residual = x[::thin], y[::thin], residual[::thin]
     for step in range(-2, rounds):
-        scale = 1.4826 * _median(np.abs(residual)) + _FINEST
+        scale = 1.4826 * median(np.abs(residual)) + _FINEST
         if step < 0:  # the guess may be off by more than the scatter: least absolute distances
             weight = scale / np.maximum(np.abs(residual), scale)
         else:
             weight = np.clip(1 - (residual / (_CUT * scale)) ** 2, 0, None) ** 2
         middle, place, slope = _weighted_line(x, y, weight)
+        if step == rounds - 3:
+            x, y = every
         residual = y - place - slope * (x - middle)
     variance = _point_variance(x, residual, weight)
     lever = x - middle

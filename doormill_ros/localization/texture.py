@@ -14,10 +14,15 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import ndtr
 
-PHASES = 16  # sub-pixel phases for which weights are kept
+from doormill_ros.localization.robust import median
+
+PHASES = 12  # sub-pixel phases for which weights are kept
 PIXEL_VARIANCE = 1.0 / 12.0  # what the pixel's own width adds to the point spread [px^2]
 _TRIM = 0.9  # share of the rows used, the calmest; the others hold dust and chips
 _FLOOR = 0.1  # variance that rounding to grey levels makes
+_ARM = 4  # px averaged on each side of a step looked for in the face
+# Such a step counts from this many times the usual difference, this share of the edge's step, these levels.
+_INNER_USUAL, _INNER_SHARE, _INNER_LEAST = 8.0, 0.15, 2.5
 _STIFFNESS = 0.02  # share of white noise assumed beside the texture; keeps the weights smooth
 
 
@@ -79,12 +84,30 @@ def step_weights(half: int, blur: float, inside: np.ndarray, outside: np.ndarray
     )
 
 
-def streaks(strip: np.ndarray) -> float:
-    """Standard deviation of what all rows (n, m) of a strip have in common, a slope aside [grey levels]."""
-    common = np.median(strip, axis=0)
+def streaks(common: np.ndarray) -> float:
+    """Standard deviation of what all rows of a strip have in common (m,), a slope aside [grey levels]."""
     place = np.arange(common.size) - (common.size - 1) / 2
     common = common - common.mean()
     return float(np.std(common - place * (place @ common) / (place @ place)))
+
+
+def step_inside(common: np.ndarray, step: float) -> int | None:
+    """Another step in the face beside an edge, as its distance from the strip's outer end [px], or None.
+
+    Then what was taken for the edge of the face is that of something behind it: a rebate's lip
+    or the back of the door, which shows just beside the face.
+
+    Args:
+        common: Median row of the face, its end next to the edge, shape (m,).
+        step: Step at the edge [grey levels].
+    """
+    sums = np.concatenate([[0.0], np.cumsum(common)])
+    steps = (sums[2 * _ARM :] + sums[: -2 * _ARM] - 2 * sums[_ARM:-_ARM]) / _ARM
+    usual = 1.4826 * median(np.abs(steps))
+    at = int(np.argmax(np.abs(steps)))
+    if abs(steps[at]) < max(_INNER_USUAL * usual, _INNER_SHARE * abs(step), _INNER_LEAST):
+        return None
+    return int(common.size - (at + _ARM))
 
 
 @dataclass(frozen=True)
@@ -111,9 +134,9 @@ def push(strip: np.ndarray, along: np.ndarray, weights: np.ndarray, blur: float,
     used = kernel[: half + int(np.ceil(2 * blur)) + 2]
     if strip.shape[1] < used.size + 2:
         return Push(0.0, 0.0)
-    windows = np.lib.stride_tricks.sliding_window_view(strip, used.size, axis=1)[:, ::2]
+    windows = np.lib.stride_tricks.sliding_window_view(strip, used.size, axis=1)[:, ::3]
     moved = windows @ (used / step)  # (n, k), shift at each row for each place of the window
-    limit = 4 * np.median(np.abs(moved)) + 1e-6
+    limit = 4 * median(np.abs(moved)) + 1e-6
     moved = np.clip(moved, -limit, limit)
     lever = along - along.mean()
     places = moved.mean(axis=0)

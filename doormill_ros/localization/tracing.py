@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,15 +10,20 @@ from doormill_ros.localization import checks
 from doormill_ros.localization.blur import Spread, edge_spread
 from doormill_ros.localization.fit import LineFit, fit_line
 from doormill_ros.localization.profiles import Profiles, crossing, gather, measure, plain_weights
+from doormill_ros.localization.robust import column_medians
 from doormill_ros.localization.settings import LocalizerSettings
-from doormill_ros.localization.texture import push, step_weights, streaks, variogram
+from doormill_ros.localization.texture import push, step_inside, step_weights, streaks, variogram
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 
 _WIDE_BLUR, _WIDE_HALF = 3.0, 12  # px; wide enough to catch an edge four pixels from where the search has it
 _EVERY = 6  # rows left out while focusing in
-_CAUGHT, _NEAR = 1.5, 0.5  # px; wide, then sharp focusing ends when the edges move by less
+_CAUGHT, _NEAR, _FAR = (
+    1.5,
+    0.5,
+    1.0,
+)  # px; wide, then sharp focusing ends when the edges move by less; with more, blur is learned again
 _REACH = 2.5  # pixels looked at on each side of an edge, in standard deviations of its blur
-_FACE_STRIP, _BACK_STRIP = 40, 12  # px; surfaces beside an edge whose texture is learned
+_LOOK_INSIDE, _FACE_STRIP, _BACK_STRIP = 90, 40, 12  # px; surfaces beside an edge whose texture is learned
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +81,16 @@ class _Lens:
         weights: For its rows, as its blur and the textures beside it ask for.
         strip: Rows of the face beside it [grey levels].
         rows: Their numbers.
+        streaks: Standard deviation of what the rows have in common [grey levels].
+        inner: Distance of another edge inside of this one [px], or None.
     """
 
     spread: Spread
     weights: np.ndarray
     strip: np.ndarray
     rows: np.ndarray
+    streaks: float
+    inner: float | None
 
 
 def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles) -> _Lens:
@@ -92,11 +101,21 @@ def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles)
     spread = edge_spread(wide, shift, wide.edge_like)
     half = int(np.clip(np.ceil(_REACH * spread.blur + 2.0), 4, 14))
     gap = int(np.ceil(3.0 * spread.blur)) + 2
-    span = np.arange(-gap - _FACE_STRIP, gap + _BACK_STRIP + 1)
+    span = np.arange(-gap - _LOOK_INSIDE, gap + _BACK_STRIP + 1)
     values = gather(picture, edge, wide.lines, wide.centre, span).astype(np.float32)
-    strip, back = values[:, :_FACE_STRIP], values[:, -_BACK_STRIP:]
+    face, back = values[:, :_LOOK_INSIDE], values[:, -_BACK_STRIP:]
+    strip = face[:, -_FACE_STRIP:]
+    common = column_medians(face[::2])
+    inner = step_inside(common, wide.step)
     weights = step_weights(half, spread.blur, variogram(strip, 2 * half), variogram(back, 2 * half))
-    return _Lens(spread, weights, strip, wide.lines)
+    return _Lens(
+        spread,
+        weights,
+        strip,
+        wide.lines,
+        streaks(common[-_FACE_STRIP:]),
+        None if inner is None else inner + gap,
+    )
 
 
 def _focus(
@@ -130,22 +149,35 @@ def trace_edges(
     Raises:
         LocalizationError: NoEdge, WrongEdge, TooFewInliers, Blurred or OverExposed.
     """
-    poses, wide = _focus(picture, view, dict.fromkeys(EDGES, pose), settings)
+    poses = dict.fromkeys(EDGES, pose)
     for _ in range(3):
+        poses, wide = _focus(picture, view, poses, settings)
         lenses = {edge: _lens(picture, view, poses[edge], wide[edge]) for edge in EDGES}
+        if all(lens.inner is None for lens in lenses.values()):
+            break
+        move = [(lenses[edge].inner or 0.0) * view.pixel for edge in EDGES]
+        poses = {edge: poses[edge] + [*move, 0.0] for edge in EDGES}
+    else:
+        raise checks.edge_in_edge()
+    for _ in range(4):
         profiles, lines = {}, {}
         for edge, lens in lenses.items():
             profiles[edge] = measure(picture, view, edge, poses[edge], lens.weights)
             checks.check_rows(profiles[edge], settings)
             lines[edge] = _line(view, profiles[edge], poses[edge], 5)
         before, poses = poses, _poses(lines)
-        if _moved(view, before, poses) < _NEAR:
+        moved = _moved(view, before, poses)
+        if moved < _NEAR:
             break
-        wide = _focus(picture, view, poses, settings)[1]
+        if moved > _FAR:
+            lenses = {edge: _lens(picture, view, poses[edge], wide[edge]) for edge in EDGES}
     out = {}
     for edge, lens in lenses.items():
         step, line = profiles[edge].step, lines[edge]
-        checks.check_spread(edge, lens.spread, streaks(lens.strip) / abs(step), settings)
+        # A ragged edge smears the rows laid over each other as a soft one does.
+        ragged = line.scatter / view.pixel
+        blur = float(np.sqrt(max(lens.spread.blur**2 - ragged**2, 0.0)))
+        checks.check_spread(edge, replace(lens.spread, blur=blur), lens.streaks / abs(step), settings)
         checks.check_share(edge, float(line.inliers.mean()), settings)
         pushed = push(lens.strip, lens.rows, lens.weights, lens.spread.blur, step)
         line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
