@@ -129,8 +129,8 @@ def read_target_file(data: bytes, *, trailer: bool = True) -> TargetFile:
     computed = checksum(lines[:-1])
     if tuple(computed) != written:
         raise TargetFileChecksumError(
-            f"the target file says checksum {list(written)}, its content gives {list(computed)}: "
-            "write the file anew",
+            f"the target file says checksum {list(written)}, its content gives {list(computed)}, "
+            "allowed is the same: write the file anew",
             found=written,
             computed=tuple(computed),
         )
