@@ -9,7 +9,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-from harness import Entry, entry
 from scipy.optimize import least_squares
 
 from doormill_ros.diagnosis.causes.cause import Cause
@@ -20,6 +19,7 @@ from doormill_ros.diagnosis.patterns import unnamed_patterns
 from doormill_ros.diagnosis.problem import Problem
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.truth.loading_test import draw_plan, write_loading_test
+from harness import Entry, entry
 
 HIDDEN = {"cause": "joint_backlash", "where": "joint 1", "parameters": {"gap": 6e-5, "crossing": 60.0}}
 
@@ -35,7 +35,7 @@ def make_set(folder: Path) -> MeasurementSet:
 def refit_everything(data: MeasurementSet) -> tuple[Cause, np.ndarray, float]:
     """Every candidate alone, fitted and cross-validated by scipy with its finite differences."""
     problem = Problem(data)
-    patterns = unnamed_patterns(data.q, data.time, data.temperature, problem.configuration)
+    patterns = unnamed_patterns(data.q, data.time, data.temperature, data.dt)
     best: tuple[float, Cause, np.ndarray] | None = None
     for cause in [*candidates(data.reflectors), *patterns]:
 

@@ -132,7 +132,7 @@ def diagnose_set(data: MeasurementSet, progress: Callable[[str], None] = lambda 
 def _search(problem: Problem, progress: Callable[[str], None]) -> tuple[Search, Fit]:
     data = problem.data
     library = candidates(dict.fromkeys(data.reflector.tolist()))
-    patterns = unnamed_patterns(data.q, data.time, data.temperature, problem.configuration)
+    patterns = unnamed_patterns(data.q, data.time, data.temperature, data.dt)
     search = Search(problem, [*library, *patterns], progress=progress)
     return search, search.run()
 

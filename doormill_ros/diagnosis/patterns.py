@@ -47,7 +47,7 @@ class Pattern(LinearTwist):
 
 
 #: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
-_VARYING = ("ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming")
+_VARYING = ("ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming", "yielding")
 
 
 def spoils(pattern: Cause, cause: Cause) -> bool:
@@ -85,7 +85,7 @@ def _shift(vectors: list[np.ndarray], case: LoadCase, first_link: int) -> np.nda
 
 
 def unnamed_patterns(
-    q: np.ndarray, time: np.ndarray, temperature: np.ndarray, configuration: np.ndarray
+    q: np.ndarray, time: np.ndarray, temperature: np.ndarray, dt: np.ndarray
 ) -> list[Pattern]:
     """All patterns for one test.
 
@@ -93,9 +93,10 @@ def unnamed_patterns(
         q: Commanded joint angles, shape (n, 6) [rad].
         time: Shape (n,) [s].
         temperature: Shape (n,) [deg C], NaN where unknown.
-        configuration: Number of the posture, shape (n,).
+        dt: Time under load, shape (n,) [s].
     """
     late = np.zeros_like(time) if np.ptp(time) == 0.0 else (time - time.mean()) / np.ptp(time)
+    long = np.zeros_like(dt) if np.ptp(dt) == 0.0 else (dt - dt.mean()) / np.ptp(dt)
     warm = np.where(np.isfinite(temperature), temperature, np.nan)
     warm = np.nan_to_num(warm - np.nanmean(warm)) if np.isfinite(warm).any() else np.zeros_like(time)
     found = []
@@ -141,6 +142,7 @@ def unnamed_patterns(
                 "joint_direction_shift", where, 1, _joint(k, lambda c, k=k: [c.direction[:, k] * _full(c, k)])
             ),
             Pattern("joint_ageing", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * late])),
+            Pattern("joint_yielding", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * long])),
             Pattern("joint_creep", where, 1, _joint(k, lambda c, k=k: [late * _full(c, k)])),
             Pattern("joint_warming", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * warm])),
             Pattern("link_torsion", f"link {k + 1}", 1, lambda c, k=k: _torsion(c, k)),

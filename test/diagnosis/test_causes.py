@@ -150,7 +150,7 @@ def test_no_cause_means_no_effect(problem):
     data = problem.data
     everything = [
         *candidates(data.reflectors),
-        *unnamed_patterns(data.q, data.time, data.temperature, data.trial),
+        *unnamed_patterns(data.q, data.time, data.temperature, data.dt),
     ]
     plain = problem.predict([], np.zeros(0)).residual
     for cause in everything:
