@@ -29,6 +29,7 @@ from doormill_ros.abb.link_errors import (
     WriteTimeoutError,
 )
 from doormill_ros.abb.transport import Transport
+from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
 
 
@@ -157,10 +158,29 @@ def test_a_folder_that_hangs_ends_in_a_timeout_and_order_is_kept(tmp_path: Path)
     link.close()
 
 
+def test_a_call_given_up_behind_a_hanging_one_is_never_made() -> None:
+    caller, release, made = BoundedCaller("test"), threading.Event(), []
+    hanging = threading.Thread(target=lambda: caller.call(lambda: release.wait(20), 30.0))
+    hanging.start()
+    while caller._queue.qsize():
+        time.sleep(0.001)
+    with pytest.raises(CallTimeout):
+        caller.call(lambda: made.append("late"), 0.05)
+    release.set()
+    hanging.join()
+    caller.call(lambda: made.append("next"), 20.0)
+    assert made == ["next"]
+    caller.close()
+    with pytest.raises(CallTimeout):
+        caller.call(lambda: made.append("closed"), 20.0)
+    assert made == ["next"]
+
+
 def test_a_second_bridge_is_kept_out_until_the_first_dies(tmp_path: Path) -> None:
     code = (
         "import sys, time\n"
-        "from doormill_ros.abb.transports.shared_folder import SharedFolderTransport\n"
+        "from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
+from doormill_ros.abb.transports.shared_folder import SharedFolderTransport\n"
         "t = SharedFolderTransport(sys.argv[1]); print('up', flush=True); time.sleep(60)\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}

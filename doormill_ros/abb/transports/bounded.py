@@ -17,6 +17,8 @@ class _Call:
 
     def __init__(self, function: Callable[[], Any]) -> None:
         self.function = function
+        self.started = False
+        self.given_up = False
         self.done = threading.Event()
         self.result: Any = None
         self.error: BaseException | None = None
@@ -38,6 +40,7 @@ class BoundedCaller:
         self._queue: queue.SimpleQueue[_Call | None] = queue.SimpleQueue()
         self._stuck: _Call | None = None
         self._closed = False
+        self._mutex = threading.Lock()
         self._thread = threading.Thread(target=self._work, name=name, daemon=True)
         self._thread.start()
 
@@ -60,7 +63,10 @@ class BoundedCaller:
         call = _Call(function)
         self._queue.put(call)
         if not call.done.wait(timeout):
-            self._stuck = call
+            with self._mutex:
+                call.given_up = True
+                if call.started:
+                    self._stuck = call
             raise CallTimeout
         if call.error is not None:
             raise call.error
@@ -73,6 +79,11 @@ class BoundedCaller:
 
     def _work(self) -> None:
         while (call := self._queue.get()) is not None:
+            with self._mutex:
+                # What waited behind a hanging call until its caller gave it up must not happen any more.
+                call.started = not call.given_up
+            if not call.started:
+                continue
             try:
                 call.result = call.function()
             except BaseException as error:
