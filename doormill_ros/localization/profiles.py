@@ -64,9 +64,13 @@ def gather(
 ) -> np.ndarray:
     """Pixels at `centre + span` of each of `lines`, rows for the hinge edge, columns for the bottom edge."""
     height, width = picture.shape
-    if edge == HINGE:
-        return picture[lines[:, None], np.clip(centre[:, None] + span, 0, width - 1)]
-    return picture[np.clip(centre[:, None] + span, 0, height - 1), lines[:, None]]
+    last = (width if edge == HINGE else height) - 1
+    cross = centre[:, None] + span
+    if cross.size and (cross.min() < 0 or cross.max() > last):
+        cross = np.clip(cross, 0, last)
+    # Flat indices into the picture are several times faster than pairs of them.
+    flat = lines[:, None] * width + cross if edge == HINGE else cross * width + lines[:, None]
+    return np.take(picture.ravel(), flat)
 
 
 def crossing(

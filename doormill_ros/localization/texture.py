@@ -16,7 +16,7 @@ from scipy.special import ndtr
 
 from doormill_ros.localization.robust import median
 
-PHASES = 12  # sub-pixel phases for which weights are kept
+PHASES = 8  # sub-pixel phases for which weights are kept
 PIXEL_VARIANCE = 1.0 / 12.0  # what the pixel's own width adds to the point spread [px^2]
 _TRIM = 0.9  # share of the rows used, the calmest; the others hold dust and chips
 _FLOOR = 0.1  # variance that rounding to grey levels makes
@@ -134,7 +134,7 @@ def push(strip: np.ndarray, along: np.ndarray, weights: np.ndarray, blur: float,
     used = kernel[: half + int(np.ceil(2 * blur)) + 2]
     if strip.shape[1] < used.size + 2:
         return Push(0.0, 0.0)
-    windows = np.lib.stride_tricks.sliding_window_view(strip, used.size, axis=1)[:, ::3]
+    windows = np.lib.stride_tricks.sliding_window_view(strip, used.size, axis=1)[:, ::5]
     moved = windows @ (used / step)  # (n, k), shift at each row for each place of the window
     limit = 4 * median(np.abs(moved)) + 1e-6
     moved = np.clip(moved, -limit, limit)
