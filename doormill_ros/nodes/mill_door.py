@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -23,6 +24,7 @@ from doormill_ros.nodes.convert.geometry import seconds_of
 if TYPE_CHECKING:
     from doormill_ros.nodes.abb_bridge import AbbBridge
 
+ASK_AGAIN = 1.0  # s
 #: States that a run which was handed over can only reach once the controller has ended it.
 ENDED = (HandshakeState.DONE, HandshakeState.FAILED, HandshakeState.REQUESTED)
 
@@ -228,10 +230,19 @@ class MillDoorServer:
 
     def _fetch_recipe(self, run: Run, limits: StageLimits) -> Any:
         missing = "the recipe database does not answer; check that /recipe_database is active"
-        run.wait_until(self._get_recipe.service_is_ready, limits.recipe, missing)
-        future = self._get_recipe.call_async(GetRecipe.Request(door_id=run.door_id, run_id=run.run_id))
-        run.wait_until(future.done, limits.recipe, missing)
-        response = future.result()
+        request = GetRecipe.Request(door_id=run.door_id, run_id=run.run_id)
+        asked: list[Any] = []
+
+        def answered() -> Any:
+            # A database that was restarted a moment ago may miss the first request.
+            if self._get_recipe.service_is_ready() and time.monotonic() - self._asked_at > ASK_AGAIN:
+                self._asked_at = time.monotonic()
+                asked.append(self._get_recipe.call_async(request))
+                asked[-1].add_done_callback(lambda _: run.notify())
+            return next((future for future in asked if future.done()), None)
+
+        self._asked_at = float("-inf")
+        response = run.wait_until(answered, limits.recipe, missing).result()
         self._refuse_unless(response.success, response.message, response.error_code)
         return response.recipe
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from std_msgs.msg import Header
 
+from doormill_interfaces.msg import DoorRecipe
 from doormill_interfaces.srv import GetRecipe, ImportRecipes, ListRecipes
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
@@ -32,6 +33,7 @@ class RecipeDatabaseNode(ManagedNode):
         self._database = RecipeDatabase(self.value("database_url") or None)
         if self.value("ship_recipes"):
             self._database.add_shipped()
+        self._in_hand = DoorRecipe()
         self._recipe = self.publisher(topics.DOOR_RECIPE)
         self.serve(GetRecipe, "recipes/get", self._get)
         self.serve(ListRecipes, "recipes/list", self._list)
@@ -42,6 +44,10 @@ class RecipeDatabaseNode(ManagedNode):
         self._database.close()
 
     def _get(self, request: GetRecipe.Request, response: GetRecipe.Response) -> GetRecipe.Response:
+        if request.run_id and request.run_id == self._in_hand.run_id:
+            # Asked again: the answer was lost, the recipe is out already.
+            response.recipe, response.success = self._in_hand, True
+            return response
         if request.door_id or not request.bar_code:
             recipe = self._database.get(request.door_id, request.version or None)
         else:
@@ -50,6 +56,7 @@ class RecipeDatabaseNode(ManagedNode):
         response.recipe = recipe_message(recipe, request.run_id, header)
         response.success = True
         if request.run_id:
+            self._in_hand = response.recipe
             self._recipe.publish(response.recipe)
             self.report(OK, "recipe in hand", door_id=recipe.door_id, version=recipe.version)
         return response
@@ -65,7 +72,10 @@ class RecipeDatabaseNode(ManagedNode):
         report = self._database.import_file(Path(request.path), author=request.author)
         response.success = True
         response.door_ids = [record.door_id for record in report.saved]
-        response.message = f"{len(report.saved)} recipes imported from {request.path}, {len(report.unchanged)} were there already"
+        response.message = (
+            f"{len(report.saved)} recipes imported from {request.path}, "
+            f"{len(report.unchanged)} were there already"
+        )
         return response
 
 

@@ -1,0 +1,95 @@
+"""Every command of the README runs."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from source_tree import ROOT
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```bash\n(.*?)```", README, flags=re.DOTALL)
+MAKE = [block.strip() for block in BLOCKS if block.startswith("make ")]
+SHELL = [block for block in BLOCKS if not block.startswith("make ")]
+LIMIT = 240  # s
+
+
+def run(script: str, folder: Path, **kwargs: object) -> subprocess.Popen[str]:
+    """A bash of its own group in an empty folder, without what the tests' environment set up."""
+    environment = {k: v for k, v in os.environ.items() if k in ("PATH", "HOME", "LANG", "TMPDIR", "XDG_DATA_HOME")}
+    environment |= {k: os.environ[k] for k in ("ROS_DOMAIN_ID", "ROS_DISTRO", "AMENT_PREFIX_PATH") if k in os.environ}
+    script = "set -e\n" + script.replace(". ./activate", f". {ROOT}/activate")
+    return subprocess.Popen(
+        ["bash", "-c", script],
+        cwd=folder,
+        env=environment,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+        **kwargs,
+    )
+
+
+def test_the_readme_has_the_commands_it_promises() -> None:
+    assert "make run" in MAKE
+    assert "make test" in MAKE
+    assert len(SHELL) >= 2
+
+
+@pytest.mark.parametrize("command", MAKE)
+def test_make_targets_exist(command: str) -> None:
+    """They set everything up and run it, which is what this test is part of: make only has to know them."""
+    done = subprocess.run([*command.split(), "--dry-run"], cwd=ROOT, capture_output=True, text=True, timeout=LIMIT)
+    assert done.returncode == 0, done.stderr
+    assert "scripts/bootstrap.sh" in done.stdout
+
+
+@pytest.mark.parametrize("block", [b for b in SHELL if " & " not in b])
+def test_shell_commands_run(block: str, tmp_path: Path) -> None:
+    process = run(block, tmp_path)
+    try:
+        output, _ = process.communicate(timeout=LIMIT)
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+    assert process.returncode == 0, output
+
+
+@pytest.mark.parametrize("block", [b for b in SHELL if " & " in b])
+def test_nodes_started_in_the_background_come_up_and_stop(block: str, tmp_path: Path) -> None:
+    names = re.findall(r"(\w+) &", block)
+    assert len(names) == 6
+    process = run(block + "\nwait", tmp_path)
+    try:
+        deadline = time.monotonic() + LIMIT
+        # The bridge writes its ready signal, low, as soon as it is up.
+        while not (tmp_path / "out/controller/HOME/io/doPathReady").exists():
+            assert process.poll() is None, process.communicate()[0]
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+    finally:
+        os.killpg(process.pid, signal.SIGINT)
+        output, _ = process.communicate(timeout=60)
+    assert "Traceback" not in output
+
+
+@pytest.mark.parametrize("path", re.findall(r"\]\((?!http)([^)#]+)\)", README))
+def test_links_and_pictures_are_there(path: str) -> None:
+    assert (ROOT / path).exists()
+
+
+def test_tools_and_nodes_named_in_the_readme_are_installed() -> None:
+    prefix = next(
+        p for p in os.environ["AMENT_PREFIX_PATH"].split(os.pathsep) if (Path(p) / "lib" / "doormill_ros").is_dir()
+    )
+    for name in re.findall(r"^\| `(\w+)` \|", README, flags=re.MULTILINE):
+        if not re.search(rf"^\| `{name}`.*\| (?:arrays|for)", README, flags=re.MULTILINE) and name.islower():
+            dependency = name in {"pin", "shapely", "openpyxl", "pydantic", "pyyaml", "lark", "rich"}
+            assert dependency or (Path(prefix) / "lib" / "doormill_ros" / name).is_file(), name
