@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
 
 from doormill_ros.correction.load import Bench
-from doormill_ros.toolpath.plan import Plan
+from doormill_ros.toolpath.curve import Curve
+from doormill_ros.toolpath.plan import Plan, Step
+from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.refine import Division, divide
 from doormill_ros.toolpath.settings import Correction
 from doormill_ros.toolpath.stations import FRACTIONS, Stations, directions, stations_of
 
+DIRECTION_ROUNDS = 3  #: the correction itself may turn a joint that hardly moves
+TALLEST_FLAT_ARC = 1e-4  #: arcs up to this height may become two chords, which leave a quarter of it [m]
 ROUNDS = 5  #: play in a gear makes steps that no number of divisions would follow
 
 
@@ -37,21 +43,66 @@ def adapted(
     """
     k = len(FRACTIONS)
     stations = stations_of(plan.steps, T_base_door)
+    shift = np.zeros_like(q)  # from the nominal joint angles to the ones sent
     for number in range(ROUNDS):
         cut = np.array([i for i, step in enumerate(plan.steps) if step.cutting])
         load = np.repeat(stations.wrench[cut], k, axis=0)
         nominal = stations.T_base_tool[cut].reshape(-1, 4, 4)
-        turning = directions(q)[cut].reshape(-1, 6)
-        found = bench.corrected(nominal, q[cut].reshape(-1, 6), load, turning)
+        turning = directions(q + shift)
+        for _ in range(DIRECTION_ROUNDS):
+            found = bench.corrected(nominal, q[cut].reshape(-1, 6), load, turning[cut].reshape(-1, 6))
+            shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
+            before, turning = turning, directions(q + shift)
+            if np.array_equal(turning[cut], before[cut]):
+                break
         correction = np.zeros((len(plan.steps), k, 3))
         correction[cut] = (found.T_base_tool - nominal)[:, :3, 3].reshape(-1, k, 3)
         division = divide(plan.steps, correction, settings, blend=number == 0)
         if len(division.steps) == len(plan.steps):
             break
-        plan = replace(plan, steps=division.steps)
-        stations = stations_of(plan.steps, T_base_door)
-        q = _between(q, division)
-        q = bench.posture(stations.T_base_tool.reshape(-1, 4, 4), q.reshape(-1, 6)).reshape(q.shape)
+        shift = _between(shift, division)
+        plan, stations, q = _divided(plan, q, division, T_base_door, bench)
+    return plan, stations, q
+
+
+def straightened(
+    plan: Plan, q: np.ndarray, T_base_door: np.ndarray, bench: Bench, flat: Collection[int]
+) -> tuple[Plan, Stations, np.ndarray]:
+    """The plan with some of its arcs replaced by their two chords, if they are flat enough for that.
+
+    Args:
+        plan: The plan.
+        q: Joint angles at its stations, shape (m, k, 6) [rad].
+        T_base_door: Where the door stands, shape (4, 4).
+        bench: Robot, model and tool.
+        flat: Steps to replace.
+
+    Returns:
+        As `adapted`.
+    """
+    parts: list[tuple[int, float, float, Step]] = []
+    for i, step in enumerate(plan.steps):
+        curve = step.curve
+        if i not in flat or curve.radius * (1.0 - math.cos(0.5 * curve.sweep)) > TALLEST_FLAT_ARC:
+            parts.append((i, 0.0, 1.0, step))
+            continue
+        via = curve.points([0.5])[0]
+        for first, last, chord in ((0.0, 0.5, Curve(curve.start, via)), (0.5, 1.0, Curve(via, curve.end))):
+            zone = step.zone if last == 1.0 else "z0"
+            line = replace(step, kind=MotionKind.LINEAR, curve=chord, zone=zone)
+            parts.append((i, first, last, line))
+    parent, first, last, steps = zip(*parts, strict=True)
+    division = Division(steps, np.array(parent), np.stack([first, last], axis=1))
+    return _divided(plan, q, division, T_base_door, bench)
+
+
+def _divided(
+    plan: Plan, q: np.ndarray, division: Division, T_base_door: np.ndarray, bench: Bench
+) -> tuple[Plan, Stations, np.ndarray]:
+    plan = replace(plan, steps=division.steps)
+    stations = stations_of(plan.steps, T_base_door)
+    q = _between(q, division)
+    q = bench.posture(stations.T_base_tool.reshape(-1, 4, 4), q.reshape(-1, 6)).reshape(q.shape)
     return plan, stations, q
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MotionKind
-from doormill_ros.toolpath.stations import VIA
+from doormill_ros.toolpath.stations import FRACTIONS, VIA
 
 
 @dataclass(eq=False)
@@ -95,3 +95,23 @@ def decisive(stop: Stop, steps: Sequence[Step]) -> list[Visit]:
         if chosen:
             return chosen
     return stop.visits[:1]
+
+
+def shift_along(route: Itinerary, shift: np.ndarray) -> np.ndarray:
+    """What is added at the targets, interpolated along every step.
+
+    Args:
+        route: Targets and steps.
+        shift: At each target, shape (n, d).
+
+    Returns:
+        At the stations of each step, shape (m, k, d).
+    """
+    t = FRACTIONS[None, :, None]
+    start = shift[np.concatenate([route.end[:1], route.end[:-1]])][:, None]  # (m, 1, d)
+    end = shift[route.end][:, None]
+    straight = start + t * (end - start)
+    via = np.where(route.via >= 0, route.via, 0)
+    middle = np.where((route.via >= 0)[:, None, None], shift[via][:, None], 0.5 * (start + end))
+    first, second = start + 2.0 * t * (middle - start), middle + (2.0 * t - 1.0) * (end - middle)
+    return np.where((route.via >= 0)[:, None, None], np.where(t <= 0.5, first, second), straight)

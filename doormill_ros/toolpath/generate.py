@@ -16,9 +16,9 @@ from doormill_ros.robot.configuration import configuration_index
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.stiffness.compliance import ComplianceModel
-from doormill_ros.toolpath.adapt import adapted
-from doormill_ros.toolpath.arcs import check_arcs
-from doormill_ros.toolpath.assemble import Itinerary, decisive, itinerary
+from doormill_ros.toolpath.adapt import DIRECTION_ROUNDS, adapted, straightened
+from doormill_ros.toolpath.arcs import check_arcs, unfollowable
+from doormill_ros.toolpath.assemble import Itinerary, decisive, itinerary, shift_along
 from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError, ProgramSizeError
 from doormill_ros.toolpath.joint_speed import followable
@@ -76,6 +76,11 @@ def generate_program(
     if not plan.fixed:
         plan, stations, q = adapted(plan, q, T_base_door, bench, settings.correction)
     program = _program(recipe, plan, stations, q, bench, robot, settings)
+    flat = unfollowable(program)
+    if flat and not plan.fixed:
+        # A step in the correction has bent an arc over that was almost a line.
+        plan, stations, q = straightened(plan, q, T_base_door, bench, set(flat))
+        program = _program(recipe, plan, stations, q, bench, robot, settings)
     check_arcs(program)
     return program
 
@@ -92,13 +97,19 @@ def _program(
     """Correct every target and write the motions."""
     route = itinerary(plan)
     _check_size(route, settings)
-    direction = directions(q)
     place = np.array([[s.visits[0].step, s.visits[0].station] for s in route.stops])
     loads = [(i, v.step, v.station) for i, s in enumerate(route.stops) for v in decisive(s, plan.steps)]
     owner, step, station = np.array(loads).T
     nominal = stations.T_base_tool[place[:, 0], place[:, 1]]
-    wrench, turning = stations.wrench[step], direction[step, station]
-    found = bench.corrected_for_all(nominal, q[place[:, 0], place[:, 1]], owner, wrench, turning)
+    at_target, wrench = q[place[:, 0], place[:, 1]], stations.wrench[step]
+    turning = directions(q)[step, station]
+    for _ in range(DIRECTION_ROUNDS):
+        found = bench.corrected_for_all(nominal, at_target, owner, wrench, turning)
+        # What counts is how the joints turn on the way that is sent, not on the nominal one.
+        sent = q + shift_along(route, found.q - at_target)
+        before, turning = turning, directions(sent)[step, station]
+        if np.array_equal(before, turning):
+            break
     _check_correction(route, found.T_base_tool, nominal, found.residual, settings)
     share = 1.0 / np.bincount(owner)[owner]
     mean_wrench = np.zeros((len(route.stops), 6))
