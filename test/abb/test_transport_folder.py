@@ -179,8 +179,7 @@ def test_a_call_given_up_behind_a_hanging_one_is_never_made() -> None:
 def test_a_second_bridge_is_kept_out_until_the_first_dies(tmp_path: Path) -> None:
     code = (
         "import sys, time\n"
-        "from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
-from doormill_ros.abb.transports.shared_folder import SharedFolderTransport\n"
+        "from doormill_ros.abb.transports.shared_folder import SharedFolderTransport\n"
         "t = SharedFolderTransport(sys.argv[1]); print('up', flush=True); time.sleep(60)\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
