@@ -16,6 +16,7 @@ from doormill_ros.nodes import topics
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 DIAGNOSTICS_PERIOD = 1.0  # s
+RETRY_PERIOD = 2.0  # s
 
 
 @dataclass(frozen=True)
@@ -70,9 +71,20 @@ class ManagedNode(LifecycleNode):
         return self.get_parameter(name).value
 
     def bring_up(self) -> None:
-        """Configure and activate, if the parameter `autostart` says so."""
-        if self.value("autostart") and self.trigger_configure() == TransitionCallbackReturn.SUCCESS:
-            self.trigger_activate()
+        """Configure and activate, if the parameter `autostart` says so; again until it works.
+
+        A share, a database or a controller that comes up later than this node is nothing unusual.
+        """
+        if not self.value("autostart"):
+            return
+        self._again = self.create_timer(RETRY_PERIOD, self._try_to_start)
+        self._try_to_start()
+
+    def _try_to_start(self) -> None:
+        if self.configured or self.trigger_configure() == TransitionCallbackReturn.SUCCESS:
+            self.destroy_timer(self._again)
+            if not self.active:
+                self.trigger_activate()
 
     # What a node does in each transition; subclasses override these.
 
@@ -224,8 +236,9 @@ class ManagedNode(LifecycleNode):
             self.get_logger().error(traceback.format_exc())
         else:
             return True
+        if self._health[1] != f"could not {what}: {message}":
+            self.get_logger().error(f"could not {what}: {message}")
         self.report(ERROR, f"could not {what}: {message}")
-        self.get_logger().error(f"could not {what}: {message}")
         return False
 
     def _publish_diagnostics(self) -> None:

@@ -1,0 +1,81 @@
+"""Nodes come up by themselves, wait for what is not there yet, and obey an operator."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+
+import pytest
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from rcl_interfaces.srv import DescribeParameters, ListParameters
+
+from cell_processes import MANAGED, NODES, CellProcesses
+
+GOOD_DOOR = "thesis_190_0deg"
+
+
+@pytest.fixture(scope="module")
+def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcesses]:
+    with CellProcesses(tmp_path_factory.mktemp("cell")) as running:
+        yield running
+
+
+def change(cell: CellProcesses, node: str, transition: int) -> bool:
+    client = cell.node.create_client(ChangeState, f"{node}/change_state")
+    cell.wait(client.service_is_ready)
+    future = client.call_async(ChangeState.Request(transition=Transition(id=transition)))
+    cell.wait(future.done)
+    return future.result().success
+
+
+@pytest.mark.parametrize("node", MANAGED)
+def test_every_parameter_says_what_it_means(cell: CellProcesses, node: str) -> None:
+    listing = cell.node.create_client(ListParameters, f"{node}/list_parameters")
+    cell.wait(listing.service_is_ready)
+    future = listing.call_async(ListParameters.Request())
+    cell.wait(future.done)
+    names = [
+        n for n in future.result().result.names if n != "use_sim_time" and not n.startswith("start_type")
+    ]
+    assert "autostart" in names
+    describing = cell.node.create_client(DescribeParameters, f"{node}/describe_parameters")
+    cell.wait(describing.service_is_ready)
+    future = describing.call_async(DescribeParameters.Request(names=names))
+    cell.wait(future.done)
+    assert {d.name: bool(d.description) for d in future.result().descriptors} == dict.fromkeys(names, True)
+
+
+def test_an_operator_stops_and_restarts_one_part(cell: CellProcesses) -> None:
+    assert change(cell, "path_generator", Transition.TRANSITION_DEACTIVATE)
+    assert change(cell, "path_generator", Transition.TRANSITION_CLEANUP)
+    assert change(cell, "path_generator", Transition.TRANSITION_CONFIGURE)
+    assert change(cell, "path_generator", Transition.TRANSITION_ACTIVATE)
+    result, _ = cell.mill(GOOD_DOOR)
+    assert result.success, result.message
+
+
+def test_an_inactive_bridge_refuses_with_what_to_do(cell: CellProcesses) -> None:
+    assert change(cell, "abb_bridge", Transition.TRANSITION_DEACTIVATE)
+    result, _ = cell.mill(GOOD_DOOR)
+    assert result.error_code == 804
+    assert "activate" in result.message
+    assert change(cell, "abb_bridge", Transition.TRANSITION_ACTIVATE)
+    result, _ = cell.mill(GOOD_DOOR)
+    assert result.success, result.message
+
+
+def test_the_bridge_waits_for_a_folder_that_is_not_there_yet(cell: CellProcesses) -> None:
+    home = cell.folder / "HOME"
+    cell.stop("abb_bridge", signal.SIGINT)
+    home.rename(cell.folder / "away")
+    cell.start("abb_bridge")
+    cell.wait(lambda: "could not configure" in cell.log("abb_bridge"))
+    (cell.folder / "away").rename(home)
+    cell.wait_until_active("abb_bridge")
+    result, _ = cell.mill(GOOD_DOOR)
+    assert result.success, result.message
+
+
+def test_all_processes_are_there(cell: CellProcesses) -> None:
+    assert sorted(cell.processes) == sorted(NODES)
