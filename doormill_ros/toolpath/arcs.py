@@ -21,26 +21,31 @@ def unfollowable(program: MillingProgram) -> dict[int, str]:
     The limits are those of the controller's circular movement: three points apart, and no arc
     beyond about 240 degrees. They are checked on the corrected targets, which is what it gets.
     """
+    arcs = [i for i, motion in enumerate(program.motions) if motion.via is not None]
+    if not arcs:
+        return {}
     places = np.array([t.T_base_tool_corrected[:3, 3] for t in program.targets])
+    start = places[[program.motions[i - 1].target for i in arcs]]  # (n, 3)
+    via = places[[program.motions[i].via for i in arcs]] - start
+    end = places[[program.motions[i].target for i in arcs]] - start
+    near = np.minimum(np.linalg.norm(via, axis=1), np.linalg.norm(end, axis=1))
+    seen = _angle(via, end)
+    # The angle at the circle point stands over what the arc leaves of a full circle.
+    turned = 2.0 * (math.pi - _angle(-via, end - via))
     found: dict[int, str] = {}
-    for i, motion in enumerate(program.motions):
-        if motion.via is None:
-            continue
-        start = places[program.motions[i - 1].target]
-        via, end = places[motion.via] - start, places[motion.target] - start
-        near = min(float(np.linalg.norm(via)), float(np.linalg.norm(end)))
-        seen = math.atan2(float(np.linalg.norm(np.cross(via, end))), float(via @ end))
-        # The angle at the circle point stands over what the arc leaves of a full circle.
-        back, on = -via, end - via
-        corner = math.atan2(float(np.linalg.norm(np.cross(back, on))), float(back @ on))
-        arc = 2.0 * (math.pi - corner)
-        if near < SMALLEST_CHORD:
-            found[i] = f"its points are {m_to_mm(near):.3f} mm apart, allowed is at least 0.1 mm"
-        elif seen < SMALLEST_ANGLE:
-            found[i] = f"it bends by {rad_to_deg(seen):.2f} deg, allowed is at least 1 deg"
-        elif arc > LARGEST_ARC:
-            found[i] = f"it turns by {rad_to_deg(arc):.0f} deg, allowed are 240 deg"
+    for k, i in enumerate(arcs):
+        if near[k] < SMALLEST_CHORD:
+            found[i] = f"its points are {m_to_mm(near[k]):.3f} mm apart, allowed is at least 0.1 mm"
+        elif seen[k] < SMALLEST_ANGLE:
+            found[i] = f"it bends by {rad_to_deg(seen[k]):.2f} deg, allowed is at least 1 deg"
+        elif turned[k] > LARGEST_ARC:
+            found[i] = f"it turns by {rad_to_deg(turned[k]):.0f} deg, allowed are 240 deg"
     return found
+
+
+def _angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Angles between vectors, shapes (n, 3) -> (n,) [rad]."""
+    return np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ni,ni->n", a, b))
 
 
 def check_arcs(program: MillingProgram) -> None:

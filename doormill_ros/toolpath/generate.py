@@ -81,7 +81,8 @@ def generate_program(
         # A step in the correction has bent an arc over that was almost a line.
         plan, stations, q = straightened(plan, q, T_base_door, bench, set(flat))
         program = _program(recipe, plan, stations, q, bench, robot, settings)
-    check_arcs(program)
+    if flat:
+        check_arcs(program)
     return program
 
 
