@@ -63,6 +63,7 @@ def localize(
         inlier_share=float(inlier.mean()),
         quality=_quality(traces, covariance, settings),
         corner=view.pixels(fit.pose[:2]),
+        pixel=float(view.pixel),
         edges=tuple(_edge_trace(view, trace, fit) for trace in traces.values()),
     )
 

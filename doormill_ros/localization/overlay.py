@@ -8,33 +8,68 @@ import numpy as np
 from doormill_ros.localization.result import Localization
 from doormill_ros.units import m_to_mm, rad_to_deg
 
-_GREEN, _RED, _YELLOW, _WHITE = (80, 220, 80), (235, 60, 50), (255, 210, 40), (255, 255, 255)
-_FRACTION = 4  # bits of a pixel that the drawing routines keep
+_GREEN, _RED, _YELLOW, _WHITE = (70, 230, 90), (255, 50, 40), (255, 200, 30), (255, 255, 255)
+_BITS = 4  # fractional bits of a pixel that the drawing routines keep
+_EVERY = 10  # of the points that agree, one in so many is drawn
+_ENLARGED = 100  # the ellipse of uncertainty is drawn that much too large
+_SIGMAS = 2.0
+
+
+def _fixed(pixels: np.ndarray) -> np.ndarray:
+    return np.rint(np.asarray(pixels) * 2**_BITS).astype(np.int32)
+
+
+def _write(out: np.ndarray, lines: list[str]) -> None:
+    """Text on a darkened panel in the upper left corner."""
+    pitch, width = 36, 760
+    panel = out[20 : 40 + pitch * len(lines), 20:width]
+    panel[:] = panel // 4
+    for i, text in enumerate(lines):
+        cv2.putText(out, text, (36, 58 + pitch * i), cv2.FONT_HERSHEY_SIMPLEX, 0.9, _WHITE, 1, cv2.LINE_AA)
+
+
+def _ellipse(localization: Localization) -> np.ndarray:
+    """Outline of the corner's uncertainty, enlarged; pixels (60, 2). Picture u is -y, v is -z."""
+    values, axes = np.linalg.eigh(localization.covariance[:2, :2])
+    angle = np.linspace(0, 2 * np.pi, 60)
+    circle = np.stack([np.cos(angle), np.sin(angle)]) * np.sqrt(np.maximum(values, 0))[:, None]
+    return localization.corner - (axes @ circle).T * (_SIGMAS * _ENLARGED / localization.pixel)
 
 
 def draw_overlay(picture: np.ndarray, localization: Localization) -> np.ndarray:
-    """The picture (h, w) uint8 with edge points, lines and the pose; rgb, uint8, shape (h, w, 3).
+    """The picture with edge points, lines, pose and uncertainty.
 
-    Points that agree with their line are green, the others red; the lines are yellow.
+    Points that agree with their line are green rings, the others red; the lines are yellow; the
+    ellipse about the corner is its uncertainty, enlarged.
+
+    Args:
+        picture: Grey picture, shape (h, w), uint8.
+        localization: What was found in it.
+
+    Returns:
+        The drawn picture, rgb, uint8, shape (h, w, 3).
     """
     out = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
     for edge in localization.edges:
-        fixed = np.rint(edge.line * 2**_FRACTION).astype(np.int32)
-        cv2.polylines(out, [fixed.reshape(-1, 1, 2)], False, _YELLOW, 1, cv2.LINE_AA, _FRACTION)
-        for colour, chosen in ((_RED, ~edge.inlier), (_GREEN, edge.inlier)):
-            for point in np.rint(edge.pixels[chosen][:: 1 if colour is _RED else 8] * 2**_FRACTION):
-                cv2.circle(out, [int(v) for v in point], 3 << _FRACTION, colour, 1, cv2.LINE_AA, _FRACTION)
-    corner = [int(v) for v in np.rint(localization.corner)]
-    cv2.drawMarker(out, corner, _WHITE, cv2.MARKER_CROSS, 40, 2, cv2.LINE_AA)
+        for colour, chosen, every in ((_GREEN, edge.inlier, _EVERY), (_RED, ~edge.inlier, 2)):
+            for point in _fixed(edge.pixels[chosen][::every]):
+                cv2.circle(out, point.tolist(), 4 << _BITS, colour, 1, cv2.LINE_AA, _BITS)
+        cv2.polylines(out, [_fixed(edge.line).reshape(-1, 1, 2)], False, _YELLOW, 1, cv2.LINE_AA, _BITS)
+    ring = _fixed(_ellipse(localization)).reshape(-1, 1, 2)
+    cv2.polylines(out, [ring], True, _WHITE, 2, cv2.LINE_AA, _BITS)
+    cv2.drawMarker(
+        out, np.rint(localization.corner).astype(int).tolist(), _WHITE, cv2.MARKER_CROSS, 30, 2, cv2.LINE_AA
+    )
     offset, deviation = localization.offset, localization.deviations
     lines = [
         f"y {m_to_mm(offset.y):+8.3f} mm   +- {m_to_mm(deviation[0]):.3f}",
         f"z {m_to_mm(offset.z):+8.3f} mm   +- {m_to_mm(deviation[1]):.3f}",
-        f"r {rad_to_deg(offset.rotation):+8.4f} deg  +- {rad_to_deg(deviation[2]):.4f}",
-        f"residual {m_to_mm(localization.residual):.3f} mm, inliers {100 * localization.inlier_share:.0f} %",
+        f"rotation {rad_to_deg(offset.rotation):+7.3f} deg   +- {rad_to_deg(deviation[2]):.3f}",
+        f"residual {m_to_mm(localization.residual):.3f} mm, inliers {100 * localization.inlier_share:.0f} %, "
+        f"quality {localization.quality:.2f}",
     ]
-    for i, text in enumerate(lines):
-        place = (30, 45 + 34 * i)
-        cv2.putText(out, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.9, (0, 0, 0), 4, cv2.LINE_AA)
-        cv2.putText(out, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.9, _WHITE, 1, cv2.LINE_AA)
+    for edge in localization.edges:
+        lines.append(f"{edge.name} edge: step {edge.contrast:+.0f} grey levels, blur {edge.blur:.1f} px")
+    lines.append(f"ellipse: {_SIGMAS:.0f} sigma x {_ENLARGED}")
+    _write(out, lines)
     return out

@@ -44,6 +44,7 @@ class Localization:
         inlier_share: Share of the visible edge length that agrees with the lines, 0..1.
         quality: 0..1, how far the picture is from being refused; 1 is best.
         corner: The door's corner in the picture, u, v [px], shape (2,).
+        pixel: Size of a pixel on the door's face [m].
         edges: The hinge edge and the bottom edge.
     """
 
@@ -54,6 +55,7 @@ class Localization:
     inlier_share: float
     quality: float
     corner: np.ndarray
+    pixel: float
     edges: tuple[EdgeTrace, EdgeTrace]
 
     @property
