@@ -10,11 +10,12 @@ from scipy.stats import chi2
 
 from doormill_ros.diagnosis.causes.cause import Cause
 from doormill_ros.diagnosis.causes.registry import candidates
-from doormill_ros.diagnosis.fit import OUTLIER_SHARE, Fit, bounds, normal_equations
+from doormill_ros.diagnosis.finding import Finding, make_finding, rmse
+from doormill_ros.diagnosis.fit import MEDIAN, OUTLIER_SHARE, Fit
 from doormill_ros.diagnosis.measurement_set import MeasurementSet
 from doormill_ros.diagnosis.patterns import spoils, unnamed_patterns
 from doormill_ros.diagnosis.problem import Problem
-from doormill_ros.diagnosis.search import ENTRY, EQUAL, Search
+from doormill_ros.diagnosis.search import ENTRY, Search
 from doormill_ros.diagnosis.stability import instability
 
 #: Chance of an innocent residual below which structure remains.
@@ -25,30 +26,8 @@ UNSTABLE = 1e-3
 WILD = 1e-4
 #: Difference between first-order and finite joint angles, in noise floors, from which both are tried.
 CURVED = 0.3
-#: Fall of the score with one more number that chance reaches once in ten sets.
-LEANING = 2.7
 #: Share of the excess over the noise that a cause must explain when structure remains.
 MAIN_PART = 0.3
-
-
-@dataclass(frozen=True, eq=False)
-class Finding:
-    """One established cause.
-
-    Attributes:
-        cause: The cause.
-        values, std: Reported parameters and their standard deviations, in a row.
-        confusable: Other causes that would do as well.
-        without: Held-out RMSE of the extended model less this cause [m].
-        rivals: All alternatives in its place with their held-out scores, the best first.
-    """
-
-    cause: Cause
-    values: np.ndarray
-    std: np.ndarray
-    confusable: tuple[Cause, ...]
-    without: float
-    rivals: tuple[tuple[Cause, float], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,28 +67,38 @@ class Diagnosis:
 
 def diagnose_set(data: MeasurementSet, progress: Callable[[str], None] = lambda line: None) -> Diagnosis:
     """Question the simulation of one loading test."""
-    problem = Problem(data)
+    return diagnose_problem(Problem(data), progress)
+
+
+def diagnose_problem(
+    problem: Problem,
+    progress: Callable[[str], None] = lambda line: None,
+    allowed: Callable[[Cause], bool] = lambda cause: True,
+) -> Diagnosis:
+    """The same for a problem made elsewhere, with the causes that can act there."""
+    data = problem.data
     progress(
         f"{len(data)} trials in {len(np.unique(problem.configuration))} configurations, "
         f"noise floor {1e6 * problem.noise_floor:.1f} um"
     )
-    search, best = _search(problem, progress)
+    search, best = _search(problem, progress, allowed)
     if np.sqrt(np.mean(problem.curvature**2)) > CURVED * problem.noise_floor:
         # Heavy loads: first-order and finite joint angles differ by more than the noise.
         progress("large deflections: trying finite joint angles")
-        other, bent = _search(Problem(data, finite=True), progress)
+        curved = Problem(data, True, problem.sight, problem.configuration)
+        other, bent = _search(curved, progress, allowed)
         if other.total(bent) < search.total(best):
             search, best, problem = other, bent, other.problem
-    structure = has_structure(best)
+    structure = has_structure(best, problem.components)
     established = _established(search, best, structure)
     extended = search.fit(established, [_theta_of(best, established)])
-    outliers = _outliers(best)
+    outliers = _outliers(best, problem.components)
     kept = ~outliers
     baseline = search.fit(())
     verdict = _verdict(best, established, structure)
     if verdict == "explained" and len(established) < len(best.members):
         verdict = "partly_explained"
-    findings = tuple(_finding(search, best, extended, cause, structure, kept) for cause in established)
+    findings = tuple(make_finding(search, best, extended, cause, structure, kept) for cause in established)
     ratio, interval = _gain(problem, baseline, extended, kept)
     return Diagnosis(
         problem=problem,
@@ -121,37 +110,41 @@ def diagnose_set(data: MeasurementSet, progress: Callable[[str], None] = lambda 
         best=best,
         outliers=tuple(int(t) for t in data.trial[outliers]),
         kept=kept,
-        train_rmse=(rmse(baseline.prediction.residual, kept), rmse(extended.prediction.residual, kept)),
-        holdout_rmse=(rmse(baseline.held_out, kept), rmse(extended.held_out, kept)),
+        train_rmse=(_train(problem, baseline, kept), _train(problem, extended, kept)),
+        holdout_rmse=(
+            rmse(baseline.held_out, kept, problem.components),
+            rmse(extended.held_out, kept, problem.components),
+        ),
         ratio=ratio,
         ratio_ci=interval,
         remarks=_remarks(problem, best, established, verdict, search),
     )
 
 
-def _search(problem: Problem, progress: Callable[[str], None]) -> tuple[Search, Fit]:
+def _search(
+    problem: Problem, progress: Callable[[str], None], allowed: Callable[[Cause], bool]
+) -> tuple[Search, Fit]:
     data = problem.data
-    library = candidates(dict.fromkeys(data.reflector.tolist()))
+    library = [cause for cause in candidates(dict.fromkeys(data.reflector.tolist())) if allowed(cause)]
     patterns = unnamed_patterns(data.q, data.time, data.temperature, data.dt)
     search = Search(problem, [*library, *patterns], progress=progress)
     return search, search.run()
 
 
-def rmse(residual: np.ndarray, kept: np.ndarray) -> float:
-    """Root mean square over all components of the trials that count [m]."""
-    return float(np.sqrt(np.mean(residual[kept] ** 2)))
+def _train(problem: Problem, found: Fit, kept: np.ndarray) -> float:
+    return rmse(problem.measured_part(found.prediction.white), kept, problem.components)
 
 
-def excess_probability(found: Fit) -> float:
+def excess_probability(found: Fit, components: int = 3) -> float:
     """Chance that noise alone leaves a residual as large as this."""
     kept = found.weights > 0.0
-    freedom = max(3 * int(kept.sum()) - int(found.free.sum()), 1)
+    freedom = max(components * int(kept.sum()) - int(found.free.sum()), 1)
     return float(chi2.sf(np.sum(found.prediction.white[kept] ** 2), freedom))
 
 
-def has_structure(found: Fit) -> bool:
+def has_structure(found: Fit, components: int = 3) -> bool:
     """Whether the residual is larger than noise can be, gross errors aside."""
-    return excess_probability(found) < STRUCTURE
+    return excess_probability(found, components) < STRUCTURE
 
 
 def _theta_of(found: Fit, members: tuple[Cause, ...]) -> np.ndarray:
@@ -170,7 +163,7 @@ def _established(search: Search, best: Fit, structure: bool) -> tuple[Cause, ...
     if not structure and len(named) == len(best.members):
         return tuple(c for c in named if instability(search.problem, best, c)[0] > WILD)
     empty = search.fit(())
-    floor = 3.0 * len(search.problem)
+    floor = float(search.problem.components * len(search.problem))
     excess = max(empty.held_out_score - floor, 1.0)
     kept = []
     for cause in named:
@@ -203,95 +196,16 @@ def _verdict(best: Fit, established: tuple[Cause, ...], structure: bool) -> str:
     return "partly_explained" if structure else "explained"
 
 
-def _outliers(best: Fit) -> np.ndarray:
+def _outliers(best: Fit, components: int) -> np.ndarray:
     """Gross errors, at most one in ten, shape (n,)."""
     cost = best.prediction.cost
     n = len(cost)
-    scale = max(1.0, float(np.median(cost)) / 2.366)
-    limit = chi2.isf(0.01 / n, 3) * scale
+    scale = max(1.0, float(np.median(cost)) / MEDIAN[components])
+    limit = chi2.isf(0.01 / n, components) * scale
     worst = np.argsort(cost)[::-1][: int(OUTLIER_SHARE * n)]
     mask = np.zeros(n, dtype=bool)
     mask[worst[cost[worst] > limit]] = True
     return mask
-
-
-def _finding(
-    search: Search, best: Fit, extended: Fit, cause: Cause, structure: bool, kept: np.ndarray
-) -> Finding:
-    problem = search.problem
-    part = best.part(cause)
-    theta = best.theta[part]
-    covariance = best.covariance[part, part]
-    if structure:
-        good = best.weights > 0.0
-        covariance = covariance * float(np.mean(best.prediction.cost[good])) / 3.0
-    values = cause.values(theta, problem.case)
-    slope = np.zeros((len(values), cause.size))
-    for i in range(cause.size):
-        step = 1e-6 * max(abs(theta[i]), cause.scale[i])
-        moved = theta.copy()
-        moved[i] += step
-        slope[:, i] = (cause.values(moved, problem.case) - values) / step
-    std = np.sqrt(np.clip(np.diag(slope @ covariance @ slope.T), 0.0, None))
-    for i in cause.kinked:
-        std[i] = abs(slope[i, i]) * profile_std(problem, best, part.start + i)
-    rivals = search.rivals(best, cause)
-    confusable: list[Cause] = []
-    for other, found in rivals:
-        nested = other.where == cause.where and cause.name in (other.generalises, other.name)
-        # A law that contains this one counts as another only if the data lean towards it.
-        nested = nested and (other.name == cause.name or found.score > best.score - LEANING)
-        if other.named and not nested and found.held_out_score < best.held_out_score + EQUAL:
-            confusable.append(other)
-    unique = {other.key: other for other in reversed(confusable) if other.key != cause.key}
-    return Finding(
-        cause=cause,
-        values=values,
-        std=std,
-        confusable=tuple(reversed(unique.values())),
-        without=rmse(search.without(extended, cause).held_out, kept),
-        rivals=tuple((other, found.held_out_score) for other, found in rivals),
-    )
-
-
-def profile_std(problem: Problem, found: Fit, index: int) -> float:
-    """Standard deviation of one number from how far it can move until the cost has risen by 4.
-
-    The others follow to first order. For numbers in which the cost has kinks, or that sit on
-    zero, where the curvature says nothing.
-    """
-    lower, upper = bounds(found.members)
-    others = found.free.copy()
-    others[index] = False
-    weights = found.weights
-
-    def cost(value: float) -> float:
-        theta = found.theta.copy()
-        theta[index] = value
-        for _ in range(2):
-            prediction = problem.predict(found.members, theta, derivative=True)
-            if not others.any():
-                break
-            matrix, descent = normal_equations(prediction, weights)
-            matrix = matrix[np.ix_(others, others)] + 1e-12 * np.eye(int(others.sum()))
-            theta[others] += np.linalg.solve(matrix, descent[others])
-            theta = np.clip(theta, lower, upper)
-        return float(weights @ problem.predict(found.members, theta).cost)
-
-    start = float(found.theta[index])
-    least = float(weights @ found.prediction.cost)
-    reach = []
-    for end in (lower[index], upper[index]):
-        before = (0.0, 0.0)
-        reach.append(abs(end - start))
-        for value in start + (end - start) * np.geomspace(1e-3, 1.0, 25):
-            rise = cost(value) - least
-            if rise > 4.0:
-                share = (4.0 - before[1]) / max(rise - before[1], 1e-9)
-                reach[-1] = before[0] + share * (abs(value - start) - before[0])
-                break
-            before = (abs(value - start), max(rise, 0.0))
-    return max(reach) / 2.0
 
 
 def _gain(

@@ -8,8 +8,9 @@ from typing import Any
 
 import yaml
 
-from doormill_ros.diagnosis.diagnosis import Diagnosis, Finding
+from doormill_ros.diagnosis.diagnosis import Diagnosis
 from doormill_ros.diagnosis.extended_model import SizedCause, model_document
+from doormill_ros.diagnosis.finding import Finding
 
 SCHEMA = "doormill/diagnosis/1"
 MODEL_FILE = "model.yaml"

@@ -13,7 +13,7 @@ from doormill_ros.diagnosis.problem import Prediction, Problem
 GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
 OUTLIER_SHARE = 0.1  #: at most this share of the trials is set aside
 _HUBER = 4.0  #: standard deviations up to which a trial keeps its full weight
-_MEDIAN = 2.366  #: median of chi-square with three degrees of freedom
+MEDIAN = {1: 0.455, 3: 2.366}  #: median of chi-square by its degrees of freedom
 _KINKS = 40  #: values at which a kinked number is tried
 _NOTHING = 2.7  #: fall of the score below which a kinked number may as well be zero (one in ten)
 _RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
@@ -74,9 +74,9 @@ def robust_sum(cost: np.ndarray) -> float:
     return float(np.minimum(ordered[:spared], GROSS).sum() + ordered[spared:].sum())
 
 
-def trial_weights(distance: np.ndarray, reject: bool) -> np.ndarray:
+def trial_weights(distance: np.ndarray, reject: bool, components: int = 3) -> np.ndarray:
     """Huber weights of squared distances, shape (n,); with `reject` gross errors get zero."""
-    scale2 = max(1.0, float(np.median(distance)) / _MEDIAN)
+    scale2 = max(1.0, float(np.median(distance)) / MEDIAN[components])
     size = np.sqrt(np.maximum(distance / scale2, 1e-12))
     weights = np.minimum(1.0, _HUBER / size)
     spared = int(OUTLIER_SHARE * len(distance))
@@ -175,7 +175,7 @@ def _descend(
     scale = np.concatenate([np.zeros(0)] + [c.scale for c in members])
     ridge = _RIDGE / scale**2
     prediction = problem.predict(members, theta, derivative=True)
-    weights = trial_weights(prediction.cost, reject=False)
+    weights = trial_weights(prediction.cost, False, problem.components)
     for step in range(steps):
         hessian, descent = normal_equations(prediction, weights)
         descent = descent - ridge * theta
@@ -197,7 +197,7 @@ def _descend(
         change = moved - theta
         theta, prediction = moved, trial
         settled = float(change @ (hessian @ change)) < 1e-6
-        weights = trial_weights(prediction.cost, reject=step >= 3 or settled)
+        weights = trial_weights(prediction.cost, step >= 3 or settled, problem.components)
         if settled and step >= 1:
             break
     return theta, weights
@@ -215,7 +215,7 @@ def _finish(
             theta,
             np.zeros((0, 0)),
             prediction,
-            trial_weights(cost, reject=True),
+            trial_weights(cost, True, problem.components),
             score,
             prediction.residual,
             cost,
@@ -251,7 +251,7 @@ def _finish(
         change = np.clip(theta + change, lower, upper) - theta
         held_white[rows] -= prediction.jacobian[rows] @ change
     held_cost = prediction.cost + np.sum(held_white**2, axis=1) - np.sum(prediction.white**2, axis=1)
-    held_out = np.linalg.solve(problem.whiten, held_white[:, :, None])[:, :, 0]
+    held_out = problem.measured_part(held_white)
     return Fit(
         members,
         theta,

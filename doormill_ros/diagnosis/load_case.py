@@ -77,6 +77,24 @@ class LoadCase:
             self.cache["springs"] = sum(give[:, k, None] * self.joint_twist(k) for k in range(6))
         return self.cache["springs"]
 
+    def curvature(self) -> np.ndarray:
+        """What finite joint angles add to the displacement of the springs, shape (n, 3) [m].
+
+        The joints turn one after the other, from the tool to the base, each about its own axis
+        (product of exponentials).
+        """
+        if "curvature" not in self.cache:
+            give = self.torque / self.joint_stiffness
+            point = self.point
+            for k in reversed(range(6)):
+                arm, axis = point - self.origin[:, k], self.axis(k)
+                angle = np.where(self.link > k, give[:, k], 0.0)[:, None]
+                along = np.sum(axis * arm, axis=1, keepdims=True) * axis
+                across = np.cross(axis, arm)
+                point = self.origin[:, k] + along + np.cos(angle) * (arm - along) + np.sin(angle) * across
+            self.cache["curvature"] = point - self.point - self.springs()[:, :3]
+        return self.cache["curvature"]
+
 
 def build_load_case(
     kinematics: Kinematics,

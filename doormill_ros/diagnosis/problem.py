@@ -46,24 +46,39 @@ class Problem:
         curvature: What finite joint angles would add to the springs, shape (n, 3) [m].
     """
 
-    def __init__(self, data: MeasurementSet, finite: bool = False) -> None:
+    def __init__(
+        self,
+        data: MeasurementSet,
+        finite: bool = False,
+        sight: np.ndarray | None = None,
+        groups: np.ndarray | None = None,
+    ) -> None:
         """Compute geometry and the noise of every trial.
 
         Args:
             data: The set.
             finite: Whether the springs turn the joints by finite angles instead of to first order.
+            sight: Unit vectors along which alone displacement was measured, shape (n, 3); None for all
+                three components.
+            groups: What is left out together, shape (n,); None for configurations.
         """
-        self.data = data
+        self.data, self.finite, self.sight = data, finite, sight
+        self.components = 3 if sight is None else 1
         self.kinematics = Kinematics(data.dh)
         self._position, self._link = data.reflector_position, data.reflector_link
         self.case = self._build(Setup(), None)
         covariance = self._noise()
-        self.whiten = np.linalg.inv(np.linalg.cholesky(covariance))
-        self.noise_floor = float(np.sqrt(np.trace(covariance, axis1=1, axis2=2).mean() / 3.0))
-        self.configuration = data.configuration
+        if sight is None:
+            self.whiten = np.linalg.inv(np.linalg.cholesky(covariance))
+            variance = np.trace(covariance, axis1=1, axis2=2) / 3.0
+        else:
+            variance = np.einsum("ni,nij,nj->n", sight, covariance, sight)
+            self.whiten = np.zeros((len(data), 3, 3))
+            self.whiten[:, 0] = sight / np.sqrt(variance)[:, None]
+        self.noise_floor = float(np.sqrt(variance.mean()))
+        self.configuration = data.configuration if groups is None else np.asarray(groups)
         self.folds = make_folds(self.configuration)
-        self.curvature = self._curvature()
-        self.bend = self.curvature if finite else np.zeros_like(self.curvature)
+        self.curvature = self.case.curvature()
 
     def __len__(self) -> int:
         return len(self.data)
@@ -105,15 +120,12 @@ class Problem:
             + noise.torque**2 * by_moment @ by_moment.transpose(0, 2, 1)
         )
 
-    def _curvature(self) -> np.ndarray:
-        """What finite joint angles add to the first-order displacement of the springs, shape (n, 3) [m]."""
-        case = self.case
-        give = case.torque / case.joint_stiffness
-        frames = self.kinematics.link_frames(np.stack([self.data.q, self.data.q + give]))
-        rows = np.arange(len(case))
-        still, loaded = frames[0, rows, self._link], frames[1, rows, self._link]
-        moved = np.einsum("nij,nj->ni", loaded[:, :3, :3] - still[:, :3, :3], self._position)
-        return moved + loaded[:, :3, 3] - still[:, :3, 3] - case.springs()[:, :3]
+    def measured_part(self, white: np.ndarray) -> np.ndarray:
+        """Residual in metres, shape (n, 3), of a whitened one; along the sight where there is one."""
+        if self.sight is None:
+            return np.linalg.solve(self.whiten, white[:, :, None])[:, :, 0]
+        size = white[:, 0] / np.linalg.norm(self.whiten[:, 0], axis=1)
+        return size[:, None] * self.sight
 
     def case_of(self, members: Sequence[Cause], theta: np.ndarray) -> LoadCase:
         """Geometry and loads after the causes that act before the elasticity."""
@@ -129,7 +141,9 @@ class Problem:
         self, members: Sequence[Cause], theta: np.ndarray, case: LoadCase
     ) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
         """Certain displacement (n, 3), and (probability, displacement) of each hidden cause."""
-        total = case.springs()[:, :3] + self.bend
+        total = case.springs()[:, :3]
+        if self.finite:
+            total = total + case.curvature()
         hidden = []
         for cause, part in split(members, theta):
             if cause.stage != "robot":

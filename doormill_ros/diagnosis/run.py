@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.diagnosis import Diagnosis, diagnose_set, rmse
+from doormill_ros.diagnosis.diagnosis import Diagnosis, diagnose_set
 from doormill_ros.diagnosis.document import diagnosis_document, extended_model_document, write_diagnosis
+from doormill_ros.diagnosis.finding import rmse
 from doormill_ros.diagnosis.join_sets import join_sets
 from doormill_ros.diagnosis.measurement_set import MeasurementSet, read_measurement_set
 from doormill_ros.diagnosis.next_measurement import NextMeasurement, plan_next

@@ -51,7 +51,7 @@ class Search:
 
     def total(self, found: Fit) -> float:
         """Held-out score plus what its numbers and unnamed patterns cost; smaller is better."""
-        each = max(np.log(3.0 * len(self.problem)) - 2.0, 1.0)
+        each = max(np.log(self.problem.components * len(self.problem)) - 2.0, 1.0)
         # Numbers on a bound do nothing and cost nothing; every model pays for those that it uses.
         return (
             found.held_out_score
@@ -77,7 +77,7 @@ class Search:
         """How much the score may fall when each candidate joins, to first order and at its best start."""
         white, own = found.prediction.white, found.prediction.jacobian
         # Trials set aside by the smaller model may be just those that a new cause explains.
-        weights = np.sqrt(trial_weights(np.sum(white**2, axis=1), reject=False))
+        weights = np.sqrt(trial_weights(np.sum(white**2, axis=1), False, self.problem.components))
         target = (white * weights[:, None]).ravel()
         slopes, owners = self._slopes()
         columns = slopes * np.repeat(weights, 3)[:, None]

@@ -45,7 +45,7 @@ def instability(problem: Problem, found: Fit, cause: Cause) -> tuple[float, str]
     target = (prediction.white * weights).ravel()
     base = prediction.jacobian * weights[:, :, None]
     kept = float((found.weights > 0.0).sum())
-    freedom = max(3.0 * kept - found.size, 1.0)
+    freedom = max(problem.components * kept - found.size, 1.0)
     left = float(target @ target)
     cuts = halves(problem)
     worst, where = 1.0, ""

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from doormill_ros.diagnosis.causes.registry import build_cause, candidates
 from doormill_ros.diagnosis.patterns import unnamed_patterns
 from doormill_ros.diagnosis.problem import Problem
+from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.simulation.truth.loading_test import Spoil
 
 #: Name, place and parameters of one example each, as the set description fixes them.
@@ -127,6 +128,17 @@ def test_derivatives_agree_with_finite_differences(make_set, name, where, parame
             own, numeric = prediction.jacobian[sure, :, i], numeric[sure]
             # Rotations are differentiated at the turned frame, forward differences are first order.
             assert np.abs(own - numeric).max() < 0.02 * np.abs(numeric).max() + 1e-6
+
+
+def test_finite_joint_angles_are_those_of_the_moved_robot(problem):
+    """The curvature against forward kinematics at the deflected joint angles."""
+    data, case = problem.data, problem.case
+    give = case.torque / data.joint_stiffness
+    rows, link = np.arange(len(data)), data.reflector_link
+    still, moved = (Kinematics(data.dh).link_frames(q)[rows, link] for q in (data.q, data.q + give))
+    change = np.einsum("nij,nj->ni", moved[:, :3, :3] - still[:, :3, :3], data.reflector_position)
+    change += moved[:, :3, 3] - still[:, :3, 3]
+    np.testing.assert_allclose(case.springs()[:, :3] + case.curvature(), change, atol=1e-12)
 
 
 @pytest.mark.parametrize("variant_of", ["base_compliance", "tool_compliance"])

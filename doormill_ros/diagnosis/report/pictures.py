@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.diagnosis.causes.cause import Cause
-from doormill_ros.diagnosis.diagnosis import Diagnosis, Finding
+from doormill_ros.diagnosis.diagnosis import Diagnosis
+from doormill_ros.diagnosis.finding import Finding
 from doormill_ros.diagnosis.problem import split
 from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
 
