@@ -199,21 +199,21 @@ MODULE DoorFile
 
     LOCAL FUNC num FieldOf(string text,INOUT num at)
         ! The number from position at up to the next semicolon; at goes behind it.
-        VAR num stop;
+        VAR num ending;
         VAR num value;
 
         IF at>StrLen(text) THEN
             Refuse "A target has fewer than 11 numbers.";
         ENDIF
-        stop:=StrFind(text,at,";");
-        IF stop>StrLen(text) OR stop=at THEN
+        ending:=StrFind(text,at,";");
+        IF ending>StrLen(text) OR ending=at THEN
             Refuse "A target has fewer than 11 numbers.";
         ENDIF
         ! StrToVal leaves value alone when the text is no number.
-        IF NOT StrToVal(StrPart(text,at,stop-at),value) THEN
+        IF NOT StrToVal(StrPart(text,at,ending-at),value) THEN
             Refuse "A target holds something else than numbers.";
         ENDIF
-        at:=stop+1;
+        at:=ending+1;
         RETURN value;
     ENDFUNC
 

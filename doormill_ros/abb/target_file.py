@@ -18,7 +18,7 @@ from doormill_ros.abb.errors import (
     TargetLineError,
     WrongDoorError,
 )
-from doormill_ros.abb.target_line import TargetLine, format_line, parse_line
+from doormill_ros.abb.target_line import TargetLine, format_lines, parse_line
 from doormill_ros.abb.target_trailer import (
     MARK,
     MAX_FEATURES,
@@ -88,7 +88,10 @@ def render_target_file(program: MillingProgram, run_id: str) -> bytes:
         TargetValueError: A target, name or count that the file cannot hold.
         TargetProgramError: A motion that does not fit the targets.
     """
-    lines = [format_line(t.T_base_tool_corrected, t.conf, t.name) for t in program.targets]
+    targets = program.targets
+    lines = format_lines(
+        [t.T_base_tool_corrected for t in targets], [t.conf for t in targets], [t.name for t in targets]
+    )
     trailer = Trailer(program.door_id, run_id, program.recipe_version, len(lines), program.motions)
     lines += format_trailer(trailer)
     a, b = checksum(lines)

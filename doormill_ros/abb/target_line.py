@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,7 @@ FIELDS = ("x", "y", "z", "q1", "q2", "q3", "q4", "cf1", "cf4", "cf6", "cfx")
 #: weighs more than a microradian about the tool centre point, so the quaternion gives way first.
 #: Below (3, 6) nothing is needed: that fits every target within REACH.
 DECIMALS = ((4, 7), (4, 6), (3, 6))
+FLOAT32_DIGITS = 24  #: binary digits of a RAPID num
 REACH = 10.0  #: coordinates from here on are out of reach of any robot of this kind [m]
 #: Largest |q.q - 1| that RAPID takes as a unit quaternion without a word.
 NORM_TOLERANCE = 1e-5
@@ -60,42 +62,63 @@ class TargetLine:
 
 
 def format_line(T_base_tool: np.ndarray, conf: ConfData, name: str = "") -> str:
-    """The line of one target, without the line feed.
+    """The line of one target, without the line feed; see `format_lines`."""
+    return format_lines([T_base_tool], [conf], [name])[0]
+
+
+def format_lines(
+    T_base_tool: Sequence[np.ndarray], confs: Sequence[ConfData], names: Sequence[str]
+) -> list[str]:
+    """The lines of many targets, without their line feeds.
 
     Args:
-        T_base_tool: Pose of the tool as the robot shall be told it, shape (4, 4).
-        conf: Robot configuration of the pose.
-        name: What the target is called, for messages.
+        T_base_tool: Poses of the tool as the robot shall be told them, each of shape (4, 4).
+        confs: Robot configuration of each pose.
+        names: What each target is called, for messages.
 
     Raises:
         TargetValueError: Not a pose, out of any robot's reach, or a configuration that no robot of
             this class has.
     """
-    label = f"target {name!r}" if name else "target"
+    labels = [f"target {name!r}" if name else "target" for name in names]
+    poses = np.array([_checked(T, label) for T, label in zip(T_base_tool, labels, strict=True)])
+    quaternions = quaternion_wxyz(poses) if len(poses) else poses
+    millimetres = m_to_mm(poses[:, :3, 3]) if len(poses) else poses
+    return [
+        _format_target(position.tolist(), quaternion.tolist(), _format_conf(conf, label), label)
+        for position, quaternion, conf, label in zip(millimetres, quaternions, confs, labels, strict=True)
+    ]
+
+
+def _checked(T_base_tool: np.ndarray, label: str) -> np.ndarray:
+    """The pose, once it is one and within reach."""
     try:
         T_base_tool = check_transform(T_base_tool, label)
     except ValueError as error:
-        raise TargetValueError(f"{error}: build the pose with doormill_ros.frames", target=name) from error
-    position = T_base_tool[:3, 3]
-    if np.abs(position).max() >= REACH:
+        raise TargetValueError(f"{error}: build the pose with doormill_ros.frames", target=label) from error
+    position = T_base_tool[:3, 3].tolist()
+    if max(map(abs, position)) >= REACH:
         raise TargetValueError(
-            f"{label} is at {np.round(position, 3).tolist()} m, allowed is less than {REACH:g} m along "
+            f"{label} is at {[round(p, 3) for p in position]} m, allowed is less than {REACH:g} m along "
             "each axis: check the units",
-            target=name,
-            position=position.tolist(),
+            target=label,
+            position=position,
         )
-    conf_text = _format_conf(conf, label)
-    quaternion = quaternion_wxyz(T_base_tool)
+    return T_base_tool
+
+
+def _format_target(position: list[float], quaternion: list[float], conf: list[str], label: str) -> str:
+    """One line, with the first choice of decimals that fits."""
     for position_decimals, quaternion_decimals in DECIMALS:
-        numbers = [_format_position(value, position_decimals) for value in m_to_mm(position)]
+        numbers = [_format_position(value, position_decimals) for value in position]
         numbers += _format_quaternion(quaternion, quaternion_decimals)
-        line = "".join(text + SEPARATOR for text in numbers + conf_text)
+        line = "".join(text + SEPARATOR for text in numbers + conf)
         if len(line) <= LINE_BUDGET:
             return line
     if len(line) <= RAPID_STRING:
         return line
     raise TargetValueError(
-        f"{label} needs {len(line)} characters, allowed are {RAPID_STRING}: {line}", target=name, line=line
+        f"{label} needs {len(line)} characters, allowed are {RAPID_STRING}: {line}", target=label, line=line
     )
 
 
@@ -153,18 +176,17 @@ def parse_line(line: str, number: int) -> TargetLine:
 
 def _format_position(value: float, decimals: int) -> str:
     """Millimetres with the decimals that float32 can tell apart at this size."""
-    spacing = float(np.spacing(np.float32(abs(value))))
+    spacing = 2.0 ** (math.frexp(value)[1] - FLOAT32_DIGITS)
     while decimals > 0 and 10.0**-decimals < spacing:
         decimals -= 1
     return _format(value, decimals)
 
 
-def _format_quaternion(quaternion: np.ndarray, decimals: int) -> list[str]:
+def _format_quaternion(quaternion: list[float], decimals: int) -> list[str]:
     """The rounded quaternion whose first component that is not zero is positive."""
-    rounded = np.round(quaternion, decimals)
-    leading = rounded[np.flatnonzero(rounded)[0]]
-    if leading < 0.0:
-        rounded = -rounded
+    rounded = [round(value, decimals) for value in quaternion]
+    if next(value for value in rounded if value != 0.0) < 0.0:
+        rounded = [-value for value in rounded]
     return [_format(value, decimals) for value in rounded]
 
 
