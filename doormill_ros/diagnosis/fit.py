@@ -217,7 +217,7 @@ def _finish(
             prediction,
             trial_weights(cost, True, problem.components),
             score,
-            prediction.residual,
+            problem.measured_part(prediction.white),
             cost,
             score,
             np.zeros(0, dtype=bool),
