@@ -1,0 +1,154 @@
+"""Six laser distance sensors: thesis section 3.7, figure 3.16; data sheet in appendix A.21."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.frames import apply
+from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, BeamMissed
+from doormill_ros.localization.sensors.faces import OUTWARD, normals, ranges
+from doormill_ros.localization.sensors.fit import Linearised, fit_pose
+from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
+from doormill_ros.resources import resource
+from doormill_ros.units import m_to_mm
+
+
+@dataclass(frozen=True)
+class Beam:
+    """One distance sensor.
+
+    Attributes:
+        face: The face it looks at, a key of `faces.OUTWARD`.
+        y: Nominal spot from the hinge edge, or from the far edge [m]; unused on the hinge edge.
+        z: Nominal spot above the bottom edge [m]; unused on the bottom edge.
+        depth: Nominal spot before the rear face [m]; unused on the face.
+        far_edge: Whether `y` counts from the far edge.
+    """
+
+    face: str
+    y: float = 0.0
+    z: float = 0.0
+    depth: float = 0.0
+    far_edge: bool = False
+
+    def spot(self, door: DoorSize) -> np.ndarray:
+        """Where it hits the nominal door, door axes [m], shape (3,)."""
+        x = 0.0 if self.face == "face" else door.thickness - self.depth
+        return np.array([x, door.width - self.y if self.far_edge else self.y, self.z])
+
+
+@dataclass(frozen=True, eq=False)
+class Photoelectric:
+    """The six sensors as one door sensor; `reading` is their distances, shape (6,) [m], nan for nothing.
+
+    Attributes:
+        layout: Where the nominal door stands.
+        freedom: What the clamp can hold.
+        beams: The sensors.
+        stand_off: Nominal distance [m].
+        span: Smallest and largest distance [m].
+        deviation: Standard deviation of a distance from all causes [m].
+        seconds: Time of the averaged readings [s].
+    """
+
+    layout: CellLayout
+    freedom: ClampFreedom
+    beams: tuple[Beam, ...]
+    stand_off: float
+    span: tuple[float, float]
+    deviation: float
+    seconds: float
+    name: str = "photoelectric"
+    cannot_see: str = (
+        "a chip, a chamfer or dust under a beam, since six readings for six unknowns leave no check; "
+        "glossy paint; a door turned far"
+    )
+
+    def geometry(self, door: DoorSize) -> tuple[np.ndarray, np.ndarray]:
+        """Where the beams start [m] and their directions in base, each shape (n, 3)."""
+        T_base_door = self.layout.T_base_door(door.width, door.thickness)
+        outward = normals(tuple(beam.face for beam in self.beams))
+        spots = np.array([beam.spot(door) for beam in self.beams])
+        return apply(T_base_door, spots + self.stand_off * outward), -outward @ T_base_door[:3, :3].T
+
+    def locate(self, reading: np.ndarray, door: DoorSize) -> DoorPoseEstimate:
+        """Pose of the door from the distances, shape (n,) [m].
+
+        Raises:
+            BadReading: Another number of distances.
+            BeamMissed: A distance is missing or out of the sensor's range.
+            PoseOutOfRange: The pose cannot be.
+        """
+        begun = time.perf_counter()
+        reading = np.asarray(reading, dtype=float)
+        if reading.shape != (len(self.beams),):
+            raise BadReading(
+                f"distances have shape {reading.shape}, allowed is ({len(self.beams)},); one for each beam"
+            )
+        low, high = self.span
+        for i, value in enumerate(reading):
+            if not low <= value <= high:
+                raise BeamMissed(
+                    f"distance sensor {i + 1} on the {self.beams[i].face} reads {m_to_mm(value):.3f} mm, "
+                    f"allowed are {m_to_mm(low):g} to {m_to_mm(high):g} mm; clamp the door again",
+                    beam=i + 1,
+                )
+        outward = normals(tuple(beam.face for beam in self.beams))
+        origins, directions = self.geometry(door)
+        variance = np.full(reading.size, self.deviation**2)
+
+        def linearise(T_base_door: np.ndarray) -> Linearised:
+            length, derivative = ranges(T_base_door, outward, origins, directions)
+            return Linearised(reading - length, derivative, variance)
+
+        start = self.layout.T_base_door(door.width, door.thickness)
+        fit = fit_pose(start, linearise, "distances")
+        self.freedom.check(fit.T_base_door, self.layout, door)
+        return DoorPoseEstimate(
+            fit.T_base_door,
+            fit.covariance,
+            (True,) * 6,
+            self.seconds + time.perf_counter() - begun,
+            fit.chi_square,
+            fit.redundancy,
+        )
+
+
+def load_photoelectric(path: Path | None = None, layout: CellLayout | None = None) -> Photoelectric:
+    """Read config/sensors/photoelectric.yaml, or another file of the same form.
+
+    Raises:
+        BadSensorFile: A key is missing or a beam looks at no known face.
+    """
+    path = path or resource("config/sensors/photoelectric.yaml")
+    layout = layout or load_layout()
+    document = read_sensor_file(path)
+    try:
+        sensor, count = document["sensor"], int(document["readings"])
+        beams = tuple(Beam(**beam) for beam in document["beams"])
+        # Quantising is uniform over a step. It does not average out while the noise is below the
+        # step. The characteristic's error is bounded and unknown: as a wave of that amplitude.
+        variance = (
+            float(sensor["resolution"]) ** 2 / 12.0
+            + float(sensor["linearity"]) ** 2 / 2.0
+            + float(sensor["noise"]) ** 2 / count
+            + float(document["surface"]) ** 2
+            + float(document["mounting_deviation"]) ** 2
+        )
+        span = tuple(float(v) for v in sensor["range"])
+        stand_off, seconds = float(document["stand_off"]), count * float(sensor["reading_time"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise BadSensorFile(f"{path}: {error}; compare it with config/sensors/photoelectric.yaml") from error
+    for i, beam in enumerate(beams):
+        if beam.face not in OUTWARD:
+            raise BadSensorFile(
+                f"{path}: beam {i + 1} looks at {beam.face!r}, allowed are {', '.join(OUTWARD)}"
+            )
+    freedom = load_freedom(layout)
+    return Photoelectric(layout, freedom, beams, stand_off, span, float(np.sqrt(variance)), seconds)

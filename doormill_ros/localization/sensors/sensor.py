@@ -1,0 +1,78 @@
+"""The seam: what every door sensor is and what it answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+DEGREES_OF_FREEDOM = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
+
+
+@dataclass(frozen=True)
+class DoorSize:
+    """The door as its recipe gives it [m]."""
+
+    width: float
+    height: float
+    thickness: float
+
+
+@dataclass(frozen=True, eq=False)
+class DoorPoseEstimate:
+    """Where a sensor says the door stands.
+
+    Attributes:
+        T_base_door: Pose of the door, shape (4, 4).
+        covariance: Of the twist that `frames.apply_twist` needs to move the estimate onto the truth:
+            translation of the door's origin [m], then rotation [rad], base axes, shape (6, 6). Where
+            the sensor is blind it holds what the clamp guarantees.
+        sees: Which degrees of freedom were measured, in the order of DEGREES_OF_FREEDOM.
+        seconds: From the order to measure until the pose is known: motion, exposure and arithmetic [s].
+        chi_square: Weighted sum of squared residuals.
+        redundancy: Readings beyond those needed; with 0 a wrong reading cannot be noticed.
+        details: What else the sensor can tell, by name.
+    """
+
+    T_base_door: np.ndarray
+    covariance: np.ndarray
+    sees: tuple[bool, ...]
+    seconds: float
+    chi_square: float
+    redundancy: int
+    details: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def deviations(self) -> np.ndarray:
+        """Standard deviations in the order of DEGREES_OF_FREEDOM [m, rad], shape (6,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def blind(self) -> tuple[str, ...]:
+        """Names of the degrees of freedom that were not measured."""
+        return tuple(n for n, seen in zip(DEGREES_OF_FREEDOM, self.sees, strict=True) if not seen)
+
+
+class DoorSensor(Protocol):
+    """A way to find the door.
+
+    Attributes:
+        name: As in the registry.
+        cannot_see: What it is blind for, in words.
+    """
+
+    name: str
+    cannot_see: str
+
+    def locate(self, reading: Any, door: DoorSize) -> DoorPoseEstimate:
+        """Pose of the door from one reading.
+
+        Args:
+            reading: What the sensor delivers; each sensor says which arrays.
+            door: The door in the clamp.
+
+        Raises:
+            LocalizationError: The reading gives no pose that can be trusted.
+        """
+        ...

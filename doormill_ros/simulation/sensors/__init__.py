@@ -1,0 +1,1 @@
+"""Simulated readings of every door sensor, from a true door pose and a seed."""

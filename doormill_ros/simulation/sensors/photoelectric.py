@@ -1,0 +1,100 @@
+"""Distances that six laser triangulation sensors read off a true door."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.resources import resource
+
+# Which door coordinate is zero on each face, and the direction that looks at it, base = nominal door axes.
+_FACES = {
+    "face": (0, (1.0, 0.0, 0.0)),
+    "hinge": (1, (0.0, 1.0, 0.0)),
+    "bottom": (2, (0.0, 0.0, 1.0)),
+}
+_AIM = 2.0e-4  # how well a beam's direction is set up, standard deviation [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class PhotoelectricRig:
+    """The true rig.
+
+    Attributes:
+        document: config/sensors/photoelectric.yaml.
+        layout: Where the nominal door stands.
+        linearity: Whether the characteristic bends as the data sheet allows.
+    """
+
+    document: dict[str, Any]
+    layout: CellLayout
+    linearity: bool = True
+
+    @staticmethod
+    def load(path: Path | None = None, linearity: bool = True) -> PhotoelectricRig:
+        """The rig of config/sensors/photoelectric.yaml."""
+        path = path or resource("config/sensors/photoelectric.yaml")
+        return PhotoelectricRig(yaml.safe_load(path.read_text(encoding="utf-8")), load_layout(), linearity)
+
+    def read(
+        self, T_base_door: np.ndarray, width: float, height: float, thickness: float, seed: int
+    ) -> np.ndarray:
+        """Averaged distances, shape (6,) [m]; nan where the beam meets no door inside the range.
+
+        Args:
+            T_base_door: True pose of the door, shape (4, 4).
+            width: Door width [m].
+            height: Door height [m].
+            thickness: Door thickness [m].
+            seed: Draws mounting, characteristic, wood and noise.
+        """
+        rng = np.random.default_rng(seed)
+        extent = np.array([thickness, width, height])
+        corner = np.array(
+            [self.layout.rear_face_x - thickness, self.layout.centre_y - width / 2, self.layout.bottom_z]
+        )
+        return np.array(
+            [self._beam(beam, T_base_door, extent, corner, rng) for beam in self.document["beams"]]
+        )
+
+    def _beam(
+        self,
+        beam: dict[str, Any],
+        T_base_door: np.ndarray,
+        extent: np.ndarray,
+        corner: np.ndarray,
+        rng: np.random.Generator,
+    ) -> float:
+        axis, aim = _FACES[beam["face"]]
+        spot = np.array([extent[0] - beam.get("depth", 0.0), beam.get("y", 0.0), beam.get("z", 0.0)])
+        if beam.get("far_edge"):
+            spot[1] = extent[1] - spot[1]
+        spot[axis] = 0.0
+        start = corner + spot - self.document["stand_off"] * np.array(aim)
+        # In door coordinates the face is where one coordinate vanishes.
+        local = np.linalg.solve(T_base_door, np.append(start, 1.0))[:3]
+        looking = np.array(aim) + rng.normal(0.0, _AIM, 3)
+        looking = T_base_door[:3, :3].T @ (looking / np.linalg.norm(looking))
+        distance = -local[axis] / looking[axis]
+        hit = local + distance * looking
+        others = [i for i in range(3) if i != axis]
+        if np.any(hit[others] < 0) or np.any(hit[others] > extent[others]):
+            return float("nan")
+        return self._electronics(distance + rng.normal(0.0, self.document["surface"]), rng)
+
+    def _electronics(self, distance: float, rng: np.random.Generator) -> float:
+        sensor = self.document["sensor"]
+        low, high = sensor["range"]
+        bent = distance + rng.normal(0.0, self.document["mounting_deviation"])
+        phase, waves = rng.uniform(0.0, 2 * np.pi), rng.uniform(0.7, 1.5)
+        if self.linearity:
+            bent += sensor["linearity"] * np.sin(phase + 2 * np.pi * waves * (distance - low) / (high - low))
+        single = bent + rng.normal(0.0, sensor["noise"], self.document["readings"])
+        if not low <= bent <= high:
+            return float("nan")
+        return float(np.mean(np.round(single / sensor["resolution"]) * sensor["resolution"]))
