@@ -64,10 +64,6 @@ def correction(layout, robot) -> Entry:
         "Pinocchio, target by target",
         loop,
     )
-    whole = compare(
-        f"recipe to corrected program, {n} targets", generate, "correction alone, Pinocchio", loop
-    )
-    return [batch, entry(whole.name, whole.median, "s", whole.peer, whole.peer_median, whole.n)]
 
 
 def judge(layout) -> Entry:

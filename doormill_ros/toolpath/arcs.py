@@ -8,11 +8,11 @@ import numpy as np
 
 from doormill_ros.toolpath.errors import ArcError
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.units import m_to_mm, rad_to_deg
+from doormill_ros.units import deg_to_rad, m_to_mm, rad_to_deg
 
 SMALLEST_CHORD = 1e-4  #: start to circle point, and start to end [m]
-SMALLEST_ANGLE = math.radians(1.0)  #: between circle point and end, seen from the start [rad]
-LARGEST_ARC = math.radians(240.0)
+SMALLEST_ANGLE = deg_to_rad(1.0)  #: between circle point and end, seen from the start [rad]
+LARGEST_ARC = deg_to_rad(240.0)
 
 
 def unfollowable(program: MillingProgram) -> dict[int, str]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, Side
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.curve import Curve
 from doormill_ros.toolpath.errors import NothingToMillError
@@ -91,23 +92,45 @@ def _way(
     if before.side is after.side:
         way.append(_air(first, back, wait, MotionKind.JOINT))
     else:
-        # Clear of the door on both sides of the edge between them, and the swing in between.
-        corner = _beyond_both(back, wait, last.R_door_tool[:, 2], first.R_door_tool[:, 2])
-        way.append(_air(last, back, corner, MotionKind.LINEAR))
-        way += _swing(last, first, corner, wait)
+        way += _round_the_edge(before, after, last, first, back, wait, settings.approach.edge_clearance)
     return [*way, _air(first, wait, goal, MotionKind.LINEAR)]
 
 
-def _swing(last: Step, first: Step, corner: np.ndarray, wait: np.ndarray) -> list[Step]:
-    """From the corner to the side to come, in parts so small that a MoveJ goes almost straight."""
+def _round_the_edge(
+    before: Operation,
+    after: Operation,
+    last: Step,
+    first: Step,
+    back: np.ndarray,
+    wait: np.ndarray,
+    distance: float,
+) -> list[Step]:
+    """From one side of the door to another, off the edge between them.
+
+    The robot stands before the front, so the corner is always passed with the spindle facing the
+    front: facing an edge there it would have to reach round itself.
+    """
+    if before.side.is_edge and after.side.is_edge:
+        facing = replace(first, R_door_tool=R_DOOR_FEATURE[Side.FRONT] @ R_FEATURE_TOOL)
+        near, far = (np.array([-distance, *place[1:]]) for place in (back, wait))
+        across = _air(facing, near, far, MotionKind.LINEAR)
+        return [*_swing(last, facing, back, near), across, *_swing(facing, first, far, wait)]
+    corner = _beyond_both(back, wait, last.R_door_tool[:, 2], first.R_door_tool[:, 2])
+    if before.side.is_edge:
+        return [*_swing(last, first, back, corner), _air(first, corner, wait, MotionKind.LINEAR)]
+    return [_air(last, back, corner, MotionKind.LINEAR), *_swing(last, first, corner, wait)]
+
+
+def _swing(last: Step, first: Step, start: np.ndarray, end: np.ndarray) -> list[Step]:
+    """Turn the spindle on the way, in parts so small that a MoveJ goes almost straight."""
     share = np.arange(1, SWING_PARTS + 1) / SWING_PARTS
     ends = Rotation.from_matrix(np.stack([last.R_door_tool, first.R_door_tool]))
     turned = Slerp([0.0, 1.0], ends)(share).as_matrix()
     turned[-1] = first.R_door_tool
-    places = [corner, *(corner + share[:, None] * (wait - corner))]
+    places = [start, *(start + share[:, None] * (end - start))]
     return [
-        replace(_air(first, start, end, MotionKind.JOINT), R_door_tool=R)
-        for (start, end), R in zip(itertools.pairwise(places), turned, strict=True)
+        replace(_air(first, a, b, MotionKind.JOINT), R_door_tool=R)
+        for (a, b), R in zip(itertools.pairwise(places), turned, strict=True)
     ]
 
 

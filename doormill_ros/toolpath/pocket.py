@@ -15,7 +15,7 @@ from doormill_ros.toolpath.operation import Operation, from_longest_line
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.units import m_to_mm
+from doormill_ros.units import deg_to_rad, m_to_mm
 
 STEPOVER = 0.8  #: of the tool diameter; below 0.85 no wood is left in the corners of square rings
 LEAD_RADIUS = 0.5  #: of the tool radius
@@ -24,8 +24,8 @@ SHORTEST_LEAD = 2e-4  #: below this radius there is no room to lead in on an arc
 CLOSING = 0.005  #: how far the wall pass runs past its start, so that no mark stays [m]
 ABOVE_FLOOR = 0.002  #: where the way down changes from rapid to plunge feed [m]
 SMALLEST_CHORD = 1e-4  #: a MoveC needs more than this from its start to its circle point [m]
-LARGEST_ARC = math.radians(180.0)  #: longer arcs are divided; MoveC allows about 240 degrees
-SHARP = math.radians(5.0)  #: the tool stops at a corner of the wall pass sharper than this
+LARGEST_ARC = deg_to_rad(180.0)  #: longer arcs are divided; MoveC allows about 240 degrees
+SHARP = deg_to_rad(5.0)  #: the tool stops at a corner of the wall pass sharper than this
 
 
 def pocket_steps(operation: Operation, settings: PathSettings) -> list[Step]:

@@ -58,7 +58,6 @@ def route(
         PathError: The leaf says which feature cannot be served, and why.
     """
     retreats: dict[int, float] = {}
-    refusal: PathError | None = None
     while True:
         plan = door_plan(recipe, operations, settings, retreats)
         try:
@@ -66,9 +65,8 @@ def route(
             check_air(plan.steps, path, recipe.size, T_base_door, robot, layout)
             return plan, path
         except (PathSingularityError, PathJointLimitError, ConfigurationChangeError, AirMoveError) as error:
-            refusal = refusal or error
             if plan.fixed or not _draw_back(retreats, error, operations, settings.approach.retreats):
-                raise refusal from error
+                raise
 
 
 def _draw_back(
