@@ -105,7 +105,7 @@ def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles)
     values = gather(picture, edge, wide.lines, wide.centre, span).astype(np.float32)
     face, back = values[:, :_LOOK_INSIDE], values[:, -_BACK_STRIP:]
     strip = face[:, -_FACE_STRIP:]
-    common = column_medians(face[::2])
+    common = column_medians(face[::3])
     inner = step_inside(common, wide.step)
     weights = step_weights(half, spread.blur, variogram(strip, 2 * half), variogram(back, 2 * half))
     return _Lens(
@@ -164,7 +164,7 @@ def trace_edges(
         for edge, lens in lenses.items():
             profiles[edge] = measure(picture, view, edge, poses[edge], lens.weights)
             checks.check_rows(profiles[edge], settings)
-            lines[edge] = _line(view, profiles[edge], poses[edge], 5)
+            lines[edge] = _line(view, profiles[edge], poses[edge], 4)
         before, poses = poses, _poses(lines)
         moved = _moved(view, before, poses)
         if moved < _NEAR:
