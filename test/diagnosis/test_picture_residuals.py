@@ -1,0 +1,86 @@
+"""Camera errors from localisations of a door moved by known amounts, against a pinhole written here."""
+
+import numpy as np
+import pytest
+
+from doormill_ros.diagnosis.picture_residuals import Localisations, camera_causes, diagnose_pictures
+
+STD = np.array([2e-5, 2e-5, 5e-5])
+CENTRE = np.array([0.004, -0.006])
+
+
+def photograph(seed=0, scale=1.0, turn=0.0, tilt=(0.0, 0.0), k1=0.0, drift=(0.0, 0.0, 0.0), dent=0.0):
+    """Locate a door at 20 places, three times each, by a camera that is wrong in the ways given.
+
+    The camera sees the door plane through a homography: turned, tilted and scaled, then distorted
+    about the optical axis. Its owner believes that none of this is there.
+    """
+    rng = np.random.default_rng(seed)
+    moved = np.repeat(
+        np.column_stack([rng.uniform(-0.01, 0.01, (20, 2)), rng.uniform(-0.035, 0.035, 20)]), 3, axis=0
+    )
+    time = np.arange(len(moved)) * 30.0
+
+    def seen(point):
+        p = point - CENTRE
+        p = p / (1.0 - p @ np.array(tilt))[:, None]
+        p = p * (1.0 + k1 * np.sum(p**2, axis=1))[:, None]
+        c, s = np.cos(turn), np.sin(turn)
+        return scale * p @ np.array([[c, s], [-s, c]])
+
+    # The owner calibrates so that the door in its nominal place reads zero.
+    located = np.column_stack([seen(moved[:, :2]) - seen(np.zeros((1, 2))), moved[:, 2]])
+    located += time[:, None] * np.array(drift)
+    located[:, 0] += dent * np.sin(900.0 * moved[:, 1])
+    located += rng.normal(size=located.shape) * STD
+    return Localisations(moved, located, time, STD, CENTRE)
+
+
+def named(diagnosis):
+    return {finding.cause.name for finding in diagnosis.findings}
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_good_camera_is_consistent(seed):
+    diagnosis = diagnose_pictures(photograph(seed))
+    assert diagnosis.verdict == "consistent"
+    assert diagnosis.before == pytest.approx(1.0, abs=0.2)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    ("wrong", "cause", "truth"),
+    [
+        ({"scale": 1.02}, "camera_scale", [0.02]),
+        ({"turn": 0.015}, "camera_turn", [0.015]),
+        ({"tilt": (2.0, -1.0)}, "camera_tilt", None),
+        ({"k1": 300.0}, "camera_distortion", None),
+        ({"drift": (5e-8, -8e-8, 2e-7)}, "camera_drift", [5e-8, -8e-8, 2e-7]),
+    ],
+)
+def test_one_error_is_named_and_sized(seed, wrong, cause, truth):
+    diagnosis = diagnose_pictures(photograph(seed, **wrong))
+    assert diagnosis.verdict == "explained"
+    assert cause in named(diagnosis)
+    assert diagnosis.after < 1.2 < diagnosis.before
+    if truth is not None:
+        assert named(diagnosis) == {cause}
+        finding = diagnosis.findings[0]
+        assert np.all(np.abs(finding.values - truth) < 4.0 * finding.std + 0.02 * np.abs(truth))
+
+
+def test_two_errors_are_told_apart():
+    diagnosis = diagnose_pictures(photograph(5, scale=0.985, drift=(0.0, 6e-8, 0.0)))
+    assert named(diagnosis) == {"camera_scale", "camera_drift"}
+
+
+def test_an_error_without_a_name_is_unexplained():
+    diagnosis = diagnose_pictures(photograph(6, dent=1.5e-4))
+    assert diagnosis.verdict == "unexplained"
+    assert diagnosis.findings == ()
+
+
+def test_every_camera_cause_tells_its_pattern():
+    assert len({cause.name for cause in camera_causes()}) == 6
+    for cause in camera_causes():
+        assert len(cause.pattern()) > 25
