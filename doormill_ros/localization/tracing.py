@@ -17,11 +17,9 @@ from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 
 _WIDE_BLUR, _WIDE_HALF = 3.0, 12  # px; wide enough to catch an edge four pixels from where the search has it
 _EVERY = 6  # rows left out while focusing in
-_CAUGHT, _NEAR, _FAR = (
-    1.5,
-    0.5,
-    1.0,
-)  # px; wide, then sharp focusing ends when the edges move by less; with more, blur is learned again
+# Wide, then sharp focusing ends when the edges move by less than the first two [px]; when they move
+# by more than the third, blur and texture are learned again.
+_CAUGHT, _NEAR, _FAR = 1.5, 0.6, 1.2
 _REACH = 2.5  # pixels looked at on each side of an edge, in standard deviations of its blur
 _LOOK_INSIDE, _FACE_STRIP, _BACK_STRIP = 90, 40, 12  # px; surfaces beside an edge whose texture is learned
 
