@@ -9,7 +9,7 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from rclpy.callback_groups import ReentrantCallbackGroup
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 
 from doormill_interfaces.msg import AbbStatus, TargetArray
 from doormill_ros.abb.handover_check import check_handover
@@ -54,6 +54,7 @@ class AbbBridge(ManagedNode):
         self._status = self.publisher(topics.ABB_STATUS)
         self._request = self.publisher(topics.ABB_REQUEST)
         self._ready = self.publisher(topics.ABB_READY)
+        self._file = self.publisher(topics.ABB_TARGET_FILE)
         self._shown: tuple[bool, bool] | None = None
         transport = open_transport(self.value("transport"), self._transport_options())
         self.handshake = Handshake(
@@ -94,6 +95,7 @@ class AbbBridge(ManagedNode):
         archive.mkdir(parents=True, exist_ok=True)
         path = (archive / f"{message.run_id}.txt").resolve()
         path.write_bytes(data)
+        self._file.publish(String(data=data.decode("ascii")))
         return path, data
 
     def _transport_options(self) -> TransportOptions:

@@ -21,7 +21,7 @@ from doormill_ros.localization.overlay import draw_overlay
 from doormill_ros.localization.result import Localization
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
-from doormill_ros.nodes.convert.picture import picture_message, picture_of
+from doormill_ros.nodes.convert.picture import camera_of, picture_message, picture_of
 from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
 from doormill_ros.nodes.run import run_nodes
 
@@ -61,11 +61,7 @@ class DoorLocalizer(ManagedNode):
         self._recipe = recipe
 
     def _take_camera_info(self, info: CameraInfo) -> None:
-        distortion = np.zeros(5)
-        distortion[: min(5, len(info.d))] = info.d[:5]
-        self._camera = self._mounted.with_intrinsics(
-            np.array(info.k).reshape(3, 3), distortion, (info.width, info.height)
-        )
+        self._camera = camera_of(info, self._mounted)
         if self._waiting is not None:
             (picture, _), self._waiting = self._waiting, None
             self._localize(picture)

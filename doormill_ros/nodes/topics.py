@@ -10,7 +10,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CameraInfo, Image
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 from visualization_msgs.msg import MarkerArray
 
 from doormill_interfaces.msg import (
@@ -80,6 +80,7 @@ PATH_MARKERS = _topic("path/markers", MarkerArray, STATE)
 ABB_STATUS = _topic("abb/status", AbbStatus, STATE)
 ABB_REQUEST = _topic("abb/request", Bool, STATE)
 ABB_READY = _topic("abb/ready", Bool, STATE)
+ABB_TARGET_FILE = _topic("abb/target_file", String, STATE)
 RUN_RESULT = _topic("run/result", RunResult, STATE)
 DOOR_PLACEMENT = _topic("simulation/door_placement", DoorPlacement, STATE)
 EXECUTED_PATH = _topic("simulation/executed_path", ExecutedPath, STATE)
@@ -100,6 +101,7 @@ ALL: tuple[Topic, ...] = (
     ABB_STATUS,
     ABB_REQUEST,
     ABB_READY,
+    ABB_TARGET_FILE,
     RUN_RESULT,
     DOOR_PLACEMENT,
     EXECUTED_PATH,

@@ -43,6 +43,26 @@ def typestore_of(connections: Sequence[Connection]) -> Typestore:
     return store
 
 
+def topics_of(folder: Path) -> list[str]:
+    """Full names of the topics of a bag.
+
+    Raises:
+        UnreadableBagError: No such bag, or damaged beyond reading.
+    """
+    try:
+        with Reader(folder) as reader:
+            return [connection.topic for connection in reader.connections]
+    except (ReaderError, OSError) as error:
+        raise _unreadable(folder, error) from error
+
+
+def _unreadable(folder: Path, error: Exception) -> UnreadableBagError:
+    return UnreadableBagError(
+        f"bag {folder} cannot be read: {error}; name a folder with metadata.yaml and .mcap files",
+        folder=str(folder),
+    )
+
+
 def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagMessage]:
     """Messages in the order in which they were recorded.
 
@@ -63,7 +83,4 @@ def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagM
                 message = store.deserialize_cdr(data, connection.msgtype)
                 yield BagMessage(connection.topic, stamp_ns, message, bytes(data), connection.msgtype)
     except (ReaderError, OSError) as error:
-        raise UnreadableBagError(
-            f"bag {folder} cannot be read: {error}; name a folder with metadata.yaml and .mcap files",
-            folder=str(folder),
-        ) from error
+        raise _unreadable(folder, error) from error

@@ -31,3 +31,9 @@ class EmptyBagError(BagError):
     """The bag lacks what was asked of it."""
 
     code = 604
+
+
+class BadExpectationError(BagError):
+    """The file beside a bag that says what a replay must give is not of its form."""
+
+    code = 605

@@ -6,7 +6,19 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3, Wrench
 
-from doormill_ros.frames import from_xyzw, quaternion_xyzw
+from doormill_ros.frames import quaternion_xyzw
+from doormill_ros.recording.messages import nanoseconds_of, transform_of, twist_of, wrench_of
+
+__all__ = [
+    "nanoseconds_of",
+    "pose_message",
+    "seconds_of",
+    "transform_of",
+    "twist_message",
+    "twist_of",
+    "wrench_message",
+    "wrench_of",
+]
 
 
 def pose_message(T_a_b: np.ndarray) -> Pose:
@@ -14,12 +26,6 @@ def pose_message(T_a_b: np.ndarray) -> Pose:
     x, y, z, w = (float(v) for v in quaternion_xyzw(T_a_b))
     px, py, pz = (float(v) for v in T_a_b[:3, 3])
     return Pose(position=Point(x=px, y=py, z=pz), orientation=Quaternion(x=x, y=y, z=z, w=w))
-
-
-def transform_of(pose: Pose) -> np.ndarray:
-    """T_a_b, shape (4, 4), from a pose of b in a."""
-    p, q = pose.position, pose.orientation
-    return from_xyzw(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
 
 
 def _vector(values: np.ndarray) -> Vector3:
@@ -31,28 +37,11 @@ def wrench_message(wrench: np.ndarray) -> Wrench:
     return Wrench(force=_vector(wrench[:3]), torque=_vector(wrench[3:]))
 
 
-def wrench_of(message: Wrench) -> np.ndarray:
-    """Shape (6,), force first [N, N m]."""
-    f, t = message.force, message.torque
-    return np.array([f.x, f.y, f.z, t.x, t.y, t.z])
-
-
 def twist_message(twist: np.ndarray) -> Twist:
     """Small displacement from shape (6,), translation first [m, rad]."""
     return Twist(linear=_vector(twist[:3]), angular=_vector(twist[3:]))
 
 
-def twist_of(message: Twist) -> np.ndarray:
-    """Shape (6,), translation first [m, rad]."""
-    v, w = message.linear, message.angular
-    return np.array([v.x, v.y, v.z, w.x, w.y, w.z])
-
-
 def seconds_of(stamp: Time) -> float:
     """Seconds since the epoch."""
     return stamp.sec + 1e-9 * stamp.nanosec
-
-
-def nanoseconds_of(stamp: Time) -> int:
-    """Nanoseconds since the epoch."""
-    return stamp.sec * 1_000_000_000 + stamp.nanosec

@@ -9,38 +9,9 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.errors import BadPicture
+from doormill_ros.recording.messages import camera_of, picture_of
 
-CHANNELS = {"mono8": 1, "8UC1": 1, "rgb8": 3, "bgr8": 3}
-GREY = {"rgb8": np.array([0.299, 0.587, 0.114]), "bgr8": np.array([0.114, 0.587, 0.299])}
-
-
-def picture_of(message: Image) -> np.ndarray:
-    """Grey picture, shape (height, width) uint8.
-
-    Raises:
-        BadPicture: An encoding other than mono8, 8UC1, rgb8 or bgr8, or too few bytes.
-    """
-    channels = CHANNELS.get(message.encoding)
-    if channels is None:
-        raise BadPicture(
-            f"picture has encoding {message.encoding!r}, allowed are {', '.join(CHANNELS)}; "
-            "set the camera driver to mono8",
-            encoding=message.encoding,
-        )
-    data = np.frombuffer(message.data, dtype=np.uint8)
-    if message.step < message.width * channels or data.size < message.height * message.step:
-        raise BadPicture(
-            f"picture of {message.width} x {message.height} pixels came with {data.size} bytes in rows of "
-            f"{message.step}, needed are {message.height * message.width * channels}; check the camera driver",
-            size=int(data.size),
-        )
-    rows = data[: message.height * message.step].reshape(message.height, message.step)
-    rows = rows[:, : message.width * channels]
-    if channels == 1:
-        return np.ascontiguousarray(rows)
-    colour = rows.reshape(message.height, message.width, 3)
-    return (colour @ GREY[message.encoding] + 0.5).astype(np.uint8)
+__all__ = ["camera_info_message", "camera_of", "picture_message", "picture_of"]
 
 
 def picture_message(picture: np.ndarray, header: Header) -> Image:

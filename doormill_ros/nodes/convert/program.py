@@ -7,22 +7,17 @@ import numpy as np
 from doormill_interfaces.msg import Motion as MotionMessage
 from doormill_interfaces.msg import Target as TargetMessage
 from doormill_interfaces.msg import TargetArray
-from doormill_ros.nodes.convert.geometry import (
-    pose_message,
-    transform_of,
-    twist_message,
-    twist_of,
-    wrench_message,
-    wrench_of,
-)
-from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
+from doormill_ros.nodes.convert.geometry import pose_message, twist_message, wrench_message
+from doormill_ros.recording.messages import program_of
+from doormill_ros.toolpath.program import MillingProgram, MotionKind
+
+__all__ = ["program_into", "program_of"]
 
 KINDS = {
     MotionKind.JOINT: MotionMessage.MOVE_J,
     MotionKind.LINEAR: MotionMessage.MOVE_L,
     MotionKind.CIRCULAR: MotionMessage.MOVE_C,
 }
-KINDS_BACK = {number: kind for kind, number in KINDS.items()}
 
 
 def program_into(message: TargetArray, program: MillingProgram) -> TargetArray:
@@ -60,34 +55,3 @@ def program_into(message: TargetArray, program: MillingProgram) -> TargetArray:
         for m in program.motions
     ]
     return message
-
-
-def program_of(message: TargetArray) -> MillingProgram:
-    """The milling program of an accepted message."""
-    targets = tuple(
-        Target(
-            name=t.name,
-            T_base_tool_nominal=transform_of(t.nominal),
-            T_base_tool_corrected=transform_of(t.corrected),
-            q=np.array(t.joint_positions, dtype=float),
-            conf=ConfData(t.cf1, t.cf4, t.cf6, t.cfx),
-            wrench=wrench_of(t.wrench),
-            deflection=twist_of(t.deflection),
-        )
-        for t in message.targets
-    )
-    motions = tuple(
-        Motion(
-            kind=KINDS_BACK[m.kind],
-            target=m.target,
-            via=None if m.via < 0 else m.via,
-            speed=m.speed,
-            zone=m.zone,
-            feature=m.feature,
-            cutting=m.cutting,
-            wrench=wrench_of(m.wrench),
-            spindle_speed=m.spindle_speed,
-        )
-        for m in message.motions
-    )
-    return MillingProgram(message.door_id, message.recipe_version, targets, motions)

@@ -1,0 +1,168 @@
+"""Replay a recorded run straight through the domain code, without ROS."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from doormill_ros.abb.target_file import render_target_file
+from doormill_ros.cell.errors import StageTimeoutError
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.diagnosis.extended_model import load_compliance_model
+from doormill_ros.errors import DoormillError
+from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.errors import LocalizationError, StalePicture
+from doormill_ros.localization.localizer import localize
+from doormill_ros.recipes.database import RecipeDatabase
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recording.messages import camera_of, nanoseconds_of, picture_of, transform_of
+from doormill_ros.recording.replay.answer import (
+    LOCALIZATION,
+    RESULT,
+    TARGETS,
+    Answer,
+    localization_answer,
+    refusal,
+    target_file_answer,
+    targets_answer,
+)
+from doormill_ros.recording.replay.recorded_run import RecordedRun, result_answer
+from doormill_ros.robot.description import load_robot
+from doormill_ros.toolpath.door_checks import check_door
+from doormill_ros.toolpath.generate import generate_program
+from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.settings import load_settings
+
+LAST_REPLAYED = 399  #: recipe, localization and path; what the controller refuses depends on the controller
+
+
+@dataclass(frozen=True)
+class OfflineOptions:
+    """What a replay may take from elsewhere than the recording.
+
+    Attributes:
+        robot: Robot description; empty for the one of config/cell.yaml.
+        robot_model: Compliance model; empty for the one that the recording names.
+        database: Recipe database that is asked for doors that were refused as unknown; empty for
+            one that holds the shipped recipes only.
+    """
+
+    robot: str = ""
+    robot_model: str = ""
+    database: str = ""
+
+
+def replay_offline(run: RecordedRun, options: OfflineOptions | None = None) -> list[Answer]:
+    """What every stage answers now to the recorded input of that stage."""
+    options = options or OfflineOptions()
+    if run.recipe is None:
+        return _without_recipe(run, options)
+    found = [_localize(run, recorded_ns, message) for recorded_ns, message in run.localizations]
+    for message in run.targets:
+        answer, program = _generate(run, message, options)
+        found.append(answer)
+        if program is not None and not any(a.topic == "/abb/target_file" for a in found):
+            found.extend(_target_file(run, answer.stamp_ns, program))
+    if run.result is not None:
+        found.append(_result(run, found))
+    return found
+
+
+def _without_recipe(run: RecordedRun, options: OfflineOptions) -> list[Answer]:
+    """A door that the database did not know."""
+    with RecipeDatabase(options.database or "sqlite://") as database:
+        if not options.database:
+            database.add_shipped()
+        try:
+            database.get(run.door_id)
+        except DoormillError as error:
+            return [result_answer(False, error.code, f"door {run.door_id}: {error.message}")]
+    # The door is known now; a run that broke off for another reason cannot be repeated from here.
+    if run.result.error_code < 200:
+        return [result_answer(True, 0, "")]
+    return [result_answer(run.result.success, run.result.error_code, run.result.message)]
+
+
+@lru_cache(maxsize=1)
+def _cell() -> tuple[Any, Any]:
+    return load_layout(), load_camera()
+
+
+def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
+    """Localize the picture that a recorded localization came from."""
+    stamp_ns = nanoseconds_of(message.header.stamp)
+    picture = run.pictures.get(stamp_ns)
+    if picture is None:
+        return refusal(LOCALIZATION, stamp_ns, 0, "the bag holds no picture of this time")
+    layout, mounted = _cell()
+    info = run.camera_infos.get(stamp_ns)
+    stale = message.error_code == StalePicture.code
+    age = (recorded_ns - stamp_ns) * 1e-9 - message.duration if stale else 0.0
+    try:
+        camera = None if info is None else camera_of(info, mounted)
+        pixels = picture_of(picture)
+        found = localize(pixels, camera, layout, run.recipe.width, run.recipe.thickness, age=age)
+    except LocalizationError as error:
+        return refusal(LOCALIZATION, stamp_ns, error.code, error.message)
+    return localization_answer(
+        stamp_ns, found.T_base_door, found.offset, found.covariance, found.residual, found.quality
+    )
+
+
+@lru_cache(maxsize=4)
+def _robot_and_model(robot_name: str, model_name: str) -> tuple[Any, Any]:
+    layout, _ = _cell()
+    robot = load_robot(robot_name or layout.robot)
+    return robot, load_compliance_model(model_name or robot.name)
+
+
+def _generate(
+    run: RecordedRun, message: Any, options: OfflineOptions
+) -> tuple[Answer, MillingProgram | None]:
+    """Generate the program for the recorded pose that a recorded target list came from."""
+    stamp_ns = nanoseconds_of(message.header.stamp)
+    pose = run.poses.get(stamp_ns)
+    if pose is None:
+        return refusal(TARGETS, stamp_ns, 0, "the bag holds no pose of this time"), None
+    layout, _ = _cell()
+    model_name = options.robot_model or message.robot_model
+    settings = load_settings()
+    try:
+        robot, model = _robot_and_model(options.robot, model_name)
+        recipe = Recipe.from_document(json.loads(run.recipe.document))
+        program = generate_program(recipe, transform_of(pose), layout, robot, model, settings=settings)
+        cycle_time = check_door(program, recipe, robot, settings).time
+    except DoormillError as error:
+        return refusal(TARGETS, stamp_ns, error.code, error.message), None
+    return targets_answer(stamp_ns, program, cycle_time, model_name), program
+
+
+def _target_file(run: RecordedRun, stamp_ns: int, program: MillingProgram) -> list[Answer]:
+    """Render the target file, when the recorded run came so far."""
+    if run.result is None or not (run.target_files or run.result.sha256):
+        return []
+    data = render_target_file(program, run.run_id)
+    # A bag without the file's content has its checksum.
+    content = data if run.target_files else b""
+    return [target_file_answer(stamp_ns, content, hashlib.sha256(data).hexdigest())]
+
+
+def _result(run: RecordedRun, found: list[Answer]) -> Answer:
+    """How the run ends by what the stages answer now."""
+    recorded = run.result
+    if not run.localizations and not run.pictures and recorded.error_code == StageTimeoutError.code:
+        # No picture came, so the localizer has nothing to answer and the run waits in vain.
+        return result_answer(False, StageTimeoutError.code, recorded.message)
+    for topic in (LOCALIZATION, TARGETS):
+        refused = next((a for a in found if a.topic == topic), None)
+        if refused is not None and not refused.accepted:
+            code, reason = refused.values["error_code"], refused.values["reason"]
+            return result_answer(False, int(code), f"door {run.door_id}: {reason}")
+    if recorded.error_code <= LAST_REPLAYED:
+        return result_answer(True, 0, "")
+    return Answer(
+        RESULT, 0, dict(result_answer(recorded.success, recorded.error_code, recorded.message).values)
+    )

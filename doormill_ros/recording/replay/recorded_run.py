@@ -1,0 +1,199 @@
+"""The runs of a bag: what went in, and what came out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.recording.bag_reader import BagMessage, read_bag, topics_of
+from doormill_ros.recording.errors import EmptyBagError
+from doormill_ros.recording.messages import nanoseconds_of, program_of, transform_of
+from doormill_ros.recording.replay.answer import (
+    RESULT,
+    Answer,
+    localization_answer,
+    refusal,
+    target_file_answer,
+    targets_answer,
+)
+
+RECIPE, PICTURE, CAMERA_INFO = "door/recipe", "camera/image_raw", "camera/camera_info"
+POSE, LOCALIZATION, TARGETS = "door/pose", "door/localization", "path/targets"
+TARGET_FILE, RUN_RESULT = "abb/target_file", "run/result"
+NEEDED = (RECIPE, PICTURE, CAMERA_INFO, POSE, LOCALIZATION, TARGETS, TARGET_FILE, RUN_RESULT)
+
+
+@dataclass
+class RecordedRun:
+    """One run of one door.
+
+    Attributes:
+        run_id: Its name.
+        recipe: The recipe in hand; None when none was found.
+        pictures: Picture messages by stamp [ns].
+        camera_infos: For each picture the camera info in force when it was answered.
+        poses: Accepted poses by stamp [ns].
+        localizations: With the time at which each was recorded [ns].
+        targets: Target lists, accepted or refused.
+        target_files: Content of target files that were handed over.
+        result: How the run ended; None when the recording stopped before.
+    """
+
+    run_id: str
+    recipe: Any = None
+    pictures: dict[int, Any] = field(default_factory=dict)
+    camera_infos: dict[int, Any] = field(default_factory=dict)
+    poses: dict[int, Any] = field(default_factory=dict)
+    localizations: list[tuple[int, Any]] = field(default_factory=list)
+    targets: list[Any] = field(default_factory=list)
+    target_files: list[bytes] = field(default_factory=list)
+    result: Any = None
+
+    @property
+    def door_id(self) -> str:
+        """Door of the run."""
+        return (self.recipe or self.result).door_id
+
+    def answers(self) -> list[Answer]:
+        """What was recorded of every stage."""
+        found = [_localization(message) for _, message in self.localizations]
+        for message in self.targets:
+            found.append(_targets(message))
+        accepted = [m for m in self.targets if m.accepted]
+        if accepted and self.result is not None and (self.target_files or self.result.sha256):
+            data = self.target_files[-1] if self.target_files else b""
+            stamp_ns = nanoseconds_of(accepted[0].header.stamp)
+            found.append(target_file_answer(stamp_ns, data, _sha256(data, self.result.sha256)))
+        if self.result is not None:
+            found.append(result_answer(self.result.success, self.result.error_code, self.result.message))
+        return found
+
+
+def result_answer(success: bool, error_code: int, message: str) -> Answer:
+    """How a run ended; what a success says of its timing is not compared."""
+    values = {"success": bool(success), "error_code": int(error_code)}
+    return Answer(RESULT, 0, values if success else {**values, "message": message})
+
+
+def _sha256(data: bytes, otherwise: str) -> str:
+    return hashlib.sha256(data).hexdigest() if data else otherwise
+
+
+def _localization(message: Any) -> Answer:
+    stamp_ns = nanoseconds_of(message.header.stamp)
+    if not message.accepted:
+        return refusal("/" + LOCALIZATION, stamp_ns, int(message.error_code), message.reason)
+    return localization_answer(
+        stamp_ns,
+        transform_of(message.pose.pose),
+        DoorOffset(message.offset_y, message.offset_z, message.offset_rotation),
+        np.array(message.pose.covariance).reshape(6, 6),
+        message.residual,
+        message.quality,
+    )
+
+
+def _targets(message: Any) -> Answer:
+    stamp_ns = nanoseconds_of(message.header.stamp)
+    if not message.accepted:
+        return refusal("/" + TARGETS, stamp_ns, int(message.error_code), message.reason)
+    return targets_answer(stamp_ns, program_of(message), message.cycle_time, message.robot_model)
+
+
+class _Collector:
+    """Sorts messages into runs as they were recorded."""
+
+    def __init__(self) -> None:
+        self.runs: dict[str, RecordedRun] = {}
+        self._in_hand: RecordedRun | None = None
+        self._info: Any = None
+        self._early: list[Any] = []
+
+    def _run(self, run_id: str) -> RecordedRun:
+        return self.runs.setdefault(run_id, RecordedRun(run_id))
+
+    def recipe(self, item: BagMessage) -> None:
+        self._in_hand = self._run(item.message.run_id)
+        self._in_hand.recipe = item.message
+        begun = nanoseconds_of(item.message.header.stamp)
+        for picture in self._early:
+            if nanoseconds_of(picture.header.stamp) >= begun:
+                self._keep(picture)
+        self._early.clear()
+
+    def picture(self, item: BagMessage) -> None:
+        stamp = nanoseconds_of(item.message.header.stamp)
+        if self._in_hand is None or stamp < nanoseconds_of(self._in_hand.recipe.header.stamp):
+            self._early = [item.message]
+        else:
+            self._keep(item.message)
+
+    def _keep(self, picture: Any) -> None:
+        stamp = nanoseconds_of(picture.header.stamp)
+        self._in_hand.pictures[stamp] = picture
+        if self._info is not None:
+            self._in_hand.camera_infos.setdefault(stamp, self._info)
+
+    def camera_info(self, item: BagMessage) -> None:
+        self._info = item.message
+        # What carries a picture's own stamp belongs to it, even when it was recorded after it.
+        if self._in_hand is not None:
+            stamp = nanoseconds_of(item.message.header.stamp)
+            if stamp in self._in_hand.pictures or not self._in_hand.camera_infos:
+                self._in_hand.camera_infos[stamp] = item.message
+
+    def pose(self, item: BagMessage) -> None:
+        if self._in_hand is not None:
+            self._in_hand.poses[nanoseconds_of(item.message.header.stamp)] = item.message.pose
+
+    def localization(self, item: BagMessage) -> None:
+        run = self._run(item.message.run_id)
+        run.localizations.append((item.stamp_ns, item.message))
+        if item.message.accepted:
+            run.poses.setdefault(nanoseconds_of(item.message.header.stamp), item.message.pose.pose)
+
+    def targets(self, item: BagMessage) -> None:
+        self._run(item.message.run_id).targets.append(item.message)
+
+    def target_file(self, item: BagMessage) -> None:
+        if self._in_hand is not None and item.message.data:
+            self._in_hand.target_files.append(item.message.data.encode("ascii", errors="replace"))
+
+    def result(self, item: BagMessage) -> None:
+        self._run(item.message.run_id).result = item.message
+
+
+def read_runs(bag: Path) -> list[RecordedRun]:
+    """The runs of a bag in the order in which they began.
+
+    Raises:
+        UnreadableBagError: No such bag, or damaged beyond reading.
+        EmptyBagError: No run is in it.
+    """
+    collector = _Collector()
+    take: dict[str, Callable[[BagMessage], None]] = {
+        RECIPE: collector.recipe,
+        PICTURE: collector.picture,
+        CAMERA_INFO: collector.camera_info,
+        POSE: collector.pose,
+        LOCALIZATION: collector.localization,
+        TARGETS: collector.targets,
+        TARGET_FILE: collector.target_file,
+        RUN_RESULT: collector.result,
+    }
+    wanted = {t: name for t in topics_of(bag) for name in NEEDED if t.endswith("/" + name)}
+    for item in read_bag(bag, list(wanted)) if wanted else ():
+        take[wanted[item.topic]](item)
+    runs = [run for run in collector.runs.values() if run.recipe is not None or run.result is not None]
+    if not runs:
+        raise EmptyBagError(
+            f"bag {bag} holds no run (topics {RECIPE} and {RUN_RESULT} are empty); record a whole run",
+            bag=str(bag),
+        )
+    return runs

@@ -1,0 +1,70 @@
+"""Replay every run of a bag and say what is not as it was."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from doormill_ros.recording.replay.answer import Answer
+from doormill_ros.recording.replay.compare import Difference, differences
+from doormill_ros.recording.replay.expectation import read_expectation, write_expectation
+from doormill_ros.recording.replay.offline import replay_offline
+from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
+
+Replayer = Callable[[RecordedRun], Sequence[Answer]]
+
+
+@dataclass
+class ReplayOutcome:
+    """What came of a replay.
+
+    Attributes:
+        bag: Which bag.
+        answers: What the stages answered now, by run id.
+        found: Every difference, the first one first.
+    """
+
+    bag: Path
+    answers: dict[str, list[Answer]] = field(default_factory=dict)
+    found: list[Difference] = field(default_factory=list)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Compared messages by topic."""
+        counts: dict[str, int] = {}
+        for answers in self.answers.values():
+            for answer in answers:
+                counts[answer.topic] = counts.get(answer.topic, 0) + 1
+        return counts
+
+
+def replay_bag(
+    bag: Path, replayer: Replayer = replay_offline, topics: Sequence[str] | None = None
+) -> ReplayOutcome:
+    """Replay a bag against its expected.yaml, or against what was recorded when it has none.
+
+    Args:
+        bag: Bag folder.
+        replayer: Gives the answers of a run's stages.
+        topics: Topics to compare; None for all.
+
+    Raises:
+        UnreadableBagError: No such bag, or damaged beyond reading.
+        EmptyBagError: No run is in it.
+        BadExpectationError: Its expected.yaml is not of its form.
+    """
+    outcome = ReplayOutcome(bag)
+    written = read_expectation(bag) or {}
+    for run in read_runs(bag):
+        expected = [a for a in written.get(run.run_id, run.answers()) if topics is None or a.topic in topics]
+        found = [a for a in replayer(run) if topics is None or a.topic in topics]
+        outcome.answers[run.run_id] = found
+        outcome.found.extend(differences(run.run_id, expected, found))
+    return outcome
+
+
+def update_expectation(bag: Path) -> tuple[ReplayOutcome, Path]:
+    """Let what the code answers now be the expectation; the outcome tells what changed by that."""
+    outcome = replay_bag(bag)
+    return outcome, write_expectation(bag, outcome.answers)
