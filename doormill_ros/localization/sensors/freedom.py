@@ -41,15 +41,17 @@ class ClampFreedom:
     limits: np.ndarray
     held: np.ndarray
 
-    def check(self, T_base_door: np.ndarray, layout: CellLayout, door: DoorSize) -> None:
-        """Refuse a pose that the clamp cannot hold.
+    def check(
+        self, T_base_door: np.ndarray, deviations: np.ndarray, layout: CellLayout, door: DoorSize
+    ) -> None:
+        """Refuse a pose that the clamp cannot hold, three of its standard deviations (6,) allowed for.
 
         Raises:
             PoseOutOfRange: One degree of freedom is beyond its limit.
         """
         twist = twist_between(layout.T_base_door(door.width, door.thickness), T_base_door)
         for i, name in enumerate(DEGREES_OF_FREEDOM):
-            if abs(twist[i]) > self.limits[i] * 1.05:  # an honest reading may overshoot the limit
+            if abs(twist[i]) > self.limits[i] + 3.0 * deviations[i]:
                 to_unit, unit = (m_to_mm, "mm") if i < 3 else (rad_to_deg, "deg")
                 raise PoseOutOfRange(
                     f"the door is off by {to_unit(twist[i]):.2f} {unit} in {name}, allowed are "

@@ -11,36 +11,13 @@ import numpy as np
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.frames import apply
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, BeamMissed
-from doormill_ros.localization.sensors.faces import OUTWARD, normals, ranges
+from doormill_ros.localization.sensors.faces import normals, ranges
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
+from doormill_ros.localization.sensors.spots import Spot, check_faces
 from doormill_ros.resources import resource
 from doormill_ros.units import m_to_mm
-
-
-@dataclass(frozen=True)
-class Beam:
-    """One distance sensor.
-
-    Attributes:
-        face: The face it looks at, a key of `faces.OUTWARD`.
-        y: Nominal spot from the hinge edge, or from the far edge [m]; unused on the hinge edge.
-        z: Nominal spot above the bottom edge [m]; unused on the bottom edge.
-        depth: Nominal spot before the rear face [m]; unused on the face.
-        far_edge: Whether `y` counts from the far edge.
-    """
-
-    face: str
-    y: float = 0.0
-    z: float = 0.0
-    depth: float = 0.0
-    far_edge: bool = False
-
-    def spot(self, door: DoorSize) -> np.ndarray:
-        """Where it hits the nominal door, door axes [m], shape (3,)."""
-        x = 0.0 if self.face == "face" else door.thickness - self.depth
-        return np.array([x, door.width - self.y if self.far_edge else self.y, self.z])
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +36,7 @@ class Photoelectric:
 
     layout: CellLayout
     freedom: ClampFreedom
-    beams: tuple[Beam, ...]
+    beams: tuple[Spot, ...]
     stand_off: float
     span: tuple[float, float]
     deviation: float
@@ -74,7 +51,7 @@ class Photoelectric:
         """Where the beams start [m] and their directions in base, each shape (n, 3)."""
         T_base_door = self.layout.T_base_door(door.width, door.thickness)
         outward = normals(tuple(beam.face for beam in self.beams))
-        spots = np.array([beam.spot(door) for beam in self.beams])
+        spots = np.array([beam.place(door) for beam in self.beams])
         return apply(T_base_door, spots + self.stand_off * outward), -outward @ T_base_door[:3, :3].T
 
     def locate(self, reading: np.ndarray, door: DoorSize) -> DoorPoseEstimate:
@@ -109,7 +86,7 @@ class Photoelectric:
 
         start = self.layout.T_base_door(door.width, door.thickness)
         fit = fit_pose(start, linearise, "distances")
-        self.freedom.check(fit.T_base_door, self.layout, door)
+        self.freedom.check(fit.T_base_door, np.sqrt(np.diag(fit.covariance)), self.layout, door)
         return DoorPoseEstimate(
             fit.T_base_door,
             fit.covariance,
@@ -131,7 +108,7 @@ def load_photoelectric(path: Path | None = None, layout: CellLayout | None = Non
     document = read_sensor_file(path)
     try:
         sensor, count = document["sensor"], int(document["readings"])
-        beams = tuple(Beam(**beam) for beam in document["beams"])
+        beams = tuple(Spot(**beam) for beam in document["beams"])
         # Quantising is uniform over a step. It does not average out while the noise is below the
         # step. The characteristic's error is bounded and unknown: as a wave of that amplitude.
         variance = (
@@ -145,10 +122,6 @@ def load_photoelectric(path: Path | None = None, layout: CellLayout | None = Non
         stand_off, seconds = float(document["stand_off"]), count * float(sensor["reading_time"])
     except (KeyError, TypeError, ValueError) as error:
         raise BadSensorFile(f"{path}: {error}; compare it with config/sensors/photoelectric.yaml") from error
-    for i, beam in enumerate(beams):
-        if beam.face not in OUTWARD:
-            raise BadSensorFile(
-                f"{path}: beam {i + 1} looks at {beam.face!r}, allowed are {', '.join(OUTWARD)}"
-            )
+    check_faces(beams, path)
     freedom = load_freedom(layout)
     return Photoelectric(layout, freedom, beams, stand_off, span, float(np.sqrt(variance)), seconds)

@@ -6,7 +6,9 @@ from collections.abc import Callable
 
 from doormill_ros.localization.sensors.photoelectric import load_photoelectric
 from doormill_ros.localization.sensors.sensor import DoorSensor
+from doormill_ros.localization.sensors.touch_probe import load_touch_probe
 
 SENSORS: dict[str, Callable[[], DoorSensor]] = {
     "photoelectric": load_photoelectric,
+    "touch_probe": load_touch_probe,
 }

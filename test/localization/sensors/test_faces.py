@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from localization.sensors.door_cases import SIZES, true_pose
+
 from doormill_ros.frames import apply, apply_twist, transform
 from doormill_ros.localization.sensors.errors import Contradiction, NotConverged, Undetermined
 from doormill_ros.localization.sensors.faces import heights, normals, ranges

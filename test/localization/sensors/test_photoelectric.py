@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import yaml
-
 from localization.sensors.door_cases import SIZES, assert_honest, error, mahalanobis, true_pose
+
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, BeamMissed, PoseOutOfRange
 from doormill_ros.localization.sensors.photoelectric import load_photoelectric

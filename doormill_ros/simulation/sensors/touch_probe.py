@@ -1,0 +1,99 @@
+"""What a robot reports when its switching probe touches a true door."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.resources import resource
+
+_FACES = {"face": 0, "hinge": 1, "bottom": 2}
+_WAVES = 200  # of the robot's error field; enough to be normally distributed
+
+
+@dataclass(frozen=True, eq=False)
+class TouchProbeRig:
+    """The true probe, robot and wood.
+
+    Attributes:
+        document: config/sensors/touch_probe.yaml.
+        layout: Where the nominal door stands.
+    """
+
+    document: dict[str, Any]
+    layout: CellLayout
+
+    @staticmethod
+    def load(path: Path | None = None) -> TouchProbeRig:
+        """The rig of config/sensors/touch_probe.yaml."""
+        path = path or resource("config/sensors/touch_probe.yaml")
+        return TouchProbeRig(yaml.safe_load(path.read_text(encoding="utf-8")), load_layout())
+
+    def robot_error(self, points: np.ndarray, seed: int) -> np.ndarray:
+        """Where the robot really is minus where it believes to be, at points (n, 3); shape (n, 3) [m].
+
+        A sum of waves with normally distributed wave vectors has a Gaussian correlation.
+        """
+        rng, robot = np.random.default_rng([seed, 7]), self.document["robot"]
+        waves = rng.normal(0.0, 1.0 / robot["correlation_length"], (3, _WAVES, 3))
+        phases = rng.uniform(0.0, 2 * np.pi, (3, _WAVES))
+        field = [np.cos(points @ w.T + p).sum(axis=1) for w, p in zip(waves, phases, strict=True)]
+        return robot["accuracy"] * np.sqrt(2.0 / _WAVES) * np.column_stack(field)
+
+    def touch(
+        self,
+        T_base_door: np.ndarray,
+        width: float,
+        height: float,
+        thickness: float,
+        seed: int,
+        count: int = 6,
+    ) -> np.ndarray:
+        """Reported centres of the ball, shape (count, 3) [m].
+
+        Args:
+            T_base_door: True pose of the door, shape (4, 4).
+            width: Door width [m].
+            height: Door height [m].
+            thickness: Door thickness [m].
+            seed: Draws the robot's error, its scatter, probe and wood.
+            count: How many points of the file, in its order.
+
+        Raises:
+            ValueError: A point lies beside the door.
+        """
+        rng = np.random.default_rng(seed)
+        probe, robot = self.document["probe"], self.document["robot"]
+        ball = probe["radius"] + rng.normal(0.0, probe["radius_deviation"])
+        bend = probe["pre_travel"] + rng.normal(0.0, probe["pre_travel_deviation"])
+        bend += robot["compliance"] * probe["trigger_force"] * rng.uniform(1 / 3, 1.0)
+        extent = np.array([thickness, width, height])
+        corner = [self.layout.rear_face_x - thickness, self.layout.centre_y - width / 2, self.layout.bottom_z]
+        points = (self.document["points"] + self.document["more_points"])[:count]
+        reported = []
+        for point in points:
+            axis = _FACES[point["face"]]
+            spot = np.array([thickness - point.get("depth", 0.0), point.get("y", 0.0), point.get("z", 0.0)])
+            if point.get("far_edge"):
+                spot[1] = width - spot[1]
+            spot[axis] = 0.0
+            into = np.eye(3)[axis]  # the search goes straight along the nominal normal
+            begin = np.array(corner) + spot - self.document["motion"]["clearance"] * into
+            local = np.linalg.solve(T_base_door, np.append(begin, 1.0))[:3]
+            toward = T_base_door[:3, :3].T @ into
+            way = (-ball - local[axis] + rng.normal(0.0, self.document["surface"])) / toward[axis]
+            contact = local + way * toward
+            others = [i for i in range(3) if i != axis]
+            if np.any(contact[others] < 0) or np.any(contact[others] > extent[others]):
+                raise ValueError(
+                    f"the probe passes beside the door's {point['face']} at {contact.tolist()} m"
+                )
+            reported.append(begin + (way + bend + rng.normal(0.0, probe["repeatability"])) * into)
+        actual = np.array(reported)
+        scatter = rng.normal(0.0, robot["repeatability"], actual.shape)
+        return actual - self.robot_error(actual, seed) - scatter
