@@ -16,7 +16,6 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.inverse import inverse
 from doormill_ros.simulation.controller_arm import ControllerArm
 from doormill_ros.simulation.controller_curves import Arc, Line
-from doormill_ros.simulation.controller_motion import LOOK_AHEAD
 from doormill_ros.simulation.controller_moves import MotionContext
 from doormill_ros.simulation.controller_process import Process, no_wrench
 
@@ -143,7 +142,7 @@ def test_the_pointer_is_at_most_three_motions_ahead(run):
     numbered = Process(lambda _program, count: MotionContext(index=count), no_wrench)
     body = "FOR i FROM 1 TO 12 DO MoveL Offs(a,0,10*i,0),v100,z1,tMill; ENDFOR MoveL a,v500,fine,tMill;"
     robot = run(body, on_time=watch, process=numbered)
-    assert max(ahead) == LOOK_AHEAD + 1
+    assert max(ahead) == 3 + 1
     assert ahead[-1] == 0
     assert robot.motion_count == 13
 

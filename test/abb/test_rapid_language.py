@@ -332,3 +332,8 @@ def test_old_headers_comments_and_crlf_are_skipped():
     text = "%%%\r\n  VERSION:1\r\n  LANGUAGE:ENGLISH\r\n%%%\r\nMODULE a(SYSMODULE) ! note; ENDMODULE\r\nENDMODULE\r\n"
     module = parse_module(text)
     assert (module.name, module.attributes) == ("a", ("SYSMODULE",))
+
+
+def test_a_handler_runs_once_although_the_error_came_from_a_nested_block(say):
+    rest = 'PROC p() IF TRUE THEN x:=1/0; ENDIF ERROR TPWrite "handler"; RAISE ERR_OUTOFBND; ENDPROC'
+    assert say("p; ERROR TRYNEXT;", "VAR num x;", rest) == ["handler"]

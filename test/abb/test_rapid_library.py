@@ -114,6 +114,10 @@ def test_str_to_val_reads_literals_and_leaves_the_data_alone_otherwise(say, text
     assert lines[2] == (value if value is not None else lines[1])
 
 
+def test_str_to_val_keeps_what_was_there(say):
+    assert say('x:=7; IF NOT StrToVal("1,5",x) TPWrite ValToStr(x);', "VAR num x;") == ["7"]
+
+
 @given(st.floats(width=32, allow_nan=False, allow_infinity=False))
 def test_nums_survive_being_written_with_nine_digits(value):
     assert parse_literal(f"{value:.9g}".replace("e+", "E").replace("e", "E"), NUM) == value
