@@ -13,7 +13,11 @@ from doormill_ros.simulation.truth.loading_test import Spoil
 
 EFFECTS = [
     {"cause": "joint_backlash", "where": "joint 2", "parameters": {"gap": 6e-5, "crossing": 80.0}},
-    {"cause": "tracker_frame_rotation", "where": "tracker", "parameters": {"rotation": [0.01, 0.03, -0.02]}},
+    {
+        "cause": "tracker_frame_rotation",
+        "where": "tracker",
+        "parameters": {"rotation_vector": [0.01, 0.03, -0.02]},
+    },
     {"cause": "joint_offset", "where": "joint 3", "parameters": {"angle": 0.03}},
     {"cause": "link_bending", "where": "link 2", "parameters": {"EI": 1.2e7}},
     {"cause": "wrench_frame_rotation", "where": "sensor", "parameters": {"angle": -0.05}},

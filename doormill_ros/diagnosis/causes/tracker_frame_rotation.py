@@ -13,7 +13,7 @@ class TrackerFrameRotation(Cause):
     """Reported displacement = R(rotation vector) times true displacement."""
 
     name = "tracker_frame_rotation"
-    parameters = (Parameter("rotation", "rad", -0.5, 0.5, 3),)
+    parameters = (Parameter("rotation_vector", "rad", -0.5, 0.5, 3),)
     scale = np.full(3, 0.02)
     lower = np.full(3, -0.7)
     upper = np.full(3, 0.7)

@@ -137,7 +137,7 @@ def true_displacement(plan: LoadingPlan, effects: Sequence[Mapping[str, Any]]) -
     for effect in sorted(effects, key=lambda effect: effect["cause"] in ("thermal_drift", "tracker_jump")):
         values = effect["parameters"]
         if effect["cause"] == "tracker_frame_rotation":
-            moved = moved @ turn(np.asarray(values["rotation"], dtype=float)[None])[0].T
+            moved = moved @ turn(np.asarray(values["rotation_vector"], dtype=float)[None])[0].T
         elif effect["cause"] == "tracker_scale":
             moved = moved * values["factor"]
         elif effect["cause"] == "thermal_drift":
