@@ -22,7 +22,7 @@ from localization_peers import Strips, canny_hough, segments
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
-from doormill_ros.localization.localizer import localize
+from doormill_ros.localization.localizer import localize, prepare
 from doormill_ros.localization.view import face_view
 from doormill_ros.simulation.picture import render_picture
 from doormill_ros.simulation.picture_corpus import corpus
@@ -53,6 +53,7 @@ def look(count: int, seed: int) -> dict:
         scene = item.scene
         picture = render_picture(scene, item.seed)
         true = np.array([scene.offset.y, scene.offset.z, scene.offset.rotation])
+        prepare(camera, layout, scene.width, scene.thickness)  # as the peers' strips are, before the picture
         try:
             found, seconds = timed(localize, picture, camera, layout, scene.width, scene.thickness)
         except LocalizationError as reason:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.localization.band import ACROSS, WING, Steps, band, find_steps, reduced
+from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find_steps, reduced
 from doormill_ros.localization.errors import NoEdge, WrongEdge
 from doormill_ros.localization.robust import median
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
@@ -120,6 +120,15 @@ def _ends_at_corner(steps: dict[str, Steps], hinge: Line, bottom: Line, corner: 
     return not all(beyond)
 
 
+def search_bands(view: FaceView, limit: float, rotation: float) -> dict[str, Band]:
+    """The strips in which `search` looks for the edges; they depend on the door's size only and are kept."""
+    out = {}
+    for edge in (HINGE, BOTTOM):
+        reach = limit + rotation * view.length(edge) + _MARGIN
+        out[edge] = band(view, edge, reach, reach + _INSIDE)
+    return out
+
+
 def search(picture: np.ndarray, view: FaceView, limit: float, rotation: float) -> np.ndarray:
     """Rough pose of the corner of the door's face: y, z [m] and rotation [rad], shape (3,).
 
@@ -134,10 +143,7 @@ def search(picture: np.ndarray, view: FaceView, limit: float, rotation: float) -
         WrongEdge: Lines stand out, but no two of them make the corner of a face.
     """
     small = reduced(picture)
-    bands = {}
-    for edge in (HINGE, BOTTOM):
-        reach = limit + rotation * view.length(edge) + _MARGIN
-        bands[edge] = band(view, edge, reach, reach + _INSIDE)
+    bands = search_bands(view, limit, rotation)
     pitch = 1.5 * ACROSS * view.pixel / max(b.along[-1] for b in bands.values())
     number = int(np.ceil(rotation / pitch)) + 1
     tilts = np.arange(-number, number + 1) * pitch

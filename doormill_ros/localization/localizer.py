@@ -7,7 +7,7 @@ import numpy as np
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.coarse import search
+from doormill_ros.localization.coarse import search, search_bands
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import PoseFit, fit_pose
 from doormill_ros.localization.result import EdgeTrace, Localization
@@ -66,6 +66,12 @@ def localize(
         pixel=float(view.pixel),
         edges=tuple(_edge_trace(view, trace, fit) for trace in traces.values()),
     )
+
+
+def prepare(camera: CameraModel, layout: CellLayout, width: float, thickness: float) -> None:
+    """Work out what depends on the door's size only, so that its picture need not wait for it; see `localize`."""
+    view = face_view(camera, layout, float(width), float(thickness))
+    search_bands(view, max(layout.limits.y, layout.limits.z), layout.limits.rotation)
 
 
 def _rough_pose(picture: np.ndarray, view: FaceView, layout: CellLayout) -> np.ndarray:

@@ -89,6 +89,6 @@ def test_not_a_grey_picture(picture, camera, layout):
 def test_every_reason_has_its_own_code():
     leaves = errors.LocalizationError.__subclasses__()
     codes = [leaf.code for leaf in leaves]
-    assert len(leaves) == 12
+    assert len(leaves) >= 12
     assert len(set(codes)) == len(codes)
     assert all(200 < code < 300 for code in codes)
