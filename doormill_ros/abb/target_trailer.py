@@ -156,7 +156,7 @@ class TrailerReader:
     def _value(self, key: str, forbidden: set[str] = FORBIDDEN) -> str:
         if self.at_end:
             raise TargetFileCutShortError(
-                f"the target file ends after line {self.number}, where '{MARK}{key} ...' should follow: "
+                f"the target file ends after line {self.number}, allowed there is a line '{MARK}{key} ...': "
                 "write the file anew",
                 line=self.number,
                 missing=key,
