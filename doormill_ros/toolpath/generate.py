@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -20,13 +19,13 @@ from doormill_ros.toolpath.adapt import DIRECTION_ROUNDS, adapted, straightened
 from doormill_ros.toolpath.arcs import check_arcs, unfollowable
 from doormill_ros.toolpath.assemble import Itinerary, decisive, itinerary, shift_along
 from doormill_ros.toolpath.door_plan import whole_door
-from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError, ProgramSizeError
+from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError
 from doormill_ros.toolpath.joint_speed import followable
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
-from doormill_ros.toolpath.route import route
+from doormill_ros.toolpath.route import check_size, route
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.stations import Stations, directions, stations_of
 from doormill_ros.units import m_to_mm
@@ -97,7 +96,7 @@ def _program(
 ) -> MillingProgram:
     """Correct every target and write the motions."""
     route = itinerary(plan)
-    _check_size(route, settings)
+    check_size([stop.feature for stop in route.stops], settings)
     place = np.array([[s.visits[0].step, s.visits[0].station] for s in route.stops])
     loads = [(i, v.step, v.station) for i, s in enumerate(route.stops) for v in decisive(s, plan.steps)]
     owner, step, station = np.array(loads).T
@@ -147,20 +146,6 @@ def _configurations(robot: Robot, q: np.ndarray) -> list[ConfData]:
     quarters = np.floor((q[:, [0, 3, 5]] + _ROUNDING) / (np.pi / 2.0)).astype(int)
     index = configuration_index(robot, q)
     return [ConfData(*row, cfx) for row, cfx in zip(quarters.tolist(), index.tolist(), strict=True)]
-
-
-def _check_size(route: Itinerary, settings: PathSettings) -> None:
-    found, allowed = len(route.stops), int(settings.checks.targets)
-    if found > allowed:
-        count = Counter(stop.feature for stop in route.stops)
-        feature, most = count.most_common(1)[0]
-        raise ProgramSizeError(
-            f"{feature}: it takes {most} of the program's {found} targets, allowed are {allowed}; use a wider "
-            "tool or deeper steps",
-            feature=feature,
-            found=found,
-            allowed=allowed,
-        )
 
 
 def _check_correction(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -19,6 +20,7 @@ from doormill_ros.toolpath.errors import (
     PathError,
     PathJointLimitError,
     PathSingularityError,
+    ProgramSizeError,
 )
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan, Step
@@ -60,6 +62,7 @@ def route(
     retreats: dict[int, float] = {}
     while True:
         plan = door_plan(recipe, operations, settings, retreats)
+        check_size([step.feature for step in plan.steps], settings)  # before the costly part
         try:
             path = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings)
             check_air(plan.steps, path, recipe.size, T_base_door, robot, layout)
@@ -85,6 +88,28 @@ def _draw_back(
     if free:
         retreats[free[0]] = distances[0]
     return bool(free)
+
+
+def check_size(features: Sequence[str], settings: PathSettings) -> None:
+    """Refuse more targets than a controller keeps.
+
+    Args:
+        features: Feature of every target, or of every step when targets are not known yet.
+        settings: The limit.
+
+    Raises:
+        ProgramSizeError: There are too many.
+    """
+    found, allowed = len(features), int(settings.checks.targets)
+    if found > allowed:
+        feature, most = Counter(features).most_common(1)[0]
+        raise ProgramSizeError(
+            f"{feature}: it takes {most} of the program's {found} targets, allowed are {allowed}; use a wider "
+            "tool or deeper steps",
+            feature=feature,
+            found=found,
+            allowed=allowed,
+        )
 
 
 def check_air(
