@@ -103,7 +103,10 @@ def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles)
     values = gather(picture, edge, wide.lines, wide.centre, span).astype(np.float32)
     face, back = values[:, :_LOOK_INSIDE], values[:, -_BACK_STRIP:]
     strip = face[:, -_FACE_STRIP:]
-    common = column_medians(face[::3])
+    # Rows in light and in shadow are brought to one level, or their median would step where a shadow ends.
+    some = face[::3]
+    level = np.maximum(some.mean(axis=1, keepdims=True), 1.0)
+    common = column_medians(some * (level.mean() / level))
     inner = step_inside(common, wide.step)
     weights = step_weights(half, spread.blur, variogram(strip, 2 * half), variogram(back, 2 * half))
     return _Lens(
