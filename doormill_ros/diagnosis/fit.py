@@ -14,7 +14,7 @@ GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross erro
 OUTLIER_SHARE = 0.1  #: at most this share of the trials is set aside
 _HUBER = 4.0  #: standard deviations up to which a trial keeps its full weight
 MEDIAN = {1: 0.455, 3: 2.366}  #: median of chi-square by its degrees of freedom
-_KINKS = 40  #: values at which a kinked number is tried
+_KINKS = 16  #: values at which a kinked number is tried
 _NOTHING = 2.7  #: fall of the score below which a kinked number may as well be zero (one in ten)
 _RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
 
@@ -138,7 +138,7 @@ def polish(problem: Problem, found: Fit) -> Fit:
             for value in values:
                 theta = found.theta.copy()
                 theta[index] = value
-                theta, _ = _descend(problem, found.members, theta, steps=3, fixed=index)
+                theta, _ = _descend(problem, found.members, theta, steps=2, fixed=index)
                 tried.append((robust_sum(problem.predict(found.members, theta).cost), theta))
             score, theta = min(tried, key=lambda pair: pair[0])
             at_zero = next(pair for pair in tried if pair[1][index] == 0.0 and pair is not tried[0])

@@ -150,6 +150,10 @@ class PictureProblem:
         cost = np.sum(white**2, axis=1)
         return Prediction(residual, white, cost, slope / self.data.std[:, None] if derivative else None)
 
+    def slope(self, cause: CameraCause, theta: np.ndarray) -> np.ndarray:
+        """Whitened derivative of the prediction by one cause alone, shape (n, 3, p)."""
+        return self._columns(cause) / self.data.std[:, None]
+
     def _columns(self, cause: CameraCause) -> np.ndarray:
         if cause.identity not in self.cache:
             self.cache[cause.identity] = np.stack(cause.columns(self.data), axis=2)

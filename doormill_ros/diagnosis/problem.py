@@ -185,6 +185,12 @@ class Problem:
         jacobian, spread = self._derivative(members, theta, case, inner, states, hidden)
         return Prediction(residual, white, cost, jacobian, spread)
 
+    def slope(self, cause: Cause, theta: np.ndarray) -> np.ndarray:
+        """Whitened derivative of the prediction by one cause alone, shape (n, 3, p)."""
+        if cause.stage == "robot" and cause.hidden_state(self.case) is None:
+            return self.whiten @ cause.derivative(self.case, theta)[:, :3]
+        return self.predict([cause], theta, derivative=True).jacobian
+
     def _states(
         self,
         members: Sequence[Cause],

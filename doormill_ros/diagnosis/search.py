@@ -101,8 +101,7 @@ class Search:
             blocks, owners, at = [], [], 0
             for index, cause in enumerate(self.candidates):
                 for start in cause.starts(self.problem.case):
-                    jacobian = self.problem.predict([cause], start, derivative=True).jacobian
-                    blocks.append(jacobian.reshape(-1, cause.size))
+                    blocks.append(self.problem.slope(cause, start).reshape(-1, cause.size))
                     owners.append((index, slice(at, at + cause.size)))
                     at += cause.size
             self._columns = (np.hstack(blocks), owners)
