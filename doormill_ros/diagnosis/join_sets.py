@@ -24,18 +24,9 @@ def join_sets(sets: Sequence[MeasurementSet]) -> MeasurementSet:
         return first
     reflectors = dict(first.reflectors)
     for other in sets[1:]:
-        for name, mine, theirs in (
-            ("robot", first.robot, other.robot),
-            ("model.joint_stiffness", first.joint_stiffness, other.joint_stiffness),
-            ("wrench_frame_rotation", first.wrench_frame_rotation, other.wrench_frame_rotation),
-            ("load_point", first.load_point, other.load_point),
-            ("noise", vars(first.noise), vars(other.noise)),
-        ):
-            if not np.array_equal(mine, theirs):
-                raise SetMixError(
-                    f"{other.path / 'set.yaml'}: line 1, column 1: {name} is {theirs}, but {mine} in {first.path}; "
-                    "sets given together need the same"
-                )
+        check_same_model(first, other)
+        for name in ("wrench_frame_rotation", "load_point", "noise"):
+            _require_equal(first, other, name, getattr(first, name), getattr(other, name))
         for name, reflector in other.reflectors.items():
             known = reflectors.setdefault(name, reflector)
             if known.link != reflector.link or not np.array_equal(known.position, reflector.position):
@@ -54,3 +45,23 @@ def join_sets(sets: Sequence[MeasurementSet]) -> MeasurementSet:
         reflector=np.concatenate([one.reflector for one in sets]),
         **{name: np.concatenate([getattr(one, name) for one in sets]) for name in _COLUMNS},
     )
+
+
+def check_same_model(first: MeasurementSet, other: MeasurementSet) -> None:
+    """A set can be predicted by what another set taught if both are of one robot and question one model.
+
+    Raises:
+        SetMixError: They are not.
+    """
+    _require_equal(first, other, "robot", first.robot, other.robot)
+    _require_equal(first, other, "model.joint_stiffness", first.joint_stiffness, other.joint_stiffness)
+
+
+def _require_equal(
+    first: MeasurementSet, other: MeasurementSet, name: str, mine: object, theirs: object
+) -> None:
+    if not np.array_equal(mine, theirs):  # type: ignore[arg-type]
+        raise SetMixError(
+            f"{other.path / 'set.yaml'}: line 1, column 1: {name} is {theirs}, but {mine} in {first.path}; "
+            "sets used together need the same"
+        )

@@ -11,7 +11,7 @@ import numpy as np
 from doormill_ros.diagnosis.diagnosis import Diagnosis, diagnose_set
 from doormill_ros.diagnosis.document import diagnosis_document, extended_model_document, write_diagnosis
 from doormill_ros.diagnosis.finding import rmse
-from doormill_ros.diagnosis.join_sets import join_sets
+from doormill_ros.diagnosis.join_sets import check_same_model, join_sets
 from doormill_ros.diagnosis.measurement_set import MeasurementSet, read_measurement_set
 from doormill_ros.diagnosis.next_measurement import NextMeasurement, plan_next
 from doormill_ros.diagnosis.problem import Problem
@@ -33,7 +33,7 @@ def run_measurement_sets(
     checks = [read_measurement_set(folder) for folder in check]
     joined = join_sets(sets)
     for other in checks:
-        join_sets([joined, other])
+        check_same_model(joined, other)
     diagnosis = diagnose_set(joined, progress)
     progress("choosing the next trials")
     plan = plan_next(diagnosis)

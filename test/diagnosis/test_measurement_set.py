@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from doormill_ros.diagnosis.errors import DataFileError, DataSetError, SetDescriptionError, TrialTableError
-from doormill_ros.diagnosis.join_sets import join_sets
+from doormill_ros.diagnosis.join_sets import check_same_model, join_sets
 from doormill_ros.diagnosis.measurement_set import COLUMNS, read_measurement_set
 
 SET = """\
@@ -167,3 +167,9 @@ def test_sets_are_joined_and_must_match(tmp_path):
     np.testing.assert_array_equal(joined.displacement, np.vstack([a.displacement, b.displacement]))
     with pytest.raises(DataSetError, match="load_point"):
         join_sets([a, c])
+    check_same_model(a, c)  # another load point is no obstacle to a prediction
+    softer = yaml.safe_load(SET)
+    softer["model"]["joint_stiffness"][0] = 1e6
+    (third / "set.yaml").write_text(yaml.safe_dump(softer))
+    with pytest.raises(DataSetError, match="joint_stiffness"):
+        check_same_model(a, read_measurement_set(third))
