@@ -33,7 +33,7 @@ def _work(draw, segments, tool, depth):
         "tool": tool,
         "cutting": {"spindle_speed_rpm": 6000, "feed_mm_s": draw(st.sampled_from([20, 50, 80]))},
         "passes": {
-            "depth_step_mm": max(0.5, round(depth / draw(st.integers(1, 3)) + 0.01, 3)),
+            "depth_step_mm": min(100.0, max(0.5, round(depth / draw(st.integers(1, 3)) + 0.01, 3))),
             "finish_allowance_mm": draw(st.sampled_from([0.0, 0.3, 1.0])),
         },
         "direction": draw(st.sampled_from(["climb", "conventional"])),
