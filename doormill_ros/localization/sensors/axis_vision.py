@@ -1,0 +1,248 @@
+"""Three cameras, one for each axis: six degrees of freedom (thesis section 3.7, figure 3.17)."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.frames import apply_twist, transform
+from doormill_ros.localization.camera import CameraModel
+from doormill_ros.localization.sensors.edge_rays import EDGES, depth, miss, seen
+from doormill_ros.localization.sensors.edge_search import EdgePoints, find_edge
+from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, EdgeNotFound
+from doormill_ros.localization.sensors.fit import Linearised, fit_pose
+from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
+from doormill_ros.resources import resource
+
+# The two door axes whose edges bound each face, and so are seen by the camera that looks at it.
+_BOUNDS = {"face": ("y", "z"), "bottom": ("x", "y"), "hinge": ("x", "z")}
+_SPACING = 2.0e-3  # of scan lines along an edge [m]
+_MARGIN = 14.0  # px that a scan line needs beside its reach
+_LONGEST = 0.25  # m; no picture shows more of an edge
+
+
+@dataclass(frozen=True, eq=False)
+class AxisCamera:
+    """One of the three cameras.
+
+    Attributes:
+        name: "1", "2" or "3".
+        looks_at: The face it sees, a key of `faces.OUTWARD`.
+        place: Projection centre from the nominal corner, base axes [m], shape (3,).
+        fixed_x: Base x at which it stands [m], or None when it follows the thickness.
+        rotation: R_base_camera, shape (3, 3).
+    """
+
+    name: str
+    looks_at: str
+    place: np.ndarray
+    fixed_x: float | None
+    rotation: np.ndarray
+
+    def T_base_camera(self, layout: CellLayout, door: DoorSize) -> np.ndarray:
+        """Where the sliders put it for a door, shape (4, 4)."""
+        position = layout.T_base_door(door.width, door.thickness)[:3, 3] + self.place
+        if self.fixed_x is not None:
+            position[0] = self.fixed_x
+        return transform(self.rotation, position)
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeRays:
+    """What one camera tells about one edge: rays (n, 2) and their place along the edge (n,) [m]."""
+
+    camera: AxisCamera
+    axis: int
+    rays: np.ndarray
+    along: np.ndarray
+    deviation: float
+
+
+@dataclass(frozen=True, eq=False)
+class AxisVision:
+    """The three cameras as one door sensor; `reading` maps camera names to pictures (h, w), uint8.
+
+    Attributes:
+        layout: Where the nominal door stands.
+        freedom: What the clamp can hold.
+        lens: Intrinsics of all cameras.
+        cameras: The cameras.
+        position_deviation: Standard deviation of a camera's place along an axis [m].
+        rotation_deviation: Standard deviation of its direction about an axis [rad].
+        roughness: RMS of the edges about their lines [m].
+        correlation: Distance over which the roughness changes [m].
+        noise: Of a grey value.
+        min_contrast: Of an edge [grey levels].
+        seconds: Exposure and transfer [s].
+    """
+
+    layout: CellLayout
+    freedom: ClampFreedom
+    lens: CameraModel
+    cameras: tuple[AxisCamera, ...]
+    position_deviation: float
+    rotation_deviation: float
+    roughness: float
+    correlation: float
+    noise: float
+    min_contrast: float
+    seconds: float
+    name: str = "axis_vision"
+    cannot_see: str = (
+        "the door beyond 15 cm from its corner, so a warped or twisted leaf; chips and dust on an edge "
+        "count as edge unless they stand out; needs light, clean lenses and three calibrated places"
+    )
+
+    def locate(self, reading: dict[str, np.ndarray], door: DoorSize) -> DoorPoseEstimate:
+        """Pose of the door from one picture of each camera.
+
+        Raises:
+            BadReading: A picture is missing or of another size.
+            EdgeNotFound: A picture shows no edge where one must be.
+            Contradiction: The edges do not belong to one door.
+            PoseOutOfRange: The pose cannot be.
+        """
+        begun = time.perf_counter()
+        edges = [rays for camera in self.cameras for rays in self._edges(camera, reading, door)]
+        nominal = self.layout.T_base_door(door.width, door.thickness)
+        places = {camera.name: camera.T_base_camera(self.layout, door) for camera in self.cameras}
+        covariance = self._covariance(edges, nominal, places)
+
+        def linearise(T_base_door: np.ndarray) -> Linearised:
+            parts = [miss(T_base_door, places[e.camera.name], e.axis, e.rays) for e in edges]
+            return Linearised(
+                -np.concatenate([p[0] for p in parts]), np.vstack([p[1] for p in parts]), covariance
+            )
+
+        fit = fit_pose(nominal, linearise, "edge points")
+        deviations = np.sqrt(np.diag(fit.covariance))
+        self.freedom.check(fit.T_base_door, deviations, self.layout, door)
+        return DoorPoseEstimate(
+            fit.T_base_door,
+            fit.covariance,
+            (True,) * 6,
+            self.seconds + time.perf_counter() - begun,
+            fit.chi_square,
+            fit.redundancy,
+            {"edge_points": {f"{e.camera.name}{'xyz'[e.axis]}": len(e.rays) for e in edges}},
+        )
+
+    def _edges(self, camera: AxisCamera, reading: dict[str, np.ndarray], door: DoorSize) -> list[EdgeRays]:
+        picture = reading.get(camera.name)
+        width, height = self.lens.size
+        if picture is None or picture.shape != (height, width) or picture.dtype != np.uint8:
+            found = "nothing" if picture is None else f"{picture.dtype} {picture.shape}"
+            raise BadReading(
+                f"camera {camera.name} sent {found}, allowed is uint8 ({height}, {width}); check the camera",
+                camera=camera.name,
+            )
+        T_base_camera = camera.T_base_camera(self.layout, door)
+        extent = {"x": door.thickness, "y": door.width, "z": door.height}
+        out = []
+        for edge, other in zip(_BOUNDS[camera.looks_at], _BOUNDS[camera.looks_at][::-1], strict=True):
+            along, guess, inward, reach = self._scan(
+                T_base_camera, door, EDGES[edge], EDGES[other], extent[edge]
+            )
+            what = f"the {edge} edge in camera {camera.name}"
+            if along.size < 6:
+                raise EdgeNotFound(f"{what} does not show long enough; correct the camera's place", edge=what)
+            points: EdgePoints = find_edge(picture, guess, inward, reach, self.noise, self.min_contrast, what)
+            rays = self.lens.undistort(points.pixels)
+            out.append(EdgeRays(camera, EDGES[edge], rays, along[points.index], points.deviation))
+        return out
+
+    def _scan(
+        self, T_base_camera: np.ndarray, door: DoorSize, axis: int, other: int, extent: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        """Places along a nominal edge, their pixels, the direction into the face there, and the reach."""
+        nominal = self.layout.T_base_door(door.width, door.thickness)
+        # Near its ends an edge that stands off may already be over.
+        spare = self.freedom.limits[axis] + 2.0e-3
+        along = np.arange(spare, min(extent - spare, _LONGEST), _SPACING)
+        guess = self.lens.distort(seen(nominal, T_base_camera, axis, along))
+        ahead = self.lens.distort(seen(nominal, T_base_camera, axis, along + 1e-4)) - guess
+        inward = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.linalg.norm(ahead, axis=1, keepdims=True)
+        corner, inside = self.lens.distort(seen(nominal, T_base_camera, other, np.array([0.0, 1e-3])))
+        inward *= np.sign(inward @ (inside - corner))[:, None]
+        reach = 0.0
+        limits = self.freedom.limits
+        for signs in itertools.product((-1.0, 1.0), repeat=6):
+            moved = apply_twist(nominal, np.array(signs) * limits)
+            shift = self.lens.distort(seen(moved, T_base_camera, axis, along)) - guess
+            reach = max(reach, float(np.abs(np.sum(shift * inward, axis=1)).max()))
+        size = np.array(self.lens.size) - 1.0
+        # Scan lines may leave the picture on one side; an edge that is found lies where they do not.
+        shows = np.all((guess > _MARGIN) & (guess < size - _MARGIN), axis=1)
+        return along[shows], guess[shows], inward[shows], reach + 2.0
+
+    def _covariance(
+        self, edges: list[EdgeRays], T_base_door: np.ndarray, places: dict[str, np.ndarray]
+    ) -> np.ndarray:
+        """Of all misses, shape (n, n): roughness along each edge, noise, and each camera's place."""
+        focal = float(np.sqrt(self.lens.k[0, 0] * self.lens.k[1, 1]))
+        mounting = np.repeat([self.position_deviation, self.rotation_deviation], 3) ** 2
+        total = sum(len(e.rays) for e in edges)
+        out, begin = np.zeros((total, total)), 0
+        sway = np.zeros((total, 6 * len(self.cameras)))
+        for e in edges:
+            part = slice(begin, begin + len(e.rays))
+            T_base_camera = places[e.camera.name]
+            far = depth(T_base_door, T_base_camera, e.axis, e.along)
+            alike = np.exp(-np.abs(e.along[:, None] - e.along) / self.correlation)
+            out[part, part] = self.roughness**2 * alike / np.outer(far, far)
+            out[part, part] += np.eye(len(e.rays)) * (e.deviation / focal) ** 2
+            column = 6 * self.cameras.index(e.camera)
+            sway[part, column : column + 6] = miss(T_base_door, T_base_camera, e.axis, e.rays)[2]
+            begin = part.stop
+        return out + sway * np.tile(mounting, len(self.cameras)) @ sway.T
+
+
+def load_axis_vision(path: Path | None = None, layout: CellLayout | None = None) -> AxisVision:
+    """Read config/sensors/axis_vision.yaml, or another file of the same form.
+
+    Raises:
+        BadSensorFile: A key is missing or a camera looks at no known face.
+        BadCameraFile: The intrinsics are out of bounds.
+    """
+    path = path or resource("config/sensors/axis_vision.yaml")
+    layout = layout or load_layout()
+    document = read_sensor_file(path)
+    try:
+        lens = document["intrinsics"]
+        cameras = tuple(_camera(entry) for entry in document["cameras"])
+        return AxisVision(
+            layout=layout,
+            freedom=load_freedom(layout),
+            lens=CameraModel(lens["k"], lens["distortion"], tuple(lens["size"]), np.zeros(3), np.zeros(3)),
+            cameras=cameras,
+            position_deviation=float(document["mounting_deviation"]["position"]),
+            rotation_deviation=float(document["mounting_deviation"]["rotation"]),
+            roughness=float(document["edges"]["roughness"]),
+            correlation=float(document["edges"]["correlation"]),
+            noise=float(document["picture"]["noise"]),
+            min_contrast=float(document["picture"]["min_contrast"]),
+            seconds=float(document["exposure_time"]),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise BadSensorFile(f"{path}: {error}; compare it with config/sensors/axis_vision.yaml") from error
+
+
+def _camera(entry: dict) -> AxisCamera:
+    if entry["looks_at"] not in _BOUNDS:
+        raise ValueError(
+            f"camera {entry['name']} looks at {entry['looks_at']!r}, allowed are {list(_BOUNDS)}"
+        )
+    right, down = np.array(entry["right"], dtype=float), np.array(entry["down"], dtype=float)
+    return AxisCamera(
+        name=str(entry["name"]),
+        looks_at=entry["looks_at"],
+        place=np.array(entry["place"], dtype=float),
+        fixed_x=float(entry["x"]) if "x" in entry else None,
+        rotation=np.column_stack([right, down, np.cross(right, down)]),
+    )
