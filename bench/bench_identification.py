@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from harness import Entry, compare, entry
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.correction.compensate import compensate
@@ -12,6 +11,7 @@ from doormill_ros.robot.branch import choose_branch
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.stiffness.joint_springs import JointSpringModel
+from harness import Entry, compare, entry
 
 TARGETS = 200
 TOLERANCE = 1e-6

@@ -7,10 +7,10 @@ import pkgutil
 from pathlib import Path
 
 import pytest
-from source_tree import PACKAGE, ROOT, SOURCES, imports_of
 
 import doormill_ros
 from doormill_ros.errors import DoormillError
+from source_tree import PACKAGE, ROOT, SOURCES, imports_of
 
 ROS_ONLY = {
     "rclpy",

@@ -10,9 +10,8 @@ import xml.etree.ElementTree as ElementTree
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
-from source_tree import ROOT, SOURCES, imports_of
-
 from doormill_ros import __version__
+from source_tree import ROOT, SOURCES, imports_of
 
 OWN = {"doormill_ros", "test", "harness"}
 WITHOUT_DISTRIBUTION = {"pinocchio": "pin"}

@@ -22,8 +22,12 @@ LIMIT = 240  # s
 
 def run(script: str, folder: Path, **kwargs: object) -> subprocess.Popen[str]:
     """A bash of its own group in an empty folder, without what the tests' environment set up."""
-    environment = {k: v for k, v in os.environ.items() if k in ("PATH", "HOME", "LANG", "TMPDIR", "XDG_DATA_HOME")}
-    environment |= {k: os.environ[k] for k in ("ROS_DOMAIN_ID", "ROS_DISTRO", "AMENT_PREFIX_PATH") if k in os.environ}
+    environment = {
+        k: v for k, v in os.environ.items() if k in ("PATH", "HOME", "LANG", "TMPDIR", "XDG_DATA_HOME")
+    }
+    environment |= {
+        k: os.environ[k] for k in ("ROS_DOMAIN_ID", "ROS_DISTRO", "AMENT_PREFIX_PATH") if k in os.environ
+    }
     script = "set -e\n" + script.replace(". ./activate", f". {ROOT}/activate")
     return subprocess.Popen(
         ["bash", "-c", script],
@@ -46,7 +50,9 @@ def test_the_readme_has_the_commands_it_promises() -> None:
 @pytest.mark.parametrize("command", MAKE)
 def test_make_targets_exist(command: str) -> None:
     """They set everything up and run it, which is what this test is part of: make only has to know them."""
-    done = subprocess.run([*command.split(), "--dry-run"], cwd=ROOT, capture_output=True, text=True, timeout=LIMIT)
+    done = subprocess.run(
+        [*command.split(), "--dry-run"], cwd=ROOT, capture_output=True, text=True, timeout=LIMIT
+    )
     assert done.returncode == 0, done.stderr
     assert "scripts/bootstrap.sh" in done.stdout
 
@@ -87,7 +93,9 @@ def test_links_and_pictures_are_there(path: str) -> None:
 
 def test_tools_and_nodes_named_in_the_readme_are_installed() -> None:
     prefix = next(
-        p for p in os.environ["AMENT_PREFIX_PATH"].split(os.pathsep) if (Path(p) / "lib" / "doormill_ros").is_dir()
+        p
+        for p in os.environ["AMENT_PREFIX_PATH"].split(os.pathsep)
+        if (Path(p) / "lib" / "doormill_ros").is_dir()
     )
     for name in re.findall(r"^\| `(\w+)` \|", README, flags=re.MULTILINE):
         if not re.search(rf"^\| `{name}`.*\| (?:arrays|for)", README, flags=re.MULTILINE) and name.islower():

@@ -36,23 +36,38 @@ class Run:
     Attributes:
         run_id: Unique name.
         door_id: What is milled.
+        not_before: What comes of a picture taken earlier does not count [s since the epoch]: before the
+            controller's request the door may not be clamped yet.
         times: Wall-clock time at which each stage was heard of [s since the epoch].
     """
 
     run_id: str
     door_id: str
+    not_before: float = float("inf")
     times: dict[str, float] = field(default_factory=dict)
     _heard: dict[str, Any] = field(default_factory=dict)
     _canceled: bool = False
     _changed: threading.Condition = field(default_factory=threading.Condition)
 
-    def deliver(self, stage: str, answer: Any) -> None:
-        """Note the answer of a stage; the first one counts."""
+    def deliver(self, stage: str, answer: Any, pictured: float) -> None:
+        """Note the answer of a stage; the first one that belongs to the request counts.
+
+        Args:
+            stage: Which stage.
+            answer: With `accepted`, `error_code` and `reason`.
+            pictured: When the picture was taken that the answer is about [s since the epoch].
+        """
         with self._changed:
-            if stage not in self._heard:
+            if stage not in self._heard and pictured >= self.not_before:
                 self._heard[stage] = answer
                 self.times[stage] = time.time()
                 self._changed.notify_all()
+
+    def forget(self) -> None:
+        """Start over with stages that were heard of: the controller's request changed meanwhile."""
+        with self._changed:
+            self._heard.clear()
+            self.not_before = float("inf")
 
     def cancel(self) -> None:
         """End the run at its next wait."""
@@ -88,13 +103,18 @@ class Run:
                 self._changed.wait(min(left, 0.05))
             return value
 
-    def wait_for(self, stage: str, limit: float, otherwise: str) -> Any:
-        """The answer of a stage; see `wait_until` for the errors.
+    def wait_for(
+        self, stage: str, limit: float, otherwise: str, unless: Callable[[], bool] = lambda: False
+    ) -> Any:
+        """The answer of a stage, None once `unless` is true; see `wait_until` for the errors.
 
         Raises:
             StageRefusedError: The stage answered that it cannot be done.
         """
-        answer = self.wait_until(lambda: self._heard.get(stage), limit, otherwise)
+        self.wait_until(lambda: stage in self._heard or unless(), limit, otherwise)
+        answer = self._heard.get(stage)
+        if answer is None or unless():
+            return None
         if not answer.accepted:
             raise StageRefusedError(answer.reason, answer.error_code)
         return answer

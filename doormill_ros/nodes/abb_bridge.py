@@ -80,8 +80,13 @@ class AbbBridge(ManagedNode):
         self._action.close()
         self._loop.stop()
 
-    def submit(self, message: TargetArray) -> tuple[Path, bytes]:
+    def submit(self, message: TargetArray, request_number: int | None = None) -> tuple[Path, bytes]:
         """Render the target file, keep a copy and hand it to the controller.
+
+        Args:
+            message: Accepted targets.
+            request_number: Request for which the door was measured; a later one refuses the file. None for
+                targets that no action asked for.
 
         Returns:
             Path of the copy and the file's bytes.
@@ -90,7 +95,7 @@ class AbbBridge(ManagedNode):
             AbbError: The targets cannot be written, or the handshake does not take them.
         """
         data = render_target_file(program_of(message), message.run_id)
-        self.handshake.submit(message.run_id, message.door_id, data)
+        self.handshake.submit(message.run_id, message.door_id, data, request_number)
         archive = Path(self.value("archive"))
         archive.mkdir(parents=True, exist_ok=True)
         path = (archive / f"{message.run_id}.txt").resolve()

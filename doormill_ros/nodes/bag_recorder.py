@@ -19,6 +19,8 @@ from doormill_ros.nodes.managed_node import ERROR, OK, WARN, ManagedNode, Parame
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received
+from doormill_ros.recording.errors import UnknownTypeError
+from doormill_ros.recording.schema import FEEDBACK
 
 DISCOVERY_PERIOD = 0.5  # s
 WRITE_PERIOD = 0.1  # s
@@ -30,6 +32,7 @@ class BagRecorder(ManagedNode):
     PARAMETERS = (
         Parameter("bag", "", "folder to record into; empty: a new folder under `folder`"),
         Parameter("folder", "out/bags", "where new bags are made when `bag` is empty"),
+        Parameter("exclude", "", "topics that are not recorded, separated by spaces"),
         Parameter("split_size", 512 << 20, "begin a new file at this size [bytes]; 0: never", 0, 1 << 40),
         Parameter("queue_size", 256 << 20, "most that may wait for the disk [bytes]", 1 << 20, 1 << 36),
     )
@@ -49,8 +52,11 @@ class BagRecorder(ManagedNode):
         self._queue = BoundedQueue(self.value("queue_size"))
         self._writer = BagWriter(Path(folder), self.value("split_size"))
         self._failure = ""
+        self._excluded = {self.resolve_topic_name(name) for name in self.value("exclude").split()}
         for topic in topics.ALL:
-            self._record(self.resolve_topic_name(topic.name), topic.type, topic.offered)
+            name = self.resolve_topic_name(topic.name)
+            if name not in self._excluded:
+                self._record(name, _type_name(topic.type), topic.type, topic.offered)
         self._thread = threading.Thread(target=self._write, name="bag_writer", daemon=True)
         self._thread.start()
         self.every(DISCOVERY_PERIOD, self._discover)
@@ -65,30 +71,30 @@ class BagRecorder(ManagedNode):
         self._queue.close()
         self._thread.join()
         with self._lock:
-            self._writer.close()
+            self._writer.close(self._queue.dropped)
+        if self._queue.dropped:
+            self.get_logger().warning(_dropped_text(self._queue.dropped))
 
     def _discover(self) -> None:
         for name, types in self.get_topic_names_and_types():
             if name in self._subscribed or name in self._skipped:
                 continue
-            package, kind, message = types[0].split("/")
-            try:
-                message_type = getattr(import_module(f"{package}.{kind}"), message)
-            except (ImportError, AttributeError):
+            if name in self._excluded:
                 self._skipped.add(name)
-                self.get_logger().warning(f"{name} is not recorded: {types[0]} is not installed here")
                 continue
             offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
-            if offers:
-                self._record(name, message_type, _matching(offers))
+            if not offers:
+                continue
+            try:
+                self._record(name, types[0], _message_class(types[0]), _matching(offers))
+            except (ImportError, AttributeError, UnknownTypeError):
+                self._skipped.add(name)
+                self.get_logger().warning(f"{name} is not recorded: {types[0]} is not installed here")
         self._report()
 
-    def _record(self, name: str, message_type: Any, offered: QoSProfile) -> None:
-        module = message_type.__module__.split(".")
+    def _record(self, name: str, type_name: str, message_type: Any, offered: QoSProfile) -> None:
         with self._lock:
-            self._writer.add_topic(
-                name, f"{module[0]}/{module[1]}/{message_type.__name__}", [qos_document(offered)]
-            )
+            self._writer.add_topic(name, type_name, [qos_document(offered)])
 
         def receive(data: bytes, info: Any = None) -> None:
             if self.active or offered.durability == DurabilityPolicy.TRANSIENT_LOCAL:
@@ -121,10 +127,32 @@ class BagRecorder(ManagedNode):
         if self._failure:
             self.report(ERROR, self._failure, **counts)
         elif dropped:
-            worst = ", ".join(f"{n} of {t}" for t, n in sorted(self._queue.dropped.items()))
-            self.report(WARN, f"messages were dropped because the disk is too slow: {worst}", **counts)
+            self.report(WARN, _dropped_text(self._queue.dropped), **counts)
         else:
             self.report(OK, "recording", bag=str(self._writer.folder), **counts)
+
+
+def _dropped_text(dropped: dict[str, int]) -> str:
+    counts = ", ".join(f"{count} of {topic}" for topic, count in sorted(dropped.copy().items()))
+    return f"messages were dropped because the disk is too slow: {counts}"
+
+
+def _type_name(message_type: Any) -> str:
+    package, kind, _ = message_type.__module__.split(".", 2)
+    return f"{package}/{kind}/{message_type.__name__}"
+
+
+def _message_class(name: str) -> Any:
+    """The class of a message type by its full name; an action's feedback is part of the action.
+
+    Raises:
+        ImportError, AttributeError: The type's package is not installed.
+    """
+    package, kind, message = name.split("/")
+    module = import_module(f"{package}.{kind}")
+    if kind == "action":
+        return getattr(module, message.removesuffix(FEEDBACK)).Impl.FeedbackMessage
+    return getattr(module, message)
 
 
 def _matching(offers: list[QoSProfile]) -> QoSProfile:

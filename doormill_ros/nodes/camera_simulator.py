@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import threading
 import zlib
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Bool, Header
 
-from doormill_interfaces.msg import DoorLocalization, DoorPlacement, DoorRecipe, RunResult
+from doormill_interfaces.msg import DoorPlacement, DoorRecipe, RunResult
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME
 from doormill_ros.nodes import topics
@@ -20,9 +21,9 @@ from doormill_ros.nodes.convert.recipe import recipe_of
 from doormill_ros.nodes.managed_node import OK, ManagedNode, Parameter
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.picture import render_picture
-from doormill_ros.simulation.picture_scene import PictureScene, SceneCamera
+from doormill_ros.simulation.picture_scene import PictureScene, SceneCamera, Sensor
 
-RETRY_PERIOD = 1.0  # s
+RETRY_PERIOD = 2.0  # s
 UNSET = 999.0
 
 
@@ -37,6 +38,7 @@ class CameraSimulator(ManagedNode):
         Parameter("offset_y", UNSET, "fixed offset along base y instead [m]; 999: scattered"),
         Parameter("offset_z", UNSET, "fixed offset along base z instead [m]; 999: scattered"),
         Parameter("offset_rotation", UNSET, "fixed rotation about base x instead [rad]; 999: scattered"),
+        Parameter("noise", 1.0, "share of the sensor's noise; 0.25: the mean of 16 exposures", 0.0, 4.0),
         Parameter("pictures", True, "false: the camera is broken and sends nothing"),
     )
 
@@ -56,7 +58,7 @@ class CameraSimulator(ManagedNode):
         self._placement = self.publisher(topics.DOOR_PLACEMENT)
         self.subscribe(topics.DOOR_RECIPE, self._place)
         self.subscribe(topics.ABB_REQUEST, self._take_request)
-        self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
+        self.subscribe(topics.ABB_READY, self._take_ready)
         self.subscribe(topics.RUN_RESULT, self._take_result)
         self.every(RETRY_PERIOD, self._expose)
 
@@ -73,6 +75,10 @@ class CameraSimulator(ManagedNode):
         fixed = [self.value(f"offset_{name}") for name in names]
         return DoorOffset(*(d if f == UNSET else f for d, f in zip(drawn, fixed, strict=True)))
 
+    def _sensor(self) -> Sensor:
+        share, real = self.value("noise"), Sensor()
+        return replace(real, read_noise=share * real.read_noise, gain=share**2 * real.gain)
+
     def _place(self, message: DoorRecipe) -> None:
         if message.run_id == self._run_id:
             return
@@ -84,6 +90,7 @@ class CameraSimulator(ManagedNode):
             offset=offset,
             camera=self._camera,
             layout=self._layout,
+            sensor=self._sensor(),
         )
         picture = render_picture(scene, zlib.crc32(f"{self.value('seed')} {recipe.door_id}".encode()))
         with self._lock:
@@ -107,8 +114,8 @@ class CameraSimulator(ManagedNode):
         if rose:
             self._expose()
 
-    def _take_localization(self, found: DoorLocalization) -> None:
-        if found.run_id == self._run_id:
+    def _take_ready(self, ready: Bool) -> None:
+        if ready.data:
             self._forget()
 
     def _take_result(self, result: RunResult) -> None:
@@ -120,7 +127,7 @@ class CameraSimulator(ManagedNode):
             self._picture = None
 
     def _expose(self) -> None:
-        """Take the picture once door and request are there; again until somebody has used it."""
+        """Take the picture once door and request are there; again until the targets are ready."""
         with self._lock:
             picture = self._picture
         if picture is None or not self._request or not self.value("pictures"):

@@ -35,6 +35,9 @@ class ControllerSimulator(ManagedNode):
         Parameter("home", "out/controller/HOME", "folder behind the controller's HOME:"),
         Parameter("effects", "", "YAML list of what the simulated robot hides; empty: joint springs only"),
         Parameter("time_scale", 0.0, "simulated over real seconds; 0: as fast as possible", 0.0, 1e6),
+        Parameter(
+            "spindle_works", True, "false: the spindle never comes to speed, the program stops with a fault"
+        ),
     )
 
     def __init__(self, **kwargs: Any) -> None:
@@ -50,6 +53,7 @@ class ControllerSimulator(ManagedNode):
             ControllerArm(robot.dh, robot.lower, robot.upper, robot.max_velocity),
             load_effects(Path(effects)) if effects else (),
             self.value("time_scale") or None,
+            self.value("spindle_works"),
         )
         self._recipe: DoorRecipe | None = None
         self._placement: DoorPlacement | None = None
@@ -78,6 +82,7 @@ class ControllerSimulator(ManagedNode):
         # A refused door is taken out by the operator, who also stops the waiting program.
         if not result.success and self._placement is not None and result.run_id == self._placement.run_id:
             self._halt()
+            self._cell.reset()
 
     def _take_placement(self, placement: DoorPlacement) -> None:
         if self._placement is not None and placement.run_id == self._placement.run_id:

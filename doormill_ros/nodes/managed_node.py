@@ -9,7 +9,9 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.qos import QoSProfile
 
 from doormill_ros.errors import DoormillError
 from doormill_ros.nodes import topics
@@ -107,12 +109,32 @@ class ManagedNode(LifecycleNode):
         return self.keep(self.destroy_publisher, self.create_publisher(topic.type, topic.name, topic.offered))
 
     def subscribe(self, topic: topics.Topic, callback: Callable[[Any], None], **kwargs: Any) -> None:
-        """Call `callback` with each message while the node is active."""
+        """Call `callback` with each message while the node is active.
+
+        A publisher that offers less than the topic asks for is taken as it is, where the topic allows it.
+        """
         guarded = self.guarded(callback)
-        subscription = self.create_subscription(
-            topic.type, topic.name, lambda m: guarded(m) if self.active else None, topic.requested, **kwargs
-        )
-        self.keep(self.destroy_subscription, subscription)
+        created: list[Any] = []
+
+        def create(qos: QoSProfile, events: SubscriptionEventCallbacks | None = None) -> None:
+            subscription = self.create_subscription(
+                topic.type,
+                topic.name,
+                lambda m: guarded(m) if self.active else None,
+                qos,
+                event_callbacks=events,
+                **kwargs,
+            )
+            created.append(subscription)
+            self.keep(self.destroy_subscription, subscription)
+
+        def fall_back(_: Any) -> None:
+            if len(created) == 1 and topic.fallback is not None:
+                self.get_logger().info(f"{topic.name} is offered best effort only; pictures may get lost")
+                create(topic.fallback)
+
+        events = SubscriptionEventCallbacks(incompatible_qos=fall_back) if topic.fallback else None
+        create(topic.requested, events)
 
     def serve(self, service_type: Any, name: str, callback: Callable[[Any, Any], Any]) -> None:
         """Offer a service until clean-up; it answers in the inactive state too.

@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import threading
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import CallbackGroup
 
 from doormill_interfaces.action import MillDoor
-from doormill_interfaces.msg import RunResult, StageTimes
+from doormill_interfaces.msg import RunResult, StageTimes, TargetArray
 from doormill_interfaces.srv import GetRecipe
 from doormill_ros.abb.handshake_state import HandshakeState
 from doormill_ros.abb.link_errors import MillingFaultError
@@ -67,7 +68,7 @@ class MillDoorServer:
         run = self._run
         if run is None or message.run_id != run.run_id:
             return False
-        run.deliver(stage, message)
+        run.deliver(stage, message, seconds_of(message.header.stamp))
         return True
 
     def notify(self) -> None:
@@ -163,29 +164,9 @@ class MillDoorServer:
 
         stage("recipe", 0.0)
         result.recipe_version = self._fetch_recipe(run, limits).version
-        stage("picture", 0.1)
-        found = run.wait_for(
-            "localization",
-            limits.picture,
-            "no picture of the door was localized; check that the camera sends pictures on camera/image_raw "
-            "and that /door_localizer is active",
-        )
-        times.picture_to_pose = run.times["localization"] - seconds_of(found.header.stamp)
-        stage("pose", 0.3)
-        targets = run.wait_for(
-            "targets",
-            limits.targets,
-            "no targets came for the door's pose; check that /path_generator is active",
-        )
+        targets, request_number = self._measure(run, limits, stage, times)
         result.largest_correction = targets.largest_correction
-        times.pose_to_targets = run.times["targets"] - run.times["localization"]
-        stage("targets", 0.4)
-        run.wait_until(
-            lambda: handshake.snapshot.accepts_submission,
-            limits.request,
-            "the controller does not ask for targets; check that its program runs and the door is clamped",
-        )
-        path, data = bridge.submit(targets)
+        path, data = bridge.submit(targets, request_number)
         announced = run.wait_until(
             lambda: self._announced(run),
             limits.ready,
@@ -217,6 +198,57 @@ class MillDoorServer:
             f"door {run.door_id} milled: {len(targets.targets)} targets, largest correction "
             f"{targets.largest_correction * 1e3:.3f} mm, ready {times.request_to_ready * 1e3:.0f} ms after the request"
         )
+
+    def _measure(
+        self, run: Run, limits: StageLimits, stage: Callable[[str, float], None], times: StageTimes
+    ) -> tuple[TargetArray, int]:
+        """Targets from a picture that was taken for the controller's present request, and its number.
+
+        A request that falls and rises meanwhile (the door was clamped anew) makes the picture worthless.
+        """
+        handshake = self._bridge.handshake
+        while True:
+            stage("picture", 0.1)
+            number = self._wait_for_request(run, limits)
+
+            def over(number: int = number) -> bool:
+                now = handshake.snapshot
+                return now.request_number != number or not now.accepts_submission
+
+            found = run.wait_for(
+                "localization",
+                limits.picture,
+                "no picture of the door was localized; check that the camera sends pictures on "
+                "camera/image_raw and that /door_localizer is active",
+                over,
+            )
+            if found is not None:
+                times.picture_to_pose = run.times["localization"] - seconds_of(found.header.stamp)
+                stage("pose", 0.3)
+                targets = run.wait_for(
+                    "targets",
+                    limits.targets,
+                    "no targets came for the door's pose; check that /path_generator is active",
+                    over,
+                )
+                if targets is not None:
+                    times.pose_to_targets = run.times["targets"] - run.times["localization"]
+                    stage("targets", 0.4)
+                    return targets, number
+            run.forget()
+
+    def _wait_for_request(self, run: Run, limits: StageLimits) -> int:
+        """Number of the controller's request; from its beginning on pictures count."""
+        handshake = self._bridge.handshake
+        run.wait_until(
+            lambda: handshake.snapshot.accepts_submission,
+            limits.request,
+            "the controller does not ask for targets; check that its program runs and the door is clamped",
+        )
+        snapshot = handshake.snapshot
+        requested = snapshot.times.get(HandshakeState.REQUESTED.value, snapshot.since)
+        run.not_before = time.time() - (time.monotonic() - requested)
+        return snapshot.request_number
 
     def _announced(self, run: Run) -> dict[str, float] | None:
         """Times of the handshake once ready went up for the run; raises when the run ended before."""

@@ -38,14 +38,15 @@ EVENT = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
 )
-#: Pictures are offered reliably, so that a recorder loses none; who listens asks for best effort.
-PICTURE_OFFERED = QoSProfile(
+#: A picture of two megabytes that loses one fragment is lost, hence reliable where the camera offers it,
+#: as the simulated one does; a driver that offers sensor data quality is taken as it is.
+PICTURE = QoSProfile(
     depth=5,
     history=HistoryPolicy.KEEP_LAST,
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
 )
-PICTURE_REQUESTED = QoSProfile(
+PICTURE_FALLBACK = QoSProfile(
     depth=5,
     history=HistoryPolicy.KEEP_LAST,
     reliability=ReliabilityPolicy.BEST_EFFORT,
@@ -55,23 +56,24 @@ PICTURE_REQUESTED = QoSProfile(
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic: relative name, message class, offered and requested quality of service."""
+    """A topic: relative name, message class, quality of service; `fallback` for a lesser offer."""
 
     name: str
     type: Any
     offered: QoSProfile
     requested: QoSProfile
+    fallback: QoSProfile | None = None
 
 
-def _topic(name: str, message_type: Any, qos: QoSProfile, requested: QoSProfile | None = None) -> Topic:
-    return Topic(name, message_type, qos, requested or qos)
+def _topic(name: str, message_type: Any, qos: QoSProfile, fallback: QoSProfile | None = None) -> Topic:
+    return Topic(name, message_type, qos, qos, fallback)
 
 
-IMAGE = _topic("camera/image_raw", Image, PICTURE_OFFERED, PICTURE_REQUESTED)
-CAMERA_INFO = _topic("camera/camera_info", CameraInfo, STATE)
+IMAGE = _topic("camera/image_raw", Image, PICTURE, PICTURE_FALLBACK)
+CAMERA_INFO = _topic("camera/camera_info", CameraInfo, PICTURE, PICTURE_FALLBACK)
 DOOR_POSE = _topic("door/pose", PoseStamped, EVENT)
 DOOR_LOCALIZATION = _topic("door/localization", DoorLocalization, EVENT)
-DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE_OFFERED, PICTURE_REQUESTED)
+DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE, PICTURE_FALLBACK)
 DOOR_RECIPE = _topic("door/recipe", DoorRecipe, STATE)
 PATH_TARGETS = _topic("path/targets", TargetArray, EVENT)
 PATH_NOMINAL = _topic("path/nominal", Path, STATE)

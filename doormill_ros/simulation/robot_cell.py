@@ -78,6 +78,7 @@ class RobotCell:
         arm: The robot as its controller believes it to be.
         effects: What the robot hides, see `TruthRobot`.
         time_scale: Simulated over real seconds of motion; None for as fast as possible.
+        spindle_works: False for a spindle that never comes to speed.
     """
 
     def __init__(
@@ -86,22 +87,29 @@ class RobotCell:
         arm: ControllerArm,
         effects: Iterable[Mapping[str, Any]] = (),
         time_scale: float | None = None,
+        spindle_works: bool = True,
     ) -> None:
         self._home = home
         self._arm = arm
+        self._spindle_works = spindle_works
         self._truth = TruthRobot(self._arm.dh, effects)
         self._time_scale = time_scale
         home.mkdir(parents=True, exist_ok=True)
         self._io = FolderIo(home)
 
-    def start(self, door_id: str) -> RobotCellRun:
-        """Clamp a door and get the program ready; `execute` runs it."""
+    def reset(self) -> None:
+        """Lower what the controller signals, as an operator does who takes a door out."""
         for name in signals.CONTROLLER_SIGNALS:
             self._io.write(name, 0)
+
+    def start(self, door_id: str) -> RobotCellRun:
+        """Clamp a door and get the program ready; `execute` runs it."""
+        self.reset()
         controller = VirtualController(
             self._home, self._arm, self._truth, io=self._io, time_scale=self._time_scale
         )
         controller.program.write("expectedDoor", f'"{door_id}"')
+        controller.cell.spindle_works = self._spindle_works
         return RobotCellRun(controller)
 
     def execute_uncorrected(self, program: MillingProgram) -> ExecutedPath:
