@@ -23,8 +23,17 @@ def _measurement_sets(data: list[Path], check: list[Path], out: Path, progress: 
     return run_measurement_sets(data, check, out, progress)
 
 
+def _pose_sets(data: list[Path], check: list[Path], out: Path, progress: Callable[[str], None]) -> str:
+    from doormill_ros.diagnosis.pose.run import run_pose_sets
+
+    return run_pose_sets(data, check, out, progress)
+
+
 #: What to do with sets of a schema; returns the verdict in one line.
-RUNNERS: dict[str, Runner] = {"doormill/measurement-set/1": _measurement_sets}
+RUNNERS: dict[str, Runner] = {
+    "doormill/measurement-set/1": _measurement_sets,
+    "doormill/pose-set/1": _pose_sets,
+}
 
 
 def choose_runner(folders: Sequence[Path]) -> Runner:

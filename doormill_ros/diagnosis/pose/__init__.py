@@ -1,0 +1,1 @@
+"""Diagnosis of absolute poses that a tracker took of an unloaded robot."""

@@ -1,0 +1,1 @@
+"""Causes of absolute pose errors, one file each."""

@@ -1,0 +1,81 @@
+"""What every cause of pose errors has to say about itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.diagnosis.pose.view import SetView
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """How some coefficients of a cause displace a frame.
+
+    Attributes:
+        direction: Component of a frame twist, see `chain.direction`.
+        first: Index of the first coefficient within the cause.
+        basis: Displacement for a unit of every coefficient, shape (n, k).
+    """
+
+    direction: int
+    first: int
+    basis: np.ndarray
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """One fitted number.
+
+    Attributes:
+        name: Key under the cause's parameters.
+        unit: SI unit.
+        group: Coefficients of a group share a typical size that is learnt from the data.
+        typical: Largest size that is plausible at all; where learning of the typical size begins.
+    """
+
+    name: str
+    unit: str
+    group: str
+    typical: float
+
+
+class PoseCause:
+    """One way in which a real robot's poses can differ from the nominal ones, linear in its coefficients.
+
+    Attributes:
+        name: Fixed name of the cause.
+        where: Place.
+        transfers: Whether it belongs to the robot and so holds for other series too.
+    """
+
+    name: str = ""
+    where: str = ""
+    transfers: bool = True
+
+    @property
+    def coefficients(self) -> tuple[Coefficient, ...]:
+        """All fitted numbers."""
+        raise NotImplementedError
+
+    def columns(self, view: SetView) -> list[Columns]:
+        """Effect on the frames of a series; empty where the cause does not act."""
+        raise NotImplementedError
+
+    def pattern(self) -> str:
+        """One sentence: what the cause leaves in the data."""
+        raise NotImplementedError
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name and place."""
+        return self.name, self.where
+
+    def __repr__(self) -> str:
+        return f"{self.name} at {self.where}"
+
+
+def number(where: str) -> int:
+    """Number of 'joint 3' or 'link 3'."""
+    return int(where.split()[1])

@@ -1,0 +1,106 @@
+"""Forward model of a robot whose frames are displaced a little, and its exact first derivatives.
+
+`T_base_target = exp(xi_0) A_1 exp(xi_1) ... A_6 exp(xi_6) T_flange_target` with the nominal link
+transforms A_k (Rz Tz Tx Rx) and one small twist for each DH frame k, in the axes of that frame:
+what a cause does is said as components of these twists. A turn of joint k is the rotation about
+z of frame k - 1; an offset of link k along its x is the translation along x of frame k.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+FRAMES = 7
+AXES = 6  #: translation x, y, z, rotation x, y, z
+DIRECTIONS = FRAMES * AXES
+
+
+def direction(frame: int, axis: int) -> int:
+    """Number of a component of a frame's twist; axis 0..2 moves, 3..5 turns."""
+    return AXES * frame + axis
+
+
+def joint_turn(joint: int) -> int:
+    """Direction in which joint 1..6 turns."""
+    return direction(joint - 1, 5)
+
+
+def exp_twist(twist: np.ndarray) -> np.ndarray:
+    """Displacement for twists (..., 6); translation and rotation vector taken separately, shape (..., 4, 4)."""
+    T = np.zeros((*twist.shape[:-1], 4, 4))
+    flat = twist[..., 3:].reshape(-1, 3)
+    T[..., :3, :3] = Rotation.from_rotvec(flat).as_matrix().reshape(*twist.shape[:-1], 3, 3)
+    T[..., :3, 3] = twist[..., :3]
+    T[..., 3, 3] = 1.0
+    return T
+
+
+def link_transforms(dh: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """A_1 ... A_6 for joint angles (n, 6), shape (n, 6, 4, 4)."""
+    theta = q + dh[:, 0]
+    d, a, alpha = dh[:, 1], dh[:, 2], dh[:, 3]
+    c, s, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
+    A = np.zeros((len(q), 6, 4, 4))
+    A[..., 0, 0], A[..., 0, 1], A[..., 0, 2], A[..., 0, 3] = c, -s * ca, s * sa, a * c
+    A[..., 1, 0], A[..., 1, 1], A[..., 1, 2], A[..., 1, 3] = s, c * ca, -c * sa, a * s
+    A[..., 2, 1], A[..., 2, 2], A[..., 2, 3] = sa, ca, d
+    A[..., 3, 3] = 1.0
+    return A
+
+
+def frames(links: np.ndarray, twists: np.ndarray | None = None) -> np.ndarray:
+    """T_base_k of the displaced frames k = 0..6, shape (n, 7, 4, 4).
+
+    Args:
+        links: A_1 ... A_6, shape (n, 6, 4, 4).
+        twists: xi_0 ... xi_6, shape (n, 7, 6), or None for the nominal robot.
+    """
+    n = len(links)
+    T = np.broadcast_to(np.eye(4), (n, 4, 4))
+    out = np.empty((n, FRAMES, 4, 4))
+    for k in range(FRAMES):
+        if k:
+            T = T @ links[:, k - 1]
+        if twists is not None:
+            T = T @ exp_twist(twists[:, k])
+        out[:, k] = T
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where a set stands: T_tracker_base and T_flange_target, shape (4, 4) each."""
+
+    T_tracker_base: np.ndarray
+    T_flange_target: np.ndarray
+
+    def moved(self, base: np.ndarray, target: np.ndarray) -> Placement:
+        """Shifted by a twist of the base (base axes) and one of the flange (flange axes), shape (6,)."""
+        return Placement(self.T_tracker_base @ exp_twist(base), exp_twist(target) @ self.T_flange_target)
+
+
+def residual(
+    T_base_frames: np.ndarray, placement: Placement, position: np.ndarray, rotation: np.ndarray
+) -> np.ndarray:
+    """Measured minus modelled pose in base axes: translation [m] and rotation vector [rad], shape (n, 6)."""
+    T = T_base_frames[:, -1] @ placement.T_flange_target
+    R_base_tracker = placement.T_tracker_base[:3, :3].T
+    measured = (position - placement.T_tracker_base[:3, 3]) @ R_base_tracker.T
+    turn = (R_base_tracker @ rotation) @ np.swapaxes(T[:, :3, :3], 1, 2)
+    return np.concatenate([measured - T[:, :3, 3], Rotation.from_matrix(turn).as_rotvec()], axis=1)
+
+
+def derivatives(T_base_frames: np.ndarray, placement: Placement) -> np.ndarray:
+    """Motion of the target for a unit of every frame twist, base axes, shape (n, 42, 6)."""
+    n = len(T_base_frames)
+    target = T_base_frames[:, -1] @ placement.T_flange_target[:, 3]
+    out = np.zeros((n, FRAMES, AXES, 6))
+    axes = np.swapaxes(T_base_frames[..., :3, :3], -1, -2)  # (n, 7, axis, component)
+    lever = target[:, None, :3] - T_base_frames[..., :3, 3]
+    out[:, :, :3, :3] = axes
+    out[:, :, 3:, :3] = np.cross(axes, lever[:, :, None, :])
+    out[:, :, 3:, 3:] = axes
+    return out.reshape(n, DIRECTIONS, 6)

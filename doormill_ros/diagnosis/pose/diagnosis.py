@@ -1,0 +1,246 @@
+"""From series of poses to a verdict: what is wrong, how sure, what the extended model gains."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.diagnosis.errors import SetMixError
+from doormill_ros.diagnosis.pose.causes.cause import PoseCause
+from doormill_ros.diagnosis.pose.causes.registry import candidates, dense_orders
+from doormill_ros.diagnosis.pose.causes.session_step import find_step
+from doormill_ros.diagnosis.pose.fit import Fitted, deviation, fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.model import PoseModel
+from doormill_ros.diagnosis.pose.orders import find_orders
+from doormill_ros.diagnosis.pose.pose_set import PoseSet
+from doormill_ros.diagnosis.pose.selection import Score, eliminate, explained_cost, scores
+from doormill_ros.diagnosis.pose.solve import add_up
+from doormill_ros.diagnosis.pose.validation import Validation, by_block
+
+#: Fall of the sum of squares that makes a step worth a trial.
+STEP = 60.0
+#: Held-out error over noise up to which a model explains everything.
+AT_NOISE = 1.1
+#: Share of the excess over the noise that causes have to explain to be named when structure remains.
+MAIN_PART = 0.5
+_DRAWS = 2000
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Residuals of every row of every series in base axes, shape (n, 6) each."""
+
+    train: list[np.ndarray]
+    blocks: list[np.ndarray]
+    series: list[np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class PoseDiagnosis:
+    """Everything that a diagnosis of poses knows.
+
+    Attributes:
+        sets: The series.
+        verdict: consistent, explained, partly_explained or unexplained.
+        noise_floor: 3-D position error that the tracker's noise alone leaves [m].
+        extended: Fit of the established causes.
+        baseline: Fit of the placements alone.
+        established: Scores of the established causes, gross errors aside.
+        rejected: Scores of the others.
+        std: Standard deviation of every coefficient of the extended fit.
+        gross: Rows of every series that are gross errors, bool.
+        before, after: Residuals of baseline and extended model.
+        ratio, ratio_ci: Held-out error extended over baseline, and its 95 % interval.
+        model: What holds for the robot itself.
+    """
+
+    sets: tuple[PoseSet, ...]
+    verdict: str
+    noise_floor: float
+    extended: Fitted
+    baseline: Fitted
+    established: list[Score]
+    rejected: list[Score]
+    std: np.ndarray
+    gross: list[np.ndarray]
+    before: Errors
+    after: Errors
+    ratio: float
+    ratio_ci: tuple[float, float]
+    model: PoseModel
+
+
+def check_together(sets: Sequence[PoseSet]) -> None:
+    """Sets that are given together have to question the same model.
+
+    Raises:
+        SetMixError: They do not.
+    """
+    first = sets[0]
+    for other in sets[1:]:
+        for name, mine, theirs in (("robot", first.robot, other.robot), ("model.dh", first.dh, other.dh)):
+            if not np.array_equal(mine, theirs):
+                raise SetMixError(
+                    f"{other.path / 'set.yaml'}: line 1, column 1: {name} is not the one in {first.path}; "
+                    "sets given together need the same"
+                )
+
+
+def diagnose_poses(
+    sets: Sequence[PoseSet], progress: Callable[[str], None] = lambda line: None
+) -> PoseDiagnosis:
+    """Question the nominal model of a robot with several series."""
+    check_together(sets)
+    rows = sum(len(data) for data in sets)
+    progress(f"{rows} poses in {len(sets)} series; placing them under the nominal model")
+    placements = place_nominally(sets)
+    baseline = fit_causes(sets, (), placements, passes=2)
+    fitted = _search(sets, baseline, progress)
+    progress("leaving out blocks and whole series")
+    validation = Validation(fitted)
+    stay, gone = eliminate(validation, progress)
+    extended = _refit(sets, fitted, stay, progress)
+    final = Validation(extended)
+    everything = list(range(len(stay)))
+    stay = scores(final, everything, explained_cost(final)) if stay else []
+    before = _errors(baseline, Validation(baseline))
+    after = _errors(extended, final)
+    gross = [weight == 0.0 for weight in extended.problem.weights]
+    floor = float(np.sqrt(3.0) * max(data.noise[0] for data in sets))
+    kept = [~bad for bad in gross]
+    verdict = _verdict(
+        rmse(before.blocks, kept), rmse(after.blocks, kept), floor, extended, before, bool(stay)
+    )
+    if verdict in ("unexplained", "consistent"):
+        gone, stay = stay + gone, []
+        extended, after = baseline, before
+        gross = [
+            bad & (deviation(error, baseline.problem.sigma) > 5.0)
+            for bad, error in zip(gross, before.train, strict=True)
+        ]
+        kept = [~bad for bad in gross]
+    ratio, interval = _gain(before.blocks, after.blocks, kept)
+    return PoseDiagnosis(
+        sets=tuple(sets),
+        verdict=verdict,
+        noise_floor=floor,
+        extended=extended,
+        baseline=baseline,
+        established=stay,
+        rejected=gone,
+        std=standard_deviations(extended),
+        gross=gross,
+        before=before,
+        after=after,
+        ratio=ratio,
+        ratio_ci=interval,
+        model=_model(extended),
+    )
+
+
+def _search(sets: Sequence[PoseSet], baseline: Fitted, progress: Callable[[str], None]) -> Fitted:
+    """Fit of everything that may act: first without, then with hints from the residual."""
+    dense = dense_orders(sets)
+    library = candidates(sets, dict.fromkeys(range(1, 7), dense), drift=False)
+    progress(f"{len(library)} causes to try")
+    first = fit_causes(sets, library, baseline.problem.placements, 2, progress)
+    orders = {k: dense + find_orders(first, k, dense[-1]) for k in range(1, 7)}
+    extra = sum(len(o) - len(dense) for o in orders.values())
+    progress(f"the residual asks for {extra} orders beyond {dense[-1]}")
+    steps = {}
+    scale = np.repeat(1.0 / np.array(first.problem.sigma), 3)
+    for index, data in enumerate(sets):
+        at, fall = find_step(first.problem.residual(index), scale, first.problem.weights[index])
+        if fall > STEP:
+            steps[index] = int(data.row[at])
+    return fit_causes(sets, candidates(sets, orders, steps), first.problem.placements, 2, progress, first)
+
+
+def _refit(
+    sets: Sequence[PoseSet], fitted: Fitted, stay: list[Score], progress: Callable[[str], None]
+) -> Fitted:
+    causes = [score.cause for score in stay]
+    progress(f"{len(causes)} causes are established; fitting them")
+    return fit_causes(sets, causes, fitted.problem.placements, 2, progress, fitted)
+
+
+def _errors(fitted: Fitted, validation: Validation) -> Errors:
+    none = np.zeros(0, dtype=int)
+    series = validation.residuals(validation.series, none) if validation.series else []
+    return Errors(
+        [fitted.problem.residual(i) for i in range(len(fitted.problem.sets))],
+        validation.residuals(validation.blocks, none),
+        series,
+    )
+
+
+def rmse(errors: Sequence[np.ndarray], kept: Sequence[np.ndarray], rotation: bool = False) -> float:
+    """Root mean square length of the position [m] or rotation [rad] error over the rows that count."""
+    part = slice(3, 6) if rotation else slice(0, 3)
+    squares = np.concatenate(
+        [np.sum(error[good, part] ** 2, axis=1) for error, good in zip(errors, kept, strict=True)]
+    )
+    return float(np.sqrt(np.mean(squares))) if len(squares) else 0.0
+
+
+def _verdict(
+    baseline: float, extended: float, floor: float, fitted: Fitted, before: Errors, found: bool
+) -> str:
+    lasting = any(cause.name for cause in fitted.problem.layout.causes) and found
+    if not lasting:
+        return "consistent" if baseline <= AT_NOISE * floor else "unexplained"
+    if extended <= AT_NOISE * floor:
+        return "explained"
+    share = (baseline**2 - extended**2) / max(baseline**2 - floor**2, 1e-18)
+    return "partly_explained" if share > MAIN_PART else "unexplained"
+
+
+def _gain(
+    before: Sequence[np.ndarray], after: Sequence[np.ndarray], kept: Sequence[np.ndarray]
+) -> tuple[float, tuple[float, float]]:
+    """Ratio of held-out errors, its interval from drawing blocks."""
+
+    def sums(errors: Sequence[np.ndarray]) -> np.ndarray:
+        squares = [np.sum(e[:, :3] ** 2, axis=1) * good for e, good in zip(errors, kept, strict=True)]
+        return np.concatenate(by_block(squares))
+
+    old, new = sums(before), sums(after)
+    draws = np.random.default_rng(0).integers(0, len(old), (_DRAWS, len(old)))
+    ratios = np.sqrt(new[draws].sum(axis=1) / old[draws].sum(axis=1))
+    low, high = np.quantile(ratios, [0.025, 0.975])
+    return float(np.sqrt(new.sum() / old.sum())), (float(low), float(high))
+
+
+def standard_deviations(fitted: Fitted) -> np.ndarray:
+    """Of every coefficient: of the fit, or from the scatter of the blocks where that is larger, shape (m,)."""
+    size, solution = fitted.problem.size, fitted.solution
+    pull = []
+    for block in fitted.blocks:
+        one = np.zeros(size)
+        one[block.ids] = block.g - block.H @ solution.x[block.ids]
+        pull.append(one)
+    shift = np.array(pull) @ solution.covariance
+    scatter = np.sqrt(np.sum(shift**2, axis=0) * len(pull) / max(len(pull) - 1, 1))
+    m = fitted.problem.layout.size
+    return np.maximum(np.sqrt(np.diag(solution.covariance)), scatter)[:m]
+
+
+def distinct_share(fitted: Fitted) -> np.ndarray:
+    """Share of every coefficient's effect that no placement can imitate, shape (m,)."""
+    m, size = fitted.problem.layout.size, fitted.problem.size
+    H, _ = add_up(fitted.blocks, size)
+    P = H[m:, m:] + 1e-12 * np.diag(np.diag(H)[m:])
+    explained = np.sum(H[:m, m:] * np.linalg.solve(P, H[m:, :m]).T, axis=1)
+    return 1.0 - explained / np.maximum(np.diag(H)[:m], 1e-300)
+
+
+def _model(fitted: Fitted) -> PoseModel:
+    problem = fitted.problem
+    layout = problem.layout
+    chosen = [i for i, cause in enumerate(layout.causes) if cause.transfers]
+    causes: list[PoseCause] = [layout.causes[i] for i in chosen]
+    x = np.concatenate([np.zeros(0)] + [problem.x[layout.part(i)] for i in chosen])
+    data = problem.sets[0]
+    return PoseModel(data.robot, data.dh, problem.views[0].links, tuple(causes), x)

@@ -1,0 +1,166 @@
+"""Fits a set of causes to several series: placements, gross errors and typical sizes included."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.diagnosis.pose.causes.cause import PoseCause
+from doormill_ros.diagnosis.pose.chain import Placement, frames, residual
+from doormill_ros.diagnosis.pose.placement import fit_placement
+from doormill_ros.diagnosis.pose.pose_set import PoseSet
+from doormill_ros.diagnosis.pose.problem import Block, Problem
+from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
+from doormill_ros.diagnosis.pose.view import make_view
+
+#: Contiguous blocks of a series, the units of cross-validation.
+BLOCKS = 10
+#: Residuals beyond this many standard deviations lose weight, and beyond the second one all of it.
+DOUBT, GROSS = 2.5, 7.0
+#: Largest share of a series that may be gross errors.
+GROSS_SHARE = 0.1
+
+Progress = Callable[[str], None]
+
+
+@dataclass(eq=False)
+class Fitted:
+    """A fit and what cross-validation needs of it.
+
+    Attributes:
+        problem: Series, causes, current coefficients, placements and weights.
+        solution: Coefficients with covariance and learnt sizes.
+        blocks: Normal equations of all blocks, linearised at the solution.
+    """
+
+    problem: Problem
+    solution: Solution
+    blocks: list[Block]
+
+
+def contiguous(count: int) -> list[np.ndarray]:
+    """Rows of the contiguous blocks of a series."""
+    return [part for part in np.array_split(np.arange(count), BLOCKS) if len(part)]
+
+
+def place_nominally(sets: Sequence[PoseSet]) -> list[Placement]:
+    """Placement of every series under the nominal model."""
+    found = []
+    for data in sets:
+        view = make_view(data)
+        found.append(fit_placement(frames(view.transforms), data.position, data.rotation, (3e-4, 5e-4)))
+    return found
+
+
+def fit_causes(
+    sets: Sequence[PoseSet],
+    causes: Sequence[PoseCause],
+    placements: Sequence[Placement],
+    passes: int = 3,
+    progress: Progress = lambda line: None,
+    start: Fitted | None = None,
+) -> Fitted:
+    """Iterate linearisation, learning of sizes, noise and weights.
+
+    Args:
+        sets: The series.
+        causes: What may act.
+        placements: Where to start.
+        passes: Number of linearisations before the last one.
+        progress: Told after every pass.
+        start: An earlier fit whose weights and noise are good to begin with.
+    """
+    problem = Problem(sets, causes, placements)
+    if start is not None:
+        problem.weights = [weight.copy() for weight in start.problem.weights]
+        problem.sigma = start.problem.sigma
+    rows = [contiguous(len(data)) for data in sets]
+    solution: Solution | None = None
+    for turn in range(passes):
+        H, g = add_up(problem.blocks(rows), problem.size)
+        solution = learn(
+            H, g, problem.layout, 3 if turn == 0 else 8, None if solution is None else solution.variance
+        )
+        _move(problem, solution)
+        errors = [problem.residual(series) for series in range(len(sets))]
+        problem.sigma = noise_of(errors, problem.weights, sets)
+        problem.weights = [weigh(error, problem.sigma) for error in errors]
+        progress(
+            f"pass {turn + 1} of {passes}: {problem.layout.size} coefficients, "
+            f"{1e6 * problem.sigma[0]:.0f} um and {1e6 * problem.sigma[1]:.0f} urad per axis left"
+        )
+    blocks = problem.blocks(rows)
+    H, g = add_up(blocks, problem.size)
+    solution = learn(H, g, problem.layout, 4, None if solution is None else solution.variance)
+    return Fitted(problem, solution, blocks)
+
+
+def _move(problem: Problem, solution: Solution) -> None:
+    problem.x = solution.x[: problem.layout.size].copy()
+    for series in range(len(problem.sets)):
+        step = solution.x[problem.placement_ids(series)]
+        problem.placements[series] = problem.placements[series].moved(step[:6], step[6:])
+
+
+def noise_of(
+    errors: Sequence[np.ndarray], weights: Sequence[np.ndarray], sets: Sequence[PoseSet]
+) -> tuple[float, float]:
+    """Standard deviation per axis of ordinary rows, position [m] and rotation [rad]; never below the tracker's."""
+    every = np.concatenate(errors)
+    floor = np.array([data.noise for data in sets]).min(axis=0)
+    found = []
+    for part, low in ((every[:, :3], floor[0]), (every[:, 3:], floor[1])):
+        # Length of a residual against the median of a chi distribution with three degrees of freedom.
+        found.append(max(float(np.median(np.linalg.norm(part, axis=1))) / 1.538, float(low)))
+    return found[0], found[1]
+
+
+def deviation(error: np.ndarray, sigma: tuple[float, float]) -> np.ndarray:
+    """Root mean square of the six components in standard deviations, shape (n,)."""
+    return np.sqrt(
+        (
+            np.sum(error[:, :3] ** 2, axis=1) / sigma[0] ** 2
+            + np.sum(error[:, 3:] ** 2, axis=1) / sigma[1] ** 2
+        )
+        / 6.0
+    )
+
+
+def weigh(error: np.ndarray, sigma: tuple[float, float]) -> np.ndarray:
+    """Weights of rows: 1 for ordinary ones, less for doubtful ones, 0 for gross errors, shape (n,)."""
+    size = deviation(error, sigma)
+    limit = max(GROSS, float(np.quantile(size, 1.0 - GROSS_SHARE)))
+    weight = 1.0 / np.maximum(1.0, size / DOUBT) ** 2
+    weight[size > limit] = 0.0
+    return weight
+
+
+def held_out_residuals(fitted: Fitted, solutions: Sequence[Solution], folds: np.ndarray) -> list[np.ndarray]:
+    """Exact residuals of every row with the solution that has not seen it, base axes, shape (n, 6) each.
+
+    Args:
+        fitted: The fit whose blocks were left out.
+        solutions: One for each fold.
+        folds: Fold of every block.
+    """
+    problem = fitted.problem
+    out = [np.zeros((len(data), 6)) for data in problem.sets]
+    for fold, solution in enumerate(solutions):
+        x = solution.x[: problem.layout.size]
+        for series, data in enumerate(problem.sets):
+            parts = [
+                block.rows
+                for block, at in zip(fitted.blocks, folds, strict=True)
+                if block.series == series and at == fold
+            ]
+            if not parts:
+                continue
+            step = solution.x[problem.placement_ids(series)]
+            placement = problem.placements[series].moved(step[:6], step[6:])
+            rows = np.concatenate(parts)
+            out[series][rows] = residual(
+                problem.frames(series, x, rows), placement, data.position[rows], data.rotation[rows]
+            )
+    return out

@@ -1,0 +1,137 @@
+"""The robot model that a diagnosis of poses leaves behind, and its file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from doormill_ros.diagnosis.pose.causes.cause import PoseCause
+from doormill_ros.diagnosis.pose.causes.joint_backlash import JointBacklash
+from doormill_ros.diagnosis.pose.causes.joint_periodic_error import JointPeriodicError
+from doormill_ros.diagnosis.pose.causes.joint_sag import JointSag
+from doormill_ros.diagnosis.pose.causes.joint_wobble import JointWobble
+from doormill_ros.diagnosis.pose.causes.link_geometry import LinkGeometry
+from doormill_ros.diagnosis.pose.chain import frames
+from doormill_ros.diagnosis.pose.errors import PoseModelError
+from doormill_ros.diagnosis.pose.pose_set import LinkMass, PoseSet
+from doormill_ros.diagnosis.pose.problem import design, frame_twists, lay_out
+from doormill_ros.diagnosis.pose.view import SetView, make_view
+
+SCHEMA = "doormill/extended-pose-model/1"
+
+
+@dataclass(frozen=True, eq=False)
+class PoseModel:
+    """Nominal kinematics and the causes that hold for the robot whatever the series.
+
+    Attributes:
+        robot: Name of the robot.
+        dh: Nominal table, shape (6, 4).
+        links: Masses, empty where not known.
+        causes: Established causes that transfer.
+        x: Their coefficients in a row.
+    """
+
+    robot: str
+    dh: np.ndarray
+    links: tuple[LinkMass, ...]
+    causes: tuple[PoseCause, ...]
+    x: np.ndarray
+
+    def frames(self, view: SetView) -> np.ndarray:
+        """T_base_k of the displaced frames for a series, shape (n, 7, 4, 4)."""
+        return frames(view.transforms, frame_twists(design(view, lay_out(self.causes)), self.x, len(view.q)))
+
+    def flange(self, q: np.ndarray) -> np.ndarray:
+        """T_base_flange for joint angles (n, 6) [rad] without a history, shape (n, 4, 4)."""
+        q = np.atleast_2d(np.asarray(q, dtype=float))
+        n = len(q)
+        data = PoseSet(
+            path=Path(),
+            robot=self.robot,
+            source="",
+            dh=self.dh,
+            links=self.links,
+            noise=(1.0, 1.0),
+            row=2 * np.arange(n),  # no row follows another: the last motion is unknown
+            time=np.full(n, np.nan),
+            temperature=np.full(n, np.nan),
+            q=q,
+            position=np.zeros((n, 3)),
+            rotation=np.broadcast_to(np.eye(3), (n, 3, 3)),
+            placement=np.zeros(n, dtype=bool),
+        )
+        return self.frames(make_view(data))[:, -1]
+
+
+def model_document(model: PoseModel, source: str, others: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
+    """The content of model.yaml; `others` belong to the series and are kept for the record."""
+    layout = lay_out(model.causes)
+    causes = []
+    for index, cause in enumerate(model.causes):
+        entry: dict[str, Any] = {"cause": cause.name, "where": cause.where}
+        orders = getattr(cause, "orders", None)
+        if orders is not None:
+            entry["orders"] = [int(order) for order in orders]
+        entry["coefficients"] = [float(v) for v in model.x[layout.part(index)]]
+        causes.append(entry)
+    return {
+        "schema": SCHEMA,
+        "robot": model.robot,
+        "source": source,
+        "dh": [[float(v) for v in row] for row in model.dh],
+        "links": [{"mass": float(k.mass), "com": [float(v) for v in k.com]} for k in model.links],
+        "causes": causes,
+        "series": list(others),
+    }
+
+
+def load_pose_model(path: Path) -> PoseModel:
+    """Read a model.yaml of a pose diagnosis, or the folder that holds it.
+
+    Raises:
+        PoseModelError: It cannot be read or used.
+    """
+    path = path / "model.yaml" if path.is_dir() else path
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise PoseModelError(f"{path} cannot be read: {error}", path=str(path)) from error
+    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+        found = document.get("schema") if isinstance(document, dict) else type(document).__name__
+        raise PoseModelError(f"{path} has schema {found}, allowed is {SCHEMA}", path=str(path))
+    try:
+        dh = np.array(document["dh"], dtype=float)
+        links = tuple(LinkMass(float(k["mass"]), np.array(k["com"], dtype=float)) for k in document["links"])
+        causes = tuple(_cause(entry, dh) for entry in document["causes"])
+        x = np.concatenate(
+            [np.zeros(0)] + [np.array(entry["coefficients"], dtype=float) for entry in document["causes"]]
+        )
+        if dh.shape != (6, 4) or len(x) != lay_out(causes).size or not np.all(np.isfinite(x)):
+            raise ValueError("the table or the coefficients have the wrong size")
+    except (KeyError, TypeError, ValueError) as error:
+        raise PoseModelError(
+            f"{path} cannot be used: {error}; write it anew with diagnose", path=str(path)
+        ) from error
+    return PoseModel(str(document["robot"]), dh, links, causes, x)
+
+
+def _cause(entry: dict[str, Any], dh: np.ndarray) -> PoseCause:
+    name, where = entry["cause"], str(entry["where"])
+    match name:
+        case "link_geometry":
+            return LinkGeometry(where, dh)
+        case "joint_periodic_error":
+            return JointPeriodicError(where, entry["orders"])
+        case "joint_wobble":
+            return JointWobble(where, entry["orders"])
+        case "joint_sag":
+            return JointSag(where)
+        case "joint_backlash":
+            return JointBacklash(where)
+    raise ValueError(f"{name!r} is no cause of a robot's poses")

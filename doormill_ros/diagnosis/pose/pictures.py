@@ -1,0 +1,128 @@
+"""The charts of a pose diagnosis."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.diagnosis.pose.causes.joint_periodic_error import JointPeriodicError
+from doormill_ros.diagnosis.pose.chain import derivatives, joint_turn
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
+from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
+
+UM = 1e6  #: micrometres in a metre
+_COLOURS = (BEFORE, AFTER, GOOD, OTHER, "#7a4fa3", "#b08a00")
+#: Points of a series in one chart.
+_POINTS = 700
+
+
+def before_and_after(diagnosis: PoseDiagnosis) -> list[str]:
+    """Share of poses below an error, before and after, for every series."""
+    charts = []
+    share = np.linspace(0.0, 1.0, 200)
+    for index, data in enumerate(diagnosis.sets):
+        good = ~diagnosis.gross[index]
+        lines = []
+        for name, colour, errors in (
+            ("nominal", BEFORE, diagnosis.before.blocks),
+            ("blocks left out", AFTER, diagnosis.after.blocks),
+            ("series left out", OTHER, diagnosis.after.series),
+        ):
+            if errors:
+                size = UM * np.linalg.norm(errors[index][good, :3], axis=1)
+                lines.append((name, colour, np.quantile(size, share), 100.0 * share))
+        charts.append(Scatter(data.name, "position error [um]", "poses below [%]", lines=lines).svg())
+    return charts
+
+
+def joint_angle(diagnosis: PoseDiagnosis, series: int, errors: np.ndarray) -> np.ndarray:
+    """Residual turn of every joint that explains a pose error best, shape (n, 6) [rad]."""
+    problem = diagnosis.extended.problem
+    scale = np.repeat(1.0 / np.array(problem.sigma), 3)
+    turns = [joint_turn(k) for k in range(1, 7)]
+    D = derivatives(problem.frames(series), problem.placements[series])[:, turns] * scale
+    H = np.einsum("nac,nbc->nab", D, D)
+    size = np.sqrt(np.einsum("naa->na", H))
+    H = H / (size[:, :, None] * size[:, None, :]) + 1e-2 * np.eye(6)
+    g = np.einsum("nac,nc->na", D, errors * scale) / size
+    return np.linalg.solve(H, g[:, :, None])[:, :, 0] / size
+
+
+def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
+    """Residual joint angle over the joint's own angle, without its periodic error and on unseen rows."""
+    problem = diagnosis.extended.problem
+    layout = problem.layout
+    own = {
+        cause.where: (cause, layout.part(index))
+        for index, cause in enumerate(layout.causes)
+        if isinstance(cause, JointPeriodicError)
+    }
+    if not own:
+        return []
+    residual = [joint_angle(diagnosis, i, errors) for i, errors in enumerate(diagnosis.after.blocks)]
+    charts = []
+    for k in range(1, 7):
+        if f"joint {k}" not in own:
+            continue
+        cause, part = own[f"joint {k}"]
+        clouds: list[list[tuple[str, str, np.ndarray, np.ndarray]]] = [[], []]
+        curve = []
+        for index, data in enumerate(diagnosis.sets):
+            pick = np.unique(np.linspace(0, len(data) - 1, _POINTS).astype(int))
+            pick = pick[~diagnosis.gross[index][pick]]
+            angle = np.degrees(data.q[pick, k - 1])
+            left = 1e3 * residual[index][pick, k - 1]
+            error = 1e3 * cause.columns(problem.views[index])[0].basis[pick] @ problem.x[part]
+            colour = _COLOURS[index % len(_COLOURS)]
+            clouds[0].append((data.name, colour, angle, left + error))
+            clouds[1].append((data.name, colour, angle, left))
+            curve.append(left + error)
+        span = 1.2 * float(np.quantile(np.abs(np.concatenate(curve)), 0.99))
+        for title, series in (("without its own error", clouds[0]), ("after", clouds[1])):
+            inside = [(n, c, x[abs(y) < span], y[abs(y) < span]) for n, c, x, y in series]
+            charts.append(
+                Scatter(
+                    f"joint {k}, {title}", "recorded angle [deg]", "residual angle [mrad]", inside, band=span
+                ).svg()
+            )
+    return charts
+
+
+def spectra(diagnosis: PoseDiagnosis) -> list[str]:
+    """Amplitude of every order of the periodic errors."""
+    layout = diagnosis.extended.problem.layout
+    charts = []
+    for index, cause in enumerate(layout.causes):
+        if isinstance(cause, JointPeriodicError):
+            pairs = diagnosis.extended.problem.x[layout.part(index)].reshape(-1, 2)
+            x, y = np.array(cause.orders, dtype=float), UM * np.hypot(pairs[:, 0], pairs[:, 1])
+            charts.append(Scatter(cause.where, "order", "amplitude [urad]", [("", AFTER, x, y)]).svg())
+    return charts
+
+
+def over_rows(diagnosis: PoseDiagnosis) -> list[str]:
+    """Length of the position error over the recording."""
+    charts = []
+    for index, data in enumerate(diagnosis.sets):
+        good = np.flatnonzero(~diagnosis.gross[index])
+        pick = good[np.unique(np.linspace(0, len(good) - 1, _POINTS).astype(int))]
+        series = [
+            (name, colour, data.row[pick].astype(float), UM * np.linalg.norm(errors[index][pick, :3], axis=1))
+            for name, colour, errors in (
+                ("nominal", BEFORE, diagnosis.before.blocks),
+                ("blocks left out", AFTER, diagnosis.after.blocks),
+            )
+        ]
+        charts.append(Scatter(data.name, "row", "position error [um]", series).svg())
+    return charts
+
+
+def candidates_chart(diagnosis: PoseDiagnosis) -> str:
+    """Held-out position error when a cause is taken away."""
+    kept = [~bad for bad in diagnosis.gross]
+    squares = [np.sum(e[good, :3] ** 2, axis=1) for e, good in zip(diagnosis.after.blocks, kept, strict=True)]
+    now = UM * float(np.sqrt(np.mean(np.concatenate(squares))))
+    rows = [
+        (f"without {score.cause!r}".replace("_", " "), UM * score.rmse_without, AFTER)
+        for score in sorted(diagnosis.established, key=lambda s: -s.rmse_without)
+    ]
+    return Bars("held-out error when one cause is taken away", "um", rows, ("with all", now)).svg()

@@ -1,0 +1,201 @@
+"""Series, causes and the normal equations of every block of rows.
+
+The residual is very nearly linear in all causes, so one pass over the data gives, for every block, all that
+later fits, cross-validations and comparisons of causes need: sums of products of derivatives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.diagnosis.pose.causes.cause import PoseCause
+from doormill_ros.diagnosis.pose.chain import (
+    DIRECTIONS,
+    FRAMES,
+    Placement,
+    derivatives,
+    direction,
+    frames,
+    residual,
+)
+from doormill_ros.diagnosis.pose.pose_set import PoseSet
+from doormill_ros.diagnosis.pose.view import SetView, make_view
+
+#: Numbers of a placement: twist of the base, twist of the flange.
+PLACEMENT = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Where the coefficients of every cause stand in the vector of all.
+
+    Attributes:
+        causes: All causes.
+        start: First index of every cause, and the total at the end, shape (len(causes) + 1,).
+        group: Group of every coefficient, shape (m,).
+        typical: Largest plausible size, shape (m,).
+    """
+
+    causes: tuple[PoseCause, ...]
+    start: np.ndarray
+    group: np.ndarray
+    typical: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients."""
+        return int(self.start[-1])
+
+    def part(self, index: int) -> slice:
+        """Coefficients of a cause."""
+        return slice(int(self.start[index]), int(self.start[index + 1]))
+
+
+def lay_out(causes: Sequence[PoseCause]) -> Layout:
+    """Put the coefficients of all causes in a row."""
+    every = [cause.coefficients for cause in causes]
+    flat = [coefficient for part in every for coefficient in part]
+    names: dict[str, int] = {}
+    return Layout(
+        tuple(causes),
+        np.concatenate([[0], np.cumsum([len(part) for part in every], dtype=int)]).astype(int),
+        np.array([names.setdefault(c.group, len(names)) for c in flat], dtype=int),
+        np.array([c.typical for c in flat], dtype=float),
+    )
+
+
+def design(view: SetView, layout: Layout) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    """Index of the coefficients (k,) and basis (n, k) by direction, for one series."""
+    found: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
+    for index, cause in enumerate(layout.causes):
+        for columns in cause.columns(view):
+            first = int(layout.start[index]) + columns.first
+            ids = np.arange(first, first + columns.basis.shape[1])
+            found.setdefault(columns.direction, []).append((ids, columns.basis))
+    return {
+        key: (np.concatenate([i for i, _ in parts]), np.concatenate([b for _, b in parts], axis=1))
+        for key, parts in found.items()
+    }
+
+
+def frame_twists(bases: dict[int, tuple[np.ndarray, np.ndarray]], x: np.ndarray, n: int) -> np.ndarray:
+    """Twists of all frames, shape (n, 7, 6)."""
+    twists = np.zeros((n, DIRECTIONS))
+    for key, (ids, basis) in bases.items():
+        twists[:, key] = basis @ x[ids]
+    return twists.reshape(n, FRAMES, 6)
+
+
+@dataclass(eq=False)
+class Block:
+    """Normal equations of some rows of a series, in white units.
+
+    Attributes:
+        series: Index of the series.
+        rows: Slice or index of its rows.
+        ids: Coefficients that act there, shape (k,): causes first, then the twelve of the placement.
+        H, g, c: Sums of J^T J (k, k), J^T y (k,) and y^T y with y = residual + J x.
+        count: Sum of the weights.
+    """
+
+    series: int
+    rows: np.ndarray
+    ids: np.ndarray
+    H: np.ndarray
+    g: np.ndarray
+    c: float
+    count: float
+
+
+class Problem:
+    """Several series and a set of causes.
+
+    Attributes:
+        sets, views: The series.
+        layout: The causes.
+        x: Current coefficients, shape (m,).
+        placements: Current placement of every series.
+        sigma: Current standard deviation per axis, position [m] and rotation [rad].
+        weights: Of the rows of every series, 0 for gross errors.
+    """
+
+    def __init__(
+        self, sets: Sequence[PoseSet], causes: Sequence[PoseCause], placements: Sequence[Placement]
+    ) -> None:
+        """Prepare, without any cause acting."""
+        self.sets = tuple(sets)
+        self.views = [make_view(one) for one in sets]
+        self.layout = lay_out(causes)
+        self.bases = [design(view, self.layout) for view in self.views]
+        self.x = np.zeros(self.layout.size)
+        self.placements = list(placements)
+        self.sigma = (1e-4, 2e-4)
+        self.weights = [np.ones(len(one)) for one in sets]
+
+    @property
+    def size(self) -> int:
+        """All unknowns: causes, and a placement for every series."""
+        return self.layout.size + PLACEMENT * len(self.sets)
+
+    def placement_ids(self, series: int) -> np.ndarray:
+        """Indices of the placement of a series."""
+        return self.layout.size + PLACEMENT * series + np.arange(PLACEMENT)
+
+    def frames(self, series: int, x: np.ndarray | None = None, rows: np.ndarray | None = None) -> np.ndarray:
+        """Displaced frames of a series or some rows of it, shape (n, 7, 4, 4)."""
+        x = self.x if x is None else x
+        rows = np.arange(len(self.sets[series])) if rows is None else rows
+        bases = {key: (ids, basis[rows]) for key, (ids, basis) in self.bases[series].items()}
+        return frames(self.views[series].transforms[rows], frame_twists(bases, x, len(rows)))
+
+    def residual(self, series: int, x: np.ndarray | None = None) -> np.ndarray:
+        """Residual with the current placement, base axes, shape (n, 6)."""
+        data = self.sets[series]
+        return residual(self.frames(series, x), self.placements[series], data.position, data.rotation)
+
+    def blocks(
+        self, rows: Sequence[Sequence[np.ndarray]], progress: Callable[[int], None] = lambda n: None
+    ) -> list[Block]:
+        """Normal equations of blocks of rows, given for every series."""
+        found = []
+        for series, parts in enumerate(rows):
+            T = self.frames(series)
+            data, placement = self.sets[series], self.placements[series]
+            error = residual(T, placement, data.position, data.rotation)
+            for part in parts:
+                found.append(self._block(series, part, T[part], error[part]))
+                progress(len(part))
+        return found
+
+    def _block(self, series: int, rows: np.ndarray, T: np.ndarray, error: np.ndarray) -> Block:
+        weight = self.weights[series][rows]
+        scale = np.repeat(1.0 / np.array(self.sigma), 3) * np.sqrt(weight)[:, None]
+        D = derivatives(T, self.placements[series]) * scale[:, None, :]
+        bases = {key: (ids, basis[rows]) for key, (ids, basis) in self.bases[series].items()}
+        own = self.placement_ids(series)
+        one = np.ones((len(rows), 1))
+        for i in range(6):
+            for key, column in ((i, own[i]), (direction(6, i), own[6 + i])):
+                ids, basis = bases.get(key, (np.zeros(0, dtype=int), np.zeros((len(rows), 0))))
+                bases[key] = (np.append(ids, column), np.concatenate([basis, one], axis=1))
+        keys = sorted(bases)
+        S = np.einsum("nac,nbc->abn", D[:, keys], D[:, keys])
+        order = np.concatenate([bases[key][0] for key in keys])
+        at = np.concatenate([[0], np.cumsum([len(bases[key][0]) for key in keys])])
+        H = np.empty((len(order), len(order)))
+        y = np.einsum("nac,nc->an", D[:, keys], error * scale)
+        g = np.empty(len(order))
+        for a, key in enumerate(keys):
+            left = bases[key][1]
+            here = slice(at[a], at[a + 1])
+            g[here] = left.T @ y[a]
+            for b in range(a, len(keys)):
+                there = slice(at[b], at[b + 1])
+                H[here, there] = left.T @ (S[a, b][:, None] * bases[keys[b]][1])
+                H[there, here] = H[here, there].T
+        x = np.concatenate([self.x, np.zeros(PLACEMENT * len(self.sets))])[order]
+        c = float(np.sum((error * scale) ** 2)) + float(x @ (2.0 * g + H @ x))
+        return Block(series, rows, order, H, g + H @ x, c, float(weight.sum()))

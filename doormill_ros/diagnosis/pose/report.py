@@ -1,0 +1,245 @@
+"""report.html of a pose diagnosis: one page without anything from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.diagnosis.pose import pictures
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
+from doormill_ros.diagnosis.report.page import _STYLE
+
+_SENTENCES = {
+    "consistent": "The nominal model is right to within the measurement noise. Nothing has to be changed.",
+    "explained": "With the extension the model predicts unseen poses down to the measurement noise.",
+    "partly_explained": "Causes are established, yet the residual still has structure that no known cause explains.",
+    "unexplained": "Something is wrong that is not in the library of causes. No cause is named, because a wrong one is "
+    "worse than none.",
+}
+
+
+def render_report(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
+    """The page as HTML text."""
+    title = _headline(diagnosis, document)
+    parts = [
+        f'<h1>{escape(title)}</h1><p class="lead">{escape(_SENTENCES[diagnosis.verdict])}</p>',
+        _tiles(document),
+        "".join(f'<p class="note">{escape(line)}</p>' for line in document["remarks"]),
+        _section("Every series", _series(document)),
+        _section("Position error before and after", _charts(pictures.before_and_after(diagnosis))),
+    ]
+    curves = pictures.joint_curves(diagnosis)
+    if curves:
+        parts.append(
+            _section(
+                "The pattern that gave it away: each joint against its own angle",
+                f"<p>Residual joint angle over the recorded angle, by series. Left with the nominal model and the "
+                f"causes other than the joint's own periodic error, right on rows that the fit has not seen.</p>"
+                f"{_charts(curves)}",
+            )
+        )
+    parts += [
+        _section("Causes", _causes(document)),
+        _section("Candidates on rows left out", _wide([pictures.candidates_chart(diagnosis)])),
+        _section(
+            "What only helps within one series", _rejected(document["only_within_one_series"], diagnosis)
+        ),
+        _section("What does not help", _rejected(document["rejected"], diagnosis)),
+        _section("Amplitudes by order", _charts(pictures.spectra(diagnosis))),
+        _section("What no pose can tell from the placement", _gauge(document)),
+        _section("Course of the recording", _charts(pictures.over_rows(diagnosis))),
+        _section("Joint angles that were visited", _coverage(document)),
+        _section("What to measure next", f"<p>{escape(document['next_measurement'])}</p>"),
+    ]
+    if document["outliers_by_set"]:
+        listed = "; ".join(
+            f"{name}: {', '.join(map(str, rows))}" for name, rows in document["outliers_by_set"].items()
+        )
+        parts.append(
+            _section(
+                "Gross errors", f"<p>Rows {escape(listed)}. They steer no fit and count in no figure.</p>"
+            )
+        )
+    if document["checks"]:
+        parts.append(_section("Sets that were only predicted", _checks(document)))
+    sources = dict.fromkeys(data.source for data in diagnosis.sets if data.source)
+    if sources:
+        parts.append(_section("Data", "".join(f"<p>{escape(text)}</p>" for text in sources)))
+    parts.append(_section("How this was found", _METHOD))
+    return (
+        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" '
+        f'content="width=device-width,initial-scale=1"><title>{escape(title)}</title><style>{_STYLE}</style></head>'
+        f"<body><main>{''.join(parts)}</main></body></html>\n"
+    )
+
+
+def _headline(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
+    before, after = (1e6 * document[name]["holdout_rmse"] for name in ("baseline", "extended"))
+    floor = 1e6 * diagnosis.noise_floor
+    robot = diagnosis.sets[0].robot
+    if diagnosis.verdict == "consistent":
+        return f"Consistent: the model of {robot} is off by {before:.0f} um, the noise is {floor:.0f} um"
+    if diagnosis.verdict == "unexplained":
+        return f"Unexplained: the model of {robot} is off by {before:.0f} um against {floor:.0f} um of noise"
+    word = "Explained" if diagnosis.verdict == "explained" else "Partly explained"
+    names = ", ".join(dict.fromkeys(s.cause.name.replace("_", " ") for s in diagnosis.established))
+    return f"{word}: {robot}, {names} ({before:.0f} um down to {after:.0f} um, noise {floor:.0f} um)"
+
+
+def _section(title: str, body: str) -> str:
+    return f"<section><h2>{escape(title)}</h2>{body}</section>"
+
+
+def _charts(charts: Sequence[str]) -> str:
+    return f'<div class="charts">{"".join(charts)}</div>'
+
+
+def _wide(charts: Sequence[str]) -> str:
+    return f'<div class="wide">{"".join(charts)}</div>'
+
+
+def _tiles(document: dict[str, Any]) -> str:
+    low, high = document["gain"]["ci95"]
+    tiles = [
+        (f"{1e6 * document['baseline']['holdout_rmse']:.0f} um", "nominal model"),
+        (f"{1e6 * document['extended']['holdout_rmse']:.0f} um", "extended, blocks left out"),
+        (f"{1e6 * document['noise_floor']:.0f} um", "measurement noise"),
+        (f"{document['gain']['holdout_rmse_ratio']:.2f}", f"error left (95 %: {low:.2f} to {high:.2f})"),
+        (str(sum(s["rows"] for s in document["sets"])), f"poses, {len(document['outliers'])} gross errors"),
+    ]
+    if "series_out_rmse" in document["extended"]:
+        tiles.insert(
+            2, (f"{1e6 * document['extended']['series_out_rmse']:.0f} um", "extended, series left out")
+        )
+    body = "".join(f'<div class="tile"><b>{escape(a)}</b>{escape(b)}</div>' for a, b in tiles)
+    return f'<div class="tiles">{body}</div>'
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    if not rows:
+        return "<p>None.</p>"
+    top = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><tr>{top}</tr>{body}</table>"
+
+
+def _um(entry: dict[str, Any], key: str) -> str:
+    return f"{1e6 * entry[key]:.0f}" if key in entry else "-"
+
+
+def _series(document: dict[str, Any]) -> str:
+    rows = []
+    for one in document["sets"]:
+        base, ext = one["baseline"], one["extended"]
+        rows.append(
+            [
+                one["set"],
+                str(one["rows"]),
+                str(one["gross_errors"]),
+                _um(base, "holdout_rmse"),
+                _um(ext, "train_rmse"),
+                _um(ext, "holdout_rmse"),
+                _um(ext, "series_out_rmse"),
+                f"{_um(base, 'rotation_rmse')} / {_um(ext, 'rotation_rmse')}",
+            ]
+        )
+    head = (
+        "Series", "Poses", "Gross errors", "Nominal [um]", "Extended, fitted rows", "Blocks left out",
+        "Series left out", "Rotation before / after [urad]",
+    )  # fmt: skip
+    return _table(head, rows)
+
+
+def _causes(document: dict[str, Any]) -> str:
+    rows = []
+    for cause in document["causes"]:
+        listed = sorted(cause["parameters"].items(), key=lambda item: -_size(item[1]["value"]))
+        text = "; ".join(
+            f"{n} {_figure(p['value'])} ± {_figure(p['std'])} {p['unit']}" for n, p in listed[:6]
+        )
+        more = f"; and {len(listed) - 6} more" if len(listed) > 6 else ""
+        confusable = ", ".join(f"{c['cause']} at {c['where']}" for c in cause["confusable_with"])
+        rows.append(
+            [
+                cause["cause"],
+                cause["where"],
+                text + more,
+                f"{1e6 * cause['holdout_rmse_without']:.0f} um",
+                confusable,
+            ]
+        )
+    head = ("Cause", "Where", "Parameters ± standard deviation", "Held-out error without it", "Leans on")
+    return _table(head, rows)
+
+
+def _size(value: Any) -> float:
+    return float(np.max(np.abs(np.atleast_1d(value)))) if np.size(value) else 0.0
+
+
+def _figure(value: Any) -> str:
+    if isinstance(value, list):
+        return "(" + ", ".join(f"{v:.3g}" for v in value[:12]) + ")"
+    return f"{value:.3g}"
+
+
+def _rejected(entries: Sequence[dict[str, Any]], diagnosis: PoseDiagnosis) -> str:
+    rows = [
+        [e["cause"], e["where"], *(f"{g:.0f} ({s:.1f})" for g, s in zip(
+            e["gain_by_series"], e["standard_errors_by_series"], strict=True))]
+        for e in entries
+    ]  # fmt: skip
+    head = ("Cause", "Where", *(f"Gain in {data.name} (standard errors)" for data in diagnosis.sets))
+    return _table(head, rows)
+
+
+def _gauge(document: dict[str, Any]) -> str:
+    rows = [
+        [e["cause"], e["where"], ", ".join(e["parameters"]), e["imitated_by"]]
+        for e in document["not_distinguishable_from_placement"]
+    ]
+    return _table(("Cause", "Where", "Parameters", "Imitated by"), rows)
+
+
+def _coverage(document: dict[str, Any]) -> str:
+    rows = [
+        [
+            f"joint {e['joint']}",
+            f"{100 * e['share_of_turn']:.0f} %",
+            ", ".join(f"{np.degrees(a):.0f} to {np.degrees(b):.0f}" for a, b in e["ranges"]),
+        ]
+        for e in document["coverage"]
+    ]
+    return _table(("Joint", "Share of a turn", "Ranges [deg]"), rows)
+
+
+def _checks(document: dict[str, Any]) -> str:
+    rows = [
+        [
+            c["set"],
+            str(c["rows"]),
+            _um(c["baseline"], "rmse"),
+            _um(c["extended"], "rmse"),
+            f"{_um(c['baseline'], 'rotation_rmse')} / {_um(c['extended'], 'rotation_rmse')}",
+            ", ".join(map(str, c["gross_errors"][:20])) or "-",
+            ", ".join(f"{k} {100 * v:.0f} %" for k, v in c["outside_coverage"].items() if v > 0.005)
+            or "none",
+        ]
+        for c in document["checks"]
+    ]
+    head = (
+        "Set", "Rows", "Nominal [um]", "Extended [um]", "Rotation before / after [urad]", "Gross errors",
+        "Rows at angles never visited",
+    )  # fmt: skip
+    return _table(head, rows)
+
+
+_METHOD = """<p>Every series has a placement of its own: base in tracker and target on flange. Each cause displaces
+the robot's frames a little, in proportion to its numbers; all are fitted together by weighted least squares that
+gross errors cannot steer. How large the numbers of a kind usually are is learnt from the data, so that what the data
+do not call for vanishes. Each series is cut into ten contiguous blocks, every fifth block is predicted by a fit that
+has not seen it; whole series are predicted with only the placement fitted, on rows marked for that. A cause is named
+if taking it away makes the blocks left out worse by more than their scatter allows, in more than one series where
+there are several.</p>"""

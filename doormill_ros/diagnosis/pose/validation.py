@@ -1,0 +1,165 @@
+"""Cross-validation of a fit: contiguous blocks left out, whole series left out, causes taken away."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from doormill_ros.diagnosis.pose.chain import DIRECTIONS, derivatives, direction
+from doormill_ros.diagnosis.pose.fit import BLOCKS, Fitted
+from doormill_ros.diagnosis.pose.problem import PLACEMENT
+from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
+
+#: Every so many-th block of each series is left out together.
+FOLDS = 5
+#: Rounds in which the typical sizes are learnt anew without the part left out.
+ROUNDS = 1
+#: Rows that place a series left out when the set marks fewer than three: every so many-th.
+_EVERY = 25
+
+
+@dataclass(frozen=True, eq=False)
+class Split:
+    """One part of the data left out.
+
+    Attributes:
+        rows: Left-out rows of every series (empty where none), one array a series.
+        solution: Coefficients that have not seen them.
+        series: The whole series that was left out, or None for blocks.
+    """
+
+    rows: tuple[np.ndarray, ...]
+    solution: Solution
+    series: int | None
+
+
+def without(solution: Solution, ids: np.ndarray) -> Solution:
+    """The solution with some coefficients held at zero: exact, by conditioning."""
+    if not len(ids):
+        return solution
+    C = solution.covariance
+    factor = cho_factor(C[np.ix_(ids, ids)] + 1e-30 * np.eye(len(ids)))
+    gain = cho_solve(factor, C[ids])
+    x = solution.x - solution.x[ids] @ gain
+    covariance = C - C[:, ids] @ gain
+    x[ids] = 0.0
+    covariance[ids] = 0.0
+    covariance[:, ids] = 0.0
+    return Solution(x, covariance, solution.variance)
+
+
+class Validation:
+    """Solutions with parts left out, and the residuals they leave there."""
+
+    def __init__(self, fitted: Fitted) -> None:
+        """Solve once for every part left out; typical sizes are learnt anew without it."""
+        self.fitted = fitted
+        problem = fitted.problem
+        self._linear = [_Linear(fitted, series) for series in range(len(problem.sets))]
+        H, g = add_up(fitted.blocks, problem.size)
+        empty = np.zeros(0, dtype=int)
+        self.blocks: list[Split] = []
+        counts: dict[int, int] = {}
+        fold = []
+        for block in fitted.blocks:
+            counts[block.series] = counts.get(block.series, -1) + 1
+            fold.append(counts[block.series] % FOLDS)
+        self.fold_of_block = np.array(fold)
+        for k in range(FOLDS):
+            out = [block for block, at in zip(fitted.blocks, fold, strict=True) if at == k]
+            Hk, gk = add_up(out, problem.size)
+            rows = tuple(
+                np.concatenate([empty, *(b.rows for b in out if b.series == s)])
+                for s in range(len(problem.sets))
+            )
+            found = learn(H - Hk, g - gk, problem.layout, ROUNDS, fitted.solution.variance)
+            self.blocks.append(Split(rows, found, None))
+        self.series: list[Split] = []
+        if len(problem.sets) > 1:
+            for s in range(len(problem.sets)):
+                Hs, gs = add_up([b for b in fitted.blocks if b.series != s], problem.size)
+                rows = tuple(np.arange(len(data)) if i == s else empty for i, data in enumerate(problem.sets))
+                found = learn(Hs, gs, problem.layout, ROUNDS, fitted.solution.variance)
+                self.series.append(Split(rows, found, s))
+
+    def remove(self, ids: np.ndarray) -> None:
+        """Hold coefficients at zero from now on."""
+        self.blocks = [replace(split, solution=without(split.solution, ids)) for split in self.blocks]
+        self.series = [replace(split, solution=without(split.solution, ids)) for split in self.series]
+
+    def residuals(self, splits: Sequence[Split], removed: np.ndarray) -> list[np.ndarray]:
+        """Residual of every row by the split that left it out, base axes, with coefficients removed."""
+        problem = self.fitted.problem
+        out = [np.zeros((len(data), 6)) for data in problem.sets]
+        for split in splits:
+            x = without(split.solution, removed).x
+            for series, rows in enumerate(split.rows):
+                if len(rows):
+                    linear = self._linear[series]
+                    placed = linear.place(x) if split.series is not None else x
+                    out[series][rows] = linear.residual(placed, rows)
+        return out
+
+    def cost(self, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Weighted squares of every row in noise units, shape (n,) each."""
+        problem = self.fitted.problem
+        scale = np.repeat(1.0 / np.array(problem.sigma), 3)
+        return [
+            weight * np.sum((error * scale) ** 2, axis=1)
+            for error, weight in zip(errors, problem.weights, strict=True)
+        ]
+
+
+class _Linear:
+    """Residuals of a series as a linear function of the coefficients."""
+
+    def __init__(self, fitted: Fitted, series: int) -> None:
+        problem = fitted.problem
+        self.size = problem.layout.size
+        self.own = problem.placement_ids(series)
+        self.error = problem.residual(series)
+        self.D = derivatives(problem.frames(series), problem.placements[series])
+        self.bases = problem.bases[series]
+        self.x = problem.x
+        self.scale = np.repeat(1.0 / np.array(problem.sigma), 3)
+        marked = np.flatnonzero(problem.sets[series].placement & (problem.weights[series] > 0.0))
+        self.placing = marked if len(marked) >= 3 else np.arange(0, len(self.error), _EVERY)
+        self.weight = problem.weights[series]
+
+    def residual(self, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Residual with all coefficients and the placement in x, shape (len(rows), 6)."""
+        step = x[: self.size] - self.x
+        twists = np.zeros((len(rows), DIRECTIONS))
+        for key, (ids, basis) in self.bases.items():
+            part = step[ids]
+            if np.any(part):
+                twists[:, key] = basis @ part if len(rows) == len(basis) else basis[rows] @ part
+        twists[:, :6] += x[self.own[:6]]
+        twists[:, direction(6, 0) :] += x[self.own[6:]]
+        return self.error[rows] - np.einsum("na,nac->nc", twists, self.D[rows])
+
+    def place(self, x: np.ndarray) -> np.ndarray:
+        """The same coefficients with the placement fitted to the rows that may place the series."""
+        x = x.copy()
+        x[self.own] = 0.0
+        rows = self.placing
+        J = self.D[rows][:, [*range(6), *range(direction(6, 0), DIRECTIONS)]] * self.scale
+        for _ in range(3):
+            error = self.residual(x, rows) * self.scale
+            size = np.linalg.norm(error, axis=1)
+            weight = self.weight[rows] / np.maximum(1.0, size / (2.5 * np.median(size)))
+            H = np.einsum("n,nac,nbc->ab", weight, J, J)
+            g = np.einsum("n,nac,nc->a", weight, J, error)
+            unit = 1.0 / np.sqrt(np.diag(H))
+            x[self.own] += unit * np.linalg.solve(
+                H * np.outer(unit, unit) + 1e-9 * np.eye(PLACEMENT), g * unit
+            )
+        return x
+
+
+def by_block(cost: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Sums over the contiguous blocks of every series."""
+    return [np.array([part.sum() for part in np.array_split(one, BLOCKS)]) for one in cost]
