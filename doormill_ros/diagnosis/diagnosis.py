@@ -16,7 +16,7 @@ from doormill_ros.diagnosis.measurement_set import MeasurementSet
 from doormill_ros.diagnosis.patterns import spoils, unnamed_patterns
 from doormill_ros.diagnosis.problem import Problem
 from doormill_ros.diagnosis.search import ENTRY, Search
-from doormill_ros.diagnosis.stability import instability
+from doormill_ros.diagnosis.stability import clustered, instability
 
 #: Chance of an innocent residual below which structure remains.
 STRUCTURE = 1e-4
@@ -24,6 +24,8 @@ STRUCTURE = 1e-4
 UNSTABLE = 1e-3
 #: The same when nothing else is left over.
 WILD = 1e-4
+#: Share of a cause by which the halves may differ when its effect is so strong that everything shows.
+WILD_APART = 0.1
 #: Difference between first-order and finite joint angles, in noise floors, from which both are tried.
 CURVED = 0.3
 #: Share of the excess over the noise that a cause must explain when structure remains.
@@ -89,10 +91,10 @@ def diagnose_problem(
         other, bent = _search(curved, progress, allowed)
         if other.total(bent) < search.total(best):
             search, best, problem = other, bent, other.problem
-    structure = has_structure(best, problem.components)
+    outliers = _outliers(best, problem.components)
+    structure = has_structure(best, problem.components) or clustered(problem, outliers)
     established = _established(search, best, structure)
     extended = search.fit(established, [_theta_of(best, established)])
-    outliers = _outliers(best, problem.components)
     kept = ~outliers
     baseline = search.fit(())
     verdict = _verdict(best, established, structure)
@@ -161,7 +163,7 @@ def _established(search: Search, best: Fit, structure: bool) -> tuple[Cause, ...
         and not any(spoils(other, cause) for other in best.members if not other.named)
     )
     if not structure and len(named) == len(best.members):
-        return tuple(c for c in named if instability(search.problem, best, c)[0] > WILD)
+        return tuple(c for c in named if not _wild(search.problem, best, c))
     empty = search.fit(())
     floor = float(search.problem.components * len(search.problem))
     excess = max(empty.held_out_score - floor, 1.0)
@@ -169,7 +171,7 @@ def _established(search: Search, best: Fit, structure: bool) -> tuple[Cause, ...
     for cause in named:
         without = search.without(best, cause)
         share = (without.held_out_score - best.held_out_score) / excess
-        probability, _ = instability(search.problem, best, cause)
+        probability, _, _ = instability(search.problem, best, cause)
         rivals = [
             other
             for other, found in search.rivals(best, cause)
@@ -178,6 +180,12 @@ def _established(search: Search, best: Fit, structure: bool) -> tuple[Cause, ...
         if share > MAIN_PART and probability > UNSTABLE and not rivals:
             kept.append(cause)
     return tuple(kept)
+
+
+def _wild(problem: Problem, best: Fit, cause: Cause) -> bool:
+    """Whether the halves of the data disagree about a cause, by more than a strong effect's small print."""
+    probability, _, apart = instability(problem, best, cause)
+    return probability < WILD and apart > WILD_APART
 
 
 def implausible(found: Fit, cause: Cause) -> bool:
@@ -236,7 +244,7 @@ def _remarks(
         )
     dropped = [c for c in best.members if c.named and c not in established]
     for cause in dropped:
-        probability, where = instability(problem, best, cause)
+        probability, where, _ = instability(problem, best, cause)
         why = (
             f"it has another size in the halves by {where}"
             if probability < UNSTABLE

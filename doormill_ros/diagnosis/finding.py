@@ -71,12 +71,17 @@ def make_finding(
     for i in cause.kinked:
         std[i] = abs(slope[i, i]) * profile_std(problem, best, part.start + i)
     rivals = search.rivals(best, cause)
+    # Beside something that no cause explains, small differences of the score mean little.
+    good = best.weights > 0.0
+    remains = structure or not all(member.named for member in best.members)
+    excess = float(np.mean(best.prediction.cost[good])) / problem.components
+    limit = EQUAL * max(3.0, excess) if remains else EQUAL
     confusable: list[Cause] = []
     for other, found in rivals:
         nested = other.where == cause.where and cause.name in (other.generalises, other.name)
         # A law that contains this one counts as another only if the data lean towards it.
         nested = nested and (other.name == cause.name or found.score > best.score - LEANING)
-        if other.named and not nested and found.held_out_score < best.held_out_score + EQUAL:
+        if other.named and not nested and found.held_out_score < best.held_out_score + limit:
             confusable.append(other)
     unique = {other.key: other for other in reversed(confusable) if other.key != cause.key}
     return Finding(
