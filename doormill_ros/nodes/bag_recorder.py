@@ -6,6 +6,7 @@ import os
 import sys
 import threading
 import time
+from collections import deque
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
@@ -24,6 +25,7 @@ from doormill_ros.recording.schema import FEEDBACK
 
 DISCOVERY_PERIOD = 0.5  # s
 WRITE_PERIOD = 0.1  # s
+REMEMBERED = 32  # samples of each topic by which one that is delivered again is recognized
 
 
 class BagRecorder(ManagedNode):
@@ -49,6 +51,7 @@ class BagRecorder(ManagedNode):
         self._subscribed: set[str] = set()
         self._skipped: set[str] = set()
         self._lock = threading.Lock()
+        self._discovering = threading.Lock()
         self._queue = BoundedQueue(self.value("queue_size"))
         self._writer = BagWriter(Path(folder), self.value("split_size"))
         self._failure = ""
@@ -76,6 +79,12 @@ class BagRecorder(ManagedNode):
             self.get_logger().warning(_dropped_text(self._queue.dropped))
 
     def _discover(self) -> None:
+        # Activation and timer may come at once from two threads; one subscription each is wanted.
+        with self._discovering:
+            self._subscribe_to_new()
+        self._report()
+
+    def _subscribe_to_new(self) -> None:
         for name, types in self.get_topic_names_and_types():
             if name in self._subscribed or name in self._skipped:
                 continue
@@ -90,17 +99,22 @@ class BagRecorder(ManagedNode):
             except (ImportError, AttributeError, UnknownTypeError):
                 self._skipped.add(name)
                 self.get_logger().warning(f"{name} is not recorded: {types[0]} is not installed here")
-        self._report()
 
     def _record(self, name: str, type_name: str, message_type: Any, offered: QoSProfile) -> None:
         with self._lock:
             self._writer.add_topic(name, type_name, [qos_document(offered)])
 
-        def receive(data: bytes, info: Any = None) -> None:
+        latest: deque[tuple[Any, Any]] = deque(maxlen=REMEMBERED)
+
+        # Both arguments are needed: with one, rclpy does not tell when the message was sent.
+        def receive(data: bytes, info: Any) -> None:
+            sample = info.get("source_timestamp"), info.get("publication_sequence_number")
+            if sample in latest:  # DDS may deliver what is latched to a late joiner twice
+                return
+            latest.append(sample)
             if self.active or offered.durability == DurabilityPolicy.TRANSIENT_LOCAL:
                 now = time.time_ns()
-                sent = info.get("source_timestamp", now) if isinstance(info, dict) else now
-                self._queue.put(Received(name, bytes(data), now, sent))
+                self._queue.put(Received(name, bytes(data), now, sample[0] or now))
 
         requested = QoSProfile(
             depth=max(10, offered.depth), reliability=offered.reliability, durability=offered.durability
@@ -112,14 +126,17 @@ class BagRecorder(ManagedNode):
     def _write(self) -> None:
         while not self._queue.closed:
             received = self._queue.take(WRITE_PERIOD)
+            written = 0
             try:
                 with self._lock:
                     for item in received:
                         self._writer.write(item.topic, item.data, item.received_ns, item.published_ns)
+                        written += 1
                     self._writer.flush()
             except OSError as error:
                 self._failure = f"the bag cannot be written: {error}; free the disk and restart the recorder"
-                self._queue.close()
+                self._queue.close(failed=True)
+                self._queue.count_dropped(received[written:])
 
     def _report(self) -> None:
         dropped = sum(self._queue.dropped.values())

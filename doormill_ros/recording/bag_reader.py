@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rosbags.interfaces import Connection
-from rosbags.rosbag2 import Reader, ReaderError
+from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from doormill_ros.recording.errors import UnreadableBagError
+from doormill_ros.recording.mcap_scan import is_complete, scan
 
 
 @dataclass(frozen=True)
@@ -34,13 +35,37 @@ class BagMessage:
     type_name: str
 
 
-def typestore_of(connections: Sequence[Connection]) -> Typestore:
-    """Types by the definitions that travel in the bag."""
+def typestore_of(definitions: Iterable[tuple[str, str]]) -> Typestore:
+    """Types by the definitions that travel in the bag, given as pairs of type name and text."""
     store = get_typestore(Stores.EMPTY)
-    for connection in connections:
-        types = get_types_from_msg(connection.msgdef.data, connection.msgtype)
-        store.register({name: fields for name, fields in types.items() if name not in store.fielddefs})
+    for name, text in definitions:
+        _register(store, name, text)
     return store
+
+
+def _register(store: Typestore, name: str, text: str) -> None:
+    types = get_types_from_msg(text, name)
+    store.register({name: fields for name, fields in types.items() if name not in store.fielddefs})
+
+
+def bag_files(folder: Path) -> list[Path]:
+    """MCAP files of a bag in the order in which they were begun."""
+
+    def number(path: Path) -> tuple[int, str]:
+        match = re.search(r"_(\d+)$", path.stem)
+        return (int(match[1]) if match else 0, path.name)
+
+    return sorted(folder.glob("*.mcap"), key=number)
+
+
+def is_broken_off(folder: Path) -> bool:
+    """True for a bag whose recorder was killed: a file without end, or files without metadata.yaml."""
+    files = bag_files(folder) if folder.is_dir() else [folder] if folder.suffix == ".mcap" else []
+    try:
+        unfinished = [path for path in files if not is_complete(path)]
+    except OSError as error:
+        raise _unreadable(folder, error) from error
+    return bool(unfinished) or (folder.is_dir() and bool(files) and not (folder / "metadata.yaml").exists())
 
 
 def topics_of(folder: Path) -> list[str]:
@@ -49,11 +74,63 @@ def topics_of(folder: Path) -> list[str]:
     Raises:
         UnreadableBagError: No such bag, or damaged beyond reading.
     """
+    if is_broken_off(folder):
+        return list(dict.fromkeys(item.channel.topic for path in _files(folder) for item in scan(path)))
     try:
         with Reader(folder) as reader:
             return [connection.topic for connection in reader.connections]
-    except (ReaderError, OSError) as error:
+    except Exception as error:  # the library raises many kinds for a damaged file
         raise _unreadable(folder, error) from error
+
+
+def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagMessage]:
+    """Messages in the order in which they were recorded.
+
+    A bag whose recorder was killed is read as far as it was written.
+
+    Args:
+        folder: Bag folder with metadata.yaml, or a file of one.
+        topics: Full topic names to read; None for all.
+
+    Raises:
+        UnreadableBagError: No such bag, or damaged beyond reading.
+    """
+    messages = _scanned(folder, topics) if is_broken_off(folder) else _indexed(folder, topics)
+    try:
+        yield from messages
+    except Exception as error:  # the library raises many kinds for a damaged file
+        raise _unreadable(folder, error) from error
+
+
+def _indexed(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]:
+    with Reader(folder) as reader:
+        chosen = [c for c in reader.connections if topics is None or c.topic in topics]
+        if not chosen:
+            return
+        store = typestore_of((c.msgtype, c.msgdef.data) for c in chosen)
+        for connection, stamp_ns, data in reader.messages(connections=chosen):
+            message = store.deserialize_cdr(data, connection.msgtype)
+            yield BagMessage(connection.topic, stamp_ns, message, bytes(data), connection.msgtype)
+
+
+def _scanned(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]:
+    store, known = typestore_of(()), set()
+    for path in _files(folder):
+        for item in scan(path):
+            if topics is not None and item.channel.topic not in topics:
+                continue
+            name = item.schema.name
+            if name not in known:
+                known.add(name)
+                _register(store, name, item.schema.data.decode("utf-8"))
+            message = store.deserialize_cdr(item.message.data, name)
+            yield BagMessage(
+                item.channel.topic, item.message.log_time, message, bytes(item.message.data), name
+            )
+
+
+def _files(folder: Path) -> list[Path]:
+    return bag_files(folder) if folder.is_dir() else [folder]
 
 
 def _unreadable(folder: Path, error: Exception) -> UnreadableBagError:
@@ -61,26 +138,3 @@ def _unreadable(folder: Path, error: Exception) -> UnreadableBagError:
         f"bag {folder} cannot be read: {error}; name a folder with metadata.yaml and .mcap files",
         folder=str(folder),
     )
-
-
-def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagMessage]:
-    """Messages in the order in which they were recorded.
-
-    Args:
-        folder: Bag folder with metadata.yaml.
-        topics: Full topic names to read; None for all.
-
-    Raises:
-        UnreadableBagError: No such bag, or damaged beyond reading.
-    """
-    try:
-        with Reader(folder) as reader:
-            store = typestore_of(reader.connections)
-            chosen = [c for c in reader.connections if topics is None or c.topic in topics]
-            if not chosen:
-                return
-            for connection, stamp_ns, data in reader.messages(connections=chosen):
-                message = store.deserialize_cdr(data, connection.msgtype)
-                yield BagMessage(connection.topic, stamp_ns, message, bytes(data), connection.msgtype)
-    except (ReaderError, OSError) as error:
-        raise _unreadable(folder, error) from error

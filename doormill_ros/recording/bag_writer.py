@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Mapping
 from io import BufferedWriter
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from mcap.writer import CompressionType, Writer
 
 from doormill_ros.recording.errors import BagExistsError
 from doormill_ros.recording.metadata import BagRecord, FileRecord, TopicRecord
-from doormill_ros.recording.schema import load_schema
+from doormill_ros.recording.schema import Schema, load_schema
 
 CHUNK_SIZE = 1 << 20  # bytes
 FLUSH_PERIOD = 0.25  # s; what a kill can cost at most
@@ -41,20 +42,33 @@ class BagWriter:
         self.record = BagRecord(ros_distro or os.environ.get("ROS_DISTRO", ""))
         self.split_size = split_size
         self._channels: dict[str, int] = {}
+        self._schemas: dict[str, Schema] = {}
         self._stream: BufferedWriter
         self._writer: Writer
         self._flushed = time.monotonic()
         self._open_file()
 
-    def add_topic(self, name: str, type_name: str, qos_profiles: list[dict[str, Any]] | None = None) -> None:
+    def add_topic(
+        self,
+        name: str,
+        type_name: str,
+        qos_profiles: list[dict[str, Any]] | None = None,
+        schema: Schema | None = None,
+    ) -> None:
         """Make a topic known; messages of unknown topics cannot be written. Repeating is harmless.
+
+        Args:
+            name: Full topic name.
+            type_name: Full type name.
+            qos_profiles: What the publishers offer, as rosbag2 writes it down.
+            schema: Definition of the type; None for the installed one.
 
         Raises:
             UnknownTypeError: The type's definition is not installed.
         """
         if name in self.record.topics:
             return
-        schema = load_schema(type_name)
+        schema = self._schemas.setdefault(type_name, schema or load_schema(type_name))
         self.record.topics[name] = TopicRecord(name, type_name, schema.type_hash, qos_profiles or [])
         self._register(self.record.topics[name])
         self.record.write(self.folder)
@@ -75,8 +89,15 @@ class BagWriter:
             self._writer.flush()
             self._flushed = now
 
-    def close(self) -> None:
-        """Finish the file and the metadata."""
+    def close(self, dropped: Mapping[str, int] | None = None) -> None:
+        """Finish the file and the metadata.
+
+        Args:
+            dropped: Messages that were lost, by topic; kept in the metadata's custom data.
+        """
+        if dropped is not None:
+            self.record.custom["dropped"] = str(sum(dropped.values()))
+            self.record.custom |= {f"dropped {topic}": str(count) for topic, count in sorted(dropped.items())}
         self._close_file()
 
     def _open_file(self) -> None:
@@ -98,7 +119,7 @@ class BagWriter:
         self.record.write(self.folder)
 
     def _register(self, topic: TopicRecord) -> None:
-        schema = load_schema(topic.type)
+        schema = self._schemas[topic.type]
         schema_id = self._writer.register_schema(schema.name, "ros2msg", schema.text.encode())
         self._channels[topic.name] = self._writer.register_channel(
             topic.name,

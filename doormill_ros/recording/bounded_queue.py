@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -26,12 +27,15 @@ class BoundedQueue:
         self._items: deque[Received] = deque()
         self._size = 0
         self._closed = False
+        self._failed = False
         self._changed = threading.Condition()
 
     def put(self, item: Received) -> bool:
-        """Append; False when the message was dropped."""
+        """Append; False when the message was dropped, or came after the end of the recording."""
         with self._changed:
-            if self._closed or self._size + len(item.data) > self.limit:
+            if self._closed and not self._failed:
+                return False
+            if self._failed or self._size + len(item.data) > self.limit:
                 self.dropped[item.topic] = self.dropped.get(item.topic, 0) + 1
                 return False
             self._items.append(item)
@@ -49,10 +53,21 @@ class BoundedQueue:
             self._size = 0
             return items
 
-    def close(self) -> None:
-        """Refuse further messages and wake the writer."""
+    def count_dropped(self, items: Iterable[Received]) -> None:
+        """Count messages that were taken and could not be written."""
+        with self._changed:
+            for item in items:
+                self.dropped[item.topic] = self.dropped.get(item.topic, 0) + 1
+
+    def close(self, failed: bool = False) -> None:
+        """Refuse further messages and wake the writer.
+
+        Args:
+            failed: The writer gave up: what comes from now on counts as dropped.
+        """
         with self._changed:
             self._closed = True
+            self._failed = self._failed or failed
             self._changed.notify()
 
     @property

@@ -37,3 +37,9 @@ class BadExpectationError(BagError):
     """The file beside a bag that says what a replay must give is not of its form."""
 
     code = 605
+
+
+class BadTimelineError(BagError):
+    """The timeline of reference bags is not of its form."""
+
+    code = 606
