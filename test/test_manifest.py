@@ -67,15 +67,15 @@ def requirements() -> set[str]:
 
 
 def test_every_imported_python_package_is_required() -> None:
-    installed = packages_distributions()
+    installed, ros, required = packages_distributions(), ros_packages(), requirements()
     missing = set()
     for path in SOURCES:
         for module in imports_of(path):
             top = module.split(".")[0]
-            if top in OWN or top in sys.stdlib_module_names or top in ros_packages():
+            if top in OWN or top in sys.stdlib_module_names or top in ros:
                 continue
             names = {n.lower() for n in installed.get(top, [WITHOUT_DISTRIBUTION.get(top, top)])}
-            if not names & requirements():
+            if not names & required:
                 missing.add(top)
     assert missing <= {"builtin_interfaces"}
 

@@ -10,6 +10,7 @@ from doormill_ros.abb.rapid.library.registry import predefined
 from doormill_ros.abb.rapid.operators import num
 from doormill_ros.abb.rapid.scope import Context
 from doormill_ros.abb.rapid.types import is_integer
+from doormill_ros.units import deg_to_rad, rad_to_deg
 
 #: NOrient takes what is this close to a unit quaternion.
 ORIENT_LIMIT = 0.1
@@ -36,13 +37,13 @@ _function("FUNC num Abs(num Input)", abs)
 _function("FUNC num Sqrt(num Value)", math.sqrt)
 _function("FUNC num Pow(num Base, num Exponent)", math.pow)
 _function("FUNC num Exp(num Exponent)", math.exp)
-_function("FUNC num Sin(num Angle)", lambda a: math.sin(math.radians(a)))
-_function("FUNC num Cos(num Angle)", lambda a: math.cos(math.radians(a)))
-_function("FUNC num Tan(num Angle)", lambda a: math.tan(math.radians(a)))
-_function("FUNC num ASin(num Value)", lambda v: math.degrees(math.asin(v)))
-_function("FUNC num ACos(num Value)", lambda v: math.degrees(math.acos(v)))
-_function("FUNC num ATan(num Value)", lambda v: math.degrees(math.atan(v)))
-_function("FUNC num ATan2(num Y, num X)", lambda y, x: math.degrees(math.atan2(y, x)))
+_function("FUNC num Sin(num Angle)", lambda a: math.sin(deg_to_rad(a)))
+_function("FUNC num Cos(num Angle)", lambda a: math.cos(deg_to_rad(a)))
+_function("FUNC num Tan(num Angle)", lambda a: math.tan(deg_to_rad(a)))
+_function("FUNC num ASin(num Value)", lambda v: rad_to_deg(math.asin(v)))
+_function("FUNC num ACos(num Value)", lambda v: rad_to_deg(math.acos(v)))
+_function("FUNC num ATan(num Value)", lambda v: rad_to_deg(math.atan(v)))
+_function("FUNC num ATan2(num Y, num X)", lambda y, x: rad_to_deg(math.atan2(y, x)))
 _function("FUNC num DotProd(pos V1, pos V2)", lambda a, b: sum(x * y for x, y in zip(a, b, strict=True)))
 _function("FUNC num VectMagn(pos Vector)", lambda v: math.hypot(*v))
 _function("FUNC num Distance(pos P1, pos P2)", math.dist)
