@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,21 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.cell.layout import CellLayout, load_layout
-from doormill_ros.frames import apply_twist, transform
+from doormill_ros.frames import transform
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.sensors.edge_rays import EDGES, depth, miss, seen
-from doormill_ros.localization.sensors.edge_search import EdgePoints, find_edge
-from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, EdgeNotFound
+from doormill_ros.localization.sensors.corner_edges import BOUNDS, EdgeRays, PictureQuality, find_corner_edges
+from doormill_ros.localization.sensors.edge_rays import depth, miss
+from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
 from doormill_ros.resources import resource
-
-# The two door axes whose edges bound each face, and so are seen by the camera that looks at it.
-_BOUNDS = {"face": ("y", "z"), "bottom": ("x", "y"), "hinge": ("x", "z")}
-_SPACING = 2.0e-3  # of scan lines along an edge [m]
-_MARGIN = 14.0  # px that a scan line needs beside its reach
-_LONGEST = 0.25  # m; no picture shows more of an edge
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,17 +47,6 @@ class AxisCamera:
 
 
 @dataclass(frozen=True, eq=False)
-class EdgeRays:
-    """What one camera tells about one edge: rays (n, 2) and their place along the edge (n,) [m]."""
-
-    camera: AxisCamera
-    axis: int
-    rays: np.ndarray
-    along: np.ndarray
-    deviation: float
-
-
-@dataclass(frozen=True, eq=False)
 class AxisVision:
     """The three cameras as one door sensor; `reading` maps camera names to pictures (h, w), uint8.
 
@@ -77,8 +59,7 @@ class AxisVision:
         rotation_deviation: Standard deviation of its direction about an axis [rad].
         roughness: RMS of the edges about their lines [m].
         correlation: Distance over which the roughness changes [m].
-        noise: Of a grey value.
-        min_contrast: Of an edge [grey levels].
+        quality: Noise and least contrast of the pictures.
         seconds: Exposure and transfer [s].
     """
 
@@ -90,8 +71,7 @@ class AxisVision:
     rotation_deviation: float
     roughness: float
     correlation: float
-    noise: float
-    min_contrast: float
+    quality: PictureQuality
     seconds: float
     name: str = "axis_vision"
     cannot_see: str = (
@@ -109,13 +89,13 @@ class AxisVision:
             PoseOutOfRange: The pose cannot be.
         """
         begun = time.perf_counter()
-        edges = [rays for camera in self.cameras for rays in self._edges(camera, reading, door)]
+        edges = [(camera, rays) for camera in self.cameras for rays in self._edges(camera, reading, door)]
         nominal = self.layout.T_base_door(door.width, door.thickness)
         places = {camera.name: camera.T_base_camera(self.layout, door) for camera in self.cameras}
         covariance = self._covariance(edges, nominal, places)
 
         def linearise(T_base_door: np.ndarray) -> Linearised:
-            parts = [miss(T_base_door, places[e.camera.name], e.axis, e.rays) for e in edges]
+            parts = [miss(T_base_door, places[camera.name], e.axis, e.rays) for camera, e in edges]
             return Linearised(
                 -np.concatenate([p[0] for p in parts]), np.vstack([p[1] for p in parts]), covariance
             )
@@ -130,7 +110,7 @@ class AxisVision:
             self.seconds + time.perf_counter() - begun,
             fit.chi_square,
             fit.redundancy,
-            {"edge_points": {f"{e.camera.name}{'xyz'[e.axis]}": len(e.rays) for e in edges}},
+            {"edge_points": {f"{camera.name}{'xyz'[e.axis]}": len(e.rays) for camera, e in edges}},
         )
 
     def _edges(self, camera: AxisCamera, reading: dict[str, np.ndarray], door: DoorSize) -> list[EdgeRays]:
@@ -142,62 +122,37 @@ class AxisVision:
                 f"camera {camera.name} sent {found}, allowed is uint8 ({height}, {width}); check the camera",
                 camera=camera.name,
             )
-        T_base_camera = camera.T_base_camera(self.layout, door)
-        extent = {"x": door.thickness, "y": door.width, "z": door.height}
-        out = []
-        for edge, other in zip(_BOUNDS[camera.looks_at], _BOUNDS[camera.looks_at][::-1], strict=True):
-            along, guess, inward, reach = self._scan(
-                T_base_camera, door, EDGES[edge], EDGES[other], extent[edge]
-            )
-            what = f"the {edge} edge in camera {camera.name}"
-            if along.size < 6:
-                raise EdgeNotFound(f"{what} does not show long enough; correct the camera's place", edge=what)
-            points: EdgePoints = find_edge(picture, guess, inward, reach, self.noise, self.min_contrast, what)
-            rays = self.lens.undistort(points.pixels)
-            out.append(EdgeRays(camera, EDGES[edge], rays, along[points.index], points.deviation))
-        return out
-
-    def _scan(
-        self, T_base_camera: np.ndarray, door: DoorSize, axis: int, other: int, extent: float
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-        """Places along a nominal edge, their pixels, the direction into the face there, and the reach."""
         nominal = self.layout.T_base_door(door.width, door.thickness)
-        # Near its ends an edge that stands off may already be over.
-        spare = self.freedom.limits[axis] + 2.0e-3
-        along = np.arange(spare, min(extent - spare, _LONGEST), _SPACING)
-        guess = self.lens.distort(seen(nominal, T_base_camera, axis, along))
-        ahead = self.lens.distort(seen(nominal, T_base_camera, axis, along + 1e-4)) - guess
-        inward = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.linalg.norm(ahead, axis=1, keepdims=True)
-        corner, inside = self.lens.distort(seen(nominal, T_base_camera, other, np.array([0.0, 1e-3])))
-        inward *= np.sign(inward @ (inside - corner))[:, None]
-        reach = 0.0
-        limits = self.freedom.limits
-        for signs in itertools.product((-1.0, 1.0), repeat=6):
-            moved = apply_twist(nominal, np.array(signs) * limits)
-            shift = self.lens.distort(seen(moved, T_base_camera, axis, along)) - guess
-            reach = max(reach, float(np.abs(np.sum(shift * inward, axis=1)).max()))
-        size = np.array(self.lens.size) - 1.0
-        # Scan lines may leave the picture on one side; an edge that is found lies where they do not.
-        shows = np.all((guess > _MARGIN) & (guess < size - _MARGIN), axis=1)
-        return along[shows], guess[shows], inward[shows], reach + 2.0
+        place = camera.T_base_camera(self.layout, door)
+        return find_corner_edges(
+            picture,
+            self.lens,
+            place,
+            nominal,
+            camera.looks_at,
+            door,
+            self.freedom.limits,
+            self.quality,
+            f"camera {camera.name}",
+        )
 
     def _covariance(
-        self, edges: list[EdgeRays], T_base_door: np.ndarray, places: dict[str, np.ndarray]
+        self, edges: list[tuple[AxisCamera, EdgeRays]], T_base_door: np.ndarray, places: dict[str, np.ndarray]
     ) -> np.ndarray:
         """Of all misses, shape (n, n): roughness along each edge, noise, and each camera's place."""
         focal = float(np.sqrt(self.lens.k[0, 0] * self.lens.k[1, 1]))
         mounting = np.repeat([self.position_deviation, self.rotation_deviation], 3) ** 2
-        total = sum(len(e.rays) for e in edges)
+        total = sum(len(e.rays) for _, e in edges)
         out, begin = np.zeros((total, total)), 0
         sway = np.zeros((total, 6 * len(self.cameras)))
-        for e in edges:
+        for camera, e in edges:
             part = slice(begin, begin + len(e.rays))
-            T_base_camera = places[e.camera.name]
+            T_base_camera = places[camera.name]
             far = depth(T_base_door, T_base_camera, e.axis, e.along)
             alike = np.exp(-np.abs(e.along[:, None] - e.along) / self.correlation)
             out[part, part] = self.roughness**2 * alike / np.outer(far, far)
             out[part, part] += np.eye(len(e.rays)) * (e.deviation / focal) ** 2
-            column = 6 * self.cameras.index(e.camera)
+            column = 6 * self.cameras.index(camera)
             sway[part, column : column + 6] = miss(T_base_door, T_base_camera, e.axis, e.rays)[2]
             begin = part.stop
         return out + sway * np.tile(mounting, len(self.cameras)) @ sway.T
@@ -225,8 +180,7 @@ def load_axis_vision(path: Path | None = None, layout: CellLayout | None = None)
             rotation_deviation=float(document["mounting_deviation"]["rotation"]),
             roughness=float(document["edges"]["roughness"]),
             correlation=float(document["edges"]["correlation"]),
-            noise=float(document["picture"]["noise"]),
-            min_contrast=float(document["picture"]["min_contrast"]),
+            quality=PictureQuality(**{k: float(v) for k, v in document["picture"].items()}),
             seconds=float(document["exposure_time"]),
         )
     except (KeyError, TypeError, ValueError) as error:
@@ -234,10 +188,8 @@ def load_axis_vision(path: Path | None = None, layout: CellLayout | None = None)
 
 
 def _camera(entry: dict) -> AxisCamera:
-    if entry["looks_at"] not in _BOUNDS:
-        raise ValueError(
-            f"camera {entry['name']} looks at {entry['looks_at']!r}, allowed are {list(_BOUNDS)}"
-        )
+    if entry["looks_at"] not in BOUNDS:
+        raise ValueError(f"camera {entry['name']} looks at {entry['looks_at']!r}, allowed are {list(BOUNDS)}")
     right, down = np.array(entry["right"], dtype=float), np.array(entry["down"], dtype=float)
     return AxisCamera(
         name=str(entry["name"]),

@@ -30,7 +30,7 @@ class DoorPoseEstimate:
             the sensor is blind it holds what the clamp guarantees.
         sees: Which degrees of freedom were measured, in the order of DEGREES_OF_FREEDOM.
         seconds: From the order to measure until the pose is known: motion, exposure and arithmetic [s].
-        chi_square: Weighted sum of squared residuals.
+        chi_square: Weighted sum of squared residuals; nan when the sensor does not say.
         redundancy: Readings beyond those needed; with 0 a wrong reading cannot be noticed.
         details: What else the sensor can tell, by name.
     """

@@ -48,7 +48,13 @@ class AxisVisionRig:
         return AxisVisionRig(yaml.safe_load(path.read_text(encoding="utf-8")), load_layout(), **changes)
 
     def take(
-        self, T_base_door: np.ndarray, width: float, height: float, thickness: float, seed: int
+        self,
+        T_base_door: np.ndarray,
+        width: float,
+        height: float,
+        thickness: float,
+        seed: int,
+        rig_seed: int | None = None,
     ) -> dict[str, np.ndarray]:
         """A picture (h, w), uint8, of each camera by name.
 
@@ -57,30 +63,61 @@ class AxisVisionRig:
             width: Door width [m].
             height: Door height [m].
             thickness: Door thickness [m].
-            seed: Draws mountings, edges, light and noise.
+            seed: Draws light and noise.
+            rig_seed: Draws mountings and edges; None for `seed`.
         """
         extent = np.array([thickness, width, height])
+        rig_seed = seed if rig_seed is None else rig_seed
         return {
-            str(entry["name"]): self._picture(entry, T_base_door, extent, np.random.default_rng([seed, i]))
+            str(entry["name"]): self._picture(
+                entry,
+                T_base_door,
+                extent,
+                self.stand(i, width, thickness, rig_seed),
+                np.random.default_rng([rig_seed, i, 1]),
+                np.random.default_rng([seed, i, 2]),
+            )
             for i, entry in enumerate(self.document["cameras"])
         }
 
+    def stand(
+        self, index: int, width: float, thickness: float, rig_seed: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """True projection centre [m] and camera axes (columns) in base, off by the mounting's errors."""
+        entry, place = self.document["cameras"][index], self.layout
+        rng = np.random.default_rng([rig_seed, index, 0])
+        corner = [place.rear_face_x - thickness, place.centre_y - width / 2, place.bottom_z]
+        centre = np.array(corner) + entry["place"]
+        if "x" in entry:
+            centre[0] = entry["x"]
+        right, down = np.array(entry["right"], float), np.array(entry["down"], float)
+        axes = np.column_stack([right, down, np.cross(right, down)])
+        off = self.document["mounting_deviation"]
+        turn = Rotation.from_rotvec(rng.normal(0.0, off["rotation"], 3)).as_matrix()
+        return centre + rng.normal(0.0, off["position"], 3), turn @ axes
+
     def _picture(
-        self, entry: dict[str, Any], T_base_door: np.ndarray, extent: np.ndarray, rng: np.random.Generator
+        self,
+        entry: dict[str, Any],
+        T_base_door: np.ndarray,
+        extent: np.ndarray,
+        stand: tuple[np.ndarray, np.ndarray],
+        saw: np.random.Generator,
+        rng: np.random.Generator,
     ) -> np.ndarray:
         inner = self.document["intrinsics"]
         camera = SceneCamera(
             np.array(inner["k"]), np.array(inner["distortion"]), tuple(inner["size"][::-1]), np.zeros(3)
         )
         rows, columns = camera.shape
-        centre, axes = self._stand(entry, extent, rng)
+        centre, axes = stand
         T_door_base = np.linalg.inv(T_base_door)
         eye = T_door_base[:3, :3] @ centre + T_door_base[:3, 3]
         look = T_door_base[:3, :3] @ axes
         flat = _FLAT[entry["looks_at"]]
         first, second = (i for i in range(3) if i != flat)
         # Edge of coordinate `first` runs along `second` and the other way round.
-        wobble = {i: self._roughness(rng) for i in (first, second)}
+        wobble = {i: self._roughness(saw) for i in (first, second)}
 
         def inside(x: np.ndarray, y: np.ndarray) -> list[np.ndarray]:
             """How far within each of the four edges rays x, y meet the face [px]."""
@@ -108,21 +145,6 @@ class AxisVisionRig:
         share[v, u] = fine / _FINE**2
         radiance = (self.background + (self.face - self.background) * share) * self._light(camera, rng)
         return expose(radiance.astype(np.float32), self.sensor, rng)
-
-    def _stand(
-        self, entry: dict[str, Any], extent: np.ndarray, rng: np.random.Generator
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """True projection centre and camera axes (columns) in base, off by the mounting's errors."""
-        place = self.layout
-        corner = [place.rear_face_x - extent[0], place.centre_y - extent[1] / 2, place.bottom_z]
-        centre = np.array(corner) + entry["place"]
-        if "x" in entry:
-            centre[0] = entry["x"]
-        right, down = np.array(entry["right"], float), np.array(entry["down"], float)
-        axes = np.column_stack([right, down, np.cross(right, down)])
-        off = self.document["mounting_deviation"]
-        turn = Rotation.from_rotvec(rng.normal(0.0, off["rotation"], 3)).as_matrix()
-        return centre + rng.normal(0.0, off["position"], 3), turn @ axes
 
     def _roughness(self, rng: np.random.Generator) -> np.ndarray:
         """How far the edge stands off its line every _GRID from the corner, a first-order process [m]."""

@@ -1,0 +1,261 @@
+"""Where the camera stands, from a door that is moved by known steps (thesis section 3.7).
+
+The thesis moves the door by 10 mm along both axes and divides by the pixels it went. That gives a
+scale for one thickness and leaves the camera's tilt in it. Here every edge point of every picture
+speaks: the camera is put where the rays of all edges, moved as they were, fit best.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from doormill_ros.cell.layout import CellLayout
+from doormill_ros.frames import transform
+from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
+from doormill_ros.localization.camera import R_BASE_CAMERA_NOMINAL, CameraModel
+from doormill_ros.localization.sensors.corner_edges import EdgeRays, PictureQuality, find_corner_edges
+from doormill_ros.localization.sensors.edge_rays import depth, miss, seen
+from doormill_ros.localization.sensors.errors import SensorError
+from doormill_ros.localization.sensors.fit import Linearised, fit_pose
+from doormill_ros.localization.sensors.sensor import DoorSize
+
+_FEWEST = 3
+# How far the camera may be from where its file has it, as a twist of the door [m, rad].
+_TOLERANCE = np.array([0.004, 0.004, 0.004, 0.02, 0.02, 0.02])
+
+
+@dataclass(frozen=True, eq=False)
+class MovedDoor:
+    """One picture of the door.
+
+    Attributes:
+        picture: Grey picture, shape (h, w), uint8.
+        move: Where the door stood from its reference place, base axes [m], shape (3,).
+        door: Its size.
+    """
+
+    picture: np.ndarray
+    move: np.ndarray
+    door: DoorSize
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """How well the door is known, standard deviations [m, rad].
+
+    Attributes:
+        place: Of the reference place along each axis.
+        turn: Of the door's rotation about each axis in the reference place.
+        move: Of a move along each axis; gauge blocks are good to micrometres, the clamp is not.
+        roughness: RMS of the door's edges about their lines.
+        correlation: Distance over which the roughness changes [m].
+    """
+
+    place: float = 1.0e-5
+    turn: float = 5.0e-5
+    move: float = 5.0e-6
+    roughness: float = 2.0e-5
+    correlation: float = 2.0e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Extrinsics:
+    """Outcome of `calibrate_extrinsics`.
+
+    Attributes:
+        camera: The camera with its mounting corrected.
+        covariance: Of the twist from the found to the true camera, at the projection centre, base
+            axes, shape (6, 6) [m, rad].
+        chi_square: Weighted sum of squared residuals.
+        redundancy: Edge points beyond the six that are needed.
+        scale: The thesis' scale along base y and z: moved length over pixels [m], nan without such a move.
+        model_scale: The same from the found camera [m].
+        door_deviation: For each thickness in the pictures the standard deviations that the mounting
+            leaves in a door's y, z [m] and rotation [rad].
+    """
+
+    camera: CameraModel
+    covariance: np.ndarray
+    chi_square: float
+    redundancy: int
+    scale: tuple[float, float]
+    model_scale: tuple[float, float]
+    door_deviation: dict[float, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class _Looked:
+    """Edges of one picture and where the door stood."""
+
+    edges: list[EdgeRays]
+    moved: MovedDoor
+    T_base_door: np.ndarray
+
+
+def calibrate_extrinsics(
+    moved: list[MovedDoor],
+    camera: CameraModel,
+    layout: CellLayout,
+    quality: PictureQuality,
+    knowledge: Knowledge | None = None,
+) -> Extrinsics:
+    """Find the camera's mounting; its intrinsics are taken as they are.
+
+    Args:
+        moved: The pictures; the reference place is the nominal place of `layout`.
+        camera: Intrinsics, and a mounting good to a few millimetres.
+        layout: Where the nominal door stands.
+        quality: Noise and least contrast of the pictures.
+        knowledge: How well door and moves are known.
+
+    Raises:
+        TooFewPictures: Fewer than three.
+        EdgeNotFound: A picture shows no edge.
+        PoorlySpread: The moves leave the mounting open, or do not fit the pictures.
+    """
+    if len(moved) < _FEWEST:
+        raise TooFewPictures(
+            f"{len(moved)} pictures of the moved door, at least {_FEWEST} are needed: one in the reference "
+            "place, one moved along y and one along z"
+        )
+    looked = [_look(m, camera, layout, quality, i) for i, m in enumerate(moved)]
+    # The slider goes with the width: the camera is solved for in a frame that goes with it too.
+    reference = camera.T_base_camera(0.0)
+    covariance = _covariance(looked, camera, knowledge or Knowledge())
+
+    def linearise(T_base_camera: np.ndarray) -> Linearised:
+        parts = [
+            miss(item.T_base_door, _slide(T_base_camera, item.moved.door.width), e.axis, e.rays)
+            for item in looked
+            for e in item.edges
+        ]
+        return Linearised(
+            -np.concatenate([p[0] for p in parts]), np.vstack([p[2] for p in parts]), covariance
+        )
+
+    try:
+        fit = fit_pose(reference, linearise, "edge points of the moved door")
+    except SensorError as error:
+        raise PoorlySpread(f"{error.message}; check the list of moves against the pictures") from error
+    found = _mounted(camera, fit.T_base_door)
+    scales = [_scale(looked, camera, found, axis) for axis in (1, 2)]
+    return Extrinsics(
+        camera=found,
+        covariance=fit.covariance,
+        chi_square=fit.chi_square,
+        redundancy=fit.redundancy,
+        scale=(scales[0][0], scales[1][0]),
+        model_scale=(scales[0][1], scales[1][1]),
+        door_deviation={
+            item.moved.door.thickness: _door_deviation(item, found, layout, fit.covariance) for item in looked
+        },
+    )
+
+
+def _look(
+    moved: MovedDoor, camera: CameraModel, layout: CellLayout, quality: PictureQuality, number: int
+) -> _Looked:
+    T_base_door = layout.T_base_door(moved.door.width, moved.door.thickness)
+    T_base_door[:3, 3] += moved.move
+    T_base_camera = camera.T_base_camera(moved.door.width)
+    edges = find_corner_edges(
+        moved.picture,
+        camera,
+        T_base_camera,
+        T_base_door,
+        "face",
+        moved.door,
+        _TOLERANCE,
+        quality,
+        f"picture {number + 1}",
+    )
+    return _Looked(edges, moved, T_base_door)
+
+
+def _slide(T_base_camera: np.ndarray, width: float) -> np.ndarray:
+    return transform(T_base_camera[:3, :3], T_base_camera[:3, 3] - [0.0, width / 2.0, 0.0])
+
+
+def _mounted(camera: CameraModel, T_base_camera: np.ndarray) -> CameraModel:
+    turn = Rotation.from_matrix(R_BASE_CAMERA_NOMINAL.T @ T_base_camera[:3, :3]).as_rotvec()
+    return replace(camera, position=T_base_camera[:3, 3], rotation_vector=turn)
+
+
+def _covariance(looked: list[_Looked], camera: CameraModel, known: Knowledge) -> np.ndarray:
+    """Of all misses: noise, the door's roughness that moves along with it, moves and reference place."""
+    focal = float(np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
+    rows = [(i, e) for i, item in enumerate(looked) for e in item.edges]
+    total = sum(len(e.rays) for _, e in rows)
+    axis, along, far, noise = (np.empty(total) for _ in range(4))
+    place, step = np.zeros((total, 6)), np.zeros((total, 3 * len(looked)))
+    begin = 0
+    for i, e in rows:
+        part = slice(begin, begin + len(e.rays))
+        begin = part.stop
+        item = looked[i]
+        T_base_camera = camera.T_base_camera(item.moved.door.width)
+        axis[part], along[part], noise[part] = e.axis, e.along, e.deviation / focal
+        far[part] = depth(item.T_base_door, T_base_camera, e.axis, e.along)
+        by_door = miss(item.T_base_door, T_base_camera, e.axis, e.rays)[1]
+        place[part] = by_door
+        if np.any(item.moved.move):
+            step[part, 3 * i : 3 * i + 3] = by_door[:, :3]
+    # Another thickness is another door, with edges of its own; its roughness is drawn anew.
+    door = np.concatenate([np.full(len(e.rays), looked[i].moved.door.thickness) for i, e in rows])
+    alike = np.exp(-np.abs(along[:, None] - along) / known.correlation)
+    alike *= (axis[:, None] == axis) & (door[:, None] == door)
+    out = known.roughness**2 * alike / np.outer(far, far) + np.diag(noise**2)
+    place *= np.repeat([known.place, known.turn], 3)
+    return out + place @ place.T + known.move**2 * step @ step.T
+
+
+def _scale(looked: list[_Looked], before: CameraModel, after: CameraModel, axis: int) -> tuple[float, float]:
+    """Length per pixel [m] along a base axis, as the thesis finds it and by the found camera."""
+    at_rest = [item for item in looked if not np.any(item.moved.move)]
+    for item in looked:
+        shift = item.moved.move
+        if shift[axis] and not np.any(np.delete(shift, axis)):
+            for rest in at_rest:
+                if rest.moved.door == item.moved.door:
+                    corners = [before.distort(_corner(x)) for x in (item, rest)]
+                    length = abs(float(shift[axis]))
+                    model = [
+                        after.distort(
+                            seen(x.T_base_door, after.T_base_camera(x.moved.door.width), 1, np.zeros(1))
+                        )[0]
+                        for x in (item, rest)
+                    ]
+                    return (
+                        length / float(np.linalg.norm(corners[0] - corners[1])),
+                        length / float(np.linalg.norm(model[0] - model[1])),
+                    )
+    return float("nan"), float("nan")
+
+
+def _corner(item: _Looked) -> np.ndarray:
+    """Ideal ray (2,) where straight lines through the two edges cross."""
+    lines = []
+    for e in item.edges:
+        middle = e.rays.mean(axis=0)
+        across = np.linalg.svd(e.rays - middle)[2][1]
+        lines.append((across, across @ middle))
+    return np.linalg.solve(np.array([n for n, _ in lines]), np.array([d for _, d in lines]))
+
+
+def _door_deviation(
+    item: _Looked, camera: CameraModel, layout: CellLayout, covariance: np.ndarray
+) -> np.ndarray:
+    """What a camera off by `covariance` does to y, z and rotation of a nominal door, shape (3,)."""
+    door = item.moved.door
+    T_base_door = layout.T_base_door(door.width, door.thickness)
+    T_base_camera = camera.T_base_camera(door.width)
+    parts = [
+        miss(T_base_door, T_base_camera, e.axis, seen(T_base_door, T_base_camera, e.axis, e.along))
+        for e in item.edges
+    ]
+    by_door, by_camera = (np.vstack([p[i] for p in parts]) for i in (1, 2))
+    moves = -np.linalg.lstsq(by_door[:, 1:4], by_camera, rcond=None)[0]
+    return np.sqrt(np.diag(moves @ covariance @ moves.T))

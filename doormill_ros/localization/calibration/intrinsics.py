@@ -1,0 +1,125 @@
+"""Camera matrix and lens distortion from pictures of a chessboard (thesis sections 2.3 and 3.7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from doormill_ros.localization.calibration.chessboard import Chessboard
+from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
+
+_FEWEST = 6
+_BAD = 3.5  # robust standard deviations of the pictures' errors above their median
+_LEAST_BAD = 1.5  # and at least this many times the median
+_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
+
+
+@dataclass(frozen=True, eq=False)
+class Intrinsics:
+    """Outcome of `calibrate_intrinsics`.
+
+    Attributes:
+        k: Camera matrix [px], shape (3, 3).
+        distortion: k1, k2, p1, p2, k3, shape (5,).
+        k_deviation: Standard deviations of fx, fy, cx, cy [px], shape (4,).
+        distortion_deviation: Standard deviations of the distortion, shape (5,); 0 where held at 0.
+        size: Picture width and height [px].
+        picture_error: RMS reprojection error of each picture [px], shape (n,); nan where no corners came.
+            Rejected pictures are measured against the calibration without them.
+        used: Which pictures the result rests on, shape (n,), bool.
+        error: RMS reprojection error of the used pictures [px].
+        covered: Largest distance of a used corner from the principal point, at unit focal length.
+    """
+
+    k: np.ndarray
+    distortion: np.ndarray
+    k_deviation: np.ndarray
+    distortion_deviation: np.ndarray
+    size: tuple[int, int]
+    picture_error: np.ndarray
+    used: np.ndarray
+    error: float
+    covered: float
+
+
+def calibrate_intrinsics(
+    corners: list[np.ndarray | None], board: Chessboard, size: tuple[int, int], radial: int = 2
+) -> Intrinsics:
+    """Calibrate, and leave out pictures whose error stands out from the others.
+
+    Bad pictures go one at a time, the worst first, because each spoils the errors of the others.
+
+    Args:
+        corners: For each picture the corners (m, 2) [px], or None when the board was not found.
+        board: The chessboard.
+        size: Picture width and height [px].
+        radial: How many radial coefficients to fit, 1 to 3; the others stay 0.
+
+    Raises:
+        TooFewPictures: Fewer than six pictures are usable.
+        PoorlySpread: The pictures do not determine the camera.
+    """
+    points = board.points().astype(np.float32)
+    used = np.array([c is not None for c in corners])
+    while True:
+        if used.sum() < _FEWEST:
+            raise TooFewPictures(
+                f"{used.sum()} of {len(corners)} pictures are usable, at least {_FEWEST} are needed; take more",
+                usable=int(used.sum()),
+            )
+        seen = [c.astype(np.float32) for c, use in zip(corners, used, strict=True) if use]
+        fit = _fit(points, seen, size, radial)
+        errors = fit[7].ravel()
+        centre = float(np.median(errors))
+        scatter = 1.4826 * float(np.median(np.abs(errors - centre)))
+        worst = int(np.argmax(errors))
+        if errors[worst] <= max(centre + _BAD * scatter, _LEAST_BAD * centre):
+            break
+        used[np.flatnonzero(used)[worst]] = False
+    _, k, distortion, _, _, deviation, _, _ = fit
+    distortion, deviation = distortion.ravel()[:5], deviation.ravel()
+    if not np.all(np.isfinite(k)) or deviation[0] > 0.05 * k[0, 0]:
+        raise PoorlySpread(
+            f"the focal length comes out as {k[0, 0]:.0f} px with a standard deviation of {deviation[0]:.0f} px, "
+            "allowed are 5 %; take pictures with the board tilted in both directions",
+        )
+    rays = cv2.undistortPoints(np.concatenate(seen).reshape(-1, 1, 2), k, distortion)[:, 0]
+    return Intrinsics(
+        k=k,
+        distortion=distortion,
+        k_deviation=deviation[:4],
+        distortion_deviation=deviation[4:9],
+        size=size,
+        picture_error=np.array([_error(points, c, k, distortion) for c in corners]),
+        used=used,
+        error=float(fit[0]),
+        covered=float(np.linalg.norm(rays, axis=1).max()),
+    )
+
+
+def _fit(points: np.ndarray, seen: list[np.ndarray], size: tuple[int, int], radial: int) -> tuple:
+    flags = 0
+    for count, flag in ((1, cv2.CALIB_FIX_K2), (2, cv2.CALIB_FIX_K3)):
+        flags |= flag if radial <= count else 0
+    try:
+        return cv2.calibrateCameraExtended(
+            [points] * len(seen), seen, size, None, None, flags=flags, criteria=_STOP
+        )
+    except cv2.error as error:
+        raise PoorlySpread(
+            f"{len(seen)} pictures do not determine the camera ({error.err}); take pictures with the board "
+            "tilted in both directions"
+        ) from error
+
+
+def _error(points: np.ndarray, corners: np.ndarray | None, k: np.ndarray, distortion: np.ndarray) -> float:
+    """RMS distance [px] of corners from where a camera sees the board, best placed."""
+    if corners is None:
+        return float("nan")
+    found, rotation, shift = cv2.solvePnP(points, corners, k, distortion)
+    if not found:
+        return float("nan")
+    again = cv2.projectPoints(points, rotation, shift, k, distortion)[0][:, 0]
+    return float(np.sqrt(np.mean(np.sum((again - corners) ** 2, axis=1))))
