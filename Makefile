@@ -6,10 +6,10 @@ DISTRO ?= kilted
 DOOR ?= standard_door
 ENV = . ./activate &&
 
-.PHONY: help setup run test lint format bench clean
+.PHONY: help setup run test lint format bench faults corpus score clean
 
 help:             ## this list
-	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/:/' | column -t -s:
+	@sed -nE 's/^([a-z]+):[^#]*## *(.*)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
 
 setup:            ## create .venv, install ROS 2 from wheels, build both packages
 	@scripts/bootstrap.sh $(DISTRO)
@@ -29,6 +29,15 @@ format: setup     ## rewrite the code in the house format
 bench: setup      ## speed beside named peers, out/bench/bench.json
 	@.venv/bin/python -m pip install --disable-pip-version-check --quiet -r requirements/bench.txt
 	@$(ENV) OMP_NUM_THREADS=1 python bench/run.py
+
+faults: setup     ## 300 seeded runs of kills, torn writes and lost connections between PC and controller
+	@$(ENV) python bench/faults.py --runs 300 --seed 1
+
+corpus: setup     ## localization over 300 workshop-like pictures beside two peers
+	@$(ENV) python bench/bench_localization.py
+
+score: setup      ## diagnosis over 200 seeded sets with hidden effects, as a confusion matrix
+	@$(ENV) python bench/diagnosis_score.py --sets 200
 
 clean:            ## remove what setup, run and bench made
 	rm -rf .venv build install log out

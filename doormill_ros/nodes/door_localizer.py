@@ -16,7 +16,7 @@ from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import BASE_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError
-from doormill_ros.localization.localizer import localize
+from doormill_ros.localization.localizer import localize, prepare
 from doormill_ros.localization.overlay import draw_overlay
 from doormill_ros.localization.result import Localization
 from doormill_ros.nodes import topics
@@ -34,7 +34,7 @@ class DoorLocalizer(ManagedNode):
     PARAMETERS = (
         Parameter("check_age", True, "refuse pictures that are too old; false when a bag is replayed"),
         Parameter(
-            "camera_info_wait", 0.3, "how long a picture waits for the first camera info [s]", 0.0, 5.0
+            "camera_info_wait", 3.0, "how long a picture waits for the first camera info [s]", 0.0, 30.0
         ),
         Parameter("overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8),
     )
@@ -47,6 +47,7 @@ class DoorLocalizer(ManagedNode):
         self._layout = load_layout()
         self._mounted = load_camera()
         self._camera: CameraModel | None = None
+        self._intrinsics: tuple[Any, ...] = ()
         self._recipe: DoorRecipe | None = None
         self._waiting: tuple[Image, float] | None = None
         self._pose = self.publisher(topics.DOOR_POSE)
@@ -59,6 +60,12 @@ class DoorLocalizer(ManagedNode):
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         self._recipe = recipe
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Work out what does not depend on the picture before it comes."""
+        if self._camera is not None and self._recipe is not None:
+            prepare(self._camera, self._layout, self._recipe.width, self._recipe.thickness)
 
     def _take_camera_info(self, info: CameraInfo) -> None:
         self._camera = camera_of(info, self._mounted)
