@@ -84,6 +84,8 @@ def causes_of(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
                 "gain_with_series_left_out": [float(v) for v in score.transfer],
             }
         )
+    if not found:
+        return []  # a consistent or an unexplained set names no cause; its gross errors stand under outliers
     for data, bad in zip(diagnosis.sets, diagnosis.gross, strict=True):
         if bad.any():
             rows = [int(row) for row in data.row[bad]]
@@ -115,15 +117,16 @@ def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str,
     if isinstance(score.cause, SessionStep):
         data = next(d for d in diagnosis.sets if score.cause.where == f"set {d.name}")
         at = int(np.searchsorted(data.row, score.cause.row))
-        vector = {"step": ("step_x", "step_y", "step_z"), "turn": ("turn_x", "turn_y", "turn_z")}
-        steps: dict[str, dict[str, Any]] = {
-            name: {
-                "value": [named[p]["value"] for p in parts],
-                "std": [named[p]["std"] for p in parts],
-                "unit": named[parts[0]]["unit"],
+        series = next(i for i, d in enumerate(diagnosis.sets) if d is data)
+        R_tracker_base = diagnosis.extended.problem.placements[series].T_tracker_base[:3, :3]
+        steps: dict[str, dict[str, Any]] = {}
+        for name, axes in (("step", slice(0, 3)), ("turn", slice(3, 6))):
+            steps[name] = {
+                "value": [float(v) for v in R_tracker_base @ value[axes]],
+                "std": [float(v) for v in np.sqrt(R_tracker_base**2 @ std[axes] ** 2)],
+                "unit": coefficients[axes.start].unit,
+                "axes": "tracker",
             }
-            for name, parts in vector.items()
-        }
         steps["row"] = {"value": score.cause.row, "std": 1.0, "unit": "-"}
         if np.isfinite(data.time[at]):
             steps["time"] = {

@@ -26,7 +26,7 @@ class LinkGeometry(PoseCause):
         """Choose what can be told from the placement."""
         self.where = where
         k = number(where)
-        parallel = abs(np.sin(dh[k - 1, 3])) < PARALLEL
+        parallel = k < len(dh) and abs(np.sin(dh[k - 1, 3])) < PARALLEL
         names = ("theta", "a", "alpha", "beta") if parallel else ("theta", "d", "a", "alpha")
         self.hidden = {1: ("theta", "d"), 6: names}.get(k, ())
         self.names = tuple(name for name in names if name not in self.hidden)

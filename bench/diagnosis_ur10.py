@@ -1,0 +1,91 @@
+"""How far the diagnosis brings the measured UR10: whole procedure repeated without the rows it is judged on.
+
+python bench/diagnosis_ur10.py [--folds 5] [--data ../shared/data/ur10]
+
+Unlike the figures in diagnosis.json, where the list of causes and orders comes from all rows, everything is
+done anew here for every part left out: search, selection, fit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import time
+from pathlib import Path
+
+import numpy as np
+
+from doormill_ros.diagnosis.pose.chain import residual
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
+from doormill_ros.diagnosis.pose.fit import contiguous
+from doormill_ros.diagnosis.pose.pose_set import PoseSet, read_pose_set
+from doormill_ros.diagnosis.pose.run import check_set
+from doormill_ros.diagnosis.pose.view import make_view
+
+NAMES = ("grid", "joint-configurations", "random-poses")
+_COLUMNS = ("row", "time", "temperature", "q", "position", "rotation", "placement")
+
+
+def part_of(data: PoseSet, rows: np.ndarray) -> PoseSet:
+    """Some rows of a series."""
+    return dataclasses.replace(data, **{name: getattr(data, name)[rows] for name in _COLUMNS})
+
+
+def predict(diagnosis: PoseDiagnosis, series: int, data: PoseSet) -> np.ndarray:
+    """Residuals of rows of a series that was diagnosed without them; its placement comes from the rest."""
+    placement = diagnosis.extended.problem.placements[series]
+    return residual(diagnosis.model.frames(make_view(data)), placement, data.position, data.rotation)
+
+
+def figures(errors: np.ndarray) -> str:
+    """Root mean square, the same without the worst 1 %, and the median, in micrometres."""
+    size = 1e6 * np.linalg.norm(errors[:, :3], axis=1)
+    most = np.sort(size)[: int(0.99 * len(size))]
+    turn = 1e6 * np.sqrt(np.mean(np.sum(errors[:, 3:] ** 2, axis=1)))
+    return (
+        f"rms {np.sqrt(np.mean(size**2)):.0f} um, without the worst 1 % {np.sqrt(np.mean(most**2)):.0f} um, "
+        f"median {np.median(size):.0f} um, rotation {turn:.0f} urad"
+    )
+
+
+def main() -> None:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--folds", type=int, default=5, help="every so many-th block is left out together")
+    parser.add_argument(
+        "--data", type=Path, default=Path(__file__).resolve().parents[2] / "shared" / "data" / "ur10"
+    )
+    chosen = parser.parse_args()
+    sets = [read_pose_set(chosen.data / name) for name in NAMES]
+    start = time.perf_counter()
+    errors = [np.zeros((len(data), 6)) for data in sets]
+    for fold in range(chosen.folds):
+        out = [np.concatenate(contiguous(len(data))[fold :: chosen.folds]) for data in sets]
+        rest = [np.setdiff1d(np.arange(len(data)), rows) for data, rows in zip(sets, out, strict=True)]
+        found = diagnose_poses([part_of(data, rows) for data, rows in zip(sets, rest, strict=True)])
+        for series, (data, rows) in enumerate(zip(sets, out, strict=True)):
+            errors[series][rows] = predict(found, series, part_of(data, rows))
+        names = ", ".join(map(repr, (score.cause for score in found.established)))
+        print(f"fold {fold + 1}, {time.perf_counter() - start:.0f} s: {names}", flush=True)
+    for data, error in zip(sets, errors, strict=True):
+        print(f"blocks left out, {data.name}: {figures(error)}")
+        sizes = [np.sqrt(np.mean(np.sum(error[b, :3] ** 2, axis=1))) for b in contiguous(len(data))]
+        print("  by block:", " ".join(f"{1e6 * size:.0f}" for size in sizes), "um")
+    print(f"blocks left out, all: {figures(np.concatenate(errors))}", flush=True)
+    for index, data in enumerate(sets):
+        found = diagnose_poses([other for i, other in enumerate(sets) if i != index])
+        checked = check_set(found, data)
+        base, extended = checked["baseline"], checked["extended"]
+        outside = ", ".join(
+            f"{k} {100 * v:.0f} %" for k, v in checked["outside_coverage"].items() if v > 0.005
+        )
+        print(
+            f"series left out, {data.name}: {1e6 * base['rmse']:.0f} -> {1e6 * extended['rmse']:.0f} um, rotation "
+            f"{1e6 * base['rotation_rmse']:.0f} -> {1e6 * extended['rotation_rmse']:.0f} urad; angles never visited: "
+            f"{outside or 'none'}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,134 @@
+"""Blocks of normal equations, learnt sizes and conditioning against plain linear algebra."""
+
+import numpy as np
+import pytest
+
+from doormill_ros.diagnosis.pose.causes.joint_periodic_error import JointPeriodicError
+from doormill_ros.diagnosis.pose.causes.joint_sag import JointSag
+from doormill_ros.diagnosis.pose.causes.joint_wobble import JointWobble
+from doormill_ros.diagnosis.pose.causes.link_geometry import LinkGeometry
+from doormill_ros.diagnosis.pose.causes.thermal_drift import ThermalDrift
+from doormill_ros.diagnosis.pose.diagnosis import distinct_share
+from doormill_ros.diagnosis.pose.fit import Fitted, contiguous, fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.pose_set import read_pose_set
+from doormill_ros.diagnosis.pose.problem import Problem
+from doormill_ros.diagnosis.pose.solve import add_up, solve
+from doormill_ros.diagnosis.pose.validation import Validation, without
+
+
+@pytest.fixture
+def problem(tmp_path, write_pose_sets, faults):
+    folders = write_pose_sets(tmp_path, faults(sag=[(2, 1e-5)], geometry=[(3, "a", 3e-4)]), 60, 8)
+    sets = [read_pose_set(folder) for folder in folders]
+    causes = [
+        LinkGeometry("link 3", sets[0].dh),
+        JointSag("joint 2"),
+        JointPeriodicError("joint 4", (1, 5)),
+        JointWobble("joint 2", (2,)),
+        ThermalDrift("set second"),
+    ]
+    return Problem(sets, causes, place_nominally(sets))
+
+
+def numeric_jacobian(problem, series):
+    """Derivative of the whitened residual by causes and placement, by differences."""
+    scale = np.repeat(1.0 / np.array(problem.sigma), 3)
+    J = np.zeros((len(problem.sets[series]) * 6, problem.size))
+    h = 1e-6
+    for i in range(problem.layout.size):
+        up, down = problem.x.copy(), problem.x.copy()
+        up[i] += h
+        down[i] -= h
+        change = problem.residual(series, down) - problem.residual(series, up)
+        J[:, i] = (change * scale).ravel() / (2.0 * h)
+    start = problem.placements[series]
+    for i, where in enumerate(problem.placement_ids(series)):
+        ends = []
+        for sign in (-h, h):
+            step = np.zeros(12)
+            step[i] = sign
+            problem.placements[series] = start.moved(step[:6], step[6:])
+            ends.append(problem.residual(series))
+        # The base of a moved placement carries its axes along: turn residuals back.
+        problem.placements[series] = start
+        J[:, where] = ((ends[0] - ends[1]) * scale).ravel() / (2.0 * h)
+    return J
+
+
+def test_blocks_hold_the_products_of_the_derivatives(problem):
+    rows = [contiguous(len(data)) for data in problem.sets]
+    problem.weights[0][3] = 0.25
+    H, g = add_up(problem.blocks(rows), problem.size)
+    J = [numeric_jacobian(problem, series) for series in range(2)]
+    scale = np.repeat(1.0 / np.array(problem.sigma), 3)
+    weights = [np.repeat(w, 6) for w in problem.weights]
+    cut = problem.layout.size
+    wanted = sum(j.T @ (w[:, None] * j) for j, w in zip(J, weights, strict=True))
+    np.testing.assert_allclose(
+        H[:cut, :cut], wanted[:cut, :cut], rtol=1e-3, atol=1e-4 * np.abs(wanted[:cut, :cut]).max()
+    )
+    slope = sum(
+        j.T @ (w * (problem.residual(s) * scale).ravel())
+        for s, (j, w) in enumerate(zip(J, weights, strict=True))
+    )
+    np.testing.assert_allclose(g[:cut], slope[:cut], rtol=1e-3, atol=1e-4 * np.abs(slope[:cut]).max())
+
+
+def test_solve_is_ridge_regression():
+    rng = np.random.default_rng(2)
+    J, y = rng.normal(size=(40, 6)), rng.normal(size=40)
+    variance = np.array([0.5, 2.0, 1.0, 0.1, np.inf, np.inf])
+    found = solve(J.T @ J, J.T @ y, variance)
+    precision = np.diag(np.append(1.0 / variance[:4], [0.0, 0.0]))
+    np.testing.assert_allclose(found.x, np.linalg.solve(J.T @ J + precision, J.T @ y), rtol=1e-6)
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(J.T @ J + precision), rtol=1e-6)
+
+
+def test_taking_away_is_refitting_without():
+    rng = np.random.default_rng(3)
+    J, y = rng.normal(size=(50, 8)), rng.normal(size=50)
+    variance = rng.uniform(0.1, 2.0, 8)
+    gone = np.array([1, 4, 5])
+    stay = np.setdiff1d(np.arange(8), gone)
+    found = without(solve(J.T @ J, J.T @ y, variance), gone)
+    alone = solve(J[:, stay].T @ J[:, stay], J[:, stay].T @ y, variance[stay])
+    np.testing.assert_allclose(found.x[stay], alone.x, rtol=1e-8)
+    np.testing.assert_allclose(found.x[gone], 0.0)
+    np.testing.assert_allclose(found.covariance[np.ix_(stay, stay)], alone.covariance, rtol=1e-8)
+
+
+def test_held_out_rows_do_not_touch_their_prediction(tmp_path, write_pose_sets, faults):
+    folders = write_pose_sets(tmp_path, faults(sag=[(2, 1e-5)]), 100, 9)
+    sets = [read_pose_set(folder) for folder in folders]
+    causes = [JointSag("joint 2"), LinkGeometry("link 3", sets[0].dh)]
+    fitted = fit_causes(sets, causes, place_nominally(sets), 2)
+    before = Validation(fitted).residuals(Validation(fitted).blocks, np.zeros(0, dtype=int))
+    # Rows of block 0 predicted by fold 0: spoil their normal equations, the prediction must not move.
+    spoilt = list(fitted.blocks)
+    for b in spoilt[::10]:
+        b.g[:] += 1e3
+    after = Validation(Fitted(fitted.problem, fitted.solution, spoilt))
+    after = after.residuals(after.blocks, np.zeros(0, dtype=int))
+    rows = fitted.blocks[0].rows
+    np.testing.assert_allclose(after[0][rows], before[0][rows], atol=1e-12)
+    others = fitted.blocks[1].rows
+    assert np.abs(after[0][others] - before[0][others]).max() > 1e-9
+
+
+def test_what_a_placement_imitates_is_seen(tmp_path, write_pose_sets, faults):
+    """Theta and d of link 1 and all of link 6 are claimed to belong to the placement: so the data say."""
+    sets = [read_pose_set(folder) for folder in write_pose_sets(tmp_path, faults(), 60, 8)]
+
+    class Everything(LinkGeometry):
+        def __init__(self, where, dh):
+            super().__init__(where, dh)
+            self.names = tuple(dict.fromkeys([*self.hidden, *self.names]))
+
+    causes = [Everything(f"link {k}", sets[0].dh) for k in (1, 2, 6)]
+    fitted = fit_causes(sets, causes, place_nominally(sets), 1)
+    share = distinct_share(fitted)
+    names = [(c.where, p.name) for c in causes for p in c.coefficients]
+    imitated = {name for name, part in zip(names, share, strict=True) if part < 1e-6}
+    assert imitated == {("link 1", "theta"), ("link 1", "d")} | {
+        ("link 6", n) for n in ("theta", "d", "a", "alpha")
+    }
