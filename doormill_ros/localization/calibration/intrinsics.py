@@ -12,7 +12,9 @@ from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPic
 
 _FEWEST = 6
 _BAD = 3.5  # robust standard deviations of the pictures' errors above their median
-_LEAST_BAD = 1.5  # and at least this many times the median
+_LEAST_BAD = 2.5  # and at least this many times the median: far and near boards differ by two
+_MAX_DEVIATION = 0.02  # of the focal length
+_OPEN = 1e-12  # ratio of eigenvalues at which the pictures leave a parameter open
 _STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
 
 
@@ -78,12 +80,15 @@ def calibrate_intrinsics(
         if errors[worst] <= max(centre + _BAD * scatter, _LEAST_BAD * centre):
             break
         used[np.flatnonzero(used)[worst]] = False
-    _, k, distortion, _, _, deviation, _, _ = fit
-    distortion, deviation = distortion.ravel()[:5], deviation.ravel()
-    if not np.all(np.isfinite(k)) or deviation[0] > 0.05 * k[0, 0]:
+    _, k, distortion, turns, places = fit[:5]
+    distortion = distortion.ravel()[:5]
+    deviation = _deviations(points, seen, k, distortion, (turns, places), radial)
+    # OpenCV's own deviations stay small when the focal length runs away, these do not.
+    if not np.all(np.isfinite(deviation)) or np.any(deviation[:2] > _MAX_DEVIATION * k[(0, 1), (0, 1)]):
         raise PoorlySpread(
-            f"the focal length comes out as {k[0, 0]:.0f} px with a standard deviation of {deviation[0]:.0f} px, "
-            "allowed are 5 %; take pictures with the board tilted in both directions",
+            f"{len(seen)} pictures leave the focal length open: {k[0, 0]:.0f} px with a standard deviation of "
+            f"{deviation[0]:.0f} px, allowed are {_MAX_DEVIATION:.0%}; take pictures with the board tilted in "
+            "both directions",
         )
     rays = cv2.undistortPoints(np.concatenate(seen).reshape(-1, 1, 2), k, distortion)[:, 0]
     return Intrinsics(
@@ -112,6 +117,40 @@ def _fit(points: np.ndarray, seen: list[np.ndarray], size: tuple[int, int], radi
             f"{len(seen)} pictures do not determine the camera ({error.err}); take pictures with the board "
             "tilted in both directions"
         ) from error
+
+
+def _deviations(
+    points: np.ndarray,
+    seen: list[np.ndarray],
+    k: np.ndarray,
+    distortion: np.ndarray,
+    poses: tuple[list[np.ndarray], list[np.ndarray]],
+    radial: int,
+) -> np.ndarray:
+    """Standard deviations of fx, fy, cx, cy and the five coefficients, shape (9,); nan when open.
+
+    The boards' poses are eliminated from the normal equations (Schur complement); the variance of
+    a corner is that of the residuals.
+    """
+    free = np.array([True] * 4 + [True, radial > 1, True, True, radial > 2])
+    normal, squares, count = np.zeros((9, 9)), 0.0, 0
+    for corners, turn, place in zip(seen, *poses, strict=True):
+        again, jacobian = cv2.projectPoints(points, turn, place, k, distortion)
+        pose, camera = jacobian[:, :6], jacobian[:, 6:15]
+        camera = camera - pose @ np.linalg.lstsq(pose, camera, rcond=None)[0]
+        normal += camera.T @ camera
+        squares += float(np.sum((again[:, 0] - corners) ** 2))
+        count += 2 * len(corners) - 6
+    normal = normal[np.ix_(free, free)]
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    values, vectors = np.linalg.eigh(normal * np.outer(scale, scale))
+    out = np.zeros(9)
+    if values[0] < _OPEN * values[-1]:
+        out[free] = np.nan
+    else:
+        inverse = (vectors / values) @ vectors.T * np.outer(scale, scale)
+        out[free] = np.sqrt(np.diag(inverse) * squares / (count - free.sum()))
+    return out
 
 
 def _error(points: np.ndarray, corners: np.ndarray | None, k: np.ndarray, distortion: np.ndarray) -> float:

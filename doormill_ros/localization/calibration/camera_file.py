@@ -1,0 +1,82 @@
+"""Write what a calibration found into a file of the form of config/camera.yaml."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from doormill_ros.localization.calibration.errors import BadCalibrationFile
+from doormill_ros.localization.calibration.extrinsics import Extrinsics
+from doormill_ros.localization.calibration.intrinsics import Intrinsics
+
+
+def read_document(path: Path) -> dict[str, Any]:
+    """The mapping in a YAML file.
+
+    Raises:
+        BadCalibrationFile: There is no such file or no mapping in it.
+    """
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, yaml.YAMLError) as error:
+        raise BadCalibrationFile(f"{path} cannot be read: {error}", path=str(path)) from error
+    if not isinstance(document, dict):
+        raise BadCalibrationFile(f"{path} holds no mapping; see docs/calibration.md", path=str(path))
+    return document
+
+
+def with_intrinsics(document: dict[str, Any], found: Intrinsics, names: list[str]) -> dict[str, Any]:
+    """A camera document with the intrinsics replaced; `names` are those of the pictures."""
+    return document | {
+        "size": list(found.size),
+        "intrinsics": {"measured": True, "k": _plain(found.k), "deviation": _plain(found.k_deviation)},
+        "distortion": {
+            "measured": True,
+            "coefficients": _plain(found.distortion),
+            "deviation": _plain(found.distortion_deviation),
+            "covered": float(found.covered),
+        },
+        "chessboard": {
+            "error": float(found.error),
+            "picture_error": {
+                name: None if np.isnan(error) else float(error)
+                for name, error in zip(names, found.picture_error, strict=True)
+            },
+            "rejected": [name for name, use in zip(names, found.used, strict=True) if not use],
+        },
+    }
+
+
+def with_mounting(document: dict[str, Any], found: Extrinsics) -> dict[str, Any]:
+    """A camera document with the mounting replaced, and what it leaves open told to the localiser.
+
+    The localiser takes the worst of the thicknesses, since it does not know the covariance.
+    """
+    deviation = np.sqrt(np.diag(found.covariance))
+    x, y, z = (float(v) for v in found.camera.position)
+    changed = document | {
+        "mounting": {
+            "measured": True,
+            "x": x,
+            "slider_y": y,
+            "z": z,
+            "rotation_vector": _plain(found.camera.rotation_vector),
+            "deviation": {"position": _plain(deviation[:3]), "rotation": _plain(deviation[3:])},
+        }
+    }
+    if "localizer" in document:
+        worst = np.max(list(found.door_deviation.values()), axis=0)
+        changed["localizer"] = document["localizer"] | {"mounting_deviation": _plain(worst)}
+    return changed
+
+
+def write_document(document: dict[str, Any], path: Path) -> None:
+    """Write a camera document."""
+    path.write_text(yaml.safe_dump(document, sort_keys=False, default_flow_style=None), encoding="utf-8")
+
+
+def _plain(values: np.ndarray) -> list:
+    return np.asarray(values, dtype=float).tolist()

@@ -1,0 +1,177 @@
+"""Calibrate the camera: `python -m doormill_ros.localization.calibration.main intrinsics|extrinsics|lens`.
+
+Lengths on the command line and in the list of moves are millimetres.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.errors import DoormillError
+from doormill_ros.localization.calibration.camera_file import (
+    read_document,
+    with_intrinsics,
+    with_mounting,
+    write_document,
+)
+from doormill_ros.localization.calibration.chessboard import Chessboard, find_corners
+from doormill_ros.localization.calibration.errors import BadCalibrationFile
+from doormill_ros.localization.calibration.extrinsics import MovedDoor, calibrate_extrinsics
+from doormill_ros.localization.calibration.intrinsics import calibrate_intrinsics
+from doormill_ros.localization.calibration.lens_check import check_lens
+from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.sensors.corner_edges import PictureQuality
+from doormill_ros.localization.sensors.sensor import DoorSize
+from doormill_ros.resources import resource
+from doormill_ros.units import m_to_mm, mm_to_m, rad_to_deg
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one calibration; 0 when it was written, 2 for bad input."""
+    arguments = _parser().parse_args(argv)
+    try:
+        lines = arguments.run(arguments)
+    except (DoormillError, OSError) as error:
+        sys.stderr.write(f"calibration: {error}\n")
+        return 2
+    sys.stdout.write("\n".join(lines) + "\n")
+    return 0
+
+
+def _intrinsics(arguments: argparse.Namespace) -> list[str]:
+    columns, rows = arguments.board
+    board = Chessboard(columns, rows, mm_to_m(arguments.square))
+    pictures = [_picture(path) for path in arguments.pictures]
+    sizes = {picture.shape[::-1] for picture in pictures}
+    if len(sizes) != 1:
+        raise BadCalibrationFile(f"the pictures have sizes {sorted(sizes)}, allowed is one; sort them")
+    corners = [find_corners(picture, board) for picture in pictures]
+    found = calibrate_intrinsics(corners, board, sizes.pop(), arguments.radial)
+    names = [path.name for path in arguments.pictures]
+    write_document(with_intrinsics(read_document(arguments.camera), found, names), arguments.out)
+    lines = []
+    for name, error, use in zip(names, found.picture_error, found.used, strict=True):
+        note = "" if use else "  rejected" if np.isfinite(error) else "  no board found"
+        lines.append(f"{name}: {error:.3f} px{note}")
+    values = (found.k[0, 0], found.k[1, 1], found.k[0, 2], found.k[1, 2])
+    for name, value, deviation in zip(("fx", "fy", "cx", "cy"), values, found.k_deviation, strict=True):
+        lines.append(f"{name} = {value:.2f} +- {deviation:.2f} px")
+    for name, value, deviation in zip(
+        ("k1", "k2", "p1", "p2", "k3"), found.distortion, found.distortion_deviation, strict=True
+    ):
+        lines.append(f"{name} = {value:.5f} +- {deviation:.5f}")
+    lens = check_lens(found.k, found.size, (found.distortion[0], found.distortion[1], found.distortion[4]))
+    lines.append(f"corners reach {found.covered:.2f} of the {lens.corner:.2f} to the picture's corner")
+    return [
+        *lines,
+        f"{int(found.used.sum())} of {len(names)} pictures used, {found.error:.3f} px; {arguments.out}",
+    ]
+
+
+def _extrinsics(arguments: argparse.Namespace) -> list[str]:
+    document = read_document(arguments.moves)
+    try:
+        width, height = mm_to_m(float(document["width"])), mm_to_m(float(document["height"]))
+        moved = [
+            MovedDoor(
+                _picture(arguments.moves.parent / entry["picture"]),
+                mm_to_m(np.array(entry["move"], dtype=float).reshape(3)),
+                DoorSize(width, height, mm_to_m(float(entry.get("thickness", document.get("thickness"))))),
+            )
+            for entry in document["pictures"]
+        ]
+        quality = PictureQuality(float(document.get("noise", 2.0)), float(document.get("min_contrast", 25.0)))
+    except (KeyError, TypeError, ValueError) as error:
+        raise BadCalibrationFile(f"{arguments.moves}: {error}; see docs/calibration.md") from error
+    found = calibrate_extrinsics(moved, load_camera(arguments.camera), load_layout(), quality)
+    write_document(with_mounting(read_document(arguments.camera), found), arguments.out)
+    deviation = np.sqrt(np.diag(found.covariance))
+    lines = []
+    for i, name in enumerate(("x", "slider_y", "z")):
+        value, off = m_to_mm(found.camera.position[i]), m_to_mm(deviation[i])
+        lines.append(f"{name} = {value:.3f} +- {off:.3f} mm")
+    turn = rad_to_deg(found.camera.rotation_vector)
+    lines.append(f"rotation vector = {', '.join(f'{v:.3f}' for v in turn)} deg, camera axes")
+    for axis, thesis, model in zip("yz", found.scale, found.model_scale, strict=True):
+        if np.isfinite(thesis):
+            lines.append(
+                f"scale along {axis}: {m_to_mm(thesis):.5f} mm/px by the move, {m_to_mm(model):.5f} by the camera"
+            )
+    for thickness, (y, z, rotation) in found.door_deviation.items():
+        lines.append(
+            f"leaves in a door of {m_to_mm(thickness):g} mm: y {m_to_mm(y):.4f} mm, z {m_to_mm(z):.4f} mm, "
+            f"rotation {rad_to_deg(rotation):.4f} deg"
+        )
+    share = found.chi_square / found.redundancy
+    return [*lines, f"chi-square per degree of freedom {share:.2f}; {arguments.out}"]
+
+
+def _lens(arguments: argparse.Namespace) -> list[str]:
+    camera = load_camera(arguments.camera)
+    shipped = (camera.distortion[0], camera.distortion[1], camera.distortion[4])
+    found = check_lens(camera.k, camera.size, tuple(arguments.radial or shipped))
+    focal = float(np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
+    lines = [
+        f"the picture's corner is at r = {found.corner:.3f}, {found.corner * focal:.0f} px from the centre"
+    ]
+    if np.isfinite(found.fold):
+        lines.append(
+            f"r' stops growing at r = {found.fold:.3f} with r' = {found.reach:.3f}, {found.reach * focal:.0f} px: "
+            f"{found.blind_share:.0%} of the picture has no ray"
+        )
+    lines.append(f"a ray to the corner is moved by {found.corner_shift:.0f} px")
+    lines.append(f"below 2 % up to r = {found.usable:.3f}")
+    return lines
+
+
+def _picture(path: Path) -> np.ndarray:
+    picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+    if picture is None:
+        raise BadCalibrationFile(f"{path} is no picture that can be read; give PNG or JPEG", path=str(path))
+    return picture
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="calibration", description=__doc__)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    shipped = resource("config/camera.yaml")
+
+    intrinsics = commands.add_parser(
+        "intrinsics", help="camera matrix and distortion from chessboard pictures"
+    )
+    intrinsics.add_argument("pictures", nargs="+", type=Path)
+    intrinsics.add_argument(
+        "--board", nargs=2, type=int, default=(9, 6), metavar=("COLUMNS", "ROWS"), help="inner corners"
+    )
+    intrinsics.add_argument("--square", type=float, required=True, help="side of a square [mm]")
+    intrinsics.add_argument("--radial", type=int, choices=(1, 2, 3), default=2, help="radial coefficients")
+    intrinsics.set_defaults(run=_intrinsics)
+
+    extrinsics = commands.add_parser(
+        "extrinsics", help="mounting from pictures of a door moved by known steps"
+    )
+    extrinsics.add_argument(
+        "moves", type=Path, help="YAML list of pictures and moves, see docs/calibration.md"
+    )
+    extrinsics.set_defaults(run=_extrinsics)
+
+    for command in (intrinsics, extrinsics):
+        command.add_argument("--out", type=Path, required=True, help="camera file to write")
+    lens = commands.add_parser("lens", help="what distortion coefficients do inside the picture")
+    lens.add_argument(
+        "radial", nargs="*", type=float, help="k1 k2 k3; those of the camera file when left out"
+    )
+    lens.set_defaults(run=_lens)
+    for command in (intrinsics, extrinsics, lens):
+        command.add_argument("--camera", type=Path, default=shipped, help="camera file to start from")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,76 @@
+"""The command line: pictures in, a camera file that the localiser reads out."""
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+from localization.calibration.board_pictures import CAMERA, SIZE, TRUE_K, views
+
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.localization.calibration.main import main
+from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.settings import load_settings
+from doormill_ros.simulation.picture_scene import Sensor
+from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
+from doormill_ros.simulation.sensors.chessboard import render_chessboard
+
+
+def test_chessboards_become_a_camera_file(tmp_path, capsys):
+    names = []
+    for i, view in enumerate(views(7, seed=8)):
+        names.append(str(tmp_path / f"board{i}.png"))
+        cv2.imwrite(names[-1], render_chessboard(CAMERA, view, Sensor(blur=0.8), i))
+    blank = tmp_path / "blank.png"
+    cv2.imwrite(str(blank), np.full(SIZE[::-1], 90, np.uint8))
+    out = tmp_path / "camera.yaml"
+    assert main(["intrinsics", *names, str(blank), "--square", "20", "--out", str(out)]) == 0
+    text = capsys.readouterr().out
+    assert "7 of 8 pictures used" in text
+    assert "blank.png: nan px  no board found" in text
+    camera = load_camera(out)
+    assert camera.size == SIZE
+    np.testing.assert_allclose(camera.k, TRUE_K, atol=3.0)
+    document = yaml.safe_load(out.read_text(encoding="utf-8"))
+    assert document["intrinsics"]["measured"] is True
+    assert len(document["intrinsics"]["deviation"]) == 4
+    assert document["chessboard"]["rejected"] == ["blank.png"]
+    assert camera.position == pytest.approx(load_camera().position)  # the mounting is kept
+
+
+def test_a_moved_door_becomes_a_mounting(tmp_path, capsys):
+    rig, pictures = AxisVisionRig.load(), []
+    rig.document["cameras"] = rig.document["cameras"][:1]
+    for i, move in enumerate([(0, 0, 0), (0, 10, 0), (0, 0, 10)]):
+        T_base_door = load_layout().T_base_door(0.8, 0.05)
+        T_base_door[:3, 3] += np.array(move) * 1e-3
+        cv2.imwrite(str(tmp_path / f"{i}.png"), rig.take(T_base_door, 0.8, 2.0, 0.05, i, rig_seed=3)["1"])
+        pictures.append({"picture": f"{i}.png", "move": list(move)})
+    moves, out = tmp_path / "moves.yaml", tmp_path / "camera.yaml"
+    document = {"width": 800, "height": 2000, "thickness": 50, "pictures": pictures}
+    moves.write_text(yaml.safe_dump(document), encoding="utf-8")
+    assert main(["extrinsics", str(moves), "--out", str(out)]) == 0
+    assert "scale along y: 0.10" in capsys.readouterr().out
+    np.testing.assert_allclose(load_camera(out).position, load_camera().position, atol=4e-4)
+    y, z, rotation = load_settings(out).mounting_deviation
+    assert 1e-6 < max(y, z) < 5e-5
+    assert 1e-5 < rotation < 5e-4
+
+
+def test_the_lens_of_the_thesis_is_told_off(capsys):
+    assert main(["lens", "0.0206", "10.4073", "-115.4536"]) == 0
+    assert "has no ray" in capsys.readouterr().out
+    assert main(["lens"]) == 0
+    assert "has no ray" not in capsys.readouterr().out
+
+
+def test_bad_input_is_told_in_one_sentence(tmp_path, capsys):
+    text = tmp_path / "moves.yaml"
+    text.write_text("pictures: [{picture: a.png}]\n", encoding="utf-8")
+    out = str(tmp_path / "out.yaml")
+    for arguments in (
+        ["intrinsics", str(text), "--square", "20", "--out", out],
+        ["extrinsics", str(text), "--out", out],
+        ["extrinsics", str(tmp_path / "none.yaml"), "--out", out],
+    ):
+        assert main(arguments) == 2
+        assert capsys.readouterr().err.startswith("calibration: ")
