@@ -29,7 +29,16 @@ setup(
     version="0.1.0",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={
-        PACKAGE: ["**/*.lark", "**/*.html", "**/*.j2", "**/*.css", "**/*.js", "**/*.ini", "**/*.mako"]
+        PACKAGE: [
+            "**/*.lark",
+            "**/*.html",
+            "**/*.j2",
+            "**/*.css",
+            "**/*.js",
+            "**/*.svg",
+            "**/*.ini",
+            "**/*.mako",
+        ]
     },
     include_package_data=False,
     data_files=[

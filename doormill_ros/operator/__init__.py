@@ -1,0 +1,1 @@
+"""The operator's page: what the cell does, what to do next, why a door was refused."""

@@ -1,0 +1,82 @@
+"""What the operator should do now, from what the cell is doing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Step:
+    """A sentence for the operator; `urgency` is wait, act, danger or fault and colours it."""
+
+    urgency: str
+    text: str
+
+
+_WAIT = Step("wait", "Wait. The cell is measuring the door and working out the robot's path.")
+_STAY_OUT = Step("danger", "Stay out of the cell. The robot mills the door.")
+_CLEARING = Step(
+    "wait", "Wait until the link to the controller is clear. If this lasts, see the state below."
+)
+
+#: By state of the handshake, for a run in hand; see doormill_ros.abb.handshake_state.
+_WITH_RUN = {
+    "clearing": _CLEARING,
+    "idle": Step(
+        "act", "Clamp the door and start the controller's program; it has not asked for targets yet."
+    ),
+    "requested": _WAIT,
+    "writing": _WAIT,
+    "verifying": _WAIT,
+    "raising": _WAIT,
+    "ready": Step("danger", "Stay out of the cell. The robot is about to move."),
+    "acknowledged": Step("danger", "Stay out of the cell. The robot is about to move."),
+    "milling": _STAY_OUT,
+    "done": Step("wait", "Wait. The run is being closed."),
+    "failed": Step("wait", "Wait. The run is being closed."),
+}
+_WITHOUT_RUN = {
+    "clearing": _CLEARING,
+    "idle": Step("act", "Clamp the next door, then start the controller's program."),
+    "requested": Step("act", "The controller is ready for a door. Start milling it."),
+    "done": Step("act", "The door is milled. Take it out when the robot has stopped and clamp the next one."),
+    "failed": Step(
+        "act",
+        "The last run came to nothing. See that the robot stands still, put right what is said below, start again.",
+    ),
+}
+
+
+def next_step(
+    bridge_present: bool, state: str, run_in_hand: bool, refusal: str, faults: Mapping[str, str]
+) -> Step:
+    """What to do now.
+
+    Args:
+        bridge_present: The ABB bridge gives signs of life.
+        state: State of the handshake with the controller.
+        run_in_hand: A door is being milled.
+        refusal: Why the door in hand or the last one was refused.
+        faults: What nodes in error say of themselves, by node.
+    """
+    if not bridge_present or not state:
+        return Step(
+            "fault", "Nothing is known of the robot: /abb_bridge does not answer. Stay out; restart it."
+        )
+    # The robot may move, whatever else is wrong.
+    in_motion = (_WITH_RUN if run_in_hand else {**_WITH_RUN, **_WITHOUT_RUN}).get(state)
+    if in_motion is not None and in_motion.urgency == "danger":
+        return in_motion
+    if faults:
+        node, message = next(iter(faults.items()))
+        return Step("fault", f"Put right what {node} reports, or call maintenance: {message}")
+    if refusal and not run_in_hand:
+        # A run can also end while the robot moves: canceled, or given up after its time limit.
+        return Step(
+            "act",
+            "The door was not milled. See that the robot stands still, put right what is said below, start again.",
+        )
+    return in_motion or Step(
+        "fault", f"The controller link is in the unknown state {state!r}. Call maintenance."
+    )

@@ -1,0 +1,11 @@
+"""What can go wrong with the operator's page; codes of the run as a whole."""
+
+from __future__ import annotations
+
+from doormill_ros.cell.errors import CellError
+
+
+class PageAddressError(CellError):
+    """The page cannot be served at the address asked for."""
+
+    code = 880

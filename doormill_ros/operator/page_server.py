@@ -1,0 +1,100 @@
+"""Serves the operator's page from a thread."""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+import socket
+import threading
+import time
+
+import uvicorn
+from fastapi import FastAPI
+
+from doormill_ros.operator.errors import PageAddressError
+
+START_LIMIT = 20.0  # s
+
+
+def is_loopback(host: str) -> bool:
+    """Whether an address can be reached from this machine alone."""
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+class PageServer:
+    """A web application on a port of its own.
+
+    Args:
+        app: What is served.
+        host: Address to listen at.
+        port: TCP port, 0 for any free one.
+
+    Raises:
+        PageAddressError: The address is taken or not one of this machine.
+    """
+
+    def __init__(self, app: FastAPI, host: str, port: int) -> None:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        self._socket = socket.socket(family, socket.SOCK_STREAM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            self._socket.bind((host, port))
+        except OSError as error:
+            self._socket.close()
+            raise PageAddressError(
+                f"the operator's page cannot be served at {host} port {port}: {error.strerror or error}; "
+                "choose another port or host",
+                host=host,
+                port=port,
+            ) from error
+        self.port = self._socket.getsockname()[1]
+        self.url = f"http://{f'[{host}]' if ':' in host else host}:{self.port}/"
+        # Requests are not logged: the log is no place for who asked what.
+        self._server = uvicorn.Server(
+            uvicorn.Config(
+                app,
+                log_level="critical",
+                access_log=False,
+                lifespan="off",
+                timeout_graceful_shutdown=1,
+                server_header=False,
+            )
+        )
+        self._thread = threading.Thread(
+            target=lambda: asyncio.run(self._server.serve(sockets=[self._socket])),
+            name="operator_page",
+            daemon=True,
+        )
+
+    def start(self) -> PageServer:
+        """Answer requests from a thread; returns once it does.
+
+        Raises:
+            PageAddressError: It does not within 20 s.
+        """
+        self._thread.start()
+        deadline = time.monotonic() + START_LIMIT
+        while not self._server.started:
+            if time.monotonic() > deadline or not self._thread.is_alive():
+                raise PageAddressError(f"the operator's page at {self.url} did not start; restart it")
+            time.sleep(0.005)
+        return self
+
+    def stop(self) -> None:
+        """End all connections, live ones too, and the thread."""
+        self._server.should_exit = True
+        self._server.force_exit = True
+        if self._thread.is_alive():
+            self._thread.join(START_LIMIT)
+        self._socket.close()
+
+    def __enter__(self) -> PageServer:
+        return self.start()
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()

@@ -1,0 +1,191 @@
+"""What the operator's page shows, as plain values; every change makes a new view."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from doormill_ros.operator.advice import next_step
+
+HISTORY = 50  # runs
+LONGEST_TEXT = 2000  # characters
+
+
+@dataclass(frozen=True)
+class EndedRun:
+    """How a run ended; `ended` in seconds since the epoch, `message` the reason of a refusal."""
+
+    run_id: str
+    door_id: str
+    success: bool
+    error_code: int
+    message: str
+    ended: float
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An encoded picture and what it shows; `number` grows with every new one."""
+
+    data: bytes
+    media_type: str
+    caption: str
+    number: int
+
+
+@dataclass(frozen=True)
+class CellView:
+    """The cell at one moment.
+
+    Attributes:
+        bridge_present: The ABB bridge gives signs of life.
+        state: State of the handshake with the controller, empty before it was heard of.
+        state_reason: Why it is in that state.
+        run_id: Run in hand, empty when there is none.
+        door_id: Door of that run.
+        stage: Stage of that run, empty when not heard of.
+        progress: Share of the run that is done, 0..1.
+        refusal: Why the door in hand or the last one was refused; empty when it was not.
+        notice: Answer to what the operator asked for on this page.
+        faults: What a node in error says of itself, by node.
+        history: Ended runs, the newest first.
+        picture: The latest picture worth showing.
+    """
+
+    bridge_present: bool = False
+    state: str = ""
+    state_reason: str = ""
+    run_id: str = ""
+    door_id: str = ""
+    stage: str = ""
+    progress: float = 0.0
+    refusal: str = ""
+    notice: str = ""
+    faults: dict[str, str] = field(default_factory=dict)
+    history: tuple[EndedRun, ...] = ()
+    picture: Picture | None = None
+
+    def with_bridge(self, present: bool) -> CellView:
+        """The bridge was heard of lately, or not."""
+        return replace(self, bridge_present=present)
+
+    def with_handshake(self, state: str, reason: str) -> CellView:
+        """The handshake changed."""
+        return replace(self, bridge_present=True, state=state, state_reason=_short(reason))
+
+    def with_run(self, run_id: str, door_id: str) -> CellView:
+        """A recipe was fetched for a run; one that has ended is not in hand again."""
+        if run_id == self.run_id or any(run.run_id == run_id for run in self.history):
+            return self
+        return replace(
+            self, run_id=run_id, door_id=_short(door_id), stage="recipe", progress=0.0, refusal="", notice=""
+        )
+
+    def with_stage(self, stage: str, progress: float) -> CellView:
+        """The run in hand reached a stage; ignored while no run is in hand."""
+        if not self.run_id:
+            return self
+        return replace(self, stage=_short(stage), progress=min(max(progress, 0.0), 1.0))
+
+    def with_refused_picture(self, run_id: str, reason: str) -> CellView:
+        """The door of the run in hand was not found in the picture."""
+        return replace(self, refusal=_short(reason)) if run_id == self.run_id else self
+
+    def with_found_door(self, run_id: str) -> CellView:
+        """The door of the run in hand was found: an earlier picture's refusal is over."""
+        return replace(self, refusal="") if run_id == self.run_id else self
+
+    def with_ended(self, run: EndedRun) -> CellView:
+        """A run ended; each counts once."""
+        if any(run.run_id == other.run_id for other in self.history):
+            return self
+        run = replace(run, door_id=_short(run.door_id), message=_short(run.message))
+        idle = {"run_id": "", "door_id": "", "stage": "", "progress": 0.0}
+        return replace(
+            self,
+            refusal="" if run.success else run.message,
+            notice="",
+            history=(run, *self.history)[:HISTORY],
+            **(idle if self.run_id in ("", run.run_id) else {}),
+        )
+
+    def with_notice(self, notice: str) -> CellView:
+        """What the operator asked for was answered."""
+        return replace(self, notice=_short(notice))
+
+    def with_fault(self, node: str, message: str) -> CellView:
+        """A node is in error; an empty message means that it no longer is."""
+        faults = {name: text for name, text in self.faults.items() if name != node}
+        if message:
+            faults[node] = _short(message)
+        return replace(self, faults=dict(sorted(faults.items())))
+
+    def with_picture(self, data: bytes, media_type: str, caption: str) -> CellView:
+        """A new picture."""
+        number = self.picture.number + 1 if self.picture else 1
+        return replace(self, picture=Picture(data, media_type, _short(caption), number))
+
+    def document(self) -> dict[str, Any]:
+        """JSON-able content of the page; the picture by its number."""
+        step = next_step(self.bridge_present, self.state, self.run_id != "", self.refusal, self.faults)
+        return {
+            "state": self.state if self.bridge_present else "",
+            "state_reason": self.state_reason,
+            "urgency": step.urgency,
+            "next_step": step.text,
+            "run_id": self.run_id,
+            "door_id": self.door_id,
+            "stage": self.stage,
+            "progress": self.progress,
+            "refusal": self.refusal,
+            "notice": self.notice,
+            "faults": [{"node": node, "message": text} for node, text in self.faults.items()],
+            "history": [asdict(run) for run in self.history],
+            "picture": None
+            if self.picture is None
+            else {"number": self.picture.number, "caption": self.picture.caption},
+        }
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 1] + "…"
+
+
+class ViewStore:
+    """The current view; changed and read from any thread."""
+
+    def __init__(self, view: CellView | None = None) -> None:
+        """Begin with an empty view."""
+        self._view = view or CellView()
+        self._lock = threading.Lock()
+        self._listeners: list[Callable[[], None]] = []
+
+    @property
+    def view(self) -> CellView:
+        """The view of this moment."""
+        return self._view
+
+    def update(self, change: Callable[[CellView], CellView]) -> None:
+        """Replace the view by what `change` makes of it, and tell who listens if it differs."""
+        with self._lock:
+            changed = change(self._view)
+            if changed == self._view:
+                return
+            self._view = changed
+            listeners = tuple(self._listeners)
+        for listener in listeners:
+            listener()
+
+    def listen(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Call `listener` after every change; returns what ends that."""
+        with self._lock:
+            self._listeners.append(listener)
+
+        def end() -> None:
+            with self._lock:
+                if listener in self._listeners:
+                    self._listeners.remove(listener)
+
+        return end

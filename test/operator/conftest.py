@@ -1,0 +1,64 @@
+"""A running page and what drives it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import pytest
+
+from doormill_ros.cell.errors import CellBusyError
+from doormill_ros.operator.page_server import PageServer
+from doormill_ros.operator.server import create_app
+from doormill_ros.operator.state import ViewStore
+from doormill_ros.operator.token import new_token
+
+
+@dataclass
+class ControlSpy:
+    """Notes what the page asked for; refuses the door called `busy`."""
+
+    orders: list[str] = field(default_factory=list)
+
+    def mill(self, door_id: str) -> str:
+        if door_id == "busy":
+            raise CellBusyError("another door is being milled")
+        self.orders.append(f"mill {door_id}")
+        return f"door {door_id} is started"
+
+    def cancel(self) -> str:
+        self.orders.append("cancel")
+        return "canceled"
+
+
+@dataclass
+class Served:
+    """A page on a port of its own."""
+
+    url: str
+    store: ViewStore
+    control: ControlSpy | None
+    token: str
+
+
+@pytest.fixture(params=[False, True], ids=["read-only", "with-control"])
+def either(request: pytest.FixtureRequest) -> Iterator[Served]:
+    yield from _serve(request.param)
+
+
+@pytest.fixture
+def read_only() -> Iterator[Served]:
+    yield from _serve(False)
+
+
+@pytest.fixture
+def controlled() -> Iterator[Served]:
+    yield from _serve(True)
+
+
+def _serve(with_control: bool) -> Iterator[Served]:
+    store, token = ViewStore(), new_token()
+    control = ControlSpy() if with_control else None
+    app = create_app(store, control, token if with_control else None)
+    with PageServer(app, "127.0.0.1", 0) as server:
+        yield Served(server.url, store, control, token)

@@ -1,0 +1,131 @@
+"""The page in a real browser: it follows the cell, escapes what it shows and gives orders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page, expect
+
+from browser import open_page
+from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
+from doormill_ros.operator.state import EndedRun
+
+TABLET = {"viewport": {"width": 1024, "height": 768}, "has_touch": True}
+REASON = "door oak: no edge was found in the picture; clean the lens & check the lamp"
+LIMIT = 20_000  # ms
+NASTY = "<img src=x onerror=\"document.title='broken'\"><script>document.title='broken'</script>&amp;"
+
+
+@pytest.fixture
+def shown(read_only: Any) -> Iterator[tuple[Any, Page, list[str]]]:
+    with open_page(read_only.url, **TABLET) as (page, errors):
+        page.set_default_timeout(LIMIT)
+        expect(page.locator("#lost")).to_be_hidden(timeout=LIMIT)
+        yield read_only, page, errors
+
+
+def text_of(page: Page, selector: str, text: str) -> None:
+    expect(page.locator(selector)).to_contain_text(text, timeout=LIMIT)
+
+
+def test_a_refusals_reason_shows_up_by_itself(shown: tuple[Any, Page, list[str]]) -> None:
+    served, page, errors = shown
+    update = served.store.update
+    update(lambda v: v.with_handshake("requested", "the controller asks"))
+    text_of(page, "#state", "requested: the controller asks")
+    update(lambda v: v.with_run("r1", "oak").with_stage("picture", 0.1))
+    text_of(page, "#door", "oak, stage picture")
+    expect(page.locator("#refusal")).to_be_hidden(timeout=LIMIT)
+    update(lambda v: v.with_ended(EndedRun("r1", "oak", False, 201, REASON, 1.0)))
+    text_of(page, "#refusal", REASON)
+    expect(page.locator("#refusal")).to_be_visible()
+    text_of(page, "#last", "oak, refused (201)")
+    text_of(page, "#history tr:first-child", REASON)
+    text_of(page, "#next-step", "not milled")
+    update(lambda v: v.with_run("r2", "oak").with_ended(EndedRun("r2", "oak", True, 0, "milled well", 2.0)))
+    text_of(page, "#history tr:first-child", "milled well")
+    expect(page.locator("#refusal")).to_be_hidden()
+    assert page.locator("#history tr").count() == 2
+    assert errors == []
+
+
+def test_the_picture_is_shown_and_replaced(shown: tuple[Any, Page, list[str]]) -> None:
+    served, page, errors = shown
+    for width in (64, 96):
+        data = encode_picture(np.full((48, width), 90, np.uint8))
+        served.store.update(lambda v, d=data, w=width: v.with_picture(d, MEDIA_TYPE, f"{w} wide"))
+        text_of(page, "#caption", f"{width} wide")
+        page.wait_for_function(
+            "w => document.getElementById('picture').naturalWidth === w", arg=width, timeout=LIMIT
+        )
+    assert errors == []
+
+
+def test_no_text_becomes_markup(shown: tuple[Any, Page, list[str]]) -> None:
+    served, page, errors = shown
+    served.store.update(
+        lambda v: (
+            v.with_handshake("idle", NASTY)
+            .with_ended(EndedRun("r1", NASTY, False, 1, NASTY, 1.0))
+            .with_run("r2", NASTY)
+            .with_stage(NASTY, 0.5)
+            .with_refused_picture("r2", NASTY)
+            .with_fault(NASTY, NASTY)
+            .with_notice(NASTY)
+            .with_picture(encode_picture(np.zeros((8, 8), np.uint8)), MEDIA_TYPE, NASTY)
+        )
+    )
+    for selector in ("#state", "#door", "#last", "#refusal", "#faults", "#notice", "#caption", "#history"):
+        text_of(page, selector, NASTY)
+    assert page.locator("img").count() == 1
+    assert page.locator("script").count() == 1
+    assert page.title() == "Door milling cell"
+    assert errors == []
+
+
+@pytest.mark.parametrize("size", [(768, 1024), (1024, 768), (360, 640)])
+def test_it_fits_the_screen_in_large_type(controlled: Any, size: tuple[int, int]) -> None:
+    word = "w" * 120
+    controlled.store.update(
+        lambda v: v.with_handshake("idle", word).with_ended(EndedRun("r", word, False, 1, word, 1.0))
+    )
+    with open_page(controlled.url, viewport={"width": size[0], "height": size[1]}) as (page, errors):
+        text_of(page, "#last", word)
+        assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+        sizes = page.evaluate(
+            "['next-step', 'state', 'history'].map("
+            "id => parseFloat(getComputedStyle(document.getElementById(id)).fontSize))"
+        )
+        assert min(sizes) >= 17
+        assert errors == []
+
+
+def test_orders_need_the_token(controlled: Any) -> None:
+    with open_page(controlled.url, **TABLET) as (page, errors):
+        page.locator("#wanted").fill("oak")
+        page.locator("#token").fill("wrong")
+        page.locator("#mill").click()
+        text_of(page, "#answer", "token is missing or wrong")
+        assert controlled.control.orders == []
+        errors.clear()  # the browser reports the 401
+        page.locator("#token").fill(controlled.token)
+        page.locator("#mill").click()
+        text_of(page, "#answer", "door oak is started")
+        page.locator("#cancel").click()
+        text_of(page, "#answer", "canceled")
+        assert controlled.control.orders == ["mill oak", "cancel"]
+        assert controlled.token not in page.url
+        assert controlled.token not in page.content()
+        kept = page.evaluate("JSON.stringify([localStorage, sessionStorage, document.cookie])")
+        assert controlled.token not in kept
+        assert errors == []
+
+
+def test_a_page_that_only_shows_offers_no_control(read_only: Any) -> None:
+    with open_page(read_only.url, **TABLET) as (page, errors):
+        text_of(page, "#state", "unknown")
+        expect(page.locator("#control")).to_be_hidden()
+        assert errors == []

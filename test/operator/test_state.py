@@ -1,0 +1,150 @@
+"""The view follows the cell, in whatever order its messages come."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from doormill_ros.abb.handshake_state import HandshakeState
+from doormill_ros.operator.advice import next_step
+from doormill_ros.operator.state import HISTORY, LONGEST_TEXT, CellView, EndedRun, ViewStore
+
+STATES = [state.value for state in HandshakeState]
+
+
+def ended(run_id: str, success: bool = True, message: str = "", ended: float = 1.0) -> EndedRun:
+    return EndedRun(run_id, "door", success, 0 if success else 204, message, ended)
+
+
+def test_a_view_cannot_be_changed() -> None:
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        CellView().state = "ready"
+
+
+def test_a_good_run_from_start_to_end() -> None:
+    view = CellView().with_handshake("requested", "").with_run("r1", "oak")
+    view = view.with_stage("milling", 0.7)
+    assert view.document() | {"door_id": "oak", "stage": "milling", "progress": 0.7} == view.document()
+    view = view.with_ended(ended("r1"))
+    assert (view.run_id, view.door_id, view.stage, view.refusal) == ("", "", "", "")
+    assert view.document()["history"][0]["run_id"] == "r1"
+
+
+def test_the_reason_of_a_refusal_stays_until_the_next_run() -> None:
+    view = CellView().with_run("r1", "oak").with_refused_picture("r1", "no edge")
+    assert view.refusal == "no edge"
+    view = view.with_ended(ended("r1", False, "door oak: no edge"))
+    assert view.refusal == "door oak: no edge"
+    assert view.with_run("r2", "oak").refusal == ""
+    assert view.with_ended(ended("r2")).refusal == ""
+
+
+def test_a_second_picture_that_is_good_takes_the_refusal_back() -> None:
+    view = CellView().with_run("r1", "oak").with_refused_picture("r1", "no edge")
+    assert view.with_found_door("r0").refusal == "no edge"
+    assert view.with_found_door("r1").refusal == ""
+
+
+def test_latched_messages_may_come_in_any_order() -> None:
+    """A page started late gets the last recipe and the last result, which are of one run that is over."""
+    result_first = CellView().with_ended(ended("r1")).with_run("r1", "oak")
+    recipe_first = CellView().with_run("r1", "oak").with_ended(ended("r1"))
+    assert result_first.run_id == recipe_first.run_id == ""
+
+
+def test_another_runs_messages_do_not_touch_the_run_in_hand() -> None:
+    view = CellView().with_run("r2", "oak").with_stage("pose", 0.3)
+    later = view.with_ended(ended("r1")).with_refused_picture("r1", "no edge")
+    assert (later.run_id, later.stage, later.progress, later.refusal) == ("r2", "pose", 0.3, "")
+
+
+def test_a_run_counts_once_and_the_newest_is_first() -> None:
+    view = CellView()
+    for number in [*range(HISTORY + 5), HISTORY + 4]:
+        view = view.with_ended(ended(f"r{number}"))
+    assert [run.run_id for run in view.history] == [f"r{n}" for n in range(HISTORY + 4, 4, -1)]
+
+
+def test_long_texts_are_cut() -> None:
+    view = CellView().with_ended(ended("r1", False, "x" * 10 * LONGEST_TEXT))
+    assert len(view.refusal) == LONGEST_TEXT
+
+
+def test_a_new_picture_has_a_new_number() -> None:
+    view = CellView().with_picture(b"1", "image/jpeg", "one").with_picture(b"2", "image/jpeg", "two")
+    assert view.document()["picture"] == {"number": 2, "caption": "two"}
+
+
+def test_faults_come_and_go() -> None:
+    view = CellView().with_handshake("idle", "").with_fault("door_localizer", "no camera.yaml")
+    assert view.document()["urgency"] == "fault"
+    assert "no camera.yaml" in view.document()["next_step"]
+    view = view.with_fault("door_localizer", "")
+    assert view.faults == {}
+    assert view.document()["urgency"] == "act"
+
+
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("in_hand", [False, True])
+def test_every_state_of_the_handshake_has_a_next_step(state: str, in_hand: bool) -> None:
+    step = next_step(True, state, in_hand, "", {})
+    assert step.urgency in ("wait", "act", "danger")
+    assert step.text.endswith(".")
+
+
+@pytest.mark.parametrize("state", ["ready", "acknowledged", "milling"])
+@pytest.mark.parametrize("in_hand", [False, True])
+def test_nothing_hides_that_the_robot_may_move(state: str, in_hand: bool) -> None:
+    step = next_step(True, state, in_hand, "refused", {"path_generator": "broken"})
+    assert step.urgency == "danger"
+    assert "Stay out" in step.text
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_a_silent_bridge_is_never_shown_as_an_old_state(state: str) -> None:
+    view = CellView().with_handshake(state, "").with_bridge(False)
+    document = view.document()
+    assert document["state"] == ""
+    assert "/abb_bridge" in document["next_step"]
+    assert "Stay out" in document["next_step"]
+    assert view.with_bridge(True).document()["state"] == state
+
+
+_RUNS = st.sampled_from(["r1", "r2", "r3"])
+_CHANGES = st.one_of(
+    st.tuples(st.just("with_handshake"), st.sampled_from(STATES), st.text()),
+    st.tuples(st.just("with_run"), _RUNS, st.text()),
+    st.tuples(st.just("with_stage"), st.text(), st.floats(0, 1)),
+    st.tuples(st.just("with_refused_picture"), _RUNS, st.text()),
+    st.tuples(st.just("with_found_door"), _RUNS),
+    st.tuples(st.just("with_ended"), st.builds(ended, _RUNS, st.booleans(), st.text())),
+    st.tuples(st.just("with_fault"), st.text(), st.text()),
+    st.tuples(st.just("with_bridge"), st.booleans()),
+)
+
+
+@given(st.lists(_CHANGES, max_size=20))
+def test_any_order_of_messages_gives_a_page(changes: list[tuple[Any, ...]]) -> None:
+    view = CellView()
+    for name, *arguments in changes:
+        view = getattr(view, name)(*arguments)
+    document = json.loads(json.dumps(view.document()))
+    assert document["next_step"]
+    over = {run["run_id"] for run in document["history"]}
+    assert document["run_id"] not in over
+    assert len(over) == len(document["history"])
+
+
+def test_a_listener_hears_of_changes_only_and_not_after_its_end() -> None:
+    store, heard = ViewStore(), []
+    end = store.listen(lambda: heard.append(store.view.state))
+    store.update(lambda view: view.with_handshake("idle", ""))
+    store.update(lambda view: view.with_handshake("idle", ""))
+    end()
+    store.update(lambda view: view.with_handshake("requested", ""))
+    assert heard == ["idle"]
