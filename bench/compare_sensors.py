@@ -82,7 +82,7 @@ def run(trials: int) -> list[Row]:
     sensors = {name: load() for name, load in SENSORS.items()}
     rows = {
         "one_camera": Row("one camera", "one camera, slider"),
-        "off": Row("- the same, x, tilts and mounting off"),
+        "off": Row("- the same, doors and mounting as they come"),
         "axis_vision": Row("three cameras", "three cameras, sliders"),
         "photoelectric": Row("six distance sensors", "6 x $629, sliders"),
         "straight": Row("- the same, straight characteristic"),
