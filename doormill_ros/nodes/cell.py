@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
@@ -11,7 +13,7 @@ from typing import Any
 
 import rclpy
 from rclpy.action import ActionClient
-from rclpy.executors import MultiThreadedExecutor
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
@@ -26,6 +28,7 @@ from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
 from doormill_ros.nodes.run import init, shut_down
@@ -48,9 +51,17 @@ NODES: tuple[Callable[..., ManagedNode], ...] = (
 
 @dataclass(frozen=True)
 class CellOptions:
-    """What the user of the one-process cell may choose; `parameters` by node name."""
+    """What the user of the one-process cell may choose.
+
+    Attributes:
+        parameters: By node name.
+        page: Serve the operator's page.
+        token: Allows control from that page; None: it only shows.
+    """
 
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)
+    page: bool = False
+    token: str | None = field(default=None, repr=False)
 
     def arguments(self, folder: RunFolder) -> list[str]:
         """ROS arguments that put everything the nodes write into the run's folder."""
@@ -117,10 +128,12 @@ class Cell:
         init(self._options.arguments(self._folder))
         self._executor = MultiThreadedExecutor(num_threads=THREADS)
         self._nodes = [node() for node in NODES]
+        if self._options.page:
+            self._nodes.append(OperatorPage(self._options.token))
         self._observer = _Observer()
         for node in (*self._nodes, self._observer):
             self._executor.add_node(node)
-        self._thread = threading.Thread(target=self._executor.spin, name="executor", daemon=True)
+        self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
         for node in self._nodes:
             node.bring_up()
@@ -135,6 +148,11 @@ class Cell:
         self._executor.shutdown(timeout_sec=2.0)
         rclpy.try_shutdown()
         self._thread.join(2.0)
+
+    def _spin(self) -> None:
+        # An interrupt takes the context away from under the executor.
+        with suppress(ExternalShutdownException):
+            self._executor.spin()
 
     def mill(self, door_id: str, progress: Callable[[str, float], None] | None = None) -> RunSummary:
         """Mill one door and sum up; a refused door gives a summary too.
@@ -155,6 +173,12 @@ class Cell:
         goal = _await(sent, START_LIMIT, "the goal was not taken")
         result = _await(goal.get_result_async(), RUN_LIMIT, "the run did not end").result
         return self._summary(door_id, result)
+
+    def stay(self) -> None:
+        """Keep the cell up until the process is interrupted."""
+        with suppress(KeyboardInterrupt):
+            while rclpy.ok():
+                time.sleep(0.1)
 
     def _summary(self, door_id: str, result: MillDoor.Result) -> RunSummary:
         limit = TRUTH_LIMIT if result.success else 0.0
@@ -201,11 +225,20 @@ def run_once(
     folder: Path,
     options: CellOptions | None = None,
     progress: Callable[[str, float], None] | None = None,
+    milled: Callable[[RunSummary], None] | None = None,
 ) -> RunSummary:
-    """Bring the cell up, mill one door, take it down, write summary.json."""
+    """Bring the cell up, mill one door, take it down, write summary.json.
+
+    With the operator's page, `milled` is called after that door and the cell stays up until interrupted.
+    """
     run_folder = RunFolder(folder.resolve())
     run_folder.prepare()
     with Cell(run_folder, options) as cell:
         summary = cell.mill(door_id, progress)
+        if options is not None and options.page:
+            summary.write(run_folder.summary)
+            if milled is not None:
+                milled(summary)
+            cell.stay()
     summary.write(run_folder.summary)
     return summary

@@ -175,6 +175,8 @@ class ManagedNode(LifecycleNode):
                 self.report(ERROR, error.message, error_code=error.code)
                 self.get_logger().error(error.message)
             except Exception as error:
+                if not self.context.ok():  # interrupted: nothing can be published any more
+                    return
                 self.report(ERROR, f"unexpected {type(error).__name__}: {error}")
                 self.get_logger().error(traceback.format_exc())
 

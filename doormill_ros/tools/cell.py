@@ -31,14 +31,31 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         "--effects", metavar="YAML", help="what the simulated robot hides, see docs/diagnosis.md"
     )
     parser.add_argument("--no-pictures", action="store_true", help="simulate a broken camera")
-    return parser.parse_args(arguments)
+    parser.add_argument(
+        "--ui",
+        nargs="?",
+        type=int,
+        const=8080,
+        metavar="PORT",
+        help="serve the operator's page and keep the cell up after the door; default port: 8080, 0: any",
+    )
+    parser.add_argument("--ui-host", metavar="HOST", help="address of that page; default: 127.0.0.1")
+    parser.add_argument(
+        "--control", action="store_true", help="print a token with which that page starts and cancels runs"
+    )
+    options = parser.parse_args(arguments)
+    if options.ui is None and (options.control or options.ui_host):
+        parser.error("--control and --ui-host belong to the operator's page: add --ui")
+    return options
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run; 0 when the door was milled, 1 when it was refused."""
     options = parse(arguments)
     # Late, so that --help answers at once.
+    from doormill_ros.cell.summary import RunSummary
     from doormill_ros.nodes.cell import CellOptions, run_once
+    from doormill_ros.operator.token import new_token
     from doormill_ros.report.run_report import write_report
 
     camera: dict[str, object] = {"seed": options.seed, "pictures": not options.no_pictures}
@@ -56,7 +73,21 @@ def main(arguments: list[str] | None = None) -> int:
     def progress(stage: str, share: float) -> None:
         print(f"[{share:4.0%}] {stage}", file=sys.stderr, flush=True)
 
-    summary = run_once(options.door, folder, CellOptions(parameters), progress)
+    token = None
+    if options.ui is not None:
+        page: dict[str, object] = {"port": options.ui}
+        if options.ui_host:
+            page["host"] = options.ui_host
+        parameters["operator_page"] = page
+        if options.control:
+            token = new_token()
+            print(f"operator's token  {token}", flush=True)
+
+    def milled(summary: RunSummary) -> None:
+        print(f"{summary.message}\nthe cell stays up for the operator's page; end it with Ctrl-C", flush=True)
+
+    cell = CellOptions(parameters, page=options.ui is not None, token=token)
+    summary = run_once(options.door, folder, cell, progress, milled)
     write_report(Path(summary.bag), Path(summary.report))
     if options.out is None:
         point_latest(folder, latest)
