@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
@@ -25,6 +27,7 @@ from doormill_ros.recording.schema import FEEDBACK
 
 DISCOVERY_PERIOD = 0.5  # s
 WRITE_PERIOD = 0.1  # s
+SETTLING = 0.2  # s, for messages on their way when the recording ends
 REMEMBERED = 32  # samples of each topic by which one that is delivered again is recognized
 
 
@@ -49,12 +52,14 @@ class BagRecorder(ManagedNode):
             name = datetime.now(UTC).strftime("%Y%m%dT%H%M%S%fZ")
             folder = os.path.join(self.value("folder"), name)
         self._subscribed: set[str] = set()
+        self._taps: list[tuple[Any, Callable[[bytes, Any], None]]] = []
         self._skipped: set[str] = set()
         self._lock = threading.Lock()
         self._discovering = threading.Lock()
         self._queue = BoundedQueue(self.value("queue_size"))
         self._writer = BagWriter(Path(folder), self.value("split_size"))
         self._failure = ""
+        self._wanted = False
         self._excluded = {self.resolve_topic_name(name) for name in self.value("exclude").split()}
         for topic in topics.ALL:
             name = self.resolve_topic_name(topic.name)
@@ -67,7 +72,15 @@ class BagRecorder(ManagedNode):
 
     def start(self) -> None:
         """Record what arrives from now on, latched state first."""
+        self._wanted = True
         self._discover()
+
+    def stop(self) -> None:
+        """Leave aside what is not latched, after what was sent until now."""
+        time.sleep(SETTLING)
+        for subscription, receive in self._taps:
+            self._drain(subscription, receive)
+        self._wanted = False
 
     def teardown(self) -> None:
         """Write what still waits and close the bag."""
@@ -112,7 +125,7 @@ class BagRecorder(ManagedNode):
             if sample in latest:  # DDS may deliver what is latched to a late joiner twice
                 return
             latest.append(sample)
-            if self.active or offered.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+            if self._wanted or offered.durability == DurabilityPolicy.TRANSIENT_LOCAL:
                 now = time.time_ns()
                 self._queue.put(Received(name, bytes(data), now, sample[0] or now))
 
@@ -121,7 +134,15 @@ class BagRecorder(ManagedNode):
         )
         subscription = self.create_subscription(message_type, name, receive, requested, raw=True)
         self.keep(self.destroy_subscription, subscription)
+        self._taps.append((subscription, receive))
         self._subscribed.add(name)
+
+    @staticmethod
+    def _drain(subscription: Any, receive: Callable[[bytes, Any], None]) -> None:
+        """Take what has arrived and no executor has asked for any more."""
+        with contextlib.suppress(RuntimeError), subscription.handle:
+            while (taken := subscription.handle.take_message(subscription.msg_type, True)) is not None:
+                receive(*taken)
 
     def _write(self) -> None:
         while not self._queue.closed:

@@ -39,6 +39,7 @@ class CameraSimulator(ManagedNode):
         Parameter("offset_z", UNSET, "fixed offset along base z instead [m]; 999: scattered"),
         Parameter("offset_rotation", UNSET, "fixed rotation about base x instead [rad]; 999: scattered"),
         Parameter("noise", 1.0, "share of the sensor's noise; 0.25: the mean of 16 exposures", 0.0, 4.0),
+        Parameter("retry_period", 1.0, "a picture that nobody used is taken again after [s]", 0.1, 3600.0),
         Parameter("pictures", True, "false: the camera is broken and sends nothing"),
     )
 
@@ -60,7 +61,7 @@ class CameraSimulator(ManagedNode):
         self.subscribe(topics.ABB_REQUEST, self._take_request)
         self.subscribe(topics.ABB_READY, self._take_ready)
         self.subscribe(topics.RUN_RESULT, self._take_result)
-        self.every(RETRY_PERIOD, self._expose)
+        self.every(self.value("retry_period"), self._expose)
 
     def start(self) -> None:
         """Tell the intrinsics once; they go out with every picture too."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import io
+import re
+import zlib
 from typing import Any
 
 import cv2
@@ -20,6 +22,9 @@ def svg(figure: Figure) -> str:
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", bbox_inches="tight")
     text = buffer.getvalue()
+    # Several figures share the page: their ids must not be taken for each other's.
+    prefix = f"f{zlib.crc32(text.encode()):08x}-"
+    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}", text)
     return text[text.index("<svg") :]
 
 

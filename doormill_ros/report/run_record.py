@@ -15,6 +15,7 @@ LATEST = (
     "door/overlay",
     "camera/image_raw",
     "path/targets",
+    "abb/target_file",
     "run/result",
     "simulation/door_placement",
     "simulation/executed_path",

@@ -9,7 +9,10 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from doormill_ros import __version__
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.report.door_figure import door_figure
 from doormill_ros.report.figures import correction_figure, deviation_figure, picture_url
+from doormill_ros.report.run_figures import deflection_figure, handshake_figure, pose_figure
 from doormill_ros.report.run_record import RunRecord, read_run
 from doormill_ros.units import m_to_mm, rad_to_deg
 
@@ -55,6 +58,8 @@ def _facts(record: RunRecord) -> dict[str, str]:
         )
     if result.target_file:
         facts["RAPID file"] = f"{result.target_file} (sha256 {result.sha256})"
+    if targets is not None:
+        facts["robot model"] = targets.robot_model
     return facts
 
 
@@ -63,17 +68,45 @@ def _stage_times(result: Any) -> dict[str, float]:
     return {name.replace("_", " "): 1e3 * getattr(result.times, name) for name in names}
 
 
-def _target_lines(path: str) -> list[str]:
-    file = Path(path)
-    if not path or not file.is_file():
+def _target_lines(record: RunRecord) -> list[str]:
+    """The RAPID file as recorded; of older bags as it lies on the disk."""
+    message, path = record.get("abb/target_file"), record.get("run/result").target_file
+    if message is not None and path:
+        text = message.data
+    elif path and Path(path).is_file():
+        text = Path(path).read_text(encoding="ascii", errors="replace")
+    else:
         return []
-    return file.read_text(encoding="ascii", errors="replace").splitlines()[:TARGET_LINES]
+    lines = text.splitlines()
+    left = len(lines) - TARGET_LINES
+    return [*lines[:TARGET_LINES], f"... {left} more lines"] if left > 0 else lines
+
+
+def _figures(record: RunRecord) -> dict[str, str]:
+    """Heading and SVG of every picture that the record allows."""
+    recipe, found = record.get("door/recipe"), record.get("door/localization")
+    targets, executed = record.get("path/targets"), record.get("simulation/executed_path")
+    milled, true = record.get("simulation/milled_door"), record.get("simulation/door_placement")
+    accepted = targets if targets is not None and targets.accepted else None
+    localized = found if found is not None and found.accepted else None
+    figures = {}
+    if recipe is not None:
+        pose = localized.pose.pose if localized is not None else None
+        figures["Door and path"] = door_figure(recipe, accepted, pose)
+    if localized is not None:
+        figures["Pose and uncertainty"] = pose_figure(localized, true, load_layout().limits)
+    if milled is not None:
+        figures["Milled contour against the recipe"] = deviation_figure(milled)
+    if accepted is not None and executed is not None and len(executed.time):
+        figures["Predicted and executed deflection"] = deflection_figure(accepted, executed)
+    if accepted is not None:
+        figures["Correction at the targets"] = correction_figure(accepted)
+    return figures
 
 
 def render_report(record: RunRecord) -> str:
     """The whole page, self-contained."""
     result = record.get("run/result")
-    targets, milled = record.get("path/targets"), record.get("simulation/milled_door")
     recipe, picture = record.get("door/recipe"), record.get("door/overlay") or record.get("camera/image_raw")
     environment = Environment(
         loader=PackageLoader("doormill_ros.report"),
@@ -90,11 +123,11 @@ def render_report(record: RunRecord) -> str:
         facts=_facts(record),
         times=_stage_times(result),
         handshake=record.handshake,
+        timeline=handshake_figure(record.handshake) if record.handshake else "",
+        figures=_figures(record),
         picture=picture_url(picture) if picture is not None else "",
-        correction=correction_figure(targets) if targets is not None and targets.accepted else "",
-        deviation=deviation_figure(milled) if milled is not None else "",
         recipe=json.dumps(json.loads(recipe.document), indent=2) if recipe is not None else "",
-        target_lines=_target_lines(result.target_file),
+        target_lines=_target_lines(record),
         counts=dict(sorted(record.counts.items())),
     )
 

@@ -47,10 +47,10 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
     from doormill_ros.recording.replay.replay import replay_bag
 
     if options.live:
-        from doormill_ros.nodes.live_replay import LIVE_TOPICS, LiveReplay
+        from doormill_ros.nodes.live_replay import LIVE_TOPICS, SLACK, LiveReplay
 
         with LiveReplay(options.rate, options.robot_model) as live:
-            outcome = replay_bag(bag, live.replay, LIVE_TOPICS)
+            outcome = replay_bag(bag, live.replay, LIVE_TOPICS, SLACK)
     else:
         chosen = OfflineOptions(robot_model=options.robot_model, database=options.database)
         outcome = replay_bag(bag, lambda run: replay_offline(run, chosen))

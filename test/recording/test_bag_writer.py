@@ -115,11 +115,7 @@ def test_a_bag_splits_by_size_and_loses_nothing(tmp_path: Path) -> None:
     writer = BagWriter(tmp_path / "bag", split_size=LARGE)
     writer.add_topic("/text", "std_msgs/msg/String", QOS)
     for number in range(60):
-        writer.write(
-            "/text",
-            text(f"{number} " + "".join(chr(33 + (number**3 * k**2) % 90) for k in range(SIZE))),
-            number,
-        )
+        writer.write("/text", text(f"{number} {noise(number)}"), number)
         writer.flush(force=True)
     writer.close()
     files = bag_files(tmp_path / "bag")

@@ -66,8 +66,10 @@ def _show(value: Value | None) -> str:
     return f"{value:.9g}" if isinstance(value, float) else repr(value)
 
 
-def differences(run_id: str, expected: Sequence[Answer], found: Sequence[Answer]) -> Iterator[Difference]:
-    """Every field that differs, stage by stage, in the order of the messages."""
+def differences(
+    run_id: str, expected: Sequence[Answer], found: Sequence[Answer], slack: float = 1.0
+) -> Iterator[Difference]:
+    """Every field that differs, stage by stage, in the order of the messages; `slack` as in `equal`."""
     for topic in STAGES:
         wanted = {a.stamp_ns: a for a in expected if a.topic == topic}
         got = {a.stamp_ns: a for a in found if a.topic == topic}
@@ -76,7 +78,7 @@ def differences(run_id: str, expected: Sequence[Answer], found: Sequence[Answer]
             if a is None or b is None:
                 yield Difference(run_id, topic, stamp_ns, "the message", _kind(a), _kind(b))
             else:
-                yield from _fields(run_id, a, b)
+                yield from _fields(run_id, a, b, slack)
 
 
 def _kind(answer: Answer | None) -> str | None:
@@ -85,8 +87,8 @@ def _kind(answer: Answer | None) -> str | None:
     return "an answer" if answer.accepted else f"a refusal: {answer.values.get('reason')}"
 
 
-def _fields(run_id: str, expected: Answer, found: Answer) -> Iterator[Difference]:
+def _fields(run_id: str, expected: Answer, found: Answer, slack: float) -> Iterator[Difference]:
     for path in {**expected.values, **found.values}:
         a, b = expected.values.get(path), found.values.get(path)
-        if a is None or b is None or not equal(path, a, b):
+        if a is None or b is None or not equal(path, a, b, slack):
             yield Difference(run_id, expected.topic, expected.stamp_ns, path, a, b)

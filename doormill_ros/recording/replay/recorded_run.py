@@ -43,6 +43,7 @@ class RecordedRun:
         targets: Target lists, accepted or refused.
         target_files: Content of target files that were handed over.
         result: How the run ended; None when the recording stopped before.
+        serialized: Recipe, pictures and camera infos as recorded (CDR), by topic and stamp [ns].
     """
 
     run_id: str
@@ -54,6 +55,7 @@ class RecordedRun:
     targets: list[Any] = field(default_factory=list)
     target_files: list[bytes] = field(default_factory=list)
     result: Any = None
+    serialized: dict[tuple[str, int], bytes] = field(default_factory=dict)
 
     @property
     def door_id(self) -> str:
@@ -62,9 +64,9 @@ class RecordedRun:
 
     def answers(self) -> list[Answer]:
         """What was recorded of every stage."""
-        found = [_localization(message) for _, message in self.localizations]
+        found = [localization_of(message) for _, message in self.localizations]
         for message in self.targets:
-            found.append(_targets(message))
+            found.append(targets_of(message))
         accepted = [m for m in self.targets if m.accepted]
         if accepted and self.result is not None and (self.target_files or self.result.sha256):
             data = self.target_files[-1] if self.target_files else b""
@@ -85,7 +87,8 @@ def _sha256(data: bytes, otherwise: str) -> str:
     return hashlib.sha256(data).hexdigest() if data else otherwise
 
 
-def _localization(message: Any) -> Answer:
+def localization_of(message: Any) -> Answer:
+    """The answer that a doormill_interfaces/DoorLocalization holds."""
     stamp_ns = nanoseconds_of(message.header.stamp)
     if not message.accepted:
         return refusal("/" + LOCALIZATION, stamp_ns, int(message.error_code), message.reason)
@@ -99,7 +102,8 @@ def _localization(message: Any) -> Answer:
     )
 
 
-def _targets(message: Any) -> Answer:
+def targets_of(message: Any) -> Answer:
+    """The answer that a doormill_interfaces/TargetArray holds."""
     stamp_ns = nanoseconds_of(message.header.stamp)
     if not message.accepted:
         return refusal("/" + TARGETS, stamp_ns, int(message.error_code), message.reason)
@@ -113,7 +117,7 @@ class _Collector:
         self.runs: dict[str, RecordedRun] = {}
         self._in_hand: RecordedRun | None = None
         self._info: Any = None
-        self._early: list[Any] = []
+        self._early: list[BagMessage] = []
 
     def _run(self, run_id: str) -> RecordedRun:
         return self.runs.setdefault(run_id, RecordedRun(run_id))
@@ -122,31 +126,37 @@ class _Collector:
         self._in_hand = self._run(item.message.run_id)
         self._in_hand.recipe = item.message
         begun = nanoseconds_of(item.message.header.stamp)
+        self._in_hand.serialized[RECIPE, begun] = item.data
         for picture in self._early:
-            if nanoseconds_of(picture.header.stamp) >= begun:
+            if nanoseconds_of(picture.message.header.stamp) >= begun:
                 self._keep(picture)
         self._early.clear()
 
     def picture(self, item: BagMessage) -> None:
         stamp = nanoseconds_of(item.message.header.stamp)
         if self._in_hand is None or stamp < nanoseconds_of(self._in_hand.recipe.header.stamp):
-            self._early = [item.message]
+            self._early = [item]
         else:
-            self._keep(item.message)
+            self._keep(item)
 
-    def _keep(self, picture: Any) -> None:
-        stamp = nanoseconds_of(picture.header.stamp)
-        self._in_hand.pictures[stamp] = picture
+    def _keep(self, item: BagMessage) -> None:
+        stamp = nanoseconds_of(item.message.header.stamp)
+        self._in_hand.pictures[stamp] = item.message
+        self._in_hand.serialized[PICTURE, stamp] = item.data
         if self._info is not None:
-            self._in_hand.camera_infos.setdefault(stamp, self._info)
+            self._keep_info(stamp, self._info)
+
+    def _keep_info(self, stamp: int, item: BagMessage) -> None:
+        self._in_hand.camera_infos[stamp] = item.message
+        self._in_hand.serialized[CAMERA_INFO, stamp] = item.data
 
     def camera_info(self, item: BagMessage) -> None:
-        self._info = item.message
+        self._info = item
         # What carries a picture's own stamp belongs to it, even when it was recorded after it.
         if self._in_hand is not None:
             stamp = nanoseconds_of(item.message.header.stamp)
             if stamp in self._in_hand.pictures or not self._in_hand.camera_infos:
-                self._in_hand.camera_infos[stamp] = item.message
+                self._keep_info(stamp, item)
 
     def pose(self, item: BagMessage) -> None:
         if self._in_hand is not None:

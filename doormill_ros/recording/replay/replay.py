@@ -40,7 +40,10 @@ class ReplayOutcome:
 
 
 def replay_bag(
-    bag: Path, replayer: Replayer = replay_offline, topics: Sequence[str] | None = None
+    bag: Path,
+    replayer: Replayer = replay_offline,
+    topics: Sequence[str] | None = None,
+    slack: float = 1.0,
 ) -> ReplayOutcome:
     """Replay a bag against its expected.yaml, or against what was recorded when it has none.
 
@@ -48,6 +51,7 @@ def replay_bag(
         bag: Bag folder.
         replayer: Gives the answers of a run's stages.
         topics: Topics to compare; None for all.
+        slack: Factor on tolerances, for answers that follow from replayed instead of recorded ones.
 
     Raises:
         UnreadableBagError: No such bag, or damaged beyond reading.
@@ -60,7 +64,7 @@ def replay_bag(
         expected = [a for a in written.get(run.run_id, run.answers()) if topics is None or a.topic in topics]
         found = [a for a in replayer(run) if topics is None or a.topic in topics]
         outcome.answers[run.run_id] = found
-        outcome.found.extend(differences(run.run_id, expected, found))
+        outcome.found.extend(differences(run.run_id, expected, found, slack))
     return outcome
 
 

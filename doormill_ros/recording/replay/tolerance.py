@@ -42,6 +42,8 @@ TOLERANCES: tuple[tuple[str, Tolerance], ...] = (
 )
 #: Numbers inside a sentence are rounded where it is made; its last digit may flip.
 IN_SENTENCE = Tolerance(0.011, "", relative=0.01)
+IN_FILE = Tolerance(0.002)  #: numbers of the target file, most of them millimetres
+CHECKSUM = "#sum "
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
@@ -70,8 +72,16 @@ def distance(path: str, expected: object, found: object) -> float:
     )
 
 
-def equal(path: str, expected: object, found: object) -> bool:
-    """True when the two values agree within the field's tolerance."""
+def equal(path: str, expected: object, found: object, slack: float = 1.0) -> bool:
+    """True when the two values agree within the field's tolerance.
+
+    With a `slack` above 1 tolerances are that many times wider, and numbers in the target file need
+    not agree to the last decimal: its targets come from a pose that was found anew.
+    """
+    if slack > 1.0 and path == "sha256":
+        return True
+    if slack > 1.0 and path.startswith("line "):
+        return _same_line(str(expected), str(found))
     if path in ("reason", "message") and isinstance(expected, str) and isinstance(found, str):
         return same_sentence(expected, found)
     tolerance = tolerance_of(path)
@@ -79,15 +89,20 @@ def equal(path: str, expected: object, found: object) -> bool:
     if tolerance is EXACT:
         return apart == 0.0
     largest = float(np.max(np.abs(np.asarray(expected, dtype=float)))) if tolerance.relative else 0.0
-    return apart <= tolerance.absolute + tolerance.relative * largest
+    return apart <= slack * (tolerance.absolute + tolerance.relative * largest)
 
 
-def same_sentence(expected: str, found: str) -> bool:
+def _same_line(expected: str, found: str) -> bool:
+    if expected.startswith(CHECKSUM) and found.startswith(CHECKSUM):
+        return True
+    return same_sentence(expected, found, IN_FILE)
+
+
+def same_sentence(expected: str, found: str, tolerance: Tolerance = IN_SENTENCE) -> bool:
     """The same words, and numbers that differ by rounding at most."""
     if NUMBER.sub("#", expected) != NUMBER.sub("#", found):
         return False
     pairs: Sequence[tuple[str, str]] = list(zip(NUMBER.findall(expected), NUMBER.findall(found), strict=True))
     return all(
-        abs(float(a) - float(b)) <= IN_SENTENCE.absolute + IN_SENTENCE.relative * abs(float(a))
-        for a, b in pairs
+        abs(float(a) - float(b)) <= tolerance.absolute + tolerance.relative * abs(float(a)) for a, b in pairs
     )

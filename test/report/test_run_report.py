@@ -1,0 +1,140 @@
+"""The page of a run, opened in a real browser."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.report.run_record import read_run
+from doormill_ros.report.run_report import write_report
+from doormill_ros.tools.report import main
+from source_tree import ROOT
+
+BAGS = ROOT / "bags"
+GOOD = ("thesis_190_0deg", "standard_door")
+REFUSED = ("unknown_door", "no_picture", "outside_y", "unreachable", "spindle_fault")
+
+
+class OpenedPage:
+    """A page and everything its browser complained of or asked for."""
+
+    def __init__(self, page: Page, path: Path) -> None:
+        self.page = page
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        page.on(
+            "console", lambda m: self.complaints.append(m.text) if m.type in ("error", "warning") else None
+        )
+        page.on("pageerror", lambda e: self.complaints.append(str(e)))
+        page.on("request", lambda r: self.requests.append(r.url))
+        page.goto(path.as_uri())
+
+    def headings(self) -> list[str]:
+        return self.page.locator("h2").all_inner_texts()
+
+
+@pytest.fixture
+def open_report(browser: Browser, tmp_path: Path) -> Callable[[str], OpenedPage]:
+    pages = []
+
+    def show(scenario: str) -> OpenedPage:
+        path = tmp_path / f"{scenario}.html"
+        write_report(BAGS / scenario, path)
+        pages.append(browser.new_page(viewport={"width": 1100, "height": 1400}))
+        return OpenedPage(pages[-1], path)
+
+    yield show
+    for page in pages:
+        page.close()
+
+
+def result_of(scenario: str) -> object:
+    return [m.message for m in read_bag(BAGS / scenario, ["/run/result"])][-1]
+
+
+@pytest.mark.parametrize("scenario", [*GOOD, *REFUSED])
+def test_the_verdict_is_the_first_line_and_nothing_is_wrong(
+    scenario: str, open_report: Callable[[str], OpenedPage]
+) -> None:
+    opened, result = open_report(scenario), result_of(scenario)
+    assert opened.page.inner_text("#verdict") == result.message
+    assert opened.page.inner_text("body").startswith(result.message)
+    assert opened.page.locator("#verdict").get_attribute("class") == ("good" if result.success else "bad")
+    assert opened.complaints == []
+    # Self-contained: nothing but the file itself and what it carries.
+    assert [u for u in opened.requests if not u.startswith(("file:", "data:"))] == []
+
+
+@pytest.mark.parametrize("scenario", [*GOOD, *REFUSED])
+def test_every_picture_is_drawn(scenario: str, open_report: Callable[[str], OpenedPage]) -> None:
+    page = open_report(scenario).page
+    widths = page.evaluate("Array.from(document.images).map(i => i.complete ? i.naturalWidth : 0)")
+    drawn = page.evaluate(
+        "Array.from(document.querySelectorAll('svg')).map(s => s.getBoundingClientRect().height)"
+    )
+    assert all(width > 100 for width in widths), widths
+    assert all(height > 50 for height in drawn), drawn
+    assert len(drawn) + len(widths) >= (7 if scenario in GOOD else 1)
+
+
+@pytest.mark.parametrize("scenario", GOOD)
+def test_a_milled_door_has_every_section(scenario: str, open_report: Callable[[str], OpenedPage]) -> None:
+    opened = open_report(scenario)
+    assert opened.headings() == [
+        "Picture",
+        "Door and path",
+        "Pose and uncertainty",
+        "Milled contour against the recipe",
+        "Predicted and executed deflection",
+        "Correction at the targets",
+        "Stage times",
+        "Handshake with the controller",
+        "RAPID target file",
+        "Recipe",
+        "Recorded topics",
+    ]
+    text = opened.page.inner_text("body")
+    first_line = next(m.message.data for m in read_bag(BAGS / scenario, ["/abb/target_file"])).splitlines()[0]
+    assert first_line in text
+    assert re.search(r"recipe\s+\S+, version \d+, saved by", text)
+    assert re.search(r"software\s+doormill_ros \d+\.\d+\.\d+", text)
+    assert re.search(r"robot model\s+irb6600", text)
+
+
+def test_a_refused_picture_shows_no_pose(open_report: Callable[[str], OpenedPage]) -> None:
+    headings = open_report("outside_y").headings()
+    assert "Door and path" in headings
+    assert "Pose and uncertainty" not in headings
+    assert "RAPID target file" not in headings
+
+
+def test_text_of_a_bag_cannot_become_part_of_the_page(
+    browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from doormill_ros.report import run_report
+
+    record = read_run(BAGS / "unknown_door")
+    record.latest["run/result"].message = "<script>console.error('in')</script> & <b>bold</b>"
+    path = tmp_path / "page.html"
+    path.write_text(run_report.render_report(record), encoding="utf-8")
+    page = browser.new_page()
+    opened = OpenedPage(page, path)
+    assert page.inner_text("#verdict") == "<script>console.error('in')</script> & <b>bold</b>"
+    assert opened.complaints == []
+    page.close()
+
+
+def test_the_tool_writes_the_page_beside_the_bag_and_refuses_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "page.html"
+    assert main([str(BAGS / "unknown_door"), "--out", str(out)]) == 0
+    assert "no_such_door" in out.read_text(encoding="utf-8")
+    capsys.readouterr()
+    assert main([str(tmp_path / "nowhere")]) == 2
+    assert "nowhere" in capsys.readouterr().err
