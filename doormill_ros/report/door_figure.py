@@ -14,7 +14,7 @@ from doormill_ros.recipes.drawing import draw_recipe
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.messages import program_of, transform_of
 
-EXAGGERATION = 100.0  # corrections are tenths of a millimetre
+EXAGGERATION = 20.0  # corrections are tenths of a millimetre, holes are some ten millimetres wide
 NOMINAL, CORRECTED = "#1a73c8", "#d04a1a"
 
 

@@ -36,8 +36,8 @@ def _facts(record: RunRecord) -> dict[str, str]:
     if found is not None and found.accepted:
         sigma = [found.pose.covariance[7 * i] ** 0.5 for i in (1, 2, 3)]
         facts["found at"] = (
-            f"y {m_to_mm(found.offset_y):+.3f} ± {m_to_mm(sigma[0]):.3f} mm, "
-            f"z {m_to_mm(found.offset_z):+.3f} ± {m_to_mm(sigma[1]):.3f} mm, "
+            f"y {m_to_mm(found.offset_y):+.3f} ± {m_to_mm(sigma[0]):.4f} mm, "
+            f"z {m_to_mm(found.offset_z):+.3f} ± {m_to_mm(sigma[1]):.4f} mm, "
             f"rotation {rad_to_deg(found.offset_rotation):+.4f} ± {rad_to_deg(sigma[2]):.4f} degrees "
             f"(residual {m_to_mm(found.residual):.4f} mm, quality {found.quality:.2f})"
         )
