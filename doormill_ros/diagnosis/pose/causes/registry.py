@@ -15,8 +15,8 @@ from doormill_ros.diagnosis.pose.causes.thermal_drift import ThermalDrift
 from doormill_ros.diagnosis.pose.pose_set import PoseSet
 from doormill_ros.diagnosis.pose.view import make_view
 
-#: Waves of a tilting axis.
-WOBBLE_ORDERS = (1, 2, 3, 4)
+#: Waves of a tilting axis; one wave a turn is, in the main, a wrong alpha or theta of the links next to it.
+WOBBLE_ORDERS = (2, 3, 4)
 #: Orders that are always tried for a joint's own angle: of many rows, of few.
 DENSE, SPARSE = 60, 16
 MANY_ROWS = 2500
