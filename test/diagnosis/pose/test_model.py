@@ -65,7 +65,8 @@ def test_outside_the_visited_angles_a_periodic_error_fades(tmp_path, write_pose_
     # A constant turn of joint 1 is a turned base: it belongs to the placement.
     error = curve[inside] - 3e-4 * np.cos(14 * angle[inside])
     assert np.std(error) < 1.5e-5
-    assert np.abs(curve).max() < 4.5e-4
+    # Elsewhere it may swing out, yet not to twice of what there is; plain least squares makes up radians.
+    assert np.abs(curve).max() < 2.0 * 3e-4
     assert len(columns) == 1
 
 
