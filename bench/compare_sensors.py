@@ -157,7 +157,7 @@ def draw(rows: list[Row]) -> None:
         axes.plot(at, own, "o", color=line.get_color(), label=row.label.lstrip("- "))
         axes.plot(at, milled, "x", color=line.get_color())
     axes.axhline(0.5, color="grey", linestyle="--", linewidth=0.8)
-    axes.text(0.03, 0.53, "asked for: 0.5 mm", fontsize=8, color="grey")
+    axes.text(1.0, 0.53, "asked for: 0.5 mm", fontsize=8, color="grey")
     axes.axvline(80.0, color="grey", linestyle=":", linewidth=0.8)
     axes.text(76.0, 0.006, "cycle: 80 s", fontsize=8, color="grey", rotation=90, ha="right")
     axes.set(
@@ -168,7 +168,7 @@ def draw(rows: list[Row]) -> None:
         ylabel="95th percentile of the error along y and z [mm]",
         title="dot: pose of the door, cross: hinge milled there by the robot",
     )
-    axes.legend(fontsize=8, loc="center left")
+    axes.legend(fontsize=8, loc="center", bbox_to_anchor=(0.6, 0.4))
     FIGURE.parent.mkdir(exist_ok=True)
     figure.savefig(FIGURE, format="svg", metadata={"Date": None})
 
