@@ -1,0 +1,122 @@
+"""The node: what it records of a running system, and what it says of itself."""
+
+from __future__ import annotations
+
+import array
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import pytest
+import rclpy
+import yaml
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rosbags.rosbag2 import Reader
+from std_msgs.msg import Bool
+
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.bag_recorder import BagRecorder
+from doormill_ros.recording.bag_reader import read_bag
+
+LIMIT = 60.0  # s
+SMALLEST_QUEUE = 1 << 20  # bytes
+
+
+class Recording:
+    """A recorder and a node beside it, spinning."""
+
+    def __init__(self, folder: Path, **parameters: Any) -> None:
+        rclpy.init()
+        overrides = {"bag": str(folder), **parameters}
+        self.recorder = BagRecorder(parameter_overrides=[Parameter(k, value=v) for k, v in overrides.items()])
+        self.node = Node("beside")
+        self.executor = MultiThreadedExecutor(num_threads=3)
+        self.executor.add_node(self.recorder)
+        self.executor.add_node(self.node)
+        self.thread = Thread(target=self.executor.spin, daemon=True)
+        self.thread.start()
+
+    def publisher(self, topic: topics.Topic) -> Any:
+        publisher = self.node.create_publisher(topic.type, topic.name, topic.offered)
+        self.wait(lambda: publisher.get_subscription_count() >= 1)
+        return publisher
+
+    def wait(self, condition: Callable[[], Any]) -> None:
+        deadline = time.monotonic() + LIMIT
+        while not condition():
+            assert time.monotonic() < deadline, "waited in vain"
+            time.sleep(0.02)
+
+    def close(self) -> None:
+        self.recorder.close()
+        self.executor.shutdown(timeout_sec=2.0)
+        rclpy.try_shutdown()
+        self.thread.join(2.0)
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Iterator[Callable[..., Recording]]:
+    made: list[Recording] = []
+
+    def make(**parameters: Any) -> Recording:
+        made.append(Recording(tmp_path / "bag", **parameters))
+        made[-1].recorder.bring_up()
+        return made[-1]
+
+    yield make
+    for recording in made:
+        recording.close()
+
+
+def test_latched_state_and_the_last_message_are_in_the_bag(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(autostart=False)
+    early = recording.node.create_publisher(Bool, topics.ABB_READY.name, topics.ABB_READY.offered)
+    early.publish(Bool(data=True))
+    recording.recorder.trigger_configure()
+    recording.recorder.trigger_activate()
+    publisher = recording.publisher(topics.ABB_REQUEST)
+    for number in range(20):
+        publisher.publish(Bool(data=number % 2 == 1))
+        time.sleep(0.002)
+    recording.recorder.close()
+    found = [(m.topic, m.message.data) for m in read_bag(tmp_path / "bag", ["/abb/ready", "/abb/request"])]
+    assert found.count(("/abb/ready", True)) == 1
+    assert found[-1] == ("/abb/request", True)
+    with Reader(tmp_path / "bag") as reader:
+        (ready,) = (c for c in reader.connections if c.topic == "/abb/ready")
+        assert ready.ext.offered_qos_profiles[0].durability.name == "TRANSIENT_LOCAL"
+
+
+def test_what_does_not_fit_is_counted_and_told(record: Callable[..., Recording], tmp_path: Path) -> None:
+    recording = record(queue_size=SMALLEST_QUEUE)
+    told: list[DiagnosticStatus] = []
+    recording.node.create_subscription(
+        DiagnosticArray, "/diagnostics", lambda m: told.extend(m.status), topics.DIAGNOSTICS.requested
+    )
+    publisher = recording.publisher(topics.IMAGE)
+    picture = topics.IMAGE.type(data=array.array("B", bytes(SMALLEST_QUEUE + 1)))
+    publisher.publish(picture)
+    recording.wait(lambda: any("1 of /camera/image_raw" in s.message for s in told))
+    status = next(s for s in told if "1 of /camera/image_raw" in s.message)
+    assert status.level == DiagnosticStatus.WARN
+    assert ("dropped", "1") in [(v.key, v.value) for v in status.values]
+    recording.recorder.close()
+    document = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert document["custom_data"] == {"dropped": "1", "dropped /camera/image_raw": "1"}
+
+
+def test_excluded_topics_are_left_out(record: Callable[..., Recording], tmp_path: Path) -> None:
+    recording = record(exclude="abb/request door/overlay")
+    recording.publisher(topics.ABB_READY).publish(Bool(data=True))
+    request = recording.node.create_publisher(Bool, topics.ABB_REQUEST.name, topics.ABB_REQUEST.offered)
+    request.publish(Bool(data=True))
+    time.sleep(1.0)  # two looks for new topics
+    recording.recorder.close()
+    assert [m.topic for m in read_bag(tmp_path / "bag") if m.topic.startswith("/abb")] == ["/abb/ready"]
