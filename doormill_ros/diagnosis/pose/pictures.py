@@ -8,6 +8,7 @@ from doormill_ros.diagnosis.pose.causes.joint_periodic_error import JointPeriodi
 from doormill_ros.diagnosis.pose.chain import derivatives, joint_turn
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
+from doormill_ros.units import rad_to_deg
 
 UM = 1e6  #: micrometres in a metre
 _COLOURS = (BEFORE, AFTER, GOOD, OTHER, "#7a4fa3", "#b08a00")
@@ -69,7 +70,7 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
         for index, data in enumerate(diagnosis.sets):
             pick = np.unique(np.linspace(0, len(data) - 1, _POINTS).astype(int))
             pick = pick[~diagnosis.gross[index][pick]]
-            angle = np.degrees(data.q[pick, k - 1])
+            angle = rad_to_deg(data.q[pick, k - 1])
             left = 1e3 * residual[index][pick, k - 1]
             error = 1e3 * cause.columns(problem.views[index])[0].basis[pick] @ problem.x[part]
             colour = _COLOURS[index % len(_COLOURS)]

@@ -11,6 +11,7 @@ import numpy as np
 from doormill_ros.diagnosis.pose import pictures
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.report.page import _STYLE
+from doormill_ros.units import rad_to_deg
 
 _SENTENCES = {
     "consistent": "The nominal model is right to within the measurement noise. Nothing has to be changed.",
@@ -208,7 +209,7 @@ def _coverage(document: dict[str, Any]) -> str:
         [
             f"joint {e['joint']}",
             f"{100 * e['share_of_turn']:.0f} %",
-            ", ".join(f"{np.degrees(a):.0f} to {np.degrees(b):.0f}" for a, b in e["ranges"]),
+            ", ".join(f"{rad_to_deg(a):.0f} to {rad_to_deg(b):.0f}" for a, b in e["ranges"]),
         ]
         for e in document["coverage"]
     ]
