@@ -97,7 +97,8 @@ def test_tools_and_nodes_named_in_the_readme_are_installed() -> None:
         for p in os.environ["AMENT_PREFIX_PATH"].split(os.pathsep)
         if (Path(p) / "lib" / "doormill_ros").is_dir()
     )
-    for name in re.findall(r"^\| `(\w+)` \|", README, flags=re.MULTILINE):
-        if not re.search(rf"^\| `{name}`.*\| (?:arrays|for)", README, flags=re.MULTILINE) and name.islower():
-            dependency = name in {"pin", "shapely", "openpyxl", "pydantic", "pyyaml", "lark", "rich"}
-            assert dependency or (Path(prefix) / "lib" / "doormill_ros" / name).is_file(), name
+    before_dependencies = README.split("## Why each dependency")[0]
+    names = re.findall(r"^\| `(\w+)` \|", before_dependencies, flags=re.MULTILINE)
+    assert len(names) == 13
+    for name in names:
+        assert (Path(prefix) / "lib" / "doormill_ros" / name).is_file(), name

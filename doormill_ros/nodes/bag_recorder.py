@@ -26,6 +26,7 @@ from doormill_ros.recording.errors import UnknownTypeError
 from doormill_ros.recording.schema import FEEDBACK
 
 DISCOVERY_PERIOD = 0.5  # s
+HIDDEN = "/_action/"
 WRITE_PERIOD = 0.1  # s
 SETTLING = 0.2  # s, for messages on their way when the recording ends
 REMEMBERED = 32  # samples of each topic by which one that is delivered again is recognized
@@ -101,7 +102,8 @@ class BagRecorder(ManagedNode):
         for name, types in self.get_topic_names_and_types():
             if name in self._subscribed or name in self._skipped:
                 continue
-            if name in self._excluded:
+            # Feedback of an action: its type has no .msg file, and readers refuse a schema made up for it.
+            if name in self._excluded or HIDDEN in name:
                 self._skipped.add(name)
                 continue
             offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]

@@ -8,10 +8,12 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from doormill_ros.units import deg_to_rad, rad_to_deg
+
 #: Limits of MoveC as documented for the controller.
 SHORTEST_CHORD = 0.1e-3  # m, from the start to the circle point and to the end
-SMALLEST_ANGLE = np.radians(1.0)  # between circle point and end, seen from the start
-LARGEST_ARC = np.radians(240.0)
+SMALLEST_ANGLE = deg_to_rad(1.0)  # between circle point and end, seen from the start
+LARGEST_ARC = deg_to_rad(240.0)
 
 
 class Curve(Protocol):
@@ -75,7 +77,7 @@ class Arc:
         seen = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
         if seen < SMALLEST_ANGLE or seen > np.pi - 1e-9:
             raise ValueError(
-                f"circle point and end are {np.degrees(seen):.3f} deg apart seen from the start, "
+                f"circle point and end are {rad_to_deg(seen):.3f} deg apart seen from the start, "
                 "allowed is 1 to 180 deg"
             )
         normal = np.cross(to_via, to_end)
@@ -89,7 +91,7 @@ class Arc:
         self._y = np.cross(normal / np.sqrt(square), self._x)
         self.angle = float(np.mod(np.arctan2(self._y @ (c - centre), self._x @ (c - centre)), 2.0 * np.pi))
         if self.angle > LARGEST_ARC:
-            raise ValueError(f"the arc is {np.degrees(self.angle):.1f} deg long, allowed are 240 deg")
+            raise ValueError(f"the arc is {rad_to_deg(self.angle):.1f} deg long, allowed are 240 deg")
         self.length = self.radius * self.angle
         self.turn = _angle(start, end)
 

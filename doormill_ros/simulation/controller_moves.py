@@ -12,14 +12,14 @@ from doormill_ros.abb.rapid.machine import Move
 from doormill_ros.frames import from_wxyz, inverse
 from doormill_ros.simulation.controller_arm import QUARTER, ControllerArm
 from doormill_ros.simulation.controller_curves import Arc, Curve, Line
-from doormill_ros.units import deg_to_rad, mm_to_m
+from doormill_ros.units import deg_to_rad, mm_to_m, rad_to_deg
 
 #: Deviations of |q.q| from 1: above the first a warning, above the second an error.
 UNIT_WARNING, UNIT_ERROR = 1e-5, 0.1
 #: How far outside its quarter an axis may end before its configuration counts as another [rad].
 BORDER = 1e-3
 #: Axis 5 nearer to straight than this, within a Cartesian motion, is a singularity [rad].
-WRIST_SINGULARITY = np.radians(0.5)
+WRIST_SINGULARITY = deg_to_rad(0.5)
 #: Poses at which a Cartesian motion is tried out before it starts.
 TRIALS = 41
 
@@ -174,15 +174,15 @@ class MovePlanner:
             axis = int(np.argmax(np.maximum(bad - self._arm.upper, self._arm.lower - bad)))
             raise self._error(
                 move,
-                f"axis {axis + 1} would be at {np.degrees(bad[axis]):.1f} deg",
-                f"{np.degrees(self._arm.lower[axis]):.1f} to {np.degrees(self._arm.upper[axis]):.1f} deg",
+                f"axis {axis + 1} would be at {rad_to_deg(bad[axis]):.1f} deg",
+                f"{rad_to_deg(self._arm.lower[axis]):.1f} to {rad_to_deg(self._arm.upper[axis]):.1f} deg",
             )
         jump = np.abs(np.diff(path, axis=0, prepend=q[None])).max()
         if np.abs(path[:, 4]).min() < WRIST_SINGULARITY or jump > np.pi / 2.0:
             raise self._error(
                 move,
-                f"the path passes a singularity (axis 5 at {np.degrees(np.abs(path[:, 4]).min()):.2f} deg)",
-                f"axis 5 at least {np.degrees(WRIST_SINGULARITY):.1f} deg from straight",
+                f"the path passes a singularity (axis 5 at {rad_to_deg(np.abs(path[:, 4]).min()):.2f} deg)",
+                f"axis 5 at least {rad_to_deg(WRIST_SINGULARITY):.1f} deg from straight",
             )
         return path[-1]
 
@@ -197,7 +197,7 @@ class MovePlanner:
             if not low - BORDER <= q_end[axis] <= low + QUARTER + BORDER:
                 raise self._error(
                     move,
-                    f"the motion ends with axis {axis + 1} at {np.degrees(q_end[axis]):.1f} deg, {name} = {quarter}",
+                    f"the motion ends with axis {axis + 1} at {rad_to_deg(q_end[axis]):.1f} deg, {name} = {quarter}",
                     f"configuration {_numbers(found)}",
                 )
         near_border = abs(q_end[4]) < BORDER
