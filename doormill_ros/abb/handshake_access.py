@@ -61,8 +61,9 @@ class ControllerAccess:
         """
         self.transport.set_ready(False)
         self.require_ready(False)
-        self.transport.remove_file(self.file_name)
-        self.transport.remove_file(signals.ORDER_FILE)
+        # A removal that arrives late would take away the next file while it is announced.
+        self._doubtful(lambda: self.transport.remove_file(self.file_name))
+        self._doubtful(lambda: self.transport.remove_file(signals.ORDER_FILE))
         try:
             self.transport.read_file(self.file_name)
         except FileMissingError:
