@@ -151,8 +151,13 @@ class Cell:
 
     def _spin(self) -> None:
         # An interrupt takes the context away from under the executor.
-        with suppress(ExternalShutdownException):
+        try:
             self._executor.spin()
+        except ExternalShutdownException:
+            pass
+        except Exception:
+            if rclpy.ok():
+                raise
 
     def mill(self, door_id: str, progress: Callable[[str, float], None] | None = None) -> RunSummary:
         """Mill one door and sum up; a refused door gives a summary too.

@@ -208,6 +208,7 @@ class ManagedNode(LifecycleNode):
             return TransitionCallbackReturn.FAILURE
         if self._health[1] == "inactive":
             self.report(OK, "active")
+        self.get_logger().info("active")
         return TransitionCallbackReturn.SUCCESS
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:

@@ -25,14 +25,19 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
     """Run nodes in this process until interrupted; the body of every node's executable."""
     init(sys.argv if arguments is None else arguments)
     executor = MultiThreadedExecutor(num_threads=THREADS)
-    nodes = [factory() for factory in factories]
-    for node in nodes:
-        executor.add_node(node)
-        node.bring_up()
+    nodes: list[ManagedNode] = []
     try:
+        for factory in factories:
+            nodes.append(factory())
+            executor.add_node(nodes[-1])
+            nodes[-1].bring_up()
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except Exception:
+        # What is met while the context goes away is the way out, no fault.
+        if rclpy.ok():
+            raise
     finally:
         shut_down(nodes)
         executor.shutdown(timeout_sec=1.0)
