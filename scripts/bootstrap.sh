@@ -47,7 +47,7 @@ if [[ $(cat .venv/.doormill-requirements 2>/dev/null) != "$wanted" ]]; then
     if [[ $sourced == yes ]]; then
         pip -c requirements/ros-sourced-constraints.txt -r requirements/run.txt -r requirements/test.txt
     else
-        pip -r requirements/run.txt -r requirements/test.txt
+        pip -r requirements/build.txt -r "requirements/ros-$distro.txt" -r requirements/run.txt -r requirements/test.txt
         .venv/bin/python scripts/relocate_wheels.py
     fi
     echo "$identity" > .venv/.doormill-identity
