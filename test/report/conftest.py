@@ -37,7 +37,7 @@ def _browser_path() -> str:
     return found
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     path = _browser_path()
     with sync_playwright() as playwright:
