@@ -209,8 +209,8 @@ def test_both_edges_in_order(listening: RwsTransport, server: RwsServer) -> None
     group = next(iter(server.services.subscriptions.groups.values()))
     seen = []
     for value in (1, 0, 1, 0):
-        server.cabinet.set_value(signals.REQUEST, value)
         count = len(listening._events._edges)
+        server.cabinet.set_value(signals.REQUEST, value)
         until(lambda count=count: len(listening._events._edges) > count)
     for _ in range(4):
         seen.append(listening.read_request())
