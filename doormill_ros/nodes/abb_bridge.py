@@ -80,6 +80,11 @@ class AbbBridge(ManagedNode):
         self._action.close()
         self._loop.stop()
 
+    def destroy_node(self) -> None:
+        """Take the action away too: it latches the states of its goals."""
+        self._action.destroy()
+        super().destroy_node()
+
     def submit(self, message: TargetArray, request_number: int | None = None) -> tuple[Path, bytes]:
         """Render the target file, keep a copy and hand it to the controller.
 

@@ -7,13 +7,13 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import rclpy
 from rclpy.action import ActionClient
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
@@ -25,13 +25,13 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.bag_recorder import BagRecorder
 from doormill_ros.nodes.camera_simulator import CameraSimulator
+from doormill_ros.nodes.composition import Composition
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
-from doormill_ros.nodes.run import init, shut_down
 
 THREADS = 6
 START_LIMIT = 20.0  # s
@@ -95,6 +95,11 @@ class _Observer(Node):
                 topic.type, topic.name, lambda m, name=topic.name: self._keep(name, m), topic.requested
             )
 
+    def destroy_node(self) -> None:
+        """The action's client is not destroyed with its node."""
+        self.action.destroy()
+        super().destroy_node()
+
     def _keep(self, name: str, message: Any) -> None:
         with self.changed:
             self.latest[name] = message
@@ -121,43 +126,27 @@ class Cell:
 
     def __init__(self, folder: RunFolder, options: CellOptions | None = None) -> None:
         self._folder = folder
-        self._options = options or CellOptions()
-        self._nodes: list[ManagedNode] = []
+        options = options or CellOptions()
+        nodes = list(NODES)
+        if options.page:
+            nodes.append(partial(OperatorPage, options.token))
+        self._composition = Composition(options.arguments(folder), nodes, _Observer, THREADS)
 
     def __enter__(self) -> Cell:
-        init(self._options.arguments(self._folder))
-        self._executor = MultiThreadedExecutor(num_threads=THREADS)
-        self._nodes = [node() for node in NODES]
-        if self._options.page:
-            self._nodes.append(OperatorPage(self._options.token))
-        self._observer = _Observer()
-        for node in (*self._nodes, self._observer):
-            self._executor.add_node(node)
-        self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
-        self._thread.start()
-        for node in self._nodes:
-            node.bring_up()
-        if not self._observer.action.wait_for_server(START_LIMIT):
-            raise StageTimeoutError(f"the action mill_door was not there after {START_LIMIT:g} s")
+        self._composition.__enter__()
+        self._observer = self._composition.driver
+        try:
+            if not self._observer.action.wait_for_server(START_LIMIT):
+                raise StageTimeoutError(f"the action mill_door was not there after {START_LIMIT:g} s")
+        except BaseException:
+            self._composition.__exit__(None, None, None)
+            raise
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        shut_down(self._nodes)
-        self._executor.shutdown(timeout_sec=2.0)
-        rclpy.try_shutdown()
-        self._thread.join(2.0)
-
-    def _spin(self) -> None:
-        # An interrupt takes the context away from under the executor.
-        try:
-            self._executor.spin()
-        except ExternalShutdownException:
-            pass
-        except Exception:
-            if rclpy.ok():
-                raise
+        self._composition.__exit__(kind, error, trace)
 
     def mill(self, door_id: str, progress: Callable[[str, float], None] | None = None) -> RunSummary:
         """Mill one door and sum up; a refused door gives a summary too.

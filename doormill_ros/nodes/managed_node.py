@@ -241,6 +241,11 @@ class ManagedNode(LifecycleNode):
             self.configured = False
             self._attempt("clean up", self.teardown)
 
+    def destroy_node(self) -> None:
+        """Leave nothing in the ROS graph."""
+        self._release()
+        super().destroy_node()
+
     def keep(self, destroy: Callable[[Any], Any], entity: Any) -> Any:
         """Destroy `entity` at clean-up; returns it."""
         self._created.append((destroy, entity))

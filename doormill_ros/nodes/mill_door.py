@@ -63,6 +63,10 @@ class MillDoorServer:
         self._bridge.destroy_client(self._get_recipe)
         self._get_recipe = None
 
+    def destroy(self) -> None:
+        """Withdraw the action."""
+        self._server.destroy()
+
     def deliver(self, stage: str, message: Any) -> bool:
         """Pass a stage's answer to the run in hand; False when it belongs to no run of this server."""
         run = self._run

@@ -1,0 +1,103 @@
+"""Several nodes in this process, spun by one executor."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from types import TracebackType
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.node import Node
+
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.run import init, shut_down
+
+STOP_LIMIT = 2.0  # s
+
+
+class Composition:
+    """Managed nodes and one node beside them that drives them; a context manager.
+
+    When it is left, nothing of the nodes stays: what they had latched would reach the next composition
+    of this process.
+
+    Args:
+        arguments: Program name and ROS arguments.
+        managed: Make the managed nodes, in the order in which they are brought up.
+        beside: Makes the node that drives them.
+        threads: Of the executor.
+    """
+
+    def __init__(
+        self,
+        arguments: Sequence[str],
+        managed: Sequence[Callable[[], ManagedNode]],
+        beside: Callable[[], Node],
+        threads: int,
+    ) -> None:
+        self._arguments = arguments
+        self._managed = managed
+        self._beside = beside
+        self._threads = threads
+        self._nodes: list[ManagedNode] = []
+        self._all: list[Node] = []
+        self._executor: MultiThreadedExecutor | None = None
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> Composition:
+        init(self._arguments)
+        try:
+            self._start()
+        except BaseException:
+            self._stop()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stop()
+
+    def _start(self) -> None:
+        for make in self._managed:
+            self._nodes.append(make())
+            self._all.append(self._nodes[-1])
+        self._all.append(self._beside())
+        self._executor = MultiThreadedExecutor(num_threads=self._threads)
+        for node in self._all:
+            self._executor.add_node(node)
+        self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
+        self._thread.start()
+        for node in self._nodes:
+            node.bring_up()
+
+    @property
+    def driver(self) -> Node:
+        """The node beside the managed ones."""
+        return self._all[-1]
+
+    def _spin(self) -> None:
+        # An interrupt takes the context away from under the executor.
+        try:
+            self._executor.spin()
+        except ExternalShutdownException:
+            pass
+        except Exception:
+            if rclpy.ok():
+                raise
+
+    def _stop(self) -> None:
+        shut_down(self._nodes)
+        if self._executor is not None:
+            self._executor.shutdown(timeout_sec=STOP_LIMIT)
+        if self._thread is not None:
+            self._thread.join(STOP_LIMIT)
+        for node in reversed(self._all):
+            # After an interrupt the context is gone and took everything along.
+            with suppress(Exception):
+                node.destroy_node()
+        self._all.clear()
+        self._nodes.clear()
+        rclpy.try_shutdown()
