@@ -14,6 +14,8 @@ from doormill_ros.diagnosis.causes.cause import Cause, Setup
 from doormill_ros.diagnosis.causes.registry import build_cause
 from doormill_ros.diagnosis.errors import ExtendedModelError
 from doormill_ros.diagnosis.load_case import build_load_case
+from doormill_ros.diagnosis.pose.compliance import load_pose_compliance
+from doormill_ros.diagnosis.pose.model import SCHEMA as POSE_SCHEMA
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
@@ -128,11 +130,14 @@ def _named(sized: SizedCause) -> dict[str, float | list[float]]:
 def load_compliance_model(path_or_name: str | Path) -> ComplianceModel:
     """A compliance model from a diagnosis' model.yaml (or its folder), or a robot's own joint springs.
 
+    The model of a pose diagnosis is taken with the joint springs of the robot it names.
+
     Args:
         path_or_name: model.yaml, a folder that holds one, or the name of a robot.
 
     Raises:
         ExtendedModelError: No such file or robot, or the file cannot be used.
+        PoseModelError: The same of a pose diagnosis, or its robot has no description here.
     """
     path = Path(path_or_name)
     if path.is_dir() and (path / "model.yaml").is_file():
@@ -149,6 +154,8 @@ def load_compliance_model(path_or_name: str | Path) -> ComplianceModel:
         document = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ExtendedModelError(f"{path} cannot be read: {error}", path=str(path)) from error
+    if isinstance(document, dict) and document.get("schema") == POSE_SCHEMA:
+        return load_pose_compliance(path)
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:
         found = document.get("schema") if isinstance(document, dict) else type(document).__name__
         raise ExtendedModelError(f"{path} has schema {found}, allowed is {SCHEMA}", path=str(path))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,8 +48,16 @@ class PoseModel:
         """T_base_k of the displaced frames for a series, shape (n, 7, 4, 4)."""
         return frames(view.transforms, frame_twists(design(view, lay_out(self.causes)), self.x, len(view.q)))
 
-    def flange(self, q: np.ndarray) -> np.ndarray:
-        """T_base_flange for joint angles (n, 6) [rad] without a history, shape (n, 4, 4)."""
+    def flange(self, q: np.ndarray, motion: np.ndarray | None = None) -> np.ndarray:
+        """T_base_flange, shape (n, 4, 4).
+
+        Args:
+            q: Recorded or commanded joint angles, shape (n, 6) [rad].
+            motion: Direction of each joint's last motion, -1, 0 (unknown) or +1, shape (n, 6); None: unknown.
+        """
+        return self.frames(self._view(q, motion))[:, -1]
+
+    def _view(self, q: np.ndarray, motion: np.ndarray | None) -> SetView:
         q = np.atleast_2d(np.asarray(q, dtype=float))
         n = len(q)
         data = PoseSet(
@@ -58,7 +67,7 @@ class PoseModel:
             dh=self.dh,
             links=self.links,
             noise=(1.0, 1.0),
-            row=2 * np.arange(n),  # no row follows another: the last motion is unknown
+            row=np.arange(n),
             time=np.full(n, np.nan),
             temperature=np.full(n, np.nan),
             q=q,
@@ -66,7 +75,8 @@ class PoseModel:
             rotation=np.broadcast_to(np.eye(3), (n, 3, 3)),
             placement=np.zeros(n, dtype=bool),
         )
-        return self.frames(make_view(data))[:, -1]
+        known = np.zeros(q.shape) if motion is None else np.broadcast_to(np.asarray(motion, float), q.shape)
+        return dataclasses.replace(make_view(data), motion=known)
 
 
 def model_document(model: PoseModel, source: str, others: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:

@@ -39,10 +39,12 @@ class SetView:
     Attributes:
         data: The series.
         order: Place of every row in the recording, 0 at its start and 1 at its end, shape (n,).
+        motion: Last motion of every joint, -1 ... +1, where it is known better than from the rows, shape (n, 6).
     """
 
     data: PoseSet
     order: np.ndarray
+    motion: np.ndarray | None = None
 
     @property
     def q(self) -> np.ndarray:
@@ -62,7 +64,7 @@ class SetView:
     @cached_property
     def last_motion(self) -> np.ndarray:
         """Flank on which every joint arrived, -1 ... +1, 0 where the row before is missing, shape (n, 6)."""
-        return last_motion(self.data.q, self.data.row)
+        return last_motion(self.data.q, self.data.row) if self.motion is None else self.motion
 
     @cached_property
     def gravity_moment(self) -> np.ndarray:
