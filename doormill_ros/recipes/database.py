@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,10 +12,9 @@ import sqlalchemy as sa
 
 from doormill_ros.recipes import schema
 from doormill_ros.recipes.documents import shipped_recipes
-from doormill_ros.recipes.engine import WRITE, make_engine
+from doormill_ros.recipes.engine import WRITE, make_engine, make_reader
 from doormill_ros.recipes.errors import (
     BadText,
-    DamagedRecord,
     DatabaseUnreachable,
     UnknownBarCode,
     UnknownDoor,
@@ -26,8 +23,7 @@ from doormill_ros.recipes.errors import (
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.statements import BY_BAR_CODE, BY_DOOR, BY_VERSION, RECORD, next_version
-
-STAMP = ("version", "author", "created")  #: columns of their own, not part of the stored document
+from doormill_ros.recipes.stored import content_of, recipe_of, rules, seal
 
 
 @dataclass(frozen=True)
@@ -70,15 +66,16 @@ class RecipeDatabase:
         """
         self._clock = clock or (lambda: datetime.now(UTC))
         self._engine = make_engine(url)
+        self._reader = make_reader(self._engine)
         self.url = self._engine.url.render_as_string(hide_password=True)
         try:
-            with self._begin() as connection:
+            with self._failures(), self._reader.connect() as connection:
                 current = schema.current_revision(connection)
             if current != schema.REVISIONS[-1]:
-                with self._begin(write=True) as connection:
+                with self._write() as connection:
                     schema.migrate(connection)
         except BaseException:
-            self._engine.dispose()
+            self.close()
             raise
 
     def __enter__(self) -> RecipeDatabase:
@@ -89,6 +86,7 @@ class RecipeDatabase:
 
     def close(self) -> None:
         """Close every connection."""
+        self._reader.dispose()
         self._engine.dispose()
 
     def get(self, door_id: str, version: int | None = None) -> Recipe:
@@ -101,22 +99,21 @@ class RecipeDatabase:
         """
         if not _storable(door_id):
             raise _unknown_door(door_id)
-        with self._begin() as connection:
-            if version is None:
-                row = connection.execute(BY_DOOR, {"door_id": door_id}).one_or_none()
-            else:
-                wanted = version if 0 < version < 2**31 else 0  # the column holds no others
-                row = connection.execute(BY_VERSION, {"door_id": door_id, "wanted": wanted}).one_or_none()
-                if row is None:
-                    versions = [record.version for record in self._history(connection, door_id)]
-                    raise UnknownVersion(
-                        f"found version {version} for door {door_id!r}, allowed are {versions[0]} to "
-                        f"{versions[-1]}",
-                        found=version,
-                    )
-        if row is None:
-            raise _unknown_door(door_id)
-        return _recipe(row)
+        if version is None:
+            rows = self._read(BY_DOOR, {"door_id": door_id})
+            if not rows:
+                raise _unknown_door(door_id)
+        else:
+            wanted = version if 0 < version < 2**31 else 0  # the column holds no others
+            rows = self._read(BY_VERSION, {"door_id": door_id, "wanted": wanted})
+            if not rows:
+                versions = [record.version for record in self.history(door_id)]
+                raise UnknownVersion(
+                    f"found version {version} for door {door_id!r}, allowed are {versions[0]} to "
+                    f"{versions[-1]}",
+                    found=version,
+                )
+        return recipe_of(rows[0])
 
     def find_bar_code(self, code: str) -> Recipe:
         """The newest recipe of the door with this bar code.
@@ -125,15 +122,12 @@ class RecipeDatabase:
             UnknownBarCode: No door has it now.
             DamagedRecord: The stored text is not what was stored.
         """
-        row = None
-        if _storable(code):
-            with self._begin() as connection:
-                row = connection.execute(BY_BAR_CODE, {"bar_code": code}).one_or_none()
-        if row is None:
+        rows = self._read(BY_BAR_CODE, {"bar_code": code}) if _storable(code) else ()
+        if not rows:
             raise UnknownBarCode(
                 f"found no recipe for bar code {code!r}; import one, or read the code again", found=code
             )
-        return _recipe(row)
+        return recipe_of(rows[0])
 
     def list(self, prefix: str = "", limit: int | None = None) -> tuple[RecipeRecord, ...]:
         """The newest version of every door, sorted by door id.
@@ -149,16 +143,18 @@ class RecipeDatabase:
         query = sa.select(*RECORD).select_from(schema.recipe_version.join(schema.door, newest))
         query = query.where(schema.door.c.door_id.startswith(prefix, autoescape=True))
         query = query.order_by(schema.recipe_version.c.door_id).limit(limit)
-        with self._begin() as connection:
-            rows = connection.execute(query).all()
+        rows = self._read(query)
         return tuple(sorted((_record(row) for row in rows), key=lambda record: record.door_id))
 
     def history(self, door_id: str) -> tuple[RecipeRecord, ...]:
         """Every version of a door, oldest first; raises UnknownDoor."""
         if not _storable(door_id):
             raise _unknown_door(door_id)
-        with self._begin() as connection:
-            return self._history(connection, door_id)
+        query = sa.select(*RECORD).where(schema.recipe_version.c.door_id == door_id)
+        rows = self._read(query.order_by(schema.recipe_version.c.version))
+        if not rows:
+            raise _unknown_door(door_id)
+        return tuple(_record(row) for row in rows)
 
     def save(self, recipe: Recipe, author: str) -> Recipe:
         """Store a recipe as a new version.
@@ -179,7 +175,7 @@ class RecipeDatabase:
     def save_all(self, recipes: Iterable[Recipe], author: str) -> tuple[Recipe, ...]:
         """Store several recipes in one transaction: all of them, or none. See `save`."""
         checked = [self._checked(recipe, author) for recipe in recipes]
-        with self._begin(write=True) as connection:
+        with self._write() as connection:
             # In one order everywhere, so that two savers cannot wait for each other.
             saved = {}
             for index in sorted(range(len(checked)), key=lambda index: checked[index].door_id):
@@ -200,10 +196,10 @@ class RecipeDatabase:
         """
         checked = [self._checked(recipe, author) for recipe in read_file(path)]
         saved, unchanged = [], []
-        with self._begin(write=True) as connection:
+        with self._write() as connection:
             for recipe in sorted(checked, key=lambda recipe: recipe.door_id):
                 row = connection.execute(BY_DOOR, {"door_id": recipe.door_id}).one_or_none()
-                if row is not None and row.document == _content(recipe):
+                if row is not None and row.document == content_of(recipe):
                     unchanged.append(recipe.door_id)
                 else:
                     saved.append(_record_of(self._save(connection, recipe, author)))
@@ -228,22 +224,40 @@ class RecipeDatabase:
         checked = [self._checked(recipe, author) for name, recipe in shipped.items() if name not in known]
         if not checked:
             return ()
-        with self._begin(write=True) as connection:
+        with self._write() as connection:
             saved = [self._save(connection, recipe, author, only_new=True) for recipe in checked]
         return tuple(_record_of(recipe) for recipe in saved if recipe is not None)
 
+    def _read(self, query: sa.Select, values: dict[str, object] | None = None) -> Sequence[sa.Row]:
+        """Every row of one statement, which is all that a look-up is: no transaction round it."""
+        with self._failures():
+            try:
+                return self._rows(query, values)
+            except sa.exc.DBAPIError as error:
+                if not error.connection_invalidated:
+                    raise
+                # The server was started anew since the last look-up. To ask it before each one
+                # whether it is still there would cost a journey every time.
+                return self._rows(query, values)
+
+    def _rows(self, query: sa.Select, values: dict[str, object] | None) -> Sequence[sa.Row]:
+        with self._reader.connect() as connection:
+            return connection.execute(query, values).all()
+
     @contextmanager
-    def _begin(self, write: bool = False) -> Iterator[sa.Connection]:
-        """A transaction; a failure of the database itself becomes DatabaseUnreachable."""
+    def _write(self) -> Iterator[sa.Connection]:
+        """A transaction that is going to write."""
+        with self._failures(), self._engine.connect() as connection:
+            connection.execution_options(**{WRITE: True})
+            with connection.begin():
+                yield connection
+
+    @contextmanager
+    def _failures(self) -> Iterator[None]:
+        """A failure of the database itself becomes DatabaseUnreachable."""
         try:
-            with self._engine.connect() as connection:
-                connection.execution_options(**{WRITE: write})
-                if not write and connection.dialect.name == "postgresql":
-                    # A look-up is one statement: leave out the two journeys for BEGIN and COMMIT.
-                    connection.execution_options(isolation_level="AUTOCOMMIT")
-                with connection.begin():
-                    yield connection
-        except (sa.exc.OperationalError, sa.exc.InterfaceError, sa.exc.DatabaseError) as error:
+            yield
+        except (sa.exc.InterfaceError, sa.exc.DatabaseError) as error:
             if isinstance(error, sa.exc.IntegrityError):
                 raise
             reason = " ".join(str(error.orig).split())
@@ -262,7 +276,7 @@ class RecipeDatabase:
         if version is None:
             return None
         stored = recipe.stamped(version, author, self._clock().astimezone(UTC))
-        content = _content(stored)
+        content = content_of(stored)
         connection.execute(
             schema.recipe_version.insert().values(
                 door_id=stored.door_id,
@@ -271,41 +285,16 @@ class RecipeDatabase:
                 author=author,
                 created=stored.created.isoformat(),
                 document=content,
-                sha256=_sha256(content),
+                sha256=seal(content, rules()),
+                rules=rules(),
             )
         )
         return stored
-
-    def _history(self, connection: sa.Connection, door_id: str) -> tuple[RecipeRecord, ...]:
-        query = sa.select(*RECORD).where(schema.recipe_version.c.door_id == door_id)
-        rows = connection.execute(query.order_by(schema.recipe_version.c.version)).all()
-        if not rows:
-            raise _unknown_door(door_id)
-        return tuple(_record(row) for row in rows)
-
-
-def _content(recipe: Recipe) -> str:
-    document = {key: value for key, value in recipe.to_document().items() if key not in STAMP}
-    return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
 def _storable(text: str) -> bool:
     """True for a text that a database takes as an argument; every stored id and code is one."""
     return text.isascii() and "\x00" not in text
-
-
-def _sha256(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _recipe(row: sa.Row) -> Recipe:
-    if _sha256(row.document) != row.sha256:
-        raise DamagedRecord(
-            f"version {row.version} of door {row.door_id!r} is not what was stored; restore a backup",
-            found=row.sha256,
-        )
-    document = json.loads(row.document)
-    return Recipe.from_document({**document, **{name: getattr(row, name) for name in STAMP}})
 
 
 def _record(row: sa.Row) -> RecipeRecord:

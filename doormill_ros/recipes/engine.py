@@ -12,8 +12,9 @@ from doormill_ros.recipes.errors import DatabaseUnreachable
 
 ENVIRONMENT = "DOORMILL_DATABASE"
 BUSY_SECONDS = 30  #: how long a SQLite writer waits for another
-CONNECT_SECONDS = 5
+POSTGRESQL_ARGUMENTS = {"connect_timeout": 5}  # s
 WRITE = "doormill_write"  #: execution option of a connection that is going to write
+READ = "doormill_read"  #: execution option of a connection on which each statement stands alone
 
 
 def default_url() -> str:
@@ -48,12 +49,22 @@ def make_engine(url: str | None = None) -> sa.Engine:
         return _sqlite(parsed)
     if backend in ("postgresql", "postgres"):
         parsed = parsed.set(drivername="postgresql+psycopg")
-        arguments = {"connect_timeout": CONNECT_SECONDS}
-        return sa.create_engine(parsed, pool_pre_ping=True, connect_args=arguments)
+        return sa.create_engine(parsed, pool_pre_ping=True, connect_args=POSTGRESQL_ARGUMENTS)
     raise DatabaseUnreachable(
         f"found a database URL of the kind {backend!r}, allowed are sqlite:/// and postgresql://",
         found=backend,
     )
+
+
+def make_reader(engine: sa.Engine) -> sa.Engine:
+    """Engine for statements that stand alone: no transaction is opened round them.
+
+    On PostgreSQL it has connections of its own, which spare the journeys for BEGIN, COMMIT and the
+    question whether the server is still there; a broken connection shows when it is used.
+    """
+    if engine.dialect.name == "postgresql":
+        return sa.create_engine(engine.url, isolation_level="AUTOCOMMIT", connect_args=POSTGRESQL_ARGUMENTS)
+    return engine.execution_options(**{READ: True})
 
 
 def _sqlite(url: sa.URL) -> sa.Engine:
@@ -80,8 +91,10 @@ def _sqlite(url: sa.URL) -> sa.Engine:
 
     @sa.event.listens_for(engine, "begin")
     def begin(connection: sa.Connection) -> None:
+        options = connection.get_execution_options()
+        if options.get(READ):
+            return
         # A writer takes the lock at once: upgrading a read lock later can end in a deadlock.
-        write = connection.get_execution_options().get(WRITE)
-        connection.exec_driver_sql("BEGIN IMMEDIATE" if write else "BEGIN")
+        connection.exec_driver_sql("BEGIN IMMEDIATE" if options.get(WRITE) else "BEGIN")
 
     return engine

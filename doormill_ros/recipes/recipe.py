@@ -33,6 +33,7 @@ from doormill_ros.recipes.fields import (
     as_mapping,
     entry,
     join,
+    load_object,
     read_object,
     write_object,
 )
@@ -57,6 +58,10 @@ class Moment(Codec):
         if moment.tzinfo is None:
             raise BadText(path, f"found {value!r}, allowed is a time with its offset from UTC, such as Z")
         return moment.astimezone(UTC)
+
+    def load(self, value: str, context: Mapping[str, Any]) -> datetime:
+        """See the base class."""
+        return datetime.fromisoformat(value).astimezone(UTC)
 
     def write(self, value: datetime) -> str:
         """See the base class."""
@@ -163,6 +168,21 @@ class Recipe:
         recipe = replace(recipe, features=_read_features(document.get("features"), tools))
         check_geometry(recipe)
         return recipe
+
+    @classmethod
+    def from_checked(cls, document: Mapping[str, Any]) -> Recipe:
+        """Build a recipe from what `to_document` gave of a checked one, without checking it again.
+
+        Args:
+            document: Unchanged since it was checked; whoever calls has to know that.
+        """
+        tools = {
+            name: load_object(Tool, {"name": name, **content}, {})
+            for name, content in document["tools"].items()
+        }
+        context = {"tools": tools}
+        features = tuple(load_object(FEATURES[f["kind"]], f, context) for f in document["features"])
+        return replace(load_object(cls, document, {}), features=features)
 
 
 def _read_tools(document: Any) -> dict[str, Tool]:

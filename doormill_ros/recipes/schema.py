@@ -1,8 +1,8 @@
 """Tables of the recipe database, and bringing an older database up to them.
 
 `door` holds the newest version number and bar code of each door; `recipe_version` holds every
-version as the JSON text of its document, with who and when. Rows of `recipe_version` are final:
-triggers refuse to change or delete them.
+version as the JSON text of its document, with who and when, a seal, and the rules by which it was
+checked. Rows of `recipe_version` are final: triggers refuse to change or delete them.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import sqlalchemy as sa
 
 from doormill_ros.recipes.errors import SchemaTooNew
 
-REVISIONS = ("0001", "0002")  #: of the migrations, oldest first
+REVISIONS = ("0001", "0002", "0003")  #: of the migrations, oldest first
 MIGRATIONS = Path(__file__).parent / "migrations"
 LOCK = 0x646F6F72  #: key of PostgreSQL's advisory lock during a migration
 
@@ -38,6 +38,7 @@ recipe_version = sa.Table(
     sa.Column("created", sa.String(32), nullable=False),
     sa.Column("document", sa.Text, nullable=False),
     sa.Column("sha256", sa.String(64), nullable=False),
+    sa.Column("rules", sa.String(16), nullable=False, server_default=sa.text("''")),
 )
 
 

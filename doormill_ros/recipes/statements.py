@@ -11,7 +11,7 @@ from doormill_ros.recipes.recipe import Recipe
 
 INSERT = {"sqlite": sqlite.insert, "postgresql": postgresql.insert}
 RECORD = [schema.recipe_version.c[name] for name in ("door_id", "version", "bar_code", "author", "created")]
-_ROW = sa.select(*RECORD, schema.recipe_version.c.document, schema.recipe_version.c.sha256)
+_ROW = sa.select(*RECORD, *(schema.recipe_version.c[name] for name in ("document", "sha256", "rules")))
 _NEWEST = _ROW.join_from(
     schema.door,
     schema.recipe_version,

@@ -60,6 +60,10 @@ class WrenchRows(Codec):
         # One order whatever the document's: tables of equal content are equal.
         return WrenchTable(tuple(sorted(rows, key=lambda row: (row[0] == DEFAULT, row[0]))))
 
+    def load(self, value: Mapping[str, Any], context: Mapping[str, Any]) -> WrenchTable:
+        """See the base class."""
+        return WrenchTable(tuple((segment, tuple(row)) for segment, row in value.items()))
+
     def write(self, value: WrenchTable) -> dict[str, list[float]]:
         """See the base class."""
         return {segment: list(row) for segment, row in value.rows}

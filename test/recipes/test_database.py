@@ -12,7 +12,7 @@ import pytest
 import sqlalchemy as sa
 
 from doormill_ros.recipes import errors as e
-from doormill_ros.recipes import schema
+from doormill_ros.recipes import schema, stored
 from doormill_ros.recipes.database import RecipeDatabase
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes, to_json
 from doormill_ros.recipes.engine import ENVIRONMENT, WRITE, default_url, make_engine
@@ -179,6 +179,84 @@ def test_damaged_record_is_noticed(url, recipe):
     engine.dispose()
     with RecipeDatabase(url) as database, pytest.raises(e.DamagedRecord, match="door_1"):
         database.get("door_1")
+
+
+def insert(url, document, checked_by, sealed_for=None):
+    """A row as some release of ours would have written it."""
+    content = json.dumps({k: v for k, v in document.items() if k not in stored.STAMP})
+    row = {"c": content, "s": stored.seal(content, checked_by if sealed_for is None else sealed_for)}
+    engine = make_engine(url)
+    with engine.begin() as connection:
+        connection.execute(sa.text("INSERT INTO door VALUES ('door_1', '4711', 1)"))
+        connection.execute(
+            sa.text(
+                "INSERT INTO recipe_version VALUES "
+                "('door_1', 1, '4711', 'anna', '2026-01-31T12:00:00+00:00', :c, :s, :r)"
+            ),
+            {**row, "r": checked_by},
+        )
+    engine.dispose()
+
+
+@pytest.mark.parametrize("checked_by", [stored.UNKNOWN_RULES, "0123456789abcdef"])
+def test_what_other_rules_have_checked_is_checked_again(url, document, checked_by):
+    RecipeDatabase(url).close()
+    document["features"][0]["depth_mm"] = 39.0  # leaves 1 mm of wood
+    insert(url, document, checked_by)
+    with RecipeDatabase(url) as database, pytest.raises(e.ThinFloor) as caught:
+        database.find_bar_code("4711")
+    assert caught.value.field == "features.0.depth_mm"
+
+
+def test_what_other_rules_have_checked_is_read_when_it_is_right(url, document, recipe):
+    RecipeDatabase(url).close()
+    insert(url, document, "0123456789abcdef")
+    with RecipeDatabase(url) as database:
+        assert database.find_bar_code("4711").features == recipe.features
+
+
+def test_rules_that_were_put_in_afterwards_break_the_seal(url, document):
+    """Whoever passes a recipe off as checked has to forge its seal, too."""
+    RecipeDatabase(url).close()
+    document["features"][0]["depth_mm"] = 39.0
+    insert(url, document, stored.rules(), sealed_for="0123456789abcdef")
+    with RecipeDatabase(url) as database, pytest.raises(e.DamagedRecord, match="door_1"):
+        database.find_bar_code("4711")
+
+
+def test_rules_are_all_the_code_that_reads_and_checks_a_recipe():
+    """Every module that a recipe is read with has a share in the name of the rules."""
+    code = (
+        "import sys, doormill_ros.recipes.recipe\n"
+        "print(*[m.__file__ for n, m in sys.modules.items() if n.startswith('doormill_ros.recipes.')])"
+    )
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    folder = Path(stored.__file__).resolve().parent
+    files = {str(Path(name).resolve().relative_to(folder)) for name in loaded.stdout.split()}
+    covered = {str(p.relative_to(folder)) for pattern in stored.RULE_FILES for p in folder.glob(pattern)}
+    assert files - covered == {"errors.py"}
+
+
+def test_a_server_that_was_started_anew_is_found_again(postgres, recipe):
+    """Its end breaks the connections that the database holds open."""
+    url = postgres.empty_database()
+    with RecipeDatabase(url) as database:
+        saved = database.save(recipe, "anna")
+        assert database.find_bar_code("4711") == saved
+        engine = make_engine(url)
+        with engine.begin() as connection:
+            ended = connection.execute(
+                sa.text(
+                    "SELECT pg_terminate_backend(pid, 30000) FROM pg_stat_activity "
+                    "WHERE datname = current_database() AND pid <> pg_backend_pid()"
+                )
+            ).all()
+        engine.dispose()
+        assert len(ended) == 2
+        assert database.find_bar_code("4711") == saved
+        assert database.save(recipe, "bob").version == 2
 
 
 CELLS, SAVES = 3, 15

@@ -30,6 +30,13 @@ def test_document_round_trip_is_exact(document):
 
 @settings(max_examples=60, deadline=None, suppress_health_check=CHECKS)
 @given(strategies.documents())
+def test_what_was_checked_reads_the_same_without_the_checks(document):
+    recipe = Recipe.from_document(document)
+    assert Recipe.from_checked(parse_json(to_json(recipe))) == recipe
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=CHECKS)
+@given(strategies.documents())
 def test_document_gives_back_every_value(document):
     """Nothing that was given is lost or changed on the way to the document again."""
 

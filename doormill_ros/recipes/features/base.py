@@ -44,6 +44,10 @@ class ToolName(Codec):
             )
         return tools[value]
 
+    def load(self, value: str, context: Mapping[str, Any]) -> Tool:
+        """See the base class."""
+        return context["tools"][value]
+
     def write(self, value: Tool) -> str:
         """See the base class."""
         return value.name

@@ -14,6 +14,7 @@ from doormill_ros.recipes.errors import OutOfRange, WrongType
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.fields import Choice, Codec, Quantity, entry, join
 from doormill_ros.recipes.outline import RoundedRectangle
+from doormill_ros.units import MM
 
 
 class OutlinePoints(Enum):
@@ -45,6 +46,10 @@ class PointPairs(Codec):
                 raise WrongType(where, f"found {pair!r:.80}, allowed is a pair [y, z]", found=pair)
             pairs.append(tuple(single.read(cell, join(where, i), context) for i, cell in enumerate(pair)))
         return tuple(pairs)
+
+    def load(self, value: Any, context: Mapping[str, Any]) -> tuple[tuple[float, float], ...]:
+        """See the base class."""
+        return tuple(tuple(cell * MM for cell in pair) for pair in value)
 
     def write(self, value: tuple[tuple[float, float], ...]) -> list[list[float]]:
         """See the base class."""
