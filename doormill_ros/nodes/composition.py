@@ -28,6 +28,9 @@ class Composition:
         managed: Make the managed nodes, in the order in which they are brought up.
         beside: Makes the node that drives them.
         threads: Of the executor.
+
+    Attributes:
+        nodes: The managed nodes.
     """
 
     def __init__(
@@ -41,7 +44,7 @@ class Composition:
         self._managed = managed
         self._beside = beside
         self._threads = threads
-        self._nodes: list[ManagedNode] = []
+        self.nodes: list[ManagedNode] = []
         self._all: list[Node] = []
         self._executor: MultiThreadedExecutor | None = None
         self._thread: threading.Thread | None = None
@@ -62,15 +65,15 @@ class Composition:
 
     def _start(self) -> None:
         for make in self._managed:
-            self._nodes.append(make())
-            self._all.append(self._nodes[-1])
+            self.nodes.append(make())
+            self._all.append(self.nodes[-1])
         self._all.append(self._beside())
         self._executor = MultiThreadedExecutor(num_threads=self._threads)
         for node in self._all:
             self._executor.add_node(node)
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
-        for node in self._nodes:
+        for node in self.nodes:
             node.bring_up()
 
     @property
@@ -89,7 +92,7 @@ class Composition:
                 raise
 
     def _stop(self) -> None:
-        shut_down(self._nodes)
+        shut_down(self.nodes)
         if self._executor is not None:
             self._executor.shutdown(timeout_sec=STOP_LIMIT)
         if self._thread is not None:
@@ -99,5 +102,5 @@ class Composition:
             with suppress(Exception):
                 node.destroy_node()
         self._all.clear()
-        self._nodes.clear()
+        self.nodes.clear()
         rclpy.try_shutdown()

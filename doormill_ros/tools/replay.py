@@ -47,10 +47,11 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
     from doormill_ros.recording.replay.replay import replay_bag
 
     if options.live:
-        from doormill_ros.nodes.live_replay import LIVE_TOPICS, SLACK, LiveReplay
+        from doormill_ros.nodes.live_replay import SLACK, LiveOptions, replay_live
+        from doormill_ros.recording.replay.answer import STAGES
 
-        with LiveReplay(options.rate, options.robot_model) as live:
-            outcome = replay_bag(bag, live.replay, LIVE_TOPICS, SLACK)
+        live = LiveOptions(options.rate, options.robot_model, options.database)
+        outcome = replay_bag(bag, lambda run: replay_live(run, live), STAGES, SLACK)
     else:
         chosen = OfflineOptions(robot_model=options.robot_model, database=options.database)
         outcome = replay_bag(bag, lambda run: replay_offline(run, chosen))
@@ -65,7 +66,10 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
         print(f"{bag}: {len(outcome.found)} fields changed, {path} written")
         return EQUAL
     if not outcome.found:
-        print(f"{bag}: {len(outcome.answers)} run, equal: {counts}")
+        runs = "1 run" if len(outcome.answers) == 1 else f"{len(outcome.answers)} runs"
+        print(f"{bag}: {runs}, {f'equal: {counts}' if counts else 'nothing compared'}")
+    for left_out in outcome.left_out:
+        print(f"{bag}: not compared: {left_out}")
     return DIFFERENT if outcome.found else EQUAL
 
 

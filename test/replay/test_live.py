@@ -1,4 +1,4 @@
-"""Live replay: the recorded inputs go over DDS to the nodes, in a process of its own."""
+"""Live replay: the recorded run is repeated by database, localizer, path generator and bridge."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import yaml
 
+from doormill_ros.recipes.database import RecipeDatabase
+from doormill_ros.recipes.documents import shipped_recipes
 from source_tree import ROOT
 
 BAGS = ROOT / "bags"
@@ -25,18 +28,50 @@ def live(bag: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+EVERY_STAGE = (
+    "equal: 1 of /door/recipe, 1 of /door/localization, 1 of /path/targets, 1 of /abb/target_file, "
+    "1 of /run/result"
+)
+
+
 @pytest.mark.parametrize("rate", ["1", "max"])
 def test_the_nodes_answer_as_recorded(rate: str) -> None:
     done = live(BAGS / "thesis_190_0deg", "--rate", rate)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "equal: 1 of /door/localization, 1 of /path/targets, 1 of /abb/target_file" in done.stdout
+    assert EVERY_STAGE in done.stdout
+    assert "not compared" not in done.stdout
 
 
-@pytest.mark.parametrize("scenario", ["outside_rotation", "unreachable", "unknown_door"])
-def test_the_nodes_refuse_as_recorded(scenario: str) -> None:
+REFUSALS = [
+    ("unknown_door", "equal: 1 of /run/result"),
+    ("no_picture", "equal: 1 of /door/recipe, 1 of /run/result"),
+    ("outside_rotation", "equal: 1 of /door/recipe, 1 of /door/localization, 1 of /run/result"),
+    (
+        "unreachable",
+        "equal: 1 of /door/recipe, 1 of /door/localization, 1 of /path/targets, 1 of /run/result",
+    ),
+    ("spindle_fault", EVERY_STAGE),
+]
+
+
+@pytest.mark.parametrize(("scenario", "said"), REFUSALS)
+def test_the_nodes_refuse_as_recorded(scenario: str, said: str) -> None:
     done = live(BAGS / scenario, "--rate", "max")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "equal" in done.stdout
+    assert said in done.stdout
+
+
+def test_a_database_that_holds_another_recipe_is_named(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'recipes.sqlite'}"
+    with RecipeDatabase(url) as database:
+        recipe = shipped_recipes()["thesis_190_0deg"]
+        database.save(replace(recipe, mass=recipe.mass + 1.0), author="test")
+    done = live(BAGS / "thesis_190_0deg", "--rate", "max", "--database", url)
+    assert done.returncode == 1, done.stdout + done.stderr
+    first = done.stdout.splitlines()[0]
+    assert ": /door/recipe of " in first
+    assert "document.mass" in first
+    assert "made by the recipe database" in first
 
 
 def test_a_difference_is_named(tmp_path: Path) -> None:

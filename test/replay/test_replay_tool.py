@@ -53,6 +53,29 @@ def test_an_equal_bag_ends_with_0(capsys: pytest.CaptureFixture[str]) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("scenario", "compared"), [("no_picture", "nothing compared"), ("spindle_fault", "equal: 1 of")]
+)
+def test_what_is_not_compared_is_told_and_not_counted(
+    scenario: str, compared: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, lines = replay(capsys, BAGS / scenario)
+    assert status == 0
+    assert compared in lines[0]
+    assert "/run/result" not in lines[0]
+    assert "not compared: /run/result" in lines[1]
+    assert "--live" in lines[1]
+
+
+def test_what_was_not_compared_stays_in_the_expectation(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = Path(shutil.copytree(BAGS / "no_picture", tmp_path / "bag"))
+    assert replay(capsys, bag, "--update")[0] == 0
+    (answers,) = yaml.safe_load((bag / "expected.yaml").read_text())["runs"].values()
+    assert [(a["topic"], a["values"]["error_code"]) for a in answers] == [("/run/result", 801)]
+
+
 def wider_reach(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(tracing, "_REACH", 1.2)
 

@@ -12,19 +12,22 @@ from doormill_ros.toolpath.program import MillingProgram
 
 Value = bool | int | str | float | list[float]
 
+RECIPE = "/door/recipe"
 LOCALIZATION = "/door/localization"
 TARGETS = "/path/targets"
 TARGET_FILE = "/abb/target_file"
 RESULT = "/run/result"
 #: In the order in which they follow from each other: the first difference is nearest to its cause.
-STAGES = (LOCALIZATION, TARGETS, TARGET_FILE, RESULT)
+STAGES = (RECIPE, LOCALIZATION, TARGETS, TARGET_FILE, RESULT)
 #: Which code makes what is on a topic.
 MAKERS = {
+    RECIPE: "the recipe database (doormill_ros/recipes)",
     LOCALIZATION: "the localizer (doormill_ros/localization)",
     TARGETS: "path and correction (doormill_ros/toolpath, doormill_ros/correction)",
     TARGET_FILE: "the RAPID writer (doormill_ros/abb/target_file.py)",
     RESULT: "the run (doormill_ros/nodes/mill_door.py)",
 }
+SAVED = ("version", "author", "created")
 COVARIANCE = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))  # y, z, rotation in the 6 x 6 matrix
 
 
@@ -36,11 +39,14 @@ class Answer:
         topic: Full topic name, one of STAGES.
         stamp_ns: Stamp of the picture it came from (0: from none) [ns since the epoch].
         values: Compared fields by their path in the message; lists are vectors.
+        not_compared: Why the stage was not repeated and counts neither as equal nor as different; empty when
+            it was.
     """
 
     topic: str
     stamp_ns: int
     values: dict[str, Value] = field(default_factory=dict)
+    not_compared: str = ""
 
     @property
     def accepted(self) -> bool:
@@ -51,6 +57,24 @@ class Answer:
 def refusal(topic: str, stamp_ns: int, code: int, reason: str) -> Answer:
     """The answer of a stage that refused."""
     return Answer(topic, stamp_ns, {"accepted": False, "error_code": code, "reason": reason})
+
+
+def recipe_answer(document: dict[str, Any], version: int) -> Answer:
+    """A recipe as the database gave it; of its JSON content all but who saved it when."""
+    values: dict[str, Value] = {"version": int(version)}
+    _flatten(values, "document", {k: v for k, v in document.items() if k not in SAVED})
+    return Answer(RECIPE, 0, values)
+
+
+def _flatten(values: dict[str, Value], name: str, content: Any) -> None:
+    if isinstance(content, dict):
+        for key, value in content.items():
+            _flatten(values, f"{name}.{key}", value)
+    elif isinstance(content, list):
+        for index, value in enumerate(content):
+            _flatten(values, f"{name}[{index}]", value)
+    elif content is not None:
+        values[name] = content
 
 
 def _pose(values: dict[str, Value], name: str, T_a_b: np.ndarray) -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 from doormill_ros.abb.target_file import render_target_file
-from doormill_ros.cell.errors import StageTimeoutError
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.extended_model import load_compliance_model
 from doormill_ros.errors import DoormillError
@@ -21,7 +20,7 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.messages import camera_of, nanoseconds_of, picture_of, transform_of
 from doormill_ros.recording.replay.answer import (
     LOCALIZATION,
-    RESULT,
+    STAGES,
     TARGETS,
     Answer,
     localization_answer,
@@ -37,6 +36,7 @@ from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import load_settings
 
 LAST_REPLAYED = 399  #: recipe, localization and path; what the controller refuses depends on the controller
+OFFLINE_STAGES = STAGES[1:]  #: the recipe is what was recorded
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def _without_recipe(run: RecordedRun, options: OfflineOptions) -> list[Answer]:
     # The door is known now; a run that broke off for another reason cannot be repeated from here.
     if run.result.error_code < 200:
         return [result_answer(True, 0, "")]
-    return [result_answer(run.result.success, run.result.error_code, run.result.message)]
+    return [_as_recorded(run, "the run ended before it had a recipe")]
 
 
 @lru_cache(maxsize=1)
@@ -152,17 +152,18 @@ def _target_file(run: RecordedRun, stamp_ns: int, program: MillingProgram) -> li
 
 def _result(run: RecordedRun, found: list[Answer]) -> Answer:
     """How the run ends by what the stages answer now."""
-    recorded = run.result
-    if not run.localizations and not run.pictures and recorded.error_code == StageTimeoutError.code:
-        # No picture came, so the localizer has nothing to answer and the run waits in vain.
-        return result_answer(False, StageTimeoutError.code, recorded.message)
     for topic in (LOCALIZATION, TARGETS):
         refused = next((a for a in found if a.topic == topic), None)
         if refused is not None and not refused.accepted:
             code, reason = refused.values["error_code"], refused.values["reason"]
             return result_answer(False, int(code), f"door {run.door_id}: {reason}")
-    if recorded.error_code <= LAST_REPLAYED:
+    if run.result.error_code <= LAST_REPLAYED:
         return result_answer(True, 0, "")
-    return Answer(
-        RESULT, 0, dict(result_answer(recorded.success, recorded.error_code, recorded.message).values)
-    )
+    return _as_recorded(run, f"what ended the run (code {run.result.error_code}) is no stage's answer")
+
+
+def _as_recorded(run: RecordedRun, reason: str) -> Answer:
+    """The recorded result, marked as not repeated."""
+    result = run.result
+    answer = result_answer(result.success, result.error_code, result.message)
+    return replace(answer, not_compared=f"{reason}; replay --live repeats it where it can")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +19,7 @@ from doormill_ros.recording.replay.answer import (
     RESULT,
     Answer,
     localization_answer,
+    recipe_answer,
     refusal,
     target_file_answer,
     targets_answer,
@@ -26,7 +28,7 @@ from doormill_ros.recording.replay.answer import (
 RECIPE, PICTURE, CAMERA_INFO = "door/recipe", "camera/image_raw", "camera/camera_info"
 POSE, LOCALIZATION, TARGETS = "door/pose", "door/localization", "path/targets"
 TARGET_FILE, RUN_RESULT = "abb/target_file", "run/result"
-NEEDED = (RECIPE, PICTURE, CAMERA_INFO, POSE, LOCALIZATION, TARGETS, TARGET_FILE, RUN_RESULT)
+STATUS, REQUEST = "abb/status", "abb/request"
 
 
 @dataclass
@@ -43,7 +45,10 @@ class RecordedRun:
         targets: Target lists, accepted or refused.
         target_files: Content of target files that were handed over.
         result: How the run ended; None when the recording stopped before.
-        serialized: Recipe, pictures and camera infos as recorded (CDR), by topic and stamp [ns].
+        serialized: Pictures and camera infos as recorded (CDR), by topic and stamp [ns].
+        begun_ns: When the recipe was recorded [ns].
+        requests: abb/request, the level at the begin first, with the time of recording [ns].
+        states: State of abb/status with the time of recording [ns].
     """
 
     run_id: str
@@ -56,6 +61,9 @@ class RecordedRun:
     target_files: list[bytes] = field(default_factory=list)
     result: Any = None
     serialized: dict[tuple[str, int], bytes] = field(default_factory=dict)
+    begun_ns: int = 0
+    requests: list[tuple[int, bool]] = field(default_factory=list)
+    states: list[tuple[int, str]] = field(default_factory=list)
 
     @property
     def door_id(self) -> str:
@@ -64,7 +72,8 @@ class RecordedRun:
 
     def answers(self) -> list[Answer]:
         """What was recorded of every stage."""
-        found = [localization_of(message) for _, message in self.localizations]
+        found = [] if self.recipe is None else [recipe_of(self.recipe)]
+        found += [localization_of(message) for _, message in self.localizations]
         for message in self.targets:
             found.append(targets_of(message))
         accepted = [m for m in self.targets if m.accepted]
@@ -85,6 +94,11 @@ def result_answer(success: bool, error_code: int, message: str) -> Answer:
 
 def _sha256(data: bytes, otherwise: str) -> str:
     return hashlib.sha256(data).hexdigest() if data else otherwise
+
+
+def recipe_of(message: Any) -> Answer:
+    """The answer that a doormill_interfaces/DoorRecipe holds."""
+    return recipe_answer(json.loads(message.document), message.version)
 
 
 def localization_of(message: Any) -> Answer:
@@ -118,6 +132,7 @@ class _Collector:
         self._in_hand: RecordedRun | None = None
         self._info: Any = None
         self._early: list[BagMessage] = []
+        self._requested = False
 
     def _run(self, run_id: str) -> RecordedRun:
         return self.runs.setdefault(run_id, RecordedRun(run_id))
@@ -125,8 +140,9 @@ class _Collector:
     def recipe(self, item: BagMessage) -> None:
         self._in_hand = self._run(item.message.run_id)
         self._in_hand.recipe = item.message
+        self._in_hand.begun_ns = item.stamp_ns
+        self._in_hand.requests.append((item.stamp_ns, self._requested))
         begun = nanoseconds_of(item.message.header.stamp)
-        self._in_hand.serialized[RECIPE, begun] = item.data
         for picture in self._early:
             if nanoseconds_of(picture.message.header.stamp) >= begun:
                 self._keep(picture)
@@ -175,6 +191,15 @@ class _Collector:
         if self._in_hand is not None and item.message.data:
             self._in_hand.target_files.append(item.message.data.encode("ascii", errors="replace"))
 
+    def request(self, item: BagMessage) -> None:
+        self._requested = bool(item.message.data)
+        if self._in_hand is not None and self._in_hand.result is None:
+            self._in_hand.requests.append((item.stamp_ns, self._requested))
+
+    def status(self, item: BagMessage) -> None:
+        if self._in_hand is not None and self._in_hand.result is None:
+            self._in_hand.states.append((item.stamp_ns, item.message.state))
+
     def result(self, item: BagMessage) -> None:
         self._run(item.message.run_id).result = item.message
 
@@ -196,8 +221,10 @@ def read_runs(bag: Path) -> list[RecordedRun]:
         TARGETS: collector.targets,
         TARGET_FILE: collector.target_file,
         RUN_RESULT: collector.result,
+        STATUS: collector.status,
+        REQUEST: collector.request,
     }
-    wanted = {t: name for t in topics_of(bag) for name in NEEDED if t.endswith("/" + name)}
+    wanted = {t: name for t in topics_of(bag) for name in take if t.endswith("/" + name)}
     for item in read_bag(bag, list(wanted)) if wanted else ():
         take[wanted[item.topic]](item)
     runs = [run for run in collector.runs.values() if run.recipe is not None or run.result is not None]

@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from doormill_ros.recording.replay.answer import Answer
+from doormill_ros.recording.replay.answer import RECIPE, Answer
 from doormill_ros.recording.replay.compare import Difference, differences
 from doormill_ros.recording.replay.expectation import read_expectation, write_expectation
-from doormill_ros.recording.replay.offline import replay_offline
+from doormill_ros.recording.replay.offline import OFFLINE_STAGES, replay_offline
 from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
 
 Replayer = Callable[[RecordedRun], Sequence[Answer]]
@@ -35,14 +35,21 @@ class ReplayOutcome:
         counts: dict[str, int] = {}
         for answers in self.answers.values():
             for answer in answers:
-                counts[answer.topic] = counts.get(answer.topic, 0) + 1
+                if not answer.not_compared:
+                    counts[answer.topic] = counts.get(answer.topic, 0) + 1
         return counts
+
+    @property
+    def left_out(self) -> list[str]:
+        """Topic and reason of every message that was not compared."""
+        answers = [answer for of_run in self.answers.values() for answer in of_run]
+        return [f"{answer.topic}: {answer.not_compared}" for answer in answers if answer.not_compared]
 
 
 def replay_bag(
     bag: Path,
     replayer: Replayer = replay_offline,
-    topics: Sequence[str] | None = None,
+    topics: Sequence[str] = OFFLINE_STAGES,
     slack: float = 1.0,
 ) -> ReplayOutcome:
     """Replay a bag against its expected.yaml, or against what was recorded when it has none.
@@ -50,7 +57,7 @@ def replay_bag(
     Args:
         bag: Bag folder.
         replayer: Gives the answers of a run's stages.
-        topics: Topics to compare; None for all.
+        topics: Topics to compare.
         slack: Factor on tolerances, for answers that follow from replayed instead of recorded ones.
 
     Raises:
@@ -61,8 +68,13 @@ def replay_bag(
     outcome = ReplayOutcome(bag)
     written = read_expectation(bag) or {}
     for run in read_runs(bag):
-        expected = [a for a in written.get(run.run_id, run.answers()) if topics is None or a.topic in topics]
-        found = [a for a in replayer(run) if topics is None or a.topic in topics]
+        recorded = run.answers()
+        # The recipe is an input of the other stages: expected.yaml has nothing to say about it.
+        wanted = [a for a in recorded if a.topic == RECIPE] + [
+            a for a in written.get(run.run_id, recorded) if a.topic != RECIPE
+        ]
+        expected = [a for a in wanted if a.topic in topics]
+        found = [a for a in replayer(run) if a.topic in topics]
         outcome.answers[run.run_id] = found
         outcome.found.extend(differences(run.run_id, expected, found, slack))
     return outcome
