@@ -157,12 +157,16 @@ def judge(seed: int, kind: str, effects: list[dict], strengths: list[float], dia
     )
 
 
-def campaign(sets: int, first: int = 0, show=print) -> list[Outcome]:
-    """Draw, diagnose and judge sets."""
+def campaign(
+    sets: int, first: int = 0, show=print, kinds: frozenset[str] = frozenset(KINDS)
+) -> list[Outcome]:
+    """Draw, diagnose and judge sets; of other kinds the seeds are passed over."""
     outcomes = []
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(first, first + sets):
             kind = KINDS[seed % len(KINDS)]
+            if kind not in kinds:
+                continue
             effects, strengths = draw_set(Path(folder) / str(seed), seed, kind)
             start = time.perf_counter()
             diagnosis = diagnose_set(read_measurement_set(Path(folder) / str(seed)))
@@ -241,9 +245,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sets", type=int, default=200)
     parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--kinds", nargs="+", choices=sorted(set(KINDS)), default=KINDS, help="of sets")
     chosen = parser.parse_args()
     logging.disable(logging.WARNING)
-    outcomes = campaign(chosen.sets, chosen.first, lambda line: print(line, flush=True))
+    outcomes = campaign(
+        chosen.sets, chosen.first, lambda line: print(line, flush=True), frozenset(chosen.kinds)
+    )
     for outcome in outcomes:
         for miss in outcome.misses:
             print(f"set {outcome.seed} ({outcome.kind}): {miss}")

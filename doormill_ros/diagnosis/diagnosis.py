@@ -16,7 +16,7 @@ from doormill_ros.diagnosis.measurement_set import MeasurementSet
 from doormill_ros.diagnosis.patterns import spoils, unnamed_patterns
 from doormill_ros.diagnosis.problem import Problem
 from doormill_ros.diagnosis.search import ENTRY, Search
-from doormill_ros.diagnosis.stability import clustered, instability
+from doormill_ros.diagnosis.stability import beaten, clustered, instability, turned_joint, unevenness
 
 #: Chance of an innocent residual below which structure remains.
 STRUCTURE = 1e-4
@@ -92,7 +92,11 @@ def diagnose_problem(
         if other.total(bent) < search.total(best):
             search, best, problem = other, bent, other.problem
     outliers = _outliers(best, problem.components)
-    structure = has_structure(best, problem.components) or clustered(problem, outliers)
+    structure = (
+        has_structure(best, problem.components)
+        or clustered(problem, outliers)
+        or turned_joint(problem, best.prediction.white, outliers) != ""
+    )
     established = _established(search, best, structure)
     extended = search.fit(established, [_theta_of(best, established)])
     kept = ~outliers
@@ -119,7 +123,7 @@ def diagnose_problem(
         ),
         ratio=ratio,
         ratio_ci=interval,
-        remarks=_remarks(problem, best, established, verdict, search),
+        remarks=_remarks(problem, best, established, outliers),
     )
 
 
@@ -171,21 +175,26 @@ def _established(search: Search, best: Fit, structure: bool) -> tuple[Cause, ...
     for cause in named:
         without = search.without(best, cause)
         share = (without.held_out_score - best.held_out_score) / excess
-        probability, _, _ = instability(search.problem, best, cause)
+        steady = min(
+            instability(search.problem, best, cause)[0],
+            unevenness(search.problem, best, cause, best.weights)[0],
+        )
         rivals = [
             other
             for other, found in search.rivals(best, cause)
-            if not other.named and search.total(found) < search.total(best) + ENTRY
+            if not other.named
+            and (search.total(found) < search.total(best) + ENTRY or not beaten(search.problem, best, found))
         ]
-        if share > MAIN_PART and probability > UNSTABLE and not rivals:
+        if share > MAIN_PART and steady > UNSTABLE and not rivals:
             kept.append(cause)
     return tuple(kept)
 
 
 def _wild(problem: Problem, best: Fit, cause: Cause) -> bool:
-    """Whether the halves of the data disagree about a cause, by more than a strong effect's small print."""
+    """Whether the parts of the data disagree about a cause, by more than a strong effect's small print."""
     probability, _, apart = instability(problem, best, cause)
-    return probability < WILD and apart > WILD_APART
+    uneven, scatter = unevenness(problem, best, cause, best.weights)
+    return (probability < WILD and apart > WILD_APART) or (uneven < WILD and scatter > WILD_APART)
 
 
 def implausible(found: Fit, cause: Cause) -> bool:
@@ -230,9 +239,19 @@ def _gain(
 
 
 def _remarks(
-    problem: Problem, best: Fit, established: tuple[Cause, ...], verdict: str, search: Search
+    problem: Problem, best: Fit, established: tuple[Cause, ...], outliers: np.ndarray
 ) -> tuple[str, ...]:
     lines = []
+    joint = turned_joint(problem, best.prediction.white, outliers)
+    if joint:
+        lines.append(
+            f"The trials that look like gross errors all point along a turn of {joint}: an effect, not slips."
+        )
+    elif clustered(problem, outliers):
+        lines.append(
+            "The trials that look like gross errors sit together in few configurations or on one reflector: "
+            "an effect, not slips."
+        )
     if len(np.unique(problem.configuration)) == 1:
         lines.append(
             "All trials share one configuration, so single trials were left out instead of configurations."
@@ -240,15 +259,18 @@ def _remarks(
     unnamed = [cause for cause in best.members if not cause.named]
     if unnamed:
         lines.append(
-            "Looks like " + " and ".join(c.pattern() for c in unnamed) + ", for which there is no cause."
+            "The residual looks like "
+            + " and ".join(c.pattern() for c in unnamed)
+            + ", which no known cause leaves."
         )
     dropped = [c for c in best.members if c.named and c not in established]
     for cause in dropped:
         probability, where, _ = instability(problem, best, cause)
-        why = (
-            f"it has another size in the halves by {where}"
-            if probability < UNSTABLE
-            else "others would do as well"
-        )
+        if probability < UNSTABLE:
+            why = f"it has another size in the halves by {where}"
+        elif unevenness(problem, best, cause, best.weights)[0] < UNSTABLE:
+            why = "its size changes from configuration to configuration"
+        else:
+            why = "others would do as well"
         lines.append(f"{cause!r} comes closest but is not believed: {why}.")
     return tuple(lines)

@@ -10,6 +10,7 @@ from doormill_ros.diagnosis.causes.cause import Cause
 from doormill_ros.diagnosis.fit import Fit, bounds, normal_equations
 from doormill_ros.diagnosis.problem import Problem
 from doormill_ros.diagnosis.search import EQUAL, Search
+from doormill_ros.diagnosis.stability import beaten
 
 #: Fall of the score with one more number that chance reaches once in ten sets.
 LEANING = 2.7
@@ -81,7 +82,8 @@ def make_finding(
         nested = other.where == cause.where and cause.name in (other.generalises, other.name)
         # A law that contains this one counts as another only if the data lean towards it.
         nested = nested and (other.name == cause.name or found.score > best.score - LEANING)
-        if other.named and not nested and found.held_out_score < best.held_out_score + limit:
+        close = found.held_out_score < best.held_out_score + limit
+        if other.named and not nested and (close or (remains and not beaten(problem, best, found))):
             confusable.append(other)
     unique = {other.key: other for other in reversed(confusable) if other.key != cause.key}
     return Finding(

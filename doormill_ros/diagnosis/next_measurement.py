@@ -16,7 +16,7 @@ from doormill_ros.units import rad_to_deg
 
 PROPOSALS = 6  #: trials that are proposed
 _POSTURES = 24  #: postures that are considered
-_DECIDED = 4.6  #: log odds at which two models count as told apart: 100 to 1
+DECIDED = 4.6  #: log odds at which two models count as told apart: 100 to 1
 #: Loads considered, base axes.
 _LOADS = np.vstack([np.eye(3), -np.eye(3)])
 #: Where a reflector could be added: at the edge of the foot, or a hand's breadth off a link's frame [m].
@@ -238,7 +238,7 @@ def _choose(mine: _Forecast, other: _Forecast) -> tuple[list[int], list[float]]:
 def _sentence(names: tuple[str, str], trials: list[ProposedTrial], odds: float, decided: bool) -> str:
     first = trials[0]
     angles = ", ".join(f"{angle:.0f}" for angle in rad_to_deg(first.q))
-    if odds < _DECIDED:
+    if odds < DECIDED:
         return (
             f"No loading of this kind tells {names[0]} from {names[1]} (the best {len(trials)} trials give odds of "
             f"{np.exp(min(odds, 20.0)):.1f} to 1): check one of them directly."

@@ -35,7 +35,7 @@ class Pattern(LinearTwist):
 
     def pattern(self) -> str:
         """What it is."""
-        return f"a residual like {self.name.replace('_', ' ')} of {self.where}"
+        return f"{self.name.replace('_', ' ')} of {self.where}"
 
     def unit(self, case: LoadCase) -> np.ndarray:
         """The pattern."""

@@ -92,7 +92,7 @@ def test_the_page_needs_nothing_from_outside(explained):
     page = (out / "report.html").read_text()
     assert not re.search(r"(src|href)\s*=|url\(|@import|<script", page)
     first = re.search(r"<h1>(.*?)</h1>", page).group(1)
-    assert first.startswith("Explained: joint backlash, joint 1")
+    assert first.startswith("Explained: backlash in joint 1 (")
     assert page.index("<h1>") < page.index("<svg")
     for title in (
         "Measured against simulated",

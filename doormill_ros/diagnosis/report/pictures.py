@@ -6,58 +6,93 @@ import numpy as np
 
 from doormill_ros.diagnosis.causes.cause import Cause
 from doormill_ros.diagnosis.diagnosis import Diagnosis
-from doormill_ros.diagnosis.finding import Finding
-from doormill_ros.diagnosis.problem import split
-from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
+from doormill_ros.diagnosis.finding import Finding, rmse
+from doormill_ros.diagnosis.fit import Fit
+from doormill_ros.diagnosis.problem import Problem
+from doormill_ros.diagnosis.report.pairs import Pairs
+from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, OTHER, Scatter
+from doormill_ros.diagnosis.report.wording import MICRO, spoken
 
 UM = 1e6  #: micrometres in a metre
+HALF, WIDE = 560, 1132  #: widths of charts beside each other and alone, as on the page
+MOST = 16  #: rows of a chart by group
+
+
+def stages(diagnosis: Diagnosis) -> list[tuple[str, str, Fit]]:
+    """Name, colour and model of what is shown side by side: before, and after where something was found."""
+    if not diagnosis.findings:
+        return [("", BEFORE, diagnosis.baseline)]
+    return [("before", BEFORE, diagnosis.baseline), ("after", AFTER, diagnosis.extended)]
 
 
 def before_and_after(diagnosis: Diagnosis) -> list[str]:
-    """Measured against simulated displacement, with the model in question and with the extended one."""
-    kept = diagnosis.kept
+    """Measured against simulated displacement, and what is left over on one scale, before and after."""
+    kept, noise = diagnosis.kept, UM * diagnosis.problem.noise_floor
     measured = diagnosis.problem.data.displacement[kept]
-    charts = []
-    for title, residual, colour in (
-        ("as simulated now", diagnosis.baseline.held_out, BEFORE),
-        ("with the extended model, on data it has not seen", diagnosis.extended.held_out, AFTER),
-    ):
-        simulated = measured - residual[kept]
-        ends = UM * np.array([measured.min(), measured.max()])
-        charts.append(
+    ends = UM * np.array([measured.min(), measured.max()])
+    largest = UM * max(float(np.abs(found.held_out[kept]).max()) for _, _, found in stages(diagnosis))
+    titles = ("simulation now", "extended model, configurations left out")
+    rows: list[list[str]] = [[], []]
+    for title, (_, colour, found) in zip(titles, stages(diagnosis), strict=False):
+        x, left = UM * measured.ravel(), UM * found.held_out[kept].ravel()
+        rows[0].append(
             Scatter(
                 title,
-                "measured [um]",
-                "simulated [um]",
-                series=[("", colour, UM * measured.ravel(), UM * simulated.ravel())],
+                f"measured [{MICRO}m]",
+                f"simulated [{MICRO}m]",
+                series=[("", colour, x, x - left)],
                 lines=[("", "#555", ends, ends)],
                 square=True,
+                width=HALF,
             ).svg()
         )
-    return charts
+        rows[1].append(
+            Scatter(
+                f"{title}: what is left",
+                f"measured [{MICRO}m]",
+                f"measured - simulated [{MICRO}m]",
+                series=[("", colour, x, left)],
+                band=2.0 * noise,
+                limits=(-largest, largest),
+                width=HALF,
+            ).svg()
+        )
+    return [*rows[0], *rows[1]]
 
 
 def residual_by_joint(diagnosis: Diagnosis) -> list[str]:
-    """Residual of every joint as an angle over its torque, before and after."""
+    """Residual along the motion of every joint over its torque, before and after, all on one scale."""
     problem, kept = diagnosis.problem, diagnosis.kept
-    charts = []
+    drawn = []
     for k in range(6):
         lever = problem.case.joint_twist(k)[:, :3]
-        size = np.sum(lever**2, axis=1)
-        rows = kept & (size > 0.01**2)
+        arm = np.linalg.norm(lever, axis=1)
+        rows = kept & (arm > 0.01)
         if rows.sum() < 3 or problem.case.largest_torque[k] < 1e-3:
             continue
+        along = lever[rows] / arm[rows, None]
         series = [
-            (name, colour, problem.case.torque[rows, k], UM * angle(residual, lever, size)[rows])
-            for name, colour, residual in (
-                ("before", BEFORE, diagnosis.baseline.held_out),
-                ("after", AFTER, diagnosis.extended.held_out),
+            (
+                name,
+                colour,
+                problem.case.torque[rows, k],
+                UM * np.sum(found.held_out[rows] * along, axis=1),
             )
+            for name, colour, found in stages(diagnosis)
         ]
-        charts.append(
-            Scatter(f"joint {k + 1}", "torque [N m]", "residual as joint angle [urad]", series=series).svg()
-        )
-    return charts
+        drawn.append((f"joint {k + 1}", series))
+    largest = max((float(np.abs(y).max()) for _, series in drawn for *_, y in series), default=1.0)
+    return [
+        Scatter(
+            title,
+            "torque [N m]",
+            f"residual along its motion [{MICRO}m]",
+            series=series,
+            band=2.0 * UM * problem.noise_floor,
+            limits=(-largest, largest),
+        ).svg()
+        for title, series in drawn
+    ]
 
 
 def angle(residual: np.ndarray, lever: np.ndarray, size: np.ndarray) -> np.ndarray:
@@ -69,20 +104,20 @@ def residual_by_circumstance(diagnosis: Diagnosis) -> list[str]:
     """Residual over load, time between measurements and time of day, before and after."""
     problem, kept = diagnosis.problem, diagnosis.kept
     data = problem.data
+    usual = UM * problem.noise_floor * np.sqrt(problem.components)
     charts = []
     for title, label, values in (
         ("by load", "force [N]", np.linalg.norm(problem.case.force, axis=1)),
-        ("by time between the two measurements", "dt [s]", data.dt),
-        ("by time of the test", "t [s]", data.time),
+        ("by time under load", "time between the two measurements [s]", data.dt),
+        ("by time of the test", "time since the start [s]", data.time),
     ):
         series = [
-            (name, colour, values[kept], UM * np.linalg.norm(residual[kept], axis=1))
-            for name, colour, residual in (
-                ("before", BEFORE, diagnosis.baseline.held_out),
-                ("after", AFTER, diagnosis.extended.held_out),
-            )
+            (name, colour, values[kept], UM * np.linalg.norm(found.held_out[kept], axis=1))
+            for name, colour, found in stages(diagnosis)
         ]
-        charts.append(Scatter(title, label, "length of the residual [um]", series=series).svg())
+        ends = np.array([values[kept].min(), values[kept].max()])
+        line = ("noise", "#555", ends, np.full(2, usual))
+        charts.append(Scatter(title, label, f"length of the residual [{MICRO}m]", series, [line]).svg())
     return charts
 
 
@@ -92,123 +127,106 @@ def residual_by_group(diagnosis: Diagnosis) -> list[str]:
     force = problem.case.force
     main = np.abs(force).argmax(axis=1)
     sign = np.where(force[np.arange(len(force)), main] > 0.0, "+", "-")
-    direction = np.array([f"load along {s}{'xyz'[m]}" for s, m in zip(sign, main, strict=True)])
+    direction = np.array([f"{s}{'xyz'[m]}" for s, m in zip(sign, main, strict=True)])
     posture = np.array([f"posture {c + 1}" for c in problem.configuration])
     charts = []
     for title, groups in (
-        ("by direction of the load (base frame)", direction),
+        ("by direction of the load, base frame", direction),
         ("by reflector", data.reflector),
         ("by posture", posture),
     ):
-        rows = []
-        names = list(dict.fromkeys(groups.tolist()))
-        for name in sorted(names) if title != "by posture" else names:
-            mask = diagnosis.kept & (groups == name)
-            if not mask.any():
-                continue
-            for when, residual, colour in (
-                ("before", diagnosis.baseline.held_out, BEFORE),
-                ("after", diagnosis.extended.held_out, AFTER),
-            ):
-                rows.append((f"{name}, {when}", UM * float(np.sqrt(np.mean(residual[mask] ** 2))), colour))
-        charts.append(Bars(title, "um", rows, ("noise", UM * problem.noise_floor)).svg())
+        names = list(dict.fromkeys(groups[diagnosis.kept].tolist()))
+        ordered = names if groups is posture else sorted(names)
+        masks = {name: diagnosis.kept & (groups == name) for name in ordered}
+        rows = [
+            (
+                name,
+                tuple(UM * rmse(f.held_out, mask, problem.components) for _, _, f in stages(diagnosis)),
+            )
+            for name, mask in masks.items()
+        ]
+        if len(rows) > MOST:
+            title = f"{title} (the worst {MOST} of {len(rows)})"
+            rows = sorted(rows, key=lambda row: -row[1][0])[:MOST]
+        charts.append(Pairs(title, f"{MICRO}m", rows, ("noise", UM * problem.noise_floor)).svg())
     return charts
 
 
 def pattern_of(diagnosis: Diagnosis, finding: Finding) -> str:
     """What gave a cause away: the residual without it, against what drives it."""
     problem, kept, cause = diagnosis.problem, diagnosis.kept, finding.cause
-    without = diagnosis.search.without(diagnosis.extended, cause)
-    effect = _effect(diagnosis, cause)
+    effect = _effect(diagnosis.problem, diagnosis.extended, cause)
     residual = diagnosis.extended.prediction.residual + effect
     if cause.name in ("joint_stiffness", "joint_hardening", "joint_backlash", "joint_friction"):
-        k = int(cause.where[-1]) - 1
-        lever = problem.case.joint_twist(k)[:, :3]
-        size = np.sum(lever**2, axis=1)
-        rows = kept & (size > 0.01**2)
-        torque = problem.case.torque[:, k]
-        along = problem.data.direction[:, k] * torque
-        known = [
-            ("moved along the load", BEFORE, along > 0),
-            ("pre-loaded", AFTER, along < 0),
-            ("unknown", OTHER, along == 0),
-        ]
-        series = [
-            (name, colour, torque[rows & mask], UM * angle(residual, lever, size)[rows & mask])
-            for name, colour, mask in known
-            if np.any(rows & mask)
-        ]
-        fitted = [
-            (
-                name,
-                colour,
-                torque[rows & mask][np.argsort(torque[rows & mask])],
-                UM * angle(effect, lever, size)[rows & mask][np.argsort(torque[rows & mask])],
-            )
-            for name, colour, mask in known
-            if np.any(rows & mask)
-        ]
-        return Scatter(
-            f"{cause!r}: what the springs leave",
-            "torque [N m]",
-            "joint angle [urad]",
-            series,
-            fitted,
-            width=760,
-        ).svg()
+        return _over_torque(diagnosis, cause, residual, effect)
     if cause.name == "thermal_drift":
         axis = finding.values / max(float(np.linalg.norm(finding.values)), 1e-30)
         dt = problem.data.dt[kept]
         line = np.array([dt.min(), dt.max()])
         return Scatter(
-            f"{cause!r}: what the springs leave",
-            "dt [s]",
-            "residual along the drift [um]",
+            f"{spoken(cause)}: what the model without it leaves",
+            "time between the two measurements [s]",
+            f"residual along the drift [{MICRO}m]",
             [("", BEFORE, dt, UM * residual[kept] @ axis)],
             [("fit", AFTER, line, UM * line * float(np.linalg.norm(finding.values)))],
-            width=760,
+            width=WIDE,
         ).svg()
-    del without
-    x = UM * effect[kept].ravel()
+    return _against_prediction(f"{spoken(cause)}: ", residual[kept], effect[kept])
+
+
+def patterns_without_a_name(diagnosis: Diagnosis) -> list[str]:
+    """The same for the shapes in the best model that belong to no cause."""
+    best, kept = diagnosis.best, diagnosis.kept
+    charts = []
+    for member in best.members:
+        if not member.named:
+            effect = _effect(diagnosis.problem, best, member)
+            residual = best.prediction.residual + effect
+            charts.append(
+                _against_prediction(f"{spoken(member)} (no cause): ", residual[kept], effect[kept], OTHER)
+            )
+    return charts
+
+
+def _over_torque(diagnosis: Diagnosis, cause: Cause, residual: np.ndarray, effect: np.ndarray) -> str:
+    """Joint angle over torque, one colour for each side from which the joint came."""
+    problem = diagnosis.problem
+    k = int(cause.where[-1]) - 1
+    lever = problem.case.joint_twist(k)[:, :3]
+    size = np.sum(lever**2, axis=1)
+    rows = diagnosis.kept & (size > 0.01**2)
+    torque = problem.case.torque[:, k]
+    along = problem.data.direction[:, k] * torque
+    series, fitted = [], []
+    for name, colour, mask in (
+        ("moved along the load", BEFORE, along > 0),
+        ("pre-loaded", AFTER, along < 0),
+        ("unknown", OTHER, along == 0),
+    ):
+        at = np.flatnonzero(rows & mask)
+        at = at[np.argsort(torque[at])]
+        if len(at):
+            series.append((name, colour, torque[at], UM * angle(residual, lever, size)[at]))
+            fitted.append((name, colour, torque[at], UM * angle(effect, lever, size)[at]))
+    title = f"{spoken(cause)}: what the springs leave (dots) and what the cause says (lines)"
+    return Scatter(title, "torque [N m]", f"joint angle [{MICRO}rad]", series, fitted, width=WIDE).svg()
+
+
+def _against_prediction(title: str, residual: np.ndarray, effect: np.ndarray, colour: str = BEFORE) -> str:
+    x = UM * effect.ravel()
     ends = np.array([x.min(), x.max()])
     return Scatter(
-        f"{cause!r}: what the model without it leaves, against what the cause predicts",
-        "predicted by the cause [um]",
-        "residual without the cause [um]",
-        [("", BEFORE, x, UM * residual[kept].ravel())],
+        f"{title}what the model without it leaves, over what it predicts",
+        f"predicted [{MICRO}m]",
+        f"residual without it [{MICRO}m]",
+        [("", colour, x, UM * residual.ravel())],
         [("", "#555", ends, ends)],
-        width=760,
+        width=WIDE,
     ).svg()
 
 
-def _effect(diagnosis: Diagnosis, cause: Cause) -> np.ndarray:
-    """Displacement that a cause adds to the extended model, shape (n, 3) [m]."""
-    extended = diagnosis.extended
-    theta = extended.theta.copy()
-    at = 0
-    for member, _ in split(extended.members, theta):
-        if member is cause:
-            theta[at : at + member.size] = 0.0
-        at += member.size
-    return diagnosis.problem.predict(extended.members, theta).residual - extended.prediction.residual
-
-
-def candidates_chart(diagnosis: Diagnosis) -> str:
-    """Held-out residual of every single candidate that was fitted, the best first."""
-    named = {finding.cause.key for finding in diagnosis.findings}
-    kept = diagnosis.kept
-    rows: list[tuple[str, float, str]] = []
-    for found in sorted(diagnosis.search.fits.values(), key=diagnosis.search.total):
-        label = " + ".join(f"{c.name} {c.where}" for c in found.members) or "no cause (simulation as it is)"
-        value = UM * float(np.sqrt(np.mean(found.held_out[kept] ** 2)))
-        own = {c.key for c in found.members} == named and bool(found.members or not named)
-        known = all(c.named for c in found.members)
-        rows.append((label[:44], value, GOOD if own else AFTER if known else OTHER))
-        if len(rows) == 14:
-            break
-    return Bars(
-        "Candidates by held-out residual (green: chosen, grey: patterns without a name)",
-        "um",
-        rows,
-        ("noise", UM * diagnosis.problem.noise_floor),
-    ).svg()
+def _effect(problem: Problem, found: Fit, cause: Cause) -> np.ndarray:
+    """Displacement that a cause adds to a model, shape (n, 3) [m]."""
+    theta = found.theta.copy()
+    theta[found.part(cause)] = 0.0
+    return problem.predict(found.members, theta).residual - found.prediction.residual

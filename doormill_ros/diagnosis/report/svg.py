@@ -26,6 +26,8 @@ class Scatter:
         lines: Name, colour, x and y of each polyline.
         band: Half height of a shaded band around zero, or None.
         square: Whether both axes show the same range.
+        width: Of the drawing; give what the page gives it, or texts are blown up.
+        limits: Range of the second axis, or None for that of the data.
     """
 
     title: str
@@ -36,6 +38,7 @@ class Scatter:
     band: float | None = None
     square: bool = False
     width: int = _WIDTH
+    limits: tuple[float, float] | None = None
 
     def svg(self) -> str:
         """The chart."""
@@ -44,7 +47,7 @@ class Scatter:
         y = np.concatenate([s[3] for s in clouds] or [np.zeros(1)])
         if self.band is not None:
             y = np.append(y, [self.band, -self.band])
-        x_range, y_range = _range(x), _range(y)
+        x_range, y_range = _range(x), _range(y if self.limits is None else np.array(self.limits))
         if self.square:
             x_range = y_range = (min(x_range[0], y_range[0]), max(x_range[1], y_range[1]))
         frame = _Frame(x_range, y_range, self.width)
@@ -107,7 +110,7 @@ class Bars:
                 f'<text x="{left - 6}" y="{y + 12}" text-anchor="end" class="l">{escape(label)}</text>'
                 f'<rect x="{left}" y="{y + 1}" width="{max(value * scale, 0.5):.1f}" '
                 f'height="{step - 6}" fill="{colour}"/>'
-                f'<text x="{left + value * scale + 5:.1f}" y="{y + 12}" class="l">'
+                f'<text x="{left + value * scale + 5:.1f}" y="{y + 12}" class="l h">'
                 f"{value:.3g} {escape(self.unit)}</text>"
             )
         if self.mark:

@@ -1,0 +1,80 @@
+"""The candidates with their held-out scores, as a table."""
+
+from __future__ import annotations
+
+from html import escape
+
+from doormill_ros.diagnosis.diagnosis import Diagnosis
+from doormill_ros.diagnosis.finding import rmse
+from doormill_ros.diagnosis.fit import Fit
+from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER
+from doormill_ros.diagnosis.report.wording import micrometres, spoken
+from doormill_ros.diagnosis.search import ENTRY
+
+ROWS = 12  #: models that are listed
+
+
+def candidates_table(diagnosis: Diagnosis) -> str:
+    """The best models in the order of their scores; the simulation as it is stands last.
+
+    Models with more members than the best are left out and counted: none of them gained enough,
+    or it would be the best.
+    """
+    search, best = diagnosis.search, diagnosis.best
+    fits = sorted(search.fits.values(), key=lambda found: (found is not best, search.total(found)))
+    larger = [found for found in fits if len(found.members) > len(best.members)]
+    listed = [found for found in fits if found not in larger][: ROWS - 1]
+    if diagnosis.extended not in listed:
+        listed[-1] = diagnosis.extended
+    if diagnosis.baseline not in listed:
+        listed.append(diagnosis.baseline)
+    size = {id(f): rmse(f.held_out, diagnosis.kept, diagnosis.problem.components) for f in listed}
+    longest = max(size.values())
+    rows = []
+    for found in listed:
+        words = escape(" + ".join(map(spoken, found.members)) or "the simulation as it is")
+        behind = search.total(found) - search.total(best)
+        rows.append(
+            f"<tr{' class=own' if found is best else ''}><td>{words}</td><td>{_remark(diagnosis, found)}</td>"
+            f'<td>{micrometres(size[id(found)])}<div class="bar" style="width:{100 * size[id(found)] / longest:.1f}%;'
+            f'background:{_colour(diagnosis, found)}"></div></td><td>{round(behind)}</td></tr>'
+        )
+    note = (
+        f"<p>{len(fits)} models were fitted. The score is the squared error on configurations left out, in standard "
+        f"deviations, plus a price for every fitted number; a cause has to gain {ENTRY:.0f}. "
+        + (
+            f"{len(larger)} models with more members than the first line gain less than that."
+            if larger
+            else ""
+        )
+        + "</p>"
+    )
+    return (
+        '<table class="models"><tr><th>Model</th><th></th><th>Held-out residual</th><th>Score behind the best</th>'
+        f"</tr>{''.join(rows)}</table>{note}"
+    )
+
+
+def _remark(diagnosis: Diagnosis, found: Fit) -> str:
+    if found is diagnosis.extended and found.members:
+        return "named"
+    if not found.members:
+        return "now"
+    if not all(member.named for member in found.members):
+        return "with a shape that is no cause"
+    own = {finding.cause.key: finding for finding in diagnosis.findings}
+    keys = {member.key for member in found.members}
+    left, new = set(own) - keys, keys - set(own)
+    if len(left) == 1 and len(new) == 1:
+        rivals = {cause.key for cause in own[left.pop()].confusable}
+        if new <= rivals:
+            return "would do as well"
+    return "best fit, not believed" if found is diagnosis.best else ""
+
+
+def _colour(diagnosis: Diagnosis, found: Fit) -> str:
+    if found is diagnosis.extended and found.members:
+        return GOOD
+    if not found.members:
+        return BEFORE
+    return AFTER if all(member.named for member in found.members) else OTHER
