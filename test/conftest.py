@@ -6,6 +6,16 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
+
+#: The same examples in every run, and no verdict by the clock.
+settings.register_profile(
+    "doormill",
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+)
+settings.load_profile("doormill")
 
 #: Domains up to 101 keep DDS below Linux' ephemeral ports.
 FIRST_DOMAIN, DOMAINS = 20, 80

@@ -24,7 +24,7 @@ from doormill_ros.simulation.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.rws_server.server import RwsServer
 
 _FAULT_TIME = 1.5  # how long network and server misbehave
-_RUN_LIMIT = 60.0
+_RUN_LIMIT = 240.0
 _context = multiprocessing.get_context("forkserver")
 _context.set_forkserver_preload(["bench.fault_parts.bridge", "bench.fault_parts.robot"])
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from doormill_ros.abb.io_port import FolderIo
 from doormill_ros.robot.configuration import conf_data
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.inverse import inverse
+from doormill_ros.simulation import controller as controller_module
 from doormill_ros.simulation.controller_arm import ControllerArm
 from doormill_ros.simulation.controller_curves import Arc, Line
 from doormill_ros.simulation.controller_moves import MotionContext
@@ -339,7 +341,7 @@ def test_a_loop_that_waits_for_nothing_can_be_stopped_too(run):
 def test_signals_in_a_folder_reach_a_program_in_another_thread(run, tmp_path):
     io = FolderIo(tmp_path)
     robot = run(
-        "Set doPathRequest;\nWaitDO doPathReady,1\\MaxTime:=20;\nReset doPathRequest;",
+        "Set doPathRequest;\nWaitDO doPathReady,1\\MaxTime:=600;\nReset doPathRequest;",
         go=False,
         io=io,
         on_wait=None,
@@ -354,16 +356,18 @@ def test_signals_in_a_folder_reach_a_program_in_another_thread(run, tmp_path):
     thread = threading.Thread(target=pc, daemon=True)
     thread.start()
     robot.run()
-    thread.join(5.0)
+    thread.join(60.0)
     assert io.read("doPathRequest") == 0
     assert (tmp_path / "io" / "doPathReady").read_bytes() == b"1"
 
 
-def test_motion_is_faster_than_real_time_unless_a_scale_is_set(run):
-    began = time.perf_counter()
-    robot = run("MoveL Offs(a,0,100,0),v10,fine,tMill;")
+@pytest.mark.parametrize("scale", [None, 1.0, 20.0])
+def test_motion_takes_no_real_time_unless_a_scale_is_set(run, monkeypatch, scale):
+    slept = []
+    monkeypatch.setattr(controller_module, "time", SimpleNamespace(sleep=slept.append))
+    robot = run("MoveL Offs(a,0,100,0),v10,fine,tMill;", time_scale=scale)
     assert robot.now() > 10.0
-    assert time.perf_counter() - began < robot.now()
+    assert sum(slept) == pytest.approx(robot.now() / scale if scale else 0.0)
 
 
 def test_digital_outputs_that_do_not_exist_or_are_inputs_are_refused(run):

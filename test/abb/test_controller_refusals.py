@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from doormill_ros.abb.checksum import checksum
 from doormill_ros.abb.errors import AbbError, RapidRuntimeError
 from doormill_ros.abb.target_file import read_target_file, render_target_file
-
-FEW_LOOKS = [HealthCheck.function_scoped_fixture]
 
 
 @pytest.fixture
@@ -154,7 +152,7 @@ def test_every_cut_through_the_file_is_refused(good, controller):
         read_target_file(good[:-1])
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=FEW_LOOKS)
+@settings(max_examples=60)
 @given(data=st.data())
 def test_no_changed_byte_is_milled(data, good, checker):
     at = data.draw(st.integers(0, len(good) - 2))
@@ -162,7 +160,7 @@ def test_no_changed_byte_is_milled(data, good, checker):
     assert not checker(good[:at] + bytes([byte]) + good[at + 1 :])
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=FEW_LOOKS)
+@settings(max_examples=60)
 @given(data=st.data())
 def test_no_lost_doubled_or_exchanged_line_is_milled(data, good, checker):
     lines = good.decode().splitlines()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from doormill_ros.abb.target_file import read_target_file, render_target_file
@@ -69,7 +69,7 @@ def program_of(arm, angles) -> MillingProgram:
     return MillingProgram("door 7", 3, tuple(targets), tuple(motions))
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=25)
 @given(angles=st.lists(joint_angles(), min_size=1, max_size=6), run=st.integers(0, 10**9))
 def test_any_targets_arrive_in_the_module_as_they_were_written(angles, run, arm, reader):
     program = program_of(arm, angles)
@@ -93,7 +93,7 @@ def test_any_targets_arrive_in_the_module_as_they_were_written(angles, run, arm,
         assert abs(spindle - motion.spindle_speed / RPM) <= 0.5e-3 + 3e-4
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=15)
 @given(angles=st.lists(joint_angles(regular=True), min_size=1, max_size=4))
 def test_the_robot_goes_where_the_file_says_in_the_configuration_it_says(angles, arm, controller):
     program = program_of(arm, angles)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -68,10 +69,10 @@ def test_even_a_robot_that_checks_nothing_mills_the_right_file() -> None:
 
 def test_without_reading_back_the_same_robot_mills_torn_files() -> None:
     """Proof that the campaign can fail: one part of the handshake is left out."""
-    scenarios = [
-        scenario_of("torn write, unnoticed", robot="blind", sabotage="verify", seed=seed) for seed in range(3)
-    ]
-    assert any(verdict.wrong for _, verdict in campaign(scenarios, workers=3))
+    scenario = scenario_of("torn write, unnoticed", robot="blind", sabotage="verify")
+    # Which writes are torn is chance; that none of so many runs has one is out of the question.
+    runs = (campaign([replace(scenario, seed=seed)], workers=1) for seed in range(30))
+    assert any(verdict.wrong for ((_, verdict),) in runs)
 
 
 def test_every_kind_has_its_turn_and_a_seed_gives_the_same_runs() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import itertools
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -520,13 +521,13 @@ def test_the_loop_answers_and_stops_without_help() -> None:
     reached = {state: threading.Event() for state in State}
     handshake = Handshake(transport, on_change=lambda s: reached[s.state].set())
     with HandshakeLoop(handshake) as loop:
-        assert reached[State.IDLE].wait(10)
+        assert reached[State.IDLE].wait(60)
         transport.set_signal(signals.REQUEST, True)
-        assert reached[State.REQUESTED].wait(10)
+        assert reached[State.REQUESTED].wait(60)
         handshake.submit("run", "door", FILE)
-        assert reached[State.READY].wait(10)
+        assert reached[State.READY].wait(60)
         transport.set_signal(signals.REQUEST, False)
-        assert reached[State.MILLING].wait(10)
+        assert reached[State.MILLING].wait(60)
         transport.set_signal(signals.REQUEST, True)
         assert loop.alive
     assert not loop.alive
@@ -542,15 +543,17 @@ def test_a_programming_error_in_the_loop_leaves_the_controller_cleared() -> None
     loop = HandshakeLoop(handshake)
     transport.set_signal(signals.REQUEST, True)
     loop.start()
+    limit = time.monotonic() + 60.0
     while not handshake.snapshot.accepts_submission:
-        pass
+        assert time.monotonic() < limit
+        time.sleep(0.001)
     handshake.submit("run", "door", FILE)
-    assert ready.wait(10)
+    assert ready.wait(60)
     seen: list[object] = []
     hook, threading.excepthook = threading.excepthook, seen.append
     try:
         handshake._step_ready = raising(ZeroDivisionError())
-        loop._thread.join(10)
+        loop._thread.join(60)
     finally:
         threading.excepthook = hook
     assert isinstance(loop.failure, ZeroDivisionError)

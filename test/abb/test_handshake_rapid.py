@@ -27,7 +27,7 @@ class Cell:
     def __init__(self, home: Path, arm: ControllerArm) -> None:
         self.home = home
         self.io = FolderIo(home)
-        self.link = SharedFolderTransport(home)
+        self.link = SharedFolderTransport(home, timeout=60.0)
         self.states: list[State] = []
         self.handshake = Handshake(
             self.link, check=check_handover, on_change=lambda s: self.states.append(s.state)

@@ -58,7 +58,7 @@ unit_quaternions = (
 confs = st.builds(ConfData, st.integers(-4, 3), st.integers(-4, 3), st.integers(-4, 3), st.integers(0, 7))
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(position=st.tuples(coordinates, coordinates, coordinates), quaternion=unit_quaternions, conf=confs)
 def test_a_line_holds_any_pose_within_the_budget_and_gives_it_back(position, quaternion, conf):
     T = pose(position, quaternion)
@@ -83,7 +83,7 @@ def test_a_line_holds_any_pose_within_the_budget_and_gives_it_back(position, qua
     assert back.conf == conf
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(position=st.tuples(coordinates, coordinates, coordinates), quaternion=unit_quaternions)
 def test_every_written_number_survives_float32(position, quaternion):
     """What a num holds rounds back to the decimals that were written: none of them is noise."""
@@ -185,7 +185,7 @@ def test_every_cut_is_named(program):
             read_target_file(data[:length])
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(data=st.data())
 def test_every_changed_byte_is_noticed(data, changed_base):
     at = data.draw(st.integers(0, len(changed_base) - 1))

@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -29,13 +30,14 @@ from doormill_ros.abb.link_errors import (
     WriteTimeoutError,
 )
 from doormill_ros.abb.transport import Transport
+from doormill_ros.abb.transports import shared_folder
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
 
 
 @pytest.fixture
 def link(tmp_path: Path):
-    transport = SharedFolderTransport(tmp_path, timeout=1.0)
+    transport = SharedFolderTransport(tmp_path, timeout=60.0)
     yield transport
     transport.close()
 
@@ -79,8 +81,10 @@ def test_a_reader_never_meets_a_part_of_a_file(link: SharedFolderTransport, tmp_
 
     reader = threading.Thread(target=read)
     reader.start()
-    for i in range(60):
-        link.write_file("Hei2.txt", versions[i % 4])
+    limit, count = time.monotonic() + 60.0, 0
+    while count < 60 or (len(seen) < 2 and time.monotonic() < limit):
+        link.write_file("Hei2.txt", versions[count % 4])
+        count += 1
     stop.set()
     reader.join()
     assert len(seen) > 1
@@ -96,11 +100,21 @@ def test_a_signal_that_is_neither_high_nor_low_is_an_error(
         link.read_request()
 
 
-def test_an_instant_without_content_is_read_over(link: SharedFolderTransport, tmp_path: Path) -> None:
+def test_an_instant_without_content_is_read_over(
+    link: SharedFolderTransport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / "io" / signals.REQUEST
     path.write_bytes(b"")
-    threading.Timer(0.003, path.write_bytes, [b"1\n"]).start()
+    pauses: list[float] = []
+
+    def pause(seconds: float) -> None:
+        pauses.append(seconds)
+        if len(pauses) == 2:
+            path.write_bytes(b"1\n")
+
+    monkeypatch.setattr(shared_folder, "time", SimpleNamespace(sleep=pause))
     assert link.read_request() is True
+    assert len(pauses) == 2
 
 
 @pytest.mark.parametrize(
@@ -142,14 +156,16 @@ def test_a_full_disk_leaves_the_old_file_and_no_rest(
 
 
 def test_a_folder_that_hangs_ends_in_a_timeout_and_order_is_kept(tmp_path: Path) -> None:
-    link = SharedFolderTransport(tmp_path, timeout=0.2)
+    link = SharedFolderTransport(tmp_path, timeout=60.0)
+    link._timeout = 0.2
     os.mkfifo(tmp_path / "Hei2.txt")  # opening it blocks in the kernel, as a dead network share does
     begin = time.monotonic()
     with pytest.raises(ReadTimeoutError):
         link.read_file("Hei2.txt")
     with pytest.raises(WriteTimeoutError):
         link.set_ready(True)
-    assert time.monotonic() - begin < 5.0
+    assert time.monotonic() - begin < 30.0
+    link._timeout = 60.0
     # The share comes back; what timed out behind the hanging call was never sent.
     with open(tmp_path / "Hei2.txt", "wb"):
         pass
@@ -159,20 +175,24 @@ def test_a_folder_that_hangs_ends_in_a_timeout_and_order_is_kept(tmp_path: Path)
 
 
 def test_a_call_given_up_behind_a_hanging_one_is_never_made() -> None:
-    caller, release, made = BoundedCaller("test"), threading.Event(), []
-    hanging = threading.Thread(target=lambda: caller.call(lambda: release.wait(20), 30.0))
+    caller, started, release, made = BoundedCaller("test"), threading.Event(), threading.Event(), []
+
+    def hang() -> None:
+        started.set()
+        release.wait(120.0)
+
+    hanging = threading.Thread(target=lambda: caller.call(hang, 120.0))
     hanging.start()
-    while caller._queue.qsize():
-        time.sleep(0.001)
+    assert started.wait(60.0)
     with pytest.raises(CallTimeout):
         caller.call(lambda: made.append("late"), 0.05)
     release.set()
     hanging.join()
-    caller.call(lambda: made.append("next"), 20.0)
+    caller.call(lambda: made.append("next"), 60.0)
     assert made == ["next"]
     caller.close()
     with pytest.raises(CallTimeout):
-        caller.call(lambda: made.append("closed"), 20.0)
+        caller.call(lambda: made.append("closed"), 60.0)
     assert made == ["next"]
 
 
@@ -180,7 +200,7 @@ def test_a_second_bridge_is_kept_out_until_the_first_dies(tmp_path: Path) -> Non
     code = (
         "import sys, time\n"
         "from doormill_ros.abb.transports.shared_folder import SharedFolderTransport\n"
-        "t = SharedFolderTransport(sys.argv[1]); print('up', flush=True); time.sleep(60)\n"
+        "t = SharedFolderTransport(sys.argv[1]); print('up', flush=True); time.sleep(600)\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
     with subprocess.Popen(

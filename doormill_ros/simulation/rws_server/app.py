@@ -209,7 +209,9 @@ class WebServices:
             raise RefusalError(500, CODE_BAD_REQUEST, "another subscription is being made")
         self._subscribing = True
         try:
-            await asyncio.sleep(self.behaviour.subscription_time)
+            begun = time.monotonic()
+            while time.monotonic() - begun < self.behaviour.subscription_time:
+                await asyncio.sleep(0.002)
             keys = [value for key, value in form if key == "resources"]
             group = self.subscriptions.create(session, dict(form), keys)
         finally:
@@ -234,16 +236,17 @@ class WebServices:
         if status != 101 or group is None:
             await socket.send_denial_response(Response(status_code=status))
             return
-        await socket.accept(protocol)
-        await self._feed(socket, group)
+        await self._feed(socket, group, protocol)
 
-    async def _feed(self, socket: WebSocket, group: Group) -> None:
+    async def _feed(self, socket: WebSocket, group: Group, protocol: str) -> None:
         queue: asyncio.Queue[bytes | None] = asyncio.Queue()
-        group.streams.add(queue)
+        group.streams.add(queue)  # before the client is let in: from then on it misses no edge
         group.spent = True
         group.session.sockets += 1
-        reader = asyncio.ensure_future(_until_closed(socket, queue))
+        reader: asyncio.Future[None] | None = None
         try:
+            await socket.accept(protocol)
+            reader = asyncio.ensure_future(_until_closed(socket, queue))
             while (event := await queue.get()) is not None:
                 await socket.send_text(event.decode())
             with contextlib.suppress(RuntimeError):
@@ -251,7 +254,8 @@ class WebServices:
         except (WebSocketDisconnect, RuntimeError):
             pass
         finally:
-            reader.cancel()
+            if reader is not None:
+                reader.cancel()
             group.streams.discard(queue)
             group.session.sockets -= 1
 
