@@ -22,8 +22,17 @@ from doormill_ros.recipes.errors import (
 )
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.recipes.statements import BY_BAR_CODE, BY_DOOR, BY_VERSION, RECORD, next_version
+from doormill_ros.recipes.statements import (
+    BY_BAR_CODE,
+    BY_DOOR,
+    BY_VERSION,
+    LOCK_DOOR,
+    RECORD,
+    next_version,
+)
 from doormill_ros.recipes.stored import content_of, recipe_of, rules, seal
+
+SHIPPER = "doormill_ros"  #: author of the recipes that ship
 
 
 @dataclass(frozen=True)
@@ -217,16 +226,35 @@ class RecipeDatabase:
         write_file(path, recipes)
         return recipes
 
-    def add_shipped(self, author: str = "doormill_ros") -> tuple[RecipeRecord, ...]:
-        """Store the recipes that ship with the package and that the database does not know."""
+    def add_shipped(self, author: str = SHIPPER) -> tuple[RecipeRecord, ...]:
+        """Store the recipes that ship with the package and that the database does not know.
+
+        A door that an earlier release has put there and nobody has saved since gets this release's
+        recipe as a new version.
+        """
         shipped = shipped_recipes()
-        known = {record.door_id for record in self.list()}
-        checked = [self._checked(recipe, author) for name, recipe in shipped.items() if name not in known]
-        if not checked:
+        newest = {record.door_id: record for record in self.list()}
+        wanted = [r for name, r in shipped.items() if name not in newest or newest[name].author == author]
+        wanted = [recipe for recipe in wanted if self._stored(recipe.door_id) != content_of(recipe)]
+        if not wanted:
             return ()
+        checked = [self._checked(recipe, author) for recipe in wanted]
+        saved = []
         with self._write() as connection:
-            saved = [self._save(connection, recipe, author, only_new=True) for recipe in checked]
+            for recipe in sorted(checked, key=lambda recipe: recipe.door_id):
+                # Another cell may be at the same: the first one is waited for.
+                connection.execute(LOCK_DOOR, {"door_id": recipe.door_id})
+                row = connection.execute(BY_DOOR, {"door_id": recipe.door_id}).one_or_none()
+                if row is None:
+                    saved.append(self._save(connection, recipe, author, only_new=True))
+                elif row.author == author and row.document != content_of(recipe):
+                    saved.append(self._save(connection, recipe, author))
         return tuple(_record_of(recipe) for recipe in saved if recipe is not None)
+
+    def _stored(self, door_id: str) -> str | None:
+        """Text of a door's newest version, None for an unknown door."""
+        rows = self._read(BY_DOOR, {"door_id": door_id})
+        return rows[0].document if rows else None
 
     def _read(self, query: sa.Select, values: dict[str, object] | None = None) -> Sequence[sa.Row]:
         """Every row of one statement, which is all that a look-up is: no transaction round it."""

@@ -27,6 +27,10 @@ BY_VERSION = _ROW.where(
     schema.recipe_version.c.version == sa.bindparam("wanted"),
 )
 
+#: Holds others back that save the same door, to the end of the transaction; SQLite does so anyway.
+LOCK_DOOR = sa.select(schema.door.c.door_id).where(schema.door.c.door_id == sa.bindparam("door_id"))
+LOCK_DOOR = LOCK_DOOR.with_for_update()
+
 
 def next_version(connection: sa.Connection, recipe: Recipe, only_new: bool) -> int | None:
     """Count the door's version up, so that no two savers can get the same one.

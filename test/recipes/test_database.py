@@ -13,7 +13,7 @@ import sqlalchemy as sa
 
 from doormill_ros.recipes import errors as e
 from doormill_ros.recipes import schema, stored
-from doormill_ros.recipes.database import RecipeDatabase
+from doormill_ros.recipes.database import SHIPPER, RecipeDatabase
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes, to_json
 from doormill_ros.recipes.engine import ENVIRONMENT, WRITE, default_url, make_engine
 from doormill_ros.recipes.recipe import Recipe
@@ -263,7 +263,7 @@ CELLS, SAVES = 3, 15
 
 CELL = """
 import json, sys
-from doormill_ros.recipes.database import RecipeDatabase
+from doormill_ros.recipes.database import SHIPPER, RecipeDatabase
 from doormill_ros.recipes.recipe import Recipe
 url, author, saves = sys.argv[1], sys.argv[2], int(sys.argv[3])
 recipe = Recipe.from_document(json.loads(sys.stdin.readline()))
@@ -509,6 +509,43 @@ def test_shipped_recipes_are_added_once(database):
     assert database.save(changed, "anna").version == 2
     assert database.add_shipped() == ()
     assert database.get("standard_door").mass == 35
+
+
+def test_shipped_recipes_follow_the_release_unless_somebody_saved_his_own(database):
+    database.add_shipped()
+    earlier = variant(load_recipe("standard_door"), mass_kg=35)
+    database.save(earlier, SHIPPER)
+    database.save(variant(load_recipe("nine_point_door"), mass_kg=13), "anna")
+    (record,) = database.add_shipped()
+    assert (record.door_id, record.version, record.author) == ("standard_door", 3, SHIPPER)
+    assert database.get("standard_door").mass == load_recipe("standard_door").mass
+    assert database.get("nine_point_door").mass == 13
+    assert database.add_shipped() == ()
+
+
+def test_many_cells_may_bring_a_shipped_recipe_up_at_once(url):
+    with RecipeDatabase(url) as database:
+        database.add_shipped()
+        database.save(variant(load_recipe("standard_door"), mass_kg=35), SHIPPER)
+    start = threading.Barrier(4)
+    failures = []
+
+    def open_it():
+        try:
+            with RecipeDatabase(url) as database:
+                start.wait(30)
+                database.add_shipped()
+        except Exception as error:
+            failures.append(error)
+
+    threads = [threading.Thread(target=open_it) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+    assert failures == []
+    with RecipeDatabase(url) as database:
+        assert [record.version for record in database.history("standard_door")] == [1, 2, 3]
 
 
 def test_import_saves_what_is_new_and_says_so(database, recipe, tmp_path):
