@@ -7,6 +7,7 @@ PathError 300
 |-- ProgramSizeError 304        more targets than a controller keeps
 |-- ToolFitError 305            the tool is too wide or too short for a feature
 |-- ArcError 306                an arc that no MoveC can follow
+|-- ToolChangeError 307         one robot's features need more tools than it has
 |-- ReachError 310              a target lies outside the reach
 |-- PathJointLimitError 311     a target needs a joint beyond its limit
 |-- PathSingularityError 312    the path passes too close to a singularity
@@ -63,6 +64,12 @@ class ArcError(PathError):
     """An arc is beyond what a MoveC can follow."""
 
     code = 306
+
+
+class ToolChangeError(PathError):
+    """The tool would have to be changed between two features."""
+
+    code = 307
 
 
 class ReachError(PathError):

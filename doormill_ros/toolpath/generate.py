@@ -28,6 +28,7 @@ from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, Moti
 from doormill_ros.toolpath.route import check_size, route
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.stations import Stations, directions, stations_of
+from doormill_ros.toolpath.tool_change import check_tools
 from doormill_ros.units import m_to_mm
 
 _ROUNDING = 1e-9  # rad: joint angles this little below a quarter turn count as on it
@@ -68,6 +69,7 @@ def generate_program(
     if operations is None:
         check_placement(T_base_door, recipe, layout)
         operations = whole_door(recipe)
+    check_tools(operations, settings.checks)
     bench = Bench(Kinematics(robot), model, layout.T_flange_tool, settings.correction.tolerance)
     plan, path = route(recipe, operations, T_base_door, layout, robot, settings)
     plan = replace(plan, steps=tuple(followable(plan.steps, path, robot, settings.checks)))

@@ -63,6 +63,7 @@ class Checks:
 
     Attributes:
         targets: Most targets of a program.
+        tools: Most tools that a program of one robot may need.
         joint_margin: Distance kept from each joint limit [rad].
         wrist: Smallest angle of axis 5 from straight [rad].
         elbow: Smallest angle of the forearm from in line with the lower arm [rad].
@@ -71,6 +72,7 @@ class Checks:
     """
 
     targets: float
+    tools: float
     joint_margin: float
     wrist: float
     elbow: float

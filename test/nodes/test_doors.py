@@ -52,8 +52,10 @@ def _of(messages: list[Any], run_id: str) -> Any:
     return next((m for m in messages if m.run_id == run_id), None)
 
 
-def test_the_five_doors_are_those_of_the_thesis() -> None:
+def test_the_doors_are_those_of_the_thesis_and_two_more() -> None:
     assert DOORS == [
+        "leaf_hinge_door",
+        "nine_point_door",
         "standard_door",
         "thesis_1350_0deg",
         "thesis_1350_2deg",

@@ -203,7 +203,7 @@ def test_nine_points_keep_the_middles_of_the_lines():
 
 def test_a_tool_that_is_too_wide_is_refused():
     with pytest.raises(
-        ToolFitError, match=r"hinge_1: the tool mill_19 is 40 mm wide, allowed are 30 mm"
+        ToolFitError, match=r"hinge_1: the tool mill_16 is 40 mm wide, allowed are 30 mm"
     ) as error:
         planned(leaf(0.03, 0.08, 0.0095, 0.040))
     assert error.value.code == 305

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
+from doormill_ros.abb import target_trailer
 from doormill_ros.recipes.cutting import Cutting
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
@@ -19,6 +20,7 @@ from doormill_ros.toolpath.operation import operation
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.route import check_air, route
 from doormill_ros.toolpath.settings import load_settings
+from doormill_ros.toolpath.split import split
 
 LEAVES = [
     c
@@ -173,6 +175,25 @@ def test_too_many_targets(cell, recipe):
     tight = load_settings()
     tight = replace(tight, checks=replace(tight.checks, targets=100.0))
     refused(cell, recipe, errors.ProgramSizeError, "targets, allowed are 100", settings=tight)
+
+
+def test_a_door_for_which_the_tool_would_have_to_be_changed(cell, recipe):
+    """The target file has no tool change: the hinges would be milled with the lock case's mill."""
+    hinge = recipe.feature("hinge_1")
+    other = replace(hinge, tool=replace(hinge.tool, name="mill_12", diameter=0.012))
+    two = with_features(recipe, other, recipe.feature("lock_case"))
+    words = r"lock_case: the door takes 2 tools \(mill_12 for hinge_1, mill_16 for lock_case\), allowed are 1"
+    error = refused(cell, two, errors.ToolChangeError, words)
+    assert error.data == {"feature": "lock_case", "found": 2, "allowed": 1}
+    many = load_settings()
+    many = replace(many, checks=replace(many.checks, tools=2.0))
+    assert cell.program(two, cell.T_base_door(two), settings=many).targets
+    for share in split(two, cell.T_base_door(two), load_settings()):
+        assert cell.program(two, share.T_base_door, operations=share.operations).targets
+
+
+def test_no_more_targets_than_the_rapid_module_keeps():
+    assert load_settings().checks.targets == target_trailer.MAX_TARGETS
 
 
 def test_an_arc_that_no_movec_follows(cell, recipe):

@@ -1,0 +1,66 @@
+"""Every door that ships and is not the thesis' own: milled as its recipe says, by one robot and by two."""
+
+import math
+
+import numpy as np
+import pytest
+
+from doormill_ros.recipes.documents import shipped_recipes
+from doormill_ros.recipes.features.registry import FEATURES
+from doormill_ros.simulation.milled_part import inspect
+from doormill_ros.toolpath.door_plan import whole_door
+from doormill_ros.toolpath.settings import load_settings
+from doormill_ros.toolpath.split import split
+from doormill_ros.toolpath.thesis_path import is_thesis_door
+
+SHIPPED = shipped_recipes()
+OTHERS = [name for name, recipe in SHIPPED.items() if not is_thesis_door(whole_door(recipe))]
+PLACEMENTS = [(0.0, 0.0, 0.0), (-0.010, 0.010, math.radians(2.0)), (0.010, -0.010, math.radians(-2.0))]
+
+
+def test_every_kind_of_feature_ships():
+    features = [feature for recipe in SHIPPED.values() for feature in recipe.features]
+    assert {feature.kind for feature in features} == set(FEATURES)
+    assert {f.points.value for f in features if f.kind == "hinge_oblong"} == {6, 9}
+    assert any(f.passes.finish_allowance > 0.0 for f in features)
+    assert len(OTHERS) == 3
+
+
+@pytest.fixture(scope="module", params=[(name, place) for name in OTHERS for place in PLACEMENTS])
+def door(request, cell):
+    name, place = request.param
+    T_base_door = cell.T_base_door(SHIPPED[name], *place)
+    return SHIPPED[name], T_base_door, cell.program(SHIPPED[name], T_base_door)
+
+
+def test_it_is_milled_within_five_hundredths(cell, door):
+    recipe, T_base_door, program = door
+    part = inspect(recipe, T_base_door, cell.execute(program, cell.springs))
+    assert [result.feature for result in part.features] == [feature.id for feature in recipe.features]
+    for result in part.features:
+        assert result.milled
+        assert result.max_deviation < 5e-5, result.feature
+        assert np.abs(result.floor).max() < 5e-5
+        assert result.uncleared < 1e-9
+
+
+def test_without_correction_it_is_not(cell, door):
+    recipe, T_base_door, program = door
+    part = inspect(recipe, T_base_door, cell.execute(program, cell.springs, corrected=False))
+    assert min(result.max_deviation for result in part.features) > 2e-4
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_two_robots_mill_it_too(cell, name):
+    recipe = SHIPPED[name]
+    shares = split(recipe, cell.T_base_door(recipe, *PLACEMENTS[1]), load_settings())
+    done = [
+        (s.T_base_door, cell.program(recipe, s.T_base_door, operations=s.operations))
+        for s in shares
+        if s.operations
+    ]
+    ways = [(T, cell.execute(program, cell.springs)) for T, program in done]
+    (T_base_door, first), *others = ways
+    for result in inspect(recipe, T_base_door, first, others=others).features:
+        assert result.milled
+        assert result.max_deviation < 5e-5, result.feature
