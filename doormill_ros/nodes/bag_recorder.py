@@ -18,6 +18,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.qos import qos_document
+from doormill_ros.nodes.frame_publisher import frame_topics
 from doormill_ros.nodes.managed_node import ERROR, OK, WARN, ManagedNode, Parameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recording.bag_writer import BagWriter
@@ -62,7 +63,7 @@ class BagRecorder(ManagedNode):
         self._failure = ""
         self._wanted = False
         self._excluded = {self.resolve_topic_name(name) for name in self.value("exclude").split()}
-        for topic in topics.ALL:
+        for topic in (*topics.ALL, *frame_topics()):
             name = self.resolve_topic_name(topic.name)
             if name not in self._excluded:
                 self._record(name, _type_name(topic.type), topic.type, topic.offered)

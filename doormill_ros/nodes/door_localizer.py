@@ -13,7 +13,7 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.frames import BASE_FRAME
+from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare
@@ -22,8 +22,10 @@ from doormill_ros.localization.result import Localization
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import camera_of, picture_message, picture_of
+from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.robot.urdf import LinkPose
 
 FREE = (1, 2, 3)  # rows of the 6 x 6 pose covariance: y, z, rotation about x
 
@@ -37,6 +39,7 @@ class DoorLocalizer(ManagedNode):
             "camera_info_wait", 3.0, "how long a picture waits for the first camera info [s]", 0.0, 30.0
         ),
         Parameter("overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8),
+        Parameter("frames", True, "publish camera and door on /tf, where tf2_msgs is installed"),
     )
 
     def __init__(self, **kwargs: Any) -> None:
@@ -53,6 +56,7 @@ class DoorLocalizer(ManagedNode):
         self._pose = self.publisher(topics.DOOR_POSE)
         self._localization = self.publisher(topics.DOOR_LOCALIZATION)
         self._overlay = self.publisher(topics.DOOR_OVERLAY)
+        self._frames = FramePublisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
         self.subscribe(topics.IMAGE, self._take_picture)
@@ -114,6 +118,14 @@ class DoorLocalizer(ManagedNode):
             return
         answer.duration = time.perf_counter() - begun
         self._publish(answer, found)
+        if self._frames is not None:
+            T_base_camera = (self._camera or self._mounted).T_base_camera(recipe.width)
+            self._frames.show(
+                [
+                    LinkPose(BASE_FRAME, CAMERA_FRAME, T_base_camera),
+                    LinkPose(BASE_FRAME, DOOR_FRAME, found.T_base_door),
+                ]
+            )
         self.report(OK, "door found", door_id=recipe.door_id, residual=found.residual, quality=found.quality)
         step = self.value("overlay_step")
         if step:

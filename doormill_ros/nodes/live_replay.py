@@ -99,12 +99,12 @@ def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callabl
         limits["limit.picture"] = float(waited[1])
     bridge = {"address": str(folder / "HOME"), "archive": str(folder / "targets"), **limits}
     database = {"database_url": options.database or _database(run, folder), "ship_recipes": False}
-    # A recorded picture is old, and nobody looks at its overlay.
-    localizer = {"check_age": False, "overlay_step": 0}
+    # A recorded picture is old, nobody looks at its overlay, and /tf is the running cell's.
+    localizer = {"check_age": False, "overlay_step": 0, "frames": False}
     chosen = (
         (RecipeDatabaseNode, database),
         (DoorLocalizer, localizer),
-        (PathGenerator, {"robot_model": options.robot_model}),
+        (PathGenerator, {"robot_model": options.robot_model, "frames": False}),
         (AbbBridge, bridge),
     )
     return [

@@ -6,23 +6,27 @@ import sys
 import time
 from typing import Any
 
+import numpy as np
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
-from std_msgs.msg import Header
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header, String
 
 from doormill_interfaces.msg import DoorRecipe, TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.extended_model import load_compliance_model
 from doormill_ros.errors import DoormillError
-from doormill_ros.frames import BASE_FRAME
+from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import nanoseconds_of, pose_message, transform_of
 from doormill_ros.nodes.convert.markers import program_markers
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.convert.recipe import recipe_of
+from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.robot.description import load_robot
+from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
 from doormill_ros.toolpath.door_checks import check_door
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram
@@ -36,6 +40,9 @@ class PathGenerator(ManagedNode):
         Parameter("robot", "", "robot description in config/robots; empty: the one of config/cell.yaml"),
         Parameter(
             "robot_model", "", "model.yaml of a diagnosis used for the correction; empty: joint springs"
+        ),
+        Parameter(
+            "frames", True, "publish the robot at its first target on /tf; false where its driver does that"
         ),
     )
 
@@ -55,8 +62,15 @@ class PathGenerator(ManagedNode):
         self._nominal = self.publisher(topics.PATH_NOMINAL)
         self._corrected = self.publisher(topics.PATH_CORRECTED)
         self._markers = self.publisher(topics.PATH_MARKERS)
+        self._joints = self.publisher(topics.PATH_JOINT_STATES)
+        self._description = self.publisher(topics.ROBOT_DESCRIPTION)
+        self._frames = FramePublisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_POSE, self._take_pose)
+
+    def start(self) -> None:
+        """Describe the robot to who draws it."""
+        self._description.publish(String(data=self._robot.urdf.read_text(encoding="utf-8")))
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         self._recipe = recipe
@@ -108,6 +122,18 @@ class PathGenerator(ManagedNode):
         self._nominal.publish(nominal)
         self._corrected.publish(corrected)
         self._markers.publish(program_markers(program, header))
+        if program.targets:
+            self._show_robot(header, program.targets[0].q)
+
+    def _show_robot(self, header: Header, q: np.ndarray) -> None:
+        """The robot in the posture of the program's first target."""
+        urdf = self._robot.urdf
+        stamp = Header(stamp=header.stamp)
+        self._joints.publish(JointState(header=stamp, name=joint_names(urdf), position=[float(v) for v in q]))
+        if self._frames is not None:
+            links = link_poses(urdf, q)
+            self._frames.show(links)
+            self._frames.show_static([LinkPose(links[-1].child, TOOL_FRAME, self._layout.T_flange_tool)])
 
 
 def main() -> int:

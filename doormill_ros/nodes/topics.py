@@ -9,7 +9,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, Image, JointState
 from std_msgs.msg import Bool, String
 from visualization_msgs.msg import MarkerArray
 
@@ -24,34 +24,27 @@ from doormill_interfaces.msg import (
     TargetArray,
 )
 
+
+def _qos(
+    depth: int,
+    durability: DurabilityPolicy = DurabilityPolicy.VOLATILE,
+    reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE,
+) -> QoSProfile:
+    return QoSProfile(
+        depth=depth, history=HistoryPolicy.KEEP_LAST, reliability=reliability, durability=durability
+    )
+
+
 #: The latest value counts and late joiners get it.
-STATE = QoSProfile(
-    depth=1,
-    history=HistoryPolicy.KEEP_LAST,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+STATE = _qos(1, DurabilityPolicy.TRANSIENT_LOCAL)
 #: Every message counts, late joiners do not get old ones.
-EVENT = QoSProfile(
-    depth=10,
-    history=HistoryPolicy.KEEP_LAST,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
+EVENT = _qos(10)
 #: A picture of two megabytes that loses one fragment is lost, hence reliable where the camera offers it,
 #: as the simulated one does; a driver that offers sensor data quality is taken as it is.
-PICTURE = QoSProfile(
-    depth=5,
-    history=HistoryPolicy.KEEP_LAST,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
-PICTURE_FALLBACK = QoSProfile(
-    depth=5,
-    history=HistoryPolicy.KEEP_LAST,
-    reliability=ReliabilityPolicy.BEST_EFFORT,
-    durability=DurabilityPolicy.VOLATILE,
-)
+PICTURE = _qos(5)
+PICTURE_FALLBACK = _qos(5, reliability=ReliabilityPolicy.BEST_EFFORT)
+#: What tf2's own broadcasters offer on /tf; /tf_static is STATE.
+TRANSFORMS = _qos(100)
 
 
 @dataclass(frozen=True)
@@ -79,6 +72,8 @@ PATH_TARGETS = _topic("path/targets", TargetArray, EVENT)
 PATH_NOMINAL = _topic("path/nominal", Path, STATE)
 PATH_CORRECTED = _topic("path/corrected", Path, STATE)
 PATH_MARKERS = _topic("path/markers", MarkerArray, STATE)
+PATH_JOINT_STATES = _topic("path/joint_states", JointState, STATE)
+ROBOT_DESCRIPTION = _topic("robot_description", String, STATE)
 ABB_STATUS = _topic("abb/status", AbbStatus, STATE)
 ABB_REQUEST = _topic("abb/request", Bool, STATE)
 ABB_READY = _topic("abb/ready", Bool, STATE)
@@ -100,6 +95,8 @@ ALL: tuple[Topic, ...] = (
     PATH_NOMINAL,
     PATH_CORRECTED,
     PATH_MARKERS,
+    PATH_JOINT_STATES,
+    ROBOT_DESCRIPTION,
     ABB_STATUS,
     ABB_REQUEST,
     ABB_READY,

@@ -47,6 +47,47 @@ def read_chain(path: Path) -> Chain:
     Raises:
         RobotDescriptionError: Not XML, several roots, a loop, or not exactly six moving joints.
     """
+    base, flange, steps = _chain_joints(path)
+    return _zero_position(path, base, flange, steps)
+
+
+@dataclass(frozen=True, eq=False)
+class LinkPose:
+    """A link of the chain: its frame in that of its parent link, T_parent_child, shape (4, 4)."""
+
+    parent: str
+    child: str
+    T_parent_child: np.ndarray
+
+
+def link_poses(path: Path, q: np.ndarray) -> list[LinkPose]:
+    """The chain's links from the base to the flange, under the names that the URDF gives them.
+
+    Args:
+        path: URDF.
+        q: Angles of the moving joints, shape (6,) [rad].
+
+    Raises:
+        RobotDescriptionError: See `read_chain`.
+    """
+    _, _, steps = _chain_joints(path)
+    poses, angles = [], iter(np.asarray(q, dtype=float))
+    for joint in steps:
+        T_parent_child = _origin(path, joint)
+        if joint.get("type") != "fixed":
+            turn = Rotation.from_rotvec(next(angles) * _axis(path, joint)).as_matrix()
+            T_parent_child = T_parent_child @ transform(turn)
+        poses.append(LinkPose(_link(path, joint, "parent"), _link(path, joint, "child"), T_parent_child))
+    return poses
+
+
+def joint_names(path: Path) -> list[str]:
+    """Names of the six moving joints, from the base on."""
+    return [joint.get("name", "") for joint in _chain_joints(path)[2] if joint.get("type") != "fixed"]
+
+
+def _chain_joints(path: Path) -> tuple[str, str, list[ElementTree.Element]]:
+    """Root link, last link, and the joints between them."""
     try:
         root = ElementTree.parse(path).getroot()
     except (OSError, ElementTree.ParseError) as error:
@@ -81,7 +122,7 @@ def read_chain(path: Path) -> Chain:
     if not candidates:
         raise RobotDescriptionError(f"{path} has no chain of exactly {JOINTS} moving joints")
     _, flange, steps = max(candidates, key=lambda candidate: candidate[0])
-    return _zero_position(path, roots[0], flange, steps)
+    return roots[0], flange, steps
 
 
 def _zero_position(path: Path, base: str, flange: str, steps: list[ElementTree.Element]) -> Chain:
@@ -95,12 +136,7 @@ def _zero_position(path: Path, base: str, flange: str, steps: list[ElementTree.E
             raise RobotDescriptionError(
                 f"{path}: joint {joint.get('name')} is {joint.get('type')}, allowed is revolute"
             )
-        element = joint.find("axis")
-        axis = _numbers(path, joint, "1 0 0" if element is None else element.get("xyz", "1 0 0"))
-        norm = np.linalg.norm(axis)
-        if norm < 1e-9:
-            raise RobotDescriptionError(f"{path}: the axis of joint {joint.get('name')} has no length")
-        axes.append(T_base_link[:3, :3] @ (axis / norm))
+        axes.append(T_base_link[:3, :3] @ _axis(path, joint))
         points.append(T_base_link[:3, 3].copy())
         limit = joint.find("limit")
         lower.append(float(limit.get("lower", "-inf")) if limit is not None else -np.inf)
@@ -108,6 +144,15 @@ def _zero_position(path: Path, base: str, flange: str, steps: list[ElementTree.E
     return Chain(
         base, flange, np.array(axes), np.array(points), T_base_link, np.array(lower), np.array(upper)
     )
+
+
+def _axis(path: Path, joint: ElementTree.Element) -> np.ndarray:
+    element = joint.find("axis")
+    axis = _numbers(path, joint, "1 0 0" if element is None else element.get("xyz", "1 0 0"))
+    norm = np.linalg.norm(axis)
+    if norm < 1e-9:
+        raise RobotDescriptionError(f"{path}: the axis of joint {joint.get('name')} has no length")
+    return axis / norm
 
 
 def _origin(path: Path, joint: ElementTree.Element) -> np.ndarray:
