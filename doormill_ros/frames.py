@@ -13,6 +13,8 @@ point and is written in the axes of a stated frame.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -47,6 +49,20 @@ def check_transform(T_a_b: np.ndarray, name: str = "transform", tolerance: float
         raise ValueError(f"{name} has last row {matrix[3].tolist()}, allowed is [0, 0, 0, 1]")
     matrix.setflags(write=False)
     return matrix
+
+
+def are_transforms(T_a_b: Sequence[np.ndarray], tolerance: float = 1e-6) -> bool:
+    """True when `check_transform` would let each of many matrices pass."""
+    try:
+        matrices = np.array(T_a_b, dtype=float)
+    except ValueError:
+        return False
+    if matrices.ndim != 3 or matrices.shape[1:] != (4, 4) or not np.all(np.isfinite(matrices)):
+        return False
+    rotations = matrices[:, :3, :3]
+    error = np.abs(rotations @ np.swapaxes(rotations, 1, 2) - np.eye(3))
+    last_rows = np.all(matrices[:, 3] == [0.0, 0.0, 0.0, 1.0])
+    return bool(last_rows and np.all(error <= tolerance) and np.all(np.linalg.det(rotations) > 0.0))
 
 
 def transform(rotation: np.ndarray | None = None, translation: np.ndarray | None = None) -> np.ndarray:
@@ -86,14 +102,23 @@ def quaternion_wxyz(T_a_b: np.ndarray) -> np.ndarray:
 
 
 def from_xyzw(position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
-    """T_a_b from p_a_b, shape (3,) [m], and a quaternion (x, y, z, w) of any positive norm."""
-    return transform(Rotation.from_quat(quaternion).as_matrix(), position)
+    """T_a_b from position and orientation.
+
+    Args:
+        position: p_a_b, shape (..., 3) [m].
+        quaternion: (x, y, z, w) of any positive norm, shape (..., 4).
+    """
+    rotation = Rotation.from_quat(quaternion).as_matrix()
+    T_a_b = np.zeros((*rotation.shape[:-2], 4, 4))
+    T_a_b[..., :3, :3] = rotation
+    T_a_b[..., :3, 3] = position
+    T_a_b[..., 3, 3] = 1.0
+    return T_a_b
 
 
 def from_wxyz(position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
-    """T_a_b from p_a_b, shape (3,) [m], and a quaternion (w, x, y, z) of any positive norm."""
-    w, x, y, z = quaternion
-    return from_xyzw(position, np.array([x, y, z, w]))
+    """As `from_xyzw` from a quaternion (w, x, y, z)."""
+    return from_xyzw(position, np.asarray(quaternion)[..., [1, 2, 3, 0]])
 
 
 def rotation_x(angle: float) -> np.ndarray:

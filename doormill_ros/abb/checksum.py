@@ -8,7 +8,10 @@ every intermediate value is exact. The two together tell 10^9 contents apart.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
+
+import numpy as np
 
 LARGEST_EXACT = 2**23  #: integers up to here are exact in a RAPID num
 
@@ -30,13 +33,27 @@ class Checksum(NamedTuple):
 
 def checksum(lines: list[str]) -> Checksum:
     """Checksum of lines of ASCII text, without their line feeds."""
-    a = b = SEED
-    for line in lines:
-        codes = line.encode("ascii")
-        if len(codes) % 2:
-            codes += b"\0"
-        pairs = [first * CODES + second for first, second in zip(codes[::2], codes[1::2], strict=True)]
-        for pair in (*pairs, LINE_FEED):
-            a = (a * FACTOR_A + pair) % MODULUS_A
-            b = (b * FACTOR_B + pair) % MODULUS_B
-    return Checksum(a, b)
+    end = "\0" + chr(LINE_FEED)  # by itself, hence behind a 0
+    even = [line + "\0" if len(line) % 2 else line for line in lines]
+    codes = np.frombuffer("".join(line + end for line in even).encode("ascii"), dtype=np.uint8)
+    pairs = codes.reshape(-1, 2).astype(np.int64) @ np.array([CODES, 1])
+    return Checksum(_remainder(pairs, FACTOR_A, MODULUS_A), _remainder(pairs, FACTOR_B, MODULUS_B))
+
+
+def _remainder(pairs: np.ndarray, factor: int, modulus: int) -> int:
+    """SEED * factor^n + sum of pair[i] * factor^(n - 1 - i), modulo modulus."""
+    powers = _powers(factor, modulus, 1 << max(10, len(pairs).bit_length()))
+    total = SEED * int(powers[len(pairs)]) + int(pairs @ powers[: len(pairs)][::-1])
+    return total % modulus
+
+
+@lru_cache(maxsize=32)
+def _powers(factor: int, modulus: int, count: int) -> np.ndarray:
+    """factor^0 ... factor^(count - 1), modulo modulus, each below 2^15."""
+    powers = np.ones(count, dtype=np.int64)
+    known = 1
+    while known < count:
+        step = int(powers[known - 1]) * factor % modulus
+        powers[known : 2 * known] = powers[: min(known, count - known)] * step % modulus
+        known *= 2
+    return powers

@@ -7,6 +7,7 @@ on the file of a two-hinge door unchanged.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from doormill_ros.abb.atomic_file import write_atomically
@@ -18,7 +19,7 @@ from doormill_ros.abb.errors import (
     TargetLineError,
     WrongDoorError,
 )
-from doormill_ros.abb.target_line import TargetLine, format_lines, parse_line
+from doormill_ros.abb.target_line import TargetLine, format_lines, parse_lines
 from doormill_ros.abb.target_trailer import (
     MARK,
     MAX_FEATURES,
@@ -34,6 +35,7 @@ __all__ = ["MAX_FILE_SIZE", "TargetFile", "read_target_file", "render_target_fil
 
 #: More than the largest file that the counts allow; what is larger is not read line by line.
 MAX_FILE_SIZE = 1_000_000
+_STRANGE = re.compile(rb"[^\n\x20-\x7e]")
 MAX_LINES = MAX_TARGETS + MAX_MOTIONS + MAX_FEATURES + 100
 
 
@@ -112,7 +114,7 @@ def read_target_file(data: bytes, *, trailer: bool = True) -> TargetFile:
     """
     lines = _split(data)
     count = next((i for i, line in enumerate(lines) if line.startswith(MARK)), len(lines))
-    targets = tuple(parse_line(line, number) for number, line in enumerate(lines[:count], start=1))
+    targets = parse_lines(lines[:count])
     if not trailer:
         if count != len(lines):
             raise TargetLineError(
@@ -161,14 +163,14 @@ def _split(data: bytes) -> list[str]:
             f"the target file has {len(data)} bytes, allowed are {MAX_FILE_SIZE}: this is another file",
             line=0,
         )
-    for offset, byte in enumerate(data):
-        if byte != 0x0A and not 0x20 <= byte <= 0x7E:
-            number = data.count(b"\n", 0, offset) + 1
-            raise TargetLineError(
-                f"line {number} of the target file holds byte 0x{byte:02X}, allowed are printable ASCII and "
-                "line feeds: write the file anew",
-                line=number,
-            )
+    strange = _STRANGE.search(data)
+    if strange:
+        number = data.count(b"\n", 0, strange.start()) + 1
+        raise TargetLineError(
+            f"line {number} of the target file holds byte 0x{strange[0][0]:02X}, allowed are printable ASCII "
+            "and line feeds: write the file anew",
+            line=number,
+        )
     if not data.endswith(b"\n"):
         number = data.count(b"\n") + 1
         raise TargetFileCutShortError(

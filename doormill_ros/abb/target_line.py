@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.abb.errors import TargetLineError, TargetValueError
-from doormill_ros.frames import check_transform, from_wxyz, quaternion_wxyz
+from doormill_ros.frames import are_transforms, check_transform, from_wxyz, quaternion_wxyz
 from doormill_ros.toolpath.program import ConfData
 from doormill_ros.units import m_to_mm, mm_to_m
 
@@ -36,8 +36,8 @@ NORM_TOLERANCE = 1e-5
 #: Turns of the axes that the robots of this class reach, in quarters.
 CONF_RANGE = {"cf1": (-4, 3), "cf4": (-4, 3), "cf6": (-4, 3), "cfx": (0, 7)}
 
-_DECIMAL = re.compile(r"-?\d{1,4}(\.\d{1,8})?")
-_INTEGER = re.compile(r"-?\d")
+_DECIMAL = re.compile(r"-?[0-9]{1,4}(\.[0-9]{1,8})?")
+_INTEGER = re.compile(r"-?[0-9]")
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ def format_lines(
             this class has.
     """
     labels = [f"target {name!r}" if name else "target" for name in names]
-    poses = np.array([_checked(T, label) for T, label in zip(T_base_tool, labels, strict=True)])
+    poses = _checked(T_base_tool, labels)
     quaternions = quaternion_wxyz(poses) if len(poses) else poses
     millimetres = m_to_mm(poses[:, :3, 3]) if len(poses) else poses
     return [
@@ -90,21 +90,29 @@ def format_lines(
     ]
 
 
-def _checked(T_base_tool: np.ndarray, label: str) -> np.ndarray:
-    """The pose, once it is one and within reach."""
-    try:
-        T_base_tool = check_transform(T_base_tool, label)
-    except ValueError as error:
-        raise TargetValueError(f"{error}: build the pose with doormill_ros.frames", target=label) from error
-    position = T_base_tool[:3, 3].tolist()
-    if max(map(abs, position)) >= REACH:
+def _checked(T_base_tool: Sequence[np.ndarray], labels: Sequence[str]) -> np.ndarray:
+    """The poses, once they are poses and within reach; shape (n, 4, 4)."""
+    for index, label in enumerate(labels):
+        try:
+            # All at once where all are good, as almost always; one by one to name the one that is not.
+            if index == 0 and are_transforms(T_base_tool):
+                break
+            check_transform(T_base_tool[index], label)
+        except ValueError as error:
+            raise TargetValueError(
+                f"{error}: build the pose with doormill_ros.frames", target=label
+            ) from error
+    poses = np.array(T_base_tool, dtype=float)
+    far = np.flatnonzero(np.abs(poses[:, :3, 3]).max(axis=1) >= REACH) if len(poses) else ()
+    for index in far:
+        position = poses[index, :3, 3].tolist()
         raise TargetValueError(
-            f"{label} is at {[round(p, 3) for p in position]} m, allowed is less than {REACH:g} m along "
-            "each axis: check the units",
-            target=label,
+            f"{labels[index]} is at {[round(p, 3) for p in position]} m, allowed is less than {REACH:g} m "
+            "along each axis: check the units",
+            target=labels[index],
             position=position,
         )
-    return T_base_tool
+    return poses
 
 
 def _format_target(position: list[float], quaternion: list[float], conf: list[str], label: str) -> str:
@@ -122,16 +130,45 @@ def _format_target(position: list[float], quaternion: list[float], conf: list[st
     )
 
 
-def parse_line(line: str, number: int) -> TargetLine:
-    """Read one line back.
+def parse_line(line: str, number: int = 1) -> TargetLine:
+    """Read one line back; see `parse_lines`."""
+    return parse_lines([line], number)[0]
+
+
+def parse_lines(lines: Sequence[str], first: int = 1) -> tuple[TargetLine, ...]:
+    """Read target lines back.
 
     Args:
-        line: The line without its line feed.
-        number: Its number in the file, from 1, for messages.
+        lines: The lines without their line feeds.
+        first: Number in the file of the first one, from 1, for messages.
 
     Raises:
         TargetLineError: Names line, field, what was found and what is allowed.
     """
+    if not lines:
+        return ()
+    texts = [_fields(line, number) for number, line in enumerate(lines, start=first)]
+    values = np.array([[float(text) for text in row] for row in texts])
+    _check_quaternions(values[:, 3:7], lines, first)
+    decimals = np.array([[_decimals(text) for text in row[:7]] for row in texts])
+    position_mm, quaternion = values[:, :3], values[:, 3:7]
+    poses = from_wxyz(mm_to_m(position_mm), quaternion)
+    half = 0.5 * 10.0 ** -decimals.astype(float)
+    return tuple(
+        TargetLine(
+            T_base_tool=poses[i],
+            conf=ConfData(*values[i, 7:].astype(int).tolist()),
+            position_mm=position_mm[i],
+            quaternion=quaternion[i],
+            position_resolution=mm_to_m(half[i, :3]),
+            quaternion_resolution=float(half[i, 3:].max()),
+        )
+        for i in range(len(lines))
+    )
+
+
+def _fields(line: str, number: int) -> list[str]:
+    """The texts of the eleven fields, each of them a number that may stand there."""
     if len(line) > RAPID_STRING:
         raise _error(number, f"has {len(line)} characters", f"at most {RAPID_STRING}, a RAPID string", line)
     parts = line.split(SEPARATOR)
@@ -142,36 +179,30 @@ def parse_line(line: str, number: int) -> TargetLine:
             f"{len(FIELDS)} numbers with a '{SEPARATOR}' after each",
             line,
         )
-    texts = dict(zip(FIELDS, parts, strict=False))
-    values = {}
-    for field in FIELDS[:7]:
-        values[field] = _parse_field(
-            texts[field], _DECIMAL, "a decimal number such as -1234.567", field, number
-        )
-    for field in FIELDS[7:]:
-        values[field] = _parse_field(texts[field], _INTEGER, "an integer", field, number)
-        low, high = CONF_RANGE[field]
-        if not low <= values[field] <= high:
-            raise _error(number, f"has {field} = {texts[field]}", f"{low} to {high}", line)
-    quaternion = np.array([values[f] for f in FIELDS[3:7]])
-    defect = float(quaternion @ quaternion) - 1.0
-    if abs(defect) > NORM_TOLERANCE:
+    parts.pop()
+    for field, text in zip(FIELDS[:7], parts[:7], strict=True):
+        if not _DECIMAL.fullmatch(text):
+            raise _error(number, f"has {field} = {text!r}", "a decimal number such as -1234.567", text)
+    for (field, (low, high)), text in zip(CONF_RANGE.items(), parts[7:], strict=True):
+        if not _INTEGER.fullmatch(text):
+            raise _error(number, f"has {field} = {text!r}", "an integer", text)
+        if not low <= int(text) <= high:
+            raise _error(number, f"has {field} = {text}", f"{low} to {high}", line)
+    return parts
+
+
+def _check_quaternions(quaternions: np.ndarray, lines: Sequence[str], first: int) -> None:
+    """Raise for the first one that is not unit; shape (n, 4)."""
+    squares = np.sum(quaternions**2, axis=1)
+    wrong = np.flatnonzero(np.abs(squares - 1.0) > NORM_TOLERANCE)
+    if wrong.size:
+        index = int(wrong[0])
         raise _error(
-            number,
-            f"has a quaternion whose squares sum to {1.0 + defect:.7f}",
+            first + index,
+            f"has a quaternion whose squares sum to {squares[index]:.7f}",
             f"1 within {NORM_TOLERANCE:g}",
-            line,
+            lines[index],
         )
-    position_mm = np.array([values[f] for f in FIELDS[:3]])
-    resolution = [0.5 * 10.0 ** -_decimals(texts[f]) for f in FIELDS[:3]]
-    return TargetLine(
-        T_base_tool=from_wxyz(mm_to_m(position_mm), quaternion),
-        conf=ConfData(*(int(values[f]) for f in FIELDS[7:])),
-        position_mm=position_mm,
-        quaternion=quaternion,
-        position_resolution=mm_to_m(np.array(resolution)),
-        quaternion_resolution=0.5 * 10.0 ** -min(_decimals(texts[f]) for f in FIELDS[3:7]),
-    )
 
 
 def _format_position(value: float, decimals: int) -> str:
@@ -210,16 +241,6 @@ def _format_conf(conf: ConfData, label: str) -> list[str]:
             )
         texts.append(str(int(value)))
     return texts
-
-
-def _parse_field(text: str, pattern: re.Pattern[str], allowed: str, field: str, number: int) -> float:
-    """The number in one field."""
-    if not (text.isascii() and pattern.fullmatch(text)):
-        raise _error(number, f"has {field} = {text!r}", allowed, text)
-    value = float(text)
-    if not math.isfinite(float(np.float32(value))):
-        raise _error(number, f"has {field} = {text!r}", "a finite number", text)
-    return value
 
 
 def _decimals(text: str) -> int:

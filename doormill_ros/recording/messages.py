@@ -32,6 +32,16 @@ def transform_of(pose: Any) -> np.ndarray:
     return from_xyzw(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
 
 
+def _transforms_of(poses: list[Any]) -> np.ndarray:
+    """T_a_b, shape (n, 4, 4), all at once: one by one the calls cost more than the arithmetic."""
+    if not poses:
+        return np.empty((0, 4, 4))
+    points, turns = [pose.position for pose in poses], [pose.orientation for pose in poses]
+    return from_xyzw(
+        np.array([(p.x, p.y, p.z) for p in points]), np.array([(q.x, q.y, q.z, q.w) for q in turns])
+    )
+
+
 def wrench_of(message: Any) -> np.ndarray:
     """Shape (6,), force first [N, N m], from a geometry_msgs/Wrench."""
     f, t = message.force, message.torque
@@ -82,17 +92,19 @@ def camera_of(message: Any, mounted: CameraModel) -> CameraModel:
 
 def program_of(message: Any) -> MillingProgram:
     """The milling program of an accepted doormill_interfaces/TargetArray."""
+    nominal = _transforms_of([t.nominal for t in message.targets])
+    corrected = _transforms_of([t.corrected for t in message.targets])
     targets = tuple(
         Target(
             name=t.name,
-            T_base_tool_nominal=transform_of(t.nominal),
-            T_base_tool_corrected=transform_of(t.corrected),
+            T_base_tool_nominal=nominal[i],
+            T_base_tool_corrected=corrected[i],
             q=np.array(t.joint_positions, dtype=float),
             conf=ConfData(int(t.cf1), int(t.cf4), int(t.cf6), int(t.cfx)),
             wrench=wrench_of(t.wrench),
             deflection=twist_of(t.deflection),
         )
-        for t in message.targets
+        for i, t in enumerate(message.targets)
     )
     motions = tuple(
         Motion(

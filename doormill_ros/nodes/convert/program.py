@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from geometry_msgs.msg import Pose, Vector3
 
 from doormill_interfaces.msg import Motion as MotionMessage
 from doormill_interfaces.msg import Target as TargetMessage
 from doormill_interfaces.msg import TargetArray
-from doormill_ros.nodes.convert.geometry import pose_message, twist_message, wrench_message
+from doormill_ros.frames import quaternion_xyzw
 from doormill_ros.recording.messages import program_of
-from doormill_ros.toolpath.program import MillingProgram, MotionKind
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
 __all__ = ["program_into", "program_of"]
 
@@ -21,37 +24,61 @@ KINDS = {
 
 
 def program_into(message: TargetArray, program: MillingProgram) -> TargetArray:
-    """Fill a message with targets and motions; returns it."""
+    """Fill a message with targets and motions; returns it.
+
+    Generated constructors make every default even where a value is given, and a door has tens of
+    thousands of nested messages: each is made once and filled in place.
+    """
     message.door_id = program.door_id
     message.recipe_version = program.recipe_version
     message.largest_correction = program.largest_correction
-    message.targets = [
-        TargetMessage(
-            name=t.name,
-            nominal=pose_message(t.T_base_tool_nominal),
-            corrected=pose_message(t.T_base_tool_corrected),
-            joint_positions=np.asarray(t.q, dtype=float),
-            cf1=t.conf.cf1,
-            cf4=t.conf.cf4,
-            cf6=t.conf.cf6,
-            cfx=t.conf.cfx,
-            wrench=wrench_message(t.wrench),
-            deflection=twist_message(t.deflection),
-        )
-        for t in program.targets
-    ]
-    message.motions = [
-        MotionMessage(
-            kind=KINDS[m.kind],
-            target=m.target,
-            via=-1 if m.via is None else m.via,
-            speed=float(m.speed),
-            zone=m.zone,
-            feature=m.feature,
-            cutting=m.cutting,
-            wrench=wrench_message(m.wrench),
-            spindle_speed=float(m.spindle_speed),
-        )
-        for m in program.motions
-    ]
+    targets = program.targets
+    nominal = _poses([t.T_base_tool_nominal for t in targets])
+    corrected = _poses([t.T_base_tool_corrected for t in targets])
+    message.targets = [_target(*row) for row in zip(targets, nominal, corrected, strict=True)]
+    message.motions = [_motion(m) for m in program.motions]
     return message
+
+
+def _target(target: Target, nominal: list[float], corrected: list[float]) -> TargetMessage:
+    message = TargetMessage()
+    message.name = target.name
+    _fill_pose(message.nominal, nominal)
+    _fill_pose(message.corrected, corrected)
+    message.joint_positions = np.asarray(target.q, dtype=float)
+    conf = target.conf
+    message.cf1, message.cf4, message.cf6, message.cfx = conf.cf1, conf.cf4, conf.cf6, conf.cfx
+    _fill_pair(message.wrench.force, message.wrench.torque, target.wrench)
+    _fill_pair(message.deflection.linear, message.deflection.angular, target.deflection)
+    return message
+
+
+def _motion(motion: Motion) -> MotionMessage:
+    message = MotionMessage()
+    message.kind = KINDS[motion.kind]
+    message.target = motion.target
+    message.via = -1 if motion.via is None else motion.via
+    message.speed = float(motion.speed)
+    message.zone = motion.zone
+    message.feature = motion.feature
+    message.cutting = motion.cutting
+    _fill_pair(message.wrench.force, message.wrench.torque, motion.wrench)
+    message.spindle_speed = float(motion.spindle_speed)
+    return message
+
+
+def _poses(T_a_b: Sequence[np.ndarray]) -> list[list[float]]:
+    """x, y, z, qx, qy, qz, qw of each pose."""
+    if not T_a_b:
+        return []
+    stacked = np.array(T_a_b, dtype=float)
+    return np.hstack([stacked[:, :3, 3], quaternion_xyzw(stacked)]).tolist()
+
+
+def _fill_pose(message: Pose, values: list[float]) -> None:
+    p, q = message.position, message.orientation
+    p.x, p.y, p.z, q.x, q.y, q.z, q.w = values
+
+
+def _fill_pair(first: Vector3, second: Vector3, values: np.ndarray) -> None:
+    first.x, first.y, first.z, second.x, second.y, second.z = np.asarray(values, dtype=float).tolist()
