@@ -4,6 +4,8 @@ import math
 
 from hypothesis import strategies as st
 
+from doormill_ros.recipes.recipe import Recipe
+
 TOOLS = {  # diameter, cutting length in mm
     "mill_6": (6.0, 30.0),
     "mill_10": (10.0, 60.0),
@@ -52,6 +54,11 @@ def mm(low, high):
     return st.floats(low, high).map(lambda v: round(min(max(v, low), high), 3))
 
 
+def whole_range(low, high):
+    """Any value between the limits, often a limit itself."""
+    return st.one_of(st.sampled_from([low, high]), mm(low, high), mm(low, high), mm(low, high))
+
+
 @st.composite
 def _hinges(draw, door):
     count = draw(st.integers(1, 4))
@@ -68,7 +75,7 @@ def _hinges(draw, door):
         feature = {
             "kind": "hinge_oblong" if oblong else "hinge_leaf",
             "id": f"hinge_{k + 1}",
-            "side": "front",
+            "side": draw(st.sampled_from(["front"] * 7 + ["rear"])),
             "height_mm": draw(mm(low, high)),
             "backset_mm": draw(mm(width / 2 + 2.5, width / 2 + 25.0)),
             "width_mm": width,
@@ -90,14 +97,16 @@ def _hinges(draw, door):
 
 
 @st.composite
-def _lock(draw, door):
-    width = draw(mm(17.0, min(26.0, door["thickness_mm"] - 6.0)))
+def _lock(draw, door, side):
+    """A lock case, perhaps with a face plate round its mouth and a hole that leads through it."""
+    thickness = door["thickness_mm"]
+    width = draw(mm(17.0, min(26.0, thickness - 6.0)))
     length, depth = draw(mm(100.0, 240.0)), draw(mm(40.0, 80.0))
     middle = draw(mm(400.0, door["height_mm"] - 400.0))
     case = {
         "kind": "lock_case",
         "id": "case",
-        "side": "lock_edge",
+        "side": side,
         "height_mm": middle,
         "width_mm": width,
         "length_mm": length,
@@ -105,43 +114,108 @@ def _lock(draw, door):
     }
     features = [case | draw(_work(OBLONG, "mill_16", depth))]
     if draw(st.booleans()):
+        features.append(draw(_plate(door, case)))
+    if draw(st.booleans()):
         hole = {
             "kind": "handle_hole",
             "id": "hole",
-            "side": "front",
+            "side": draw(st.sampled_from(["front", "front", "front", "rear"])),
             "height_mm": middle,
-            "backset_mm": 35.0,
+            "backset_mm": 35.0 if side == "lock_edge" else round(door["width_mm"] - 35.0, 3),
             "diameter_mm": draw(mm(17.0, 50.0)),
-            "from_both_sides": True,
+            "from_both_sides": draw(st.booleans()),
             "lock_case": "case",
         }
-        features.append(hole | draw(_work(["top_turn", "bottom_turn"], "mill_16", door["thickness_mm"])))
+        features.append(hole | draw(_work(["top_turn", "bottom_turn"], "mill_16", thickness)))
     return features
+
+
+@st.composite
+def _plate(draw, door, case):
+    width = draw(mm(case["width_mm"] + 1.0, min(case["width_mm"] + 12.0, door["thickness_mm"] - 4.5)))
+    # Square, half round, and the full half-turn.
+    radius = draw(st.sampled_from([8.0, (8.0 + width / 2) / 2, width / 2]))
+    depth = draw(mm(1.5, 6.0))
+    round_end = 2 * radius >= width
+    plate = {
+        "kind": "face_plate",
+        "id": "plate",
+        "side": case["side"],
+        "height_mm": case["height_mm"],
+        "width_mm": width,
+        "length_mm": draw(mm(case["length_mm"] + 15.0, case["length_mm"] + 80.0)),
+        "depth_mm": depth,
+        "corner_radius_mm": width / 2 if round_end else round(radius, 3),
+        "lock_case": "case",
+    }
+    return plate | draw(_work(OBLONG if round_end else RECT, "mill_16", depth))
+
+
+@st.composite
+def _features(draw, door):
+    """Hinges, with or without a lock in the other edge; or a lock in the hinge edge alone."""
+    content = draw(st.sampled_from(["hinges", "both", "both", "lock_edge", "hinge_edge"]))
+    if content in ("lock_edge", "hinge_edge"):
+        return draw(_lock(door, content))
+    return draw(_hinges(door)) + (draw(_lock(door, "lock_edge")) if content == "both" else [])
+
+
+def _document(door):
+    """A recipe but for its features; the density is 200 kg/m^3, less where 125 kg would be exceeded."""
+    volume = door["height_mm"] * door["width_mm"] * door["thickness_mm"]
+    return {
+        "schema": "doormill/recipe/1",
+        "door_id": "random",
+        "bar_code": "1",
+        "hinge_side": "right",
+        "material": "softwood",
+        "mass_kg": round(min(125.0, 2e-7 * volume), 3),
+        **door,
+        "tools": {
+            name: {"diameter_mm": d, "flutes": 2, "cutting_length_mm": cut, "max_spindle_speed_rpm": 18000}
+            for name, (d, cut) in TOOLS.items()
+        },
+    }
 
 
 @st.composite
 def doors(draw):
     """A recipe document and a placement (y, z [m], rotation [rad])."""
     door = {
-        "height_mm": draw(mm(1000.0, 3000.0)),
-        "width_mm": draw(mm(190.0, 1350.0)),
-        "thickness_mm": draw(mm(30.0, 100.0)),
+        "height_mm": draw(whole_range(1000.0, 3000.0)),
+        "width_mm": draw(whole_range(190.0, 1350.0)),
+        "thickness_mm": draw(whole_range(30.0, 100.0)),
     }
-    document = {
-        "schema": "doormill/recipe/1",
-        "door_id": "random",
-        "bar_code": "1",
-        "hinge_side": "right",
-        "material": "softwood",
-        "mass_kg": round(min(125.0, 2e-7 * door["height_mm"] * door["width_mm"] * door["thickness_mm"]), 3),
-        **door,
-        "tools": {
-            name: {"diameter_mm": d, "flutes": 2, "cutting_length_mm": cut, "max_spindle_speed_rpm": 18000}
-            for name, (d, cut) in TOOLS.items()
-        },
-        "features": draw(_hinges(door)) + (draw(_lock(door)) if draw(st.booleans()) else []),
-    }
+    document = {**_document(door), "features": draw(_features(door))}
     corner = st.sampled_from([-1.0, 0.0, 1.0])
     edge = st.one_of(corner, st.floats(-1.0, 1.0))
     placement = (0.010 * draw(edge), 0.010 * draw(edge), math.radians(2.0) * draw(edge))
     return document, placement
+
+
+def door_with(kind, height, width, thickness):
+    """A door of a given size with one feature of a kind, under the forces of table 4.8 all round."""
+    features = {
+        "hinge_oblong": {"backset_mm": 25, "width_mm": 30, "length_mm": 120, "depth_mm": 5, "points": 6},
+        "hinge_leaf": {
+            "backset_mm": 25,
+            "width_mm": 30,
+            "length_mm": 100,
+            "depth_mm": 5,
+            "corner_radius_mm": 10,
+        },
+        "lock_case": {"width_mm": 18, "length_mm": 160, "depth_mm": 60},
+        "face_plate": {"width_mm": 24, "length_mm": 220, "depth_mm": 3, "corner_radius_mm": 9},
+        "handle_hole": {"backset_mm": 50, "diameter_mm": 22},
+    }
+    side = "lock_edge" if kind in ("lock_case", "face_plate") else "front"
+    work = {
+        "tool": "mill_16",
+        "cutting": {"spindle_speed_rpm": 6000, "feed_mm_s": 50},
+        "passes": {"depth_step_mm": 30},
+        "wrench_n_nm": {"default": [-209, 29, 12, -5, -43, 3], "plunge": [0, 0, -30, 0, 0, 0]},
+        "wrench_point_mm": 208,
+    }
+    document = _document({"height_mm": height, "width_mm": width, "thickness_mm": thickness})
+    feature = {"kind": kind, "id": kind, "side": side, "height_mm": 500}
+    return Recipe.from_document({**document, "features": [feature | features[kind] | work]})

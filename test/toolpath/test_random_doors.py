@@ -1,17 +1,29 @@
 """Any valid door: a program whose milled result is right, or a sentence that says why not."""
 
 import importlib.util
+import itertools
+import math
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, Phase, event, given, settings
 
+from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.inverse import inverse
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.toolpath.door_plan import whole_door
-from doormill_ros.toolpath.errors import AirMoveError, ConfigurationChangeError, JointSpeedError, PathError
+from doormill_ros.toolpath.errors import (
+    AirMoveError,
+    ConfigurationChangeError,
+    JointSpeedError,
+    PathError,
+    ProgramSizeError,
+)
+from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.thesis_path import is_thesis_door
 
 
@@ -23,19 +35,33 @@ def _load(path):
 
 
 doors = _load(Path(__file__).with_name("doors.py"))
-EXAMPLES = int(os.environ.get("DOORMILL_DOORS", "10"))  # more of them: DOORMILL_DOORS=500 pytest ...
+# A campaign over other doors each time: DOORMILL_DOORS=500 pytest ...
+CAMPAIGN = os.environ.get("DOORMILL_DOORS")
+EXAMPLES = int(CAMPAIGN or "24")
 QUIET = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.function_scoped_fixture]
+LIMIT = 5e-5  #: what may stay of the deviation when the model is right [m]
+ALIKE = 1.5e-5  #: what else may stay where a target is shared by several loads [m]
 
 
-def generated(cell, recipe, T_base_door):
+@pytest.fixture(scope="module")
+def any_tool():
+    """A cell that changes tools, so that doors with several can be looked at, too."""
+    plain = load_settings()
+    return replace(plain, checks=replace(plain.checks, tools=9.0))
+
+
+def generated(cell, recipe, T_base_door, **options):
+    """The program, or the refusal."""
     try:
-        return cell.program(recipe, T_base_door), None
+        return cell.program(recipe, T_base_door, **options), None
     except PathError as refusal:
         return None, refusal
 
 
 def cause_is_there(cell, recipe, T_base_door, refusal):
     """Ask the inverse kinematics, pose by pose, whether the feature really cannot be served."""
+    if isinstance(refusal, ProgramSizeError):
+        return refusal.data["found"] > 2000
     feature = recipe.feature(refusal.data["feature"])
     box = [
         s * np.array([feature.shape.width, feature.shape.length]) / 2
@@ -54,15 +80,51 @@ def cause_is_there(cell, recipe, T_base_door, refusal):
     return not all(good) or isinstance(refusal, ConfigurationChangeError | AirMoveError | JointSpeedError)
 
 
+def shared_targets_leave(cell, program):
+    """What the 14 targets of the thesis cannot take away [m].
+
+    A target has one pose, and is passed under the loads of the motions before and behind it: from
+    each of them stays what its deflection differs from the one that the target was corrected for.
+    """
+    worst = 0.0
+    point = cell.layout.T_flange_tool[:3, 3]
+    for i, motion in enumerate(program.motions[:-1]):
+        behind = program.motions[i + 1]
+        if not (motion.cutting or behind.cutting):
+            continue
+        target = program.targets[motion.target]
+        loads = np.array([motion.wrench, behind.wrench])
+        twist = cell.springs.deflection(np.tile(target.q, (2, 1)), loads, point)
+        worst = max(worst, np.linalg.norm((twist - target.deflection)[:, :3], axis=1).max())
+    return worst + ALIKE
+
+
+def judged(cell, recipe, T_base_door, program, limit):
+    for target in program.targets:
+        T_base_tool = cell.kinematics.forward(target.q) @ cell.layout.T_flange_tool
+        assert np.abs(T_base_tool - target.T_base_tool_corrected).max() < 1e-8
+        assert np.all((target.q > cell.robot.lower) & (target.q < cell.robot.upper))
+    part = inspect(recipe, T_base_door, cell.execute(program, cell.springs))
+    for result in part.features:
+        assert result.milled
+        assert result.max_deviation < limit, result.feature
+        assert result.uncleared < 1e-9
+        assert np.abs(result.floor).max() < limit
+
+
 @settings(
-    max_examples=EXAMPLES, deadline=None, suppress_health_check=QUIET, phases=[Phase.explicit, Phase.generate]
+    max_examples=EXAMPLES,
+    deadline=None,
+    derandomize=CAMPAIGN is None,
+    suppress_health_check=QUIET,
+    phases=[Phase.explicit, Phase.generate],
 )
 @given(doors.doors())
-def test_milled_within_five_hundredths_or_refused_with_a_reason(cell, door):
+def test_milled_within_five_hundredths_or_refused_with_a_reason(cell, any_tool, door):
     document, (y, z, rotation) = door
     recipe = Recipe.from_document(document)
     T_base_door = cell.T_base_door(recipe, y, z, rotation)
-    program, refusal = generated(cell, recipe, T_base_door)
+    program, refusal = generated(cell, recipe, T_base_door, settings=any_tool)
     if refusal is not None:
         event(type(refusal).__name__)
         assert 300 < refusal.code < 400
@@ -71,16 +133,31 @@ def test_milled_within_five_hundredths_or_refused_with_a_reason(cell, door):
         assert cause_is_there(cell, recipe, T_base_door, refusal), refusal.message
         return
     event("milled")
-    for target in program.targets:
-        T_base_tool = cell.kinematics.forward(target.q) @ cell.layout.T_flange_tool
-        assert np.abs(T_base_tool - target.T_base_tool_corrected).max() < 1e-8
-        assert np.all((target.q > cell.robot.lower) & (target.q < cell.robot.upper))
-    executed = cell.execute(program, cell.springs)
-    part = inspect(recipe, T_base_door, executed)
-    limit = 3e-4 if is_thesis_door(whole_door(recipe)) else 5e-5
-    for result in part.features:
-        assert result.milled
-        assert result.max_deviation < limit, result.feature
-        assert result.uncleared < 1e-9
-        if limit == 5e-5:
-            assert np.abs(result.floor).max() < limit
+    for feature in recipe.features:
+        event(f"milled {feature.kind}")
+    thesis = is_thesis_door(whole_door(recipe))
+    limit = shared_targets_leave(cell, program) if thesis else LIMIT
+    judged(cell, recipe, T_base_door, program, limit)
+    if thesis:
+        # The same door without the thesis' program keeps to the limit of all others.
+        free = [replace(f, passes=replace(f.passes, finish_allowance=3e-4)) for f in recipe.features]
+        recipe = replace(recipe, features=tuple(free))
+        judged(cell, recipe, T_base_door, cell.program(recipe, T_base_door, settings=any_tool), LIMIT)
+
+
+SIZES = list(itertools.product((1000, 3000), (190, 1350), (30, 100)))
+
+
+@pytest.mark.parametrize("kind", FEATURES)
+@pytest.mark.parametrize(("height", "width", "thickness"), SIZES)
+def test_every_kind_of_feature_at_every_limit_of_size(cell, height, width, thickness, kind):
+    """One feature half a metre up: milled, or refused because the robot does not get there."""
+    recipe = doors.door_with(kind, height, width, thickness)
+    T_base_door = cell.T_base_door(recipe, -0.006, 0.008, math.radians(-1.5))
+    program, refusal = generated(cell, recipe, T_base_door)
+    if refusal is not None:
+        # Of the wide doors the robot does not get round the lock edge.
+        assert (recipe.features[0].side.value, width) == ("lock_edge", 1350), refusal.message
+        assert cause_is_there(cell, recipe, T_base_door, refusal), refusal.message
+        return
+    judged(cell, recipe, T_base_door, program, LIMIT)
