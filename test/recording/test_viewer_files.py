@@ -4,38 +4,128 @@ from __future__ import annotations
 
 import json
 import re
+from typing import Any
 
 import yaml
 
 from doormill_ros.frames import BASE_FRAME
-from doormill_ros.recording.bag_reader import read_bag, topics_of
+from doormill_ros.nodes import topics
+from doormill_ros.recording.bag_reader import read_bag
 from source_tree import ROOT
 
 BAG = ROOT / "bags" / "thesis_190_0deg"
-#: Excluded from the reference bags, and published by nobody but a robot_state_publisher.
-ELSEWHERE = {"/door/overlay", "/robot_description"}
+#: Not in the reference bags.
+ELSEWHERE = {"/door/overlay", "/robot_description", "/path/joint_states"}
 
 
-def test_foxglove_layout_shows_recorded_topics() -> None:
-    layout = json.loads((ROOT / "config" / "foxglove-layout.json").read_text())
-    panels = set(layout["configById"])
-    assert set(re.findall(r'"((?:\w+)!\w+)"', json.dumps(layout["layout"]))) == panels
-    named = set(re.findall(r'"(/[a-z]\w*/?\w*)', json.dumps(layout["configById"])))
-    assert len(named) >= 10
-    assert named - ELSEWHERE <= set(topics_of(BAG))
+#: Settings by panel type that the app knows, by the classes of its layout library (foxglove-sdk 0.30,
+#: foxglove.layouts) and, for followTf, by the layouts that the app exports.
+SETTINGS = {
+    "3D": {"cameraState", "followTf", "layers", "scene", "topics", "transforms"},
+    "Image": {"imageMode", "scene", "topics"},
+    "DiagnosticSummary": {"hardwareIdFilter", "minLevel", "pinnedIds", "sortByLevel", "topicToRender"},
+    "StateTransitions": {"isSynced", "paths"},
+    "RawMessages": {"expansion", "topicPath"},
+    "Plot": {"foxglovePanelTitle", "isSynced", "paths", "xAxisVal"},
+}
+SERIES = {"enabled", "label", "timestampMethod", "value"}
+LAYERS = {
+    "foxglove.Grid": {"divisions", "frameId", "size"},
+    "foxglove.Urdf": {"controlMode", "displayMode", "jointStatesTopic", "sourceType", "topic"},
+}
+OF_EVERY_LAYER = {"instanceId", "label", "layerId", "visible"}
+TOPIC_TYPES = {
+    "/path/markers": "visualization_msgs/msg/MarkerArray",
+    "/path/nominal": "nav_msgs/msg/Path",
+    "/path/corrected": "nav_msgs/msg/Path",
+    "/path/joint_states": "sensor_msgs/msg/JointState",
+    "/door/pose": "geometry_msgs/msg/PoseStamped",
+    "/door/overlay": "sensor_msgs/msg/Image",
+    "/camera/image_raw": "sensor_msgs/msg/Image",
+    "/camera/camera_info": "sensor_msgs/msg/CameraInfo",
+    "/robot_description": "std_msgs/msg/String",
+    "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+}
+
+
+def layout() -> dict[str, Any]:
+    return json.loads((ROOT / "config" / "foxglove-layout.json").read_text())
+
+
+def recorded_types() -> dict[str, str]:
+    """Type by topic, of a reference bag and of what reference bags leave out."""
+    recorded = {item.topic: item.type_name for item in read_bag(BAG)}
+    ours = {f"/{t.name}": t.type for t in topics.ALL}
+    known = {t: f"{ours[t].__module__.split('.')[0]}/msg/{ours[t].__name__}" for t in ELSEWHERE}
+    return known | recorded
+
+
+def test_foxglove_layout_is_of_the_form_that_the_app_exports() -> None:
+    document = layout()
+    assert document.keys() == {"configById", "globalVariables", "layout", "playbackConfig", "userNodes"}
+    panels = document["configById"]
+    shown: list[str] = []
+
+    def walk(node: Any) -> None:
+        if isinstance(node, str):
+            shown.append(node)
+            return
+        assert node.keys() <= {"direction", "first", "second", "splitPercentage"}
+        assert node["direction"] in ("row", "column")
+        assert 0 < node.get("splitPercentage", 50) < 100
+        walk(node["first"])
+        walk(node["second"])
+
+    walk(document["layout"])
+    assert sorted(shown) == sorted(panels)
+    for panel, settings in panels.items():
+        kind = panel.split("!")[0]
+        assert settings.keys() <= SETTINGS[kind], panel
+        for series in settings.get("paths", ()):
+            assert series.keys() <= SERIES
+        for name, layer in settings.get("layers", {}).items():
+            assert layer.keys() <= OF_EVERY_LAYER | LAYERS[layer["layerId"]], name
+            assert layer["instanceId"] == name
+
+
+def test_foxglove_layout_shows_recorded_topics_of_types_its_panels_draw() -> None:
+    named = set(re.findall(r'"(/[a-z]\w*/?\w*)[".]', json.dumps(layout()["configById"])))
+    types = recorded_types()
+    assert named <= types.keys()
+    drawn = {topic: types[topic] for topic in named if topic in TOPIC_TYPES}
+    assert drawn == TOPIC_TYPES
+
+
+def test_foxglove_series_lead_to_fields_of_the_messages() -> None:
+    latest = {item.topic: item.message for item in read_bag(BAG)}
+    panels = layout()["configById"].values()
+    values = [series["value"] for panel in panels for series in panel.get("paths", ())]
+    assert len(values) >= 5
+    for value in values:
+        topic, *fields = value.split(".")
+        found = latest[topic]
+        for field in fields:
+            name, index = re.fullmatch(r"(\w+)(?:\[(\d*:?)\])?", field).groups()
+            found = getattr(found, name)
+            found = found if index in (None, ":") else found[int(index)]
+        assert found is not None
+
+
+def test_foxglove_follows_the_frame_of_the_messages() -> None:
+    scene = layout()["configById"]["3D!door"]
+    assert scene["followTf"] == scene["layers"]["grid"]["frameId"] == BASE_FRAME
 
 
 def test_rviz_shows_recorded_topics_with_the_durability_they_have() -> None:
     document = yaml.safe_load((ROOT / "config" / "cell.rviz").read_text())
     manager = document["Visualization Manager"]
     assert manager["Global Options"]["Fixed Frame"] == BASE_FRAME
-    named = {
-        d["Topic"]["Value"]: d["Topic"]["Durability Policy"] for d in manager["Displays"] if "Topic" in d
-    }
-    assert len(named) == 5
-    assert set(named) - ELSEWHERE <= set(topics_of(BAG))
+    used = [d[key] for d in manager["Displays"] for key in ("Topic", "Description Topic") if key in d]
+    named = {topic["Value"]: topic["Durability Policy"] for topic in used}
+    assert len(named) == 6
+    assert set(named) <= recorded_types().keys()
     assert {t for t, durability in named.items() if durability == "Transient Local"} == {
-        "/path/nominal", "/path/corrected", "/path/markers"
+        "/path/nominal", "/path/corrected", "/path/markers", "/robot_description"
     }  # fmt: skip
 
 
