@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from doormill_ros.diagnosis.causes.cause import Cause
 from doormill_ros.diagnosis.causes.registry import candidates
-from doormill_ros.diagnosis.finding import Finding, make_finding, rmse
+from doormill_ros.diagnosis.finding import Finding, make_findings, rmse
 from doormill_ros.diagnosis.fit import MEDIAN, OUTLIER_SHARE, Fit
 from doormill_ros.diagnosis.measurement_set import MeasurementSet
 from doormill_ros.diagnosis.patterns import spoils, unnamed_patterns
@@ -104,7 +104,7 @@ def diagnose_problem(
     verdict = _verdict(best, established, structure)
     if verdict == "explained" and len(established) < len(best.members):
         verdict = "partly_explained"
-    findings = tuple(make_finding(search, best, extended, cause, structure, kept) for cause in established)
+    findings = make_findings(search, best, extended, established, structure, kept)
     ratio, interval = _gain(problem, baseline, extended, kept)
     return Diagnosis(
         problem=problem,

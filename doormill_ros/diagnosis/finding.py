@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from doormill_ros.diagnosis.causes.cause import Cause
+from doormill_ros.diagnosis.confusable import equals
 from doormill_ros.diagnosis.fit import Fit, bounds, normal_equations
 from doormill_ros.diagnosis.problem import Problem
-from doormill_ros.diagnosis.search import EQUAL, Search
-from doormill_ros.diagnosis.stability import beaten
-
-#: Fall of the score with one more number that chance reaches once in ten sets.
-LEANING = 2.7
+from doormill_ros.diagnosis.search import Search
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +39,34 @@ def rmse(residual: np.ndarray, kept: np.ndarray, components: int = 3) -> float:
     return float(np.sqrt(np.sum(residual[kept] ** 2) / (components * max(int(kept.sum()), 1))))
 
 
-def make_finding(
-    search: Search, best: Fit, extended: Fit, cause: Cause, structure: bool, kept: np.ndarray
+def make_findings(
+    search: Search, best: Fit, extended: Fit, established: Sequence[Cause], structure: bool, kept: np.ndarray
+) -> tuple[Finding, ...]:
+    """All established causes, each sized also in the models where equals stand for the others."""
+    doubles = [equals(search, best, cause, structure) for cause in established]
+    findings = []
+    for i, cause in enumerate(established):
+        alternatives = [
+            model
+            for j, others in enumerate(doubles)
+            for _, model in others
+            if j != i and any(member is cause for member in model.members)
+        ]
+        findings.append(
+            _make_finding(search, best, extended, cause, structure, kept, doubles[i], alternatives)
+        )
+    return tuple(findings)
+
+
+def _make_finding(
+    search: Search,
+    best: Fit,
+    extended: Fit,
+    cause: Cause,
+    structure: bool,
+    kept: np.ndarray,
+    confusable: Sequence[tuple[Cause, Fit]],
+    alternatives: Sequence[Fit],
 ) -> Finding:
     """Size a cause of the best model, its uncertainty and what could stand in its place.
 
@@ -53,6 +77,8 @@ def make_finding(
         cause: The member to report.
         structure: Whether something remains unexplained; uncertainties then grow with it.
         kept: Trials that count, shape (n,).
+        confusable: What would do as well in its place, and the models that say so.
+        alternatives: Models that hold this cause beside an equal of another one.
     """
     problem = search.problem
     part = best.part(cause)
@@ -71,28 +97,17 @@ def make_finding(
     std = np.sqrt(np.clip(np.diag(slope @ covariance @ slope.T), 0.0, None))
     for i in cause.kinked:
         std[i] = abs(slope[i, i]) * profile_std(problem, best, part.start + i)
-    rivals = search.rivals(best, cause)
-    # Beside something that no cause explains, small differences of the score mean little.
-    good = best.weights > 0.0
-    remains = structure or not all(member.named for member in best.members)
-    excess = float(np.mean(best.prediction.cost[good])) / problem.components
-    limit = EQUAL * max(3.0, excess) if remains else EQUAL
-    confusable: list[Cause] = []
-    for other, found in rivals:
-        nested = other.where == cause.where and cause.name in (other.generalises, other.name)
-        # A law that contains this one counts as another only if the data lean towards it.
-        nested = nested and (other.name == cause.name or found.score > best.score - LEANING)
-        close = found.held_out_score < best.held_out_score + limit
-        if other.named and not nested and (close or (remains and not beaten(problem, best, found))):
-            confusable.append(other)
-    unique = {other.key: other for other in reversed(confusable) if other.key != cause.key}
+    for model in alternatives:
+        # Which of two equal models holds is a toss-up: its own value counts half.
+        away = cause.values(model.theta[model.part(cause)], problem.case) - values
+        std = np.sqrt(std**2 + 0.5 * away**2)
     return Finding(
         cause=cause,
         values=values,
         std=std,
-        confusable=tuple(reversed(unique.values())),
+        confusable=tuple(other for other, _ in confusable),
         without=rmse(search.without(extended, cause).held_out, kept, problem.components),
-        rivals=tuple((other, found.held_out_score) for other, found in rivals),
+        rivals=tuple((other, found.held_out_score) for other, found in search.rivals(best, cause)),
     )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.diagnosis.causes.cause import Cause, Setup
+from doormill_ros.diagnosis.hidden_states import HiddenEffect, hidden_effect, read_states, total, undecided
 from doormill_ros.diagnosis.load_case import LoadCase, build_load_case
 from doormill_ros.diagnosis.measurement_set import MeasurementSet
 from doormill_ros.robot.kinematics import Kinematics
@@ -139,8 +140,8 @@ class Problem:
 
     def _elastic(
         self, members: Sequence[Cause], theta: np.ndarray, case: LoadCase
-    ) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
-        """Certain displacement (n, 3), and (probability, displacement) of each hidden cause."""
+    ) -> tuple[np.ndarray, list[HiddenEffect]]:
+        """Certain displacement (n, 3), and what each hidden cause adds where it acts."""
         total = case.springs()[:, :3]
         if self.finite:
             total = total + case.curvature()
@@ -153,7 +154,7 @@ class Problem:
             if chance is None:
                 total = total + twist
             else:
-                hidden.append((chance, twist))
+                hidden.append(hidden_effect(chance, twist, cause.hidden_sign(case)))
         return total, hidden
 
     def _observe(self, members: Sequence[Cause], theta: np.ndarray, displacement: np.ndarray) -> np.ndarray:
@@ -171,18 +172,20 @@ class Problem:
         """
         case = self.case_of(members, theta)
         certain, hidden = self._elastic(members, theta, case)
-        states = self._states(members, theta, certain, hidden)
-        inner = certain + sum(
-            (s[:, None] * e for s, (_, e) in zip(states, hidden, strict=True)), 0.0 * certain
+        read_states(
+            hidden,
+            lambda others: self.data.displacement - self._observe(members, theta, certain + others),
+            self.whiten,
         )
+        inner = certain + total(hidden, len(self))
         residual = self.data.displacement - self._observe(members, theta, inner)
         white = np.einsum("nij,nj->ni", self.whiten, residual)
         cost = np.sum(white**2, axis=1)
-        for s, (chance, effect) in zip(states, hidden, strict=True):
-            cost = cost + _undecided(s, chance, np.einsum("nij,nj->ni", self.whiten, effect))
+        for h in hidden:
+            cost = cost + undecided(h, self.whiten)
         if not derivative:
             return Prediction(residual, white, cost)
-        jacobian, spread = self._derivative(members, theta, case, inner, states, hidden)
+        jacobian, spread = self._derivative(members, theta, case, inner, hidden)
         return Prediction(residual, white, cost, jacobian, spread)
 
     def slope(self, cause: Cause, theta: np.ndarray) -> np.ndarray:
@@ -191,40 +194,13 @@ class Problem:
             return self.whiten @ cause.derivative(self.case, theta)[:, :3]
         return self.predict([cause], theta, derivative=True).jacobian
 
-    def _states(
-        self,
-        members: Sequence[Cause],
-        theta: np.ndarray,
-        certain: np.ndarray,
-        hidden: list[tuple[np.ndarray, np.ndarray]],
-    ) -> list[np.ndarray]:
-        """Probability that each hidden cause acts in each trial, given what was measured there."""
-        states = [np.array(chance) for chance, _ in hidden]
-        unsure = [(chance > 0.0) & (chance < 1.0) for chance, _ in hidden]
-        if not any(mask.any() for mask in unsure):
-            return states
-        for _ in range(1 if len(hidden) == 1 else 3):
-            for h, (chance, effect) in enumerate(hidden):
-                rows = unsure[h]
-                others = sum(
-                    (states[i][:, None] * hidden[i][1] for i in range(len(hidden)) if i != h), 0.0 * certain
-                )
-                away = self.data.displacement - self._observe(members, theta, certain + others)
-                closed = np.einsum("nij,nj->ni", self.whiten[rows], away[rows])
-                open_ = closed - np.einsum("nij,nj->ni", self.whiten[rows], effect[rows])
-                odds = 0.5 * (np.sum(closed**2, axis=1) - np.sum(open_**2, axis=1))
-                odds += np.log(chance[rows] / (1.0 - chance[rows]))
-                states[h][rows] = 1.0 / (1.0 + np.exp(-np.clip(odds, -500.0, 500.0)))
-        return states
-
     def _derivative(
         self,
         members: Sequence[Cause],
         theta: np.ndarray,
         case: LoadCase,
         inner: np.ndarray,
-        states: list[np.ndarray],
-        hidden: list[tuple[np.ndarray, np.ndarray]],
+        hidden: list[HiddenEffect],
     ) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
         n, dt = len(self), self.data.dt
         columns = np.zeros((n, 3, len(theta)))
@@ -237,7 +213,8 @@ class Problem:
             if cause.stage == "robot":
                 slope = cause.derivative(case, part)[:, :3]
                 if cause.hidden_state(case) is not None:
-                    state, (_, effect) = states[h], hidden[h]
+                    state, effect = hidden[h].state, hidden[h].effect
+                    slope = hidden[h].sign[:, None, None] * slope
                     h += 1
                     width = np.sqrt(np.clip(state * (1.0 - state), 0.0, None))
                     if np.any(width > 1e-6):
@@ -254,7 +231,7 @@ class Problem:
                 slope = cause.observe_derivative(before, dt, part)
                 columns[:, :, block] = self._carry(trackers[place + 1 :], slope)
             else:
-                columns[:, :, block] = self._setup_slope(members, theta, block, cause, states, inner)
+                columns[:, :, block] = self._setup_slope(members, theta, block, hidden, inner)
         jacobian = self.whiten @ columns
         if spread is not None:
             spread = (np.einsum("nij,nj->ni", self.whiten, spread[0]), self.whiten @ spread[1])
@@ -274,8 +251,7 @@ class Problem:
         members: Sequence[Cause],
         theta: np.ndarray,
         block: slice,
-        cause: Cause,
-        states: list[np.ndarray],
+        hidden: list[HiddenEffect],
         inner: np.ndarray,
     ) -> np.ndarray:
         """One forward difference a number: the posture enters through the whole chain."""
@@ -285,10 +261,9 @@ class Problem:
             step = 1e-5
             moved = theta.copy()
             moved[i] += step
-            certain, hidden = self._elastic(members, moved, self.case_of(members, moved))
-            after = certain + sum(
-                (s[:, None] * e for s, (_, e) in zip(states, hidden, strict=True)), 0.0 * certain
-            )
+            after, again = self._elastic(members, moved, self.case_of(members, moved))
+            for old, new in zip(hidden, again, strict=True):
+                after = after + (old.state * old.sign)[:, None] * new.effect
             slopes.append((self._observe(members, moved, after) - before) / step)
         return np.stack(slopes, axis=2)
 
@@ -320,14 +295,3 @@ def make_folds(configuration: np.ndarray, folds: int = FOLDS) -> np.ndarray:
         fold_of[numbers[i]] = fold
         load[fold] += counts[i]
     return np.array([fold_of[c] for c in configuration])
-
-
-def _undecided(state: np.ndarray, chance: np.ndarray, effect: np.ndarray) -> np.ndarray:
-    """What an unknown state adds to -2 log likelihood: its spread, and the information that chose it."""
-    s = np.clip(state, 1e-300, 1.0)
-    r = np.clip(1.0 - state, 1e-300, 1.0)
-    unsure = (chance > 0.0) & (chance < 1.0)
-    p = np.where(unsure, chance, 0.5)
-    information = 2.0 * (state * np.log(s / p) + (1.0 - state) * np.log(r / (1.0 - p)))
-    spread = state * (1.0 - state) * np.sum(effect**2, axis=1)
-    return np.where(unsure, information + spread, 0.0)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from doormill_ros.diagnosis.causes.cause import Cause
-from doormill_ros.diagnosis.fit import Fit, fit, polish, trial_weights
+from doormill_ros.diagnosis.fit import Fit, fit, polish
+from doormill_ros.diagnosis.preview import Preview
 from doormill_ros.diagnosis.problem import Problem
 
 #: Score by which a cause must improve the held-out prediction. A pattern of pure noise reaches
@@ -21,6 +23,8 @@ EQUAL = 10.0
 BEAM = 5  #: models kept at every size
 LARGEST = 4  #: causes in one model, at most
 _SCREEN = 10  #: candidates that are fitted in full after the linear preview
+_PAIRS = 8  #: pairs of candidates that are
+_SPRINGS = ("joint_stiffness", "joint_hardening")  #: laws of one spring, of which a joint has one only
 
 
 @dataclass(eq=False)
@@ -38,7 +42,6 @@ class Search:
     candidates: Sequence[Cause]
     fits: dict[frozenset, Fit] = field(default_factory=dict)
     progress: Callable[[str], None] = lambda line: None
-    _columns: tuple[np.ndarray, list[tuple[int, slice]]] | None = None
     _polished: set[tuple[frozenset, frozenset]] = field(default_factory=set)
 
     def fit(self, members: Iterable[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
@@ -61,57 +64,44 @@ class Search:
 
     def extensions(self, found: Fit) -> list[tuple[Cause, float]]:
         """Candidates that may join a model and by how much, to first order; the most promising first."""
-        taken = [(cause.name, cause.where) for cause in found.members]
-        springs = {w for n, w in taken if n in ("joint_stiffness", "joint_hardening")}
-        gains = self._preview(found)
+        gains = self._preview.gains(found)
         allowed = [
             (cause, gain)
             for cause, gain in zip(self.candidates, gains, strict=True)
-            if cause.key not in taken
-            and not (cause.name in ("joint_stiffness", "joint_hardening") and cause.where in springs)
+            if may_join(found.members, cause)
         ]
         allowed.sort(key=lambda pair: -pair[1])
         return [pair for i, pair in enumerate(allowed) if pair[1] > 0.5 * ENTRY or i < 3][:_SCREEN]
 
-    def _preview(self, found: Fit) -> np.ndarray:
-        """How much the score may fall when each candidate joins, to first order and at its best start."""
-        white, own = found.prediction.white, found.prediction.jacobian
-        # Trials set aside by the smaller model may be just those that a new cause explains.
-        weights = np.sqrt(trial_weights(np.sum(white**2, axis=1), False, self.problem.components))
-        target = (white * weights[:, None]).ravel()
-        slopes, owners = self._slopes()
-        columns = slopes * np.repeat(weights, 3)[:, None]
-        if own is not None and found.size:
-            # What the members can take over themselves does not count.
-            base, _ = np.linalg.qr((own * weights[:, None, None]).reshape(len(target), -1))
-            target = target - base @ (base.T @ target)
-            columns = columns - base @ (base.T @ columns)
-        pull = columns.T @ target
-        gains = np.zeros(len(self.candidates))
-        for index, block in owners:
-            part = columns[:, block]
-            gram = part.T @ part
-            gram[np.diag_indices_from(gram)] += 1e-9 * (1.0 + np.trace(gram))
-            gains[index] = max(gains[index], float(pull[block] @ np.linalg.solve(gram, pull[block])))
-        return gains
+    @cached_property
+    def _preview(self) -> Preview:
+        return Preview(self.problem, self.candidates)
 
-    def _slopes(self) -> tuple[np.ndarray, list[tuple[int, slice]]]:
-        """Whitened derivatives of all candidates at all their starts, side by side, and whose they are."""
-        if self._columns is None:
-            blocks, owners, at = [], [], 0
-            for index, cause in enumerate(self.candidates):
-                for start in cause.starts(self.problem.case):
-                    blocks.append(self.problem.slope(cause, start).reshape(-1, cause.size))
-                    owners.append((index, slice(at, at + cause.size)))
-                    at += cause.size
-            self._columns = (np.hstack(blocks), owners)
-        return self._columns
+    def _grow_by_pairs(self, found: Fit, best: Fit) -> list[Fit]:
+        """Models with two members more than one of a smaller size, for effects that only show together."""
+        freedom = self.problem.components * len(self.problem)
+        if best.held_out_score < freedom + 3.0 * np.sqrt(2.0 * freedom):
+            return []  # nothing is left for a pair to gain
+        grown: list[Fit] = []
+        for one, two, gain in self.pairs(found):
+            if len(grown) == _PAIRS or found.held_out_score - 2.0 * gain > best.held_out_score:
+                break
+            grown.append(self.add(self.add(found, one), two))
+        return grown
+
+    def pairs(self, found: Fit) -> Iterator[tuple[Cause, Cause, float]]:
+        """Pairs that may join a model and by how much, to first order; the most promising first."""
+        numbers, gains = self._preview.pairs(found)
+        for (i, j), gain in zip(numbers, gains, strict=True):
+            one, two = self.candidates[i], self.candidates[j]
+            if may_join(found.members, one) and may_join((*found.members, one), two):
+                yield one, two, float(gain)
 
     def run(self) -> Fit:
         """The best model."""
         empty = self.fit(())
         beam = [empty]
-        best = empty
+        best = smaller = empty
         for size in range(1, LARGEST + 1):
             grown: dict[frozenset, Fit] = {}
             for parent in beam:
@@ -121,6 +111,9 @@ class Search:
                         continue
                     child = self.add(parent, cause)
                     grown[child.identity] = child
+            if size > 1:
+                grown |= {child.identity: child for child in self._grow_by_pairs(smaller, best)}
+            smaller = beam[0]
             ranked = sorted(grown.values(), key=self.total)
             if not ranked:
                 break
@@ -181,3 +174,11 @@ class Search:
             if other.identity != cause.identity:
                 swapped.append((other, self.add(rest, other)))
         return sorted(swapped, key=lambda pair: self.total(pair[1]))
+
+
+def may_join(members: Sequence[Cause], cause: Cause) -> bool:
+    """Whether a cause is new to a model, and its joint has no other spring there."""
+    if any(cause.key == member.key for member in members):
+        return False
+    springs = {member.where for member in members if member.name in _SPRINGS}
+    return not (cause.name in _SPRINGS and cause.where in springs)

@@ -129,6 +129,10 @@ class Cause:
         """Probability that the cause acts in each trial, shape (n,); None when that is always certain."""
         return None
 
+    def hidden_sign(self, case: LoadCase) -> np.ndarray | None:
+        """Log odds that `twist` has the right sign in each trial, shape (n,), inf where sure; None when always."""
+        return None
+
     def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
         """Reported values of all parameters in a row."""
         raise NotImplementedError

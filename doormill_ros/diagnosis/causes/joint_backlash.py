@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import ndtr
+from scipy.special import log_ndtr, ndtr
 
 from doormill_ros.diagnosis.causes.cause import Cause, Parameter, number
 from doormill_ros.diagnosis.load_case import LoadCase
@@ -48,6 +48,13 @@ class JointBacklash(Cause):
         noise = np.maximum(case.torque_noise[:, k], 1e-12)
         along = np.where(direction == 0.0, 0.5, ndtr(direction * torque / noise))
         return np.where(along < 1e-6, 0.0, np.where(along > 1.0 - 1e-6, 1.0, along))
+
+    def hidden_sign(self, case: LoadCase) -> np.ndarray | None:
+        """Neither last motion nor the sign of the torque known: the gap may have opened either way."""
+        k = number(self.where)
+        distance = np.abs(case.torque[:, k]) / np.maximum(case.torque_noise[:, k], 1e-12)
+        unknown = (case.direction[:, k] == 0.0) & (distance < 5.0)
+        return np.where(unknown, log_ndtr(distance) - log_ndtr(-distance), np.inf)
 
     def _ramp(self, case: LoadCase, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         k = number(self.where)
