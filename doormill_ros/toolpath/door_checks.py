@@ -59,6 +59,11 @@ class Budget:
         """True when the program is fast enough."""
         return self.found <= self.allowed
 
+    def __str__(self) -> str:
+        """A line for an operator."""
+        word = "kept" if self.kept else "EXCEEDED"
+        return f"{self.what}: {self.found:.1f} s of {self.allowed:.1f} s, {word}"
+
 
 @dataclass(frozen=True)
 class DoorCheck:
@@ -107,19 +112,29 @@ def require_cycle(checks: Sequence[DoorCheck], settings: PathSettings | None = N
     Raises:
         CycleTimeError: It is longer than appendix A.1 allows.
     """
-    cycle = (settings or load_settings()).cycle
-    found = max(check.time for check in checks) + cycle.probing
-    if found > cycle.total:
+    whole = cycle_budget(checks, settings)
+    if not whole.kept:
         slow = max((f for check in checks for f in check.features), key=lambda f: f.time)
         raise CycleTimeError(
-            f"{slow.feature}: it takes {slow.time:.1f} s, which makes the door {found:.1f} s with probing, "
-            f"allowed are {cycle.total:.1f} s; raise its feed or depth step, "
+            f"{slow.feature}: it takes {slow.time:.1f} s, which makes the door {whole.found:.1f} s with "
+            f"probing, allowed are {whole.allowed:.1f} s; raise its feed or depth step, "
             "or split the door between two robots",
             feature=slow.feature,
-            found=found,
-            allowed=cycle.total,
+            found=whole.found,
+            allowed=whole.allowed,
         )
-    return found
+    return whole.found
+
+
+def cycle_budget(checks: Sequence[DoorCheck], settings: PathSettings | None = None) -> Budget:
+    """The door's time, that of its slowest robot with probing, against appendix A.1.
+
+    Args:
+        checks: One of each robot that mills the door at the same time.
+        settings: Values of config/toolpath.yaml; None reads the file.
+    """
+    cycle = (settings or load_settings()).cycle
+    return Budget("door, with probing", max(check.time for check in checks) + cycle.probing, cycle.total)
 
 
 def text_table(check: DoorCheck) -> str:
@@ -131,9 +146,7 @@ def text_table(check: DoorCheck) -> str:
             f" {rad_to_deg(row.joint_margin):10.1f} {rad_to_deg(row.wrist):10.1f}"
             f" {rad_to_deg(row.elbow):10.1f} {row.shoulder:11.2f}"
         )
-    for budget in check.budgets:
-        word = "kept" if budget.kept else "EXCEEDED"
-        lines.append(f"{budget.what}: {budget.found:.1f} s of {budget.allowed:.1f} s, {word}")
+    lines += [str(budget) for budget in check.budgets]
     return "\n".join(lines)
 
 

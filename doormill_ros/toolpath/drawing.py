@@ -14,6 +14,7 @@ from matplotlib.collections import LineCollection
 
 from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.drawing import DoorDrawing
+from doormill_ros.recipes.errors import UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.curve import arc_about
 from doormill_ros.toolpath.program import MillingProgram, MotionKind
@@ -66,6 +67,9 @@ def save_png(
         program: What is milled into it.
         T_base_door: Where the door stands, shape (4, 4).
         factor: By how much the corrections are exaggerated.
+
+    Raises:
+        UnreadableFile: It cannot be written.
     """
     features = [f for f in recipe.features if any(m.feature == f.id for m in program.motions)]
     columns = min(3, len(features))
@@ -92,8 +96,12 @@ def save_png(
         f"{recipe.door_id}: largest correction {m_to_mm(program.largest_correction):.3f} mm", fontsize=11
     )
     figure.tight_layout()
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    try:
+        figure.savefig(path, dpi=110)
+    except OSError as error:
+        raise UnreadableFile(f"{path}: cannot be written, {error.strerror}") from error
+    finally:
+        plt.close(figure)
     return Path(path)
 
 

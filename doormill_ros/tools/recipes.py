@@ -1,4 +1,4 @@
-"""recipes: import, list, show, export and draw the recipes of the factory."""
+"""recipes: import, list, show, export, draw and check the recipes of the factory."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from doormill_ros.recipes.database import RecipeDatabase, RecipeRecord
 from doormill_ros.recipes.documents import to_json, to_yaml
 from doormill_ros.recipes.drawing import draw_recipe
 from doormill_ros.recipes.engine import ENVIRONMENT
+from doormill_ros.recipes.errors import UnknownFileType
 from doormill_ros.recipes.recipe import Recipe
 
 
@@ -30,15 +31,27 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument("--author", help="who imports; default is the user's name")
     command = commands.add_parser("list", help="list the newest recipe of every door")
     command.add_argument("--prefix", default="", help="only door ids that start so")
-    for name, purpose in (("show", "print a recipe"), ("draw", "draw a door with its features as SVG")):
+    for name, purpose in (
+        ("show", "print a recipe"),
+        ("draw", "draw a door with its features, and with its tool path"),
+        ("check", "generate a door's tool path and print its margins and times"),
+    ):
         command = commands.add_parser(name, help=purpose)
         command.add_argument("id", help="door id, or bar code with --bar-code")
         command.add_argument("--bar-code", action="store_true", help="ID is a bar code")
         command.add_argument("--version", type=int, help="default is the newest")
         if name == "show":
             command.add_argument("--json", action="store_true", help="JSON instead of YAML")
-        else:
-            command.add_argument("--out", help="file to write; default is ID.svg")
+            continue
+        command.add_argument(
+            "--robot-model", metavar="NAME", help="robot, or model.yaml of a diagnosis; default is the cell's"
+        )
+        if name == "check":
+            command.add_argument("--robots", type=int, choices=(1, 2), default=1, help="default is 1")
+            continue
+        command.add_argument("--path", action="store_true", help="with the tool path and its corrections")
+        command.add_argument("--factor", type=float, default=30.0, help="exaggerates them; default is 30")
+        command.add_argument("--out", help="file to write, .svg, or .png with --path; default is ID.svg")
     command = commands.add_parser("export", help="write recipes to a file, without loss")
     command.add_argument("file", help=".xlsx, .csv, .txt (one thesis door), .yaml or .json")
     command.add_argument("ids", nargs="*", help="door ids; default is all")
@@ -91,7 +104,38 @@ def _show(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
 
 def _draw(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
     recipe = _chosen(database, arguments)
-    print(draw_recipe(recipe).save(Path(arguments.out or f"{recipe.door_id}.svg")))
+    path = Path(arguments.out or f"{recipe.door_id}.svg")
+    endings = (".svg", ".png") if arguments.path else (".svg",)
+    if path.suffix.lower() not in endings:
+        more = "" if arguments.path else ", and .png with --path"
+        raise UnknownFileType(
+            f"found the ending {path.suffix!r}, allowed is {' or '.join(endings)}{more}", found=path.suffix
+        )
+    if not arguments.path:
+        print(draw_recipe(recipe).save(path))
+        return
+    # What draws takes a second to import, and only this asks for it.
+    from doormill_ros.toolpath.drawing import draw_program, save_png
+    from doormill_ros.toolpath.preview import preview
+
+    (robot,) = preview(recipe, model=arguments.robot_model)
+    if path.suffix.lower() == ".svg":
+        drawing = draw_program(recipe, robot.program, robot.T_base_door, arguments.factor)
+        print(drawing.save(path))
+    else:
+        print(save_png(path, recipe, robot.program, robot.T_base_door, arguments.factor))
+
+
+def _check(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
+    from doormill_ros.toolpath.door_checks import cycle_budget, text_table
+    from doormill_ros.toolpath.preview import preview
+
+    robots = preview(_chosen(database, arguments), arguments.robots, arguments.robot_model)
+    for robot in robots:
+        print(f"{robot.robot} robot")
+        print(text_table(robot.check))
+    if len(robots) > 1:
+        print(cycle_budget([robot.check for robot in robots]))
 
 
 def _export(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
@@ -124,6 +168,7 @@ COMMANDS = {
     "export": _export,
     "history": _history,
     "draw": _draw,
+    "check": _check,
 }
 
 if __name__ == "__main__":

@@ -82,6 +82,63 @@ def test_draw_writes_svg(run, file, tmp_path):
     assert ET.parse(path).getroot().tag.endswith("svg")
 
 
+@pytest.fixture
+def shipped(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv(ENVIRONMENT, str(tmp_path / "shipped.sqlite"))
+
+    def call(*arguments):
+        status = main([*map(str, arguments)])
+        out, err = capsys.readouterr()
+        return status, out, err
+
+    return call
+
+
+def test_draw_shows_the_path_and_exaggerates_its_corrections(shipped, tmp_path):
+    pictures = {}
+    for factor in (1, 50):
+        path = tmp_path / f"{factor}.svg"
+        arguments = ("draw", "nine_point_door", "--path", "--factor", factor, "--out", path)
+        assert shipped(*arguments)[:2] == (0, f"{path}\n")
+        groups = {g.get("id"): g for g in ET.parse(path).iter("{http://www.w3.org/2000/svg}g")}
+        pictures[factor] = {
+            name: [line.get("points") for line in groups[name]] for name in ("air", "path", "corrected")
+        }
+    assert pictures[1]["path"] == pictures[50]["path"]
+    assert pictures[1]["corrected"] != pictures[50]["corrected"]
+    assert len(pictures[1]["corrected"]) == len(pictures[50]["corrected"]) > 20
+
+
+def test_draw_writes_png_too(shipped, tmp_path):
+    path = tmp_path / "door.png"
+    assert shipped("draw", "thesis_190_2deg", "--path", "--out", path)[:2] == (0, f"{path}\n")
+    assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_check_times_a_door_against_appendix_a1(shipped):
+    status, one, _ = shipped("check", "standard_door")
+    assert status == 0
+    assert one.splitlines()[0] == "only robot"
+    for line in ("3 hinges: ", "lock case: ", "handle_hole: ", "door, with probing: "):
+        assert line in one
+    assert "s of 80.0 s, kept" in one
+    status, two, _ = shipped("check", "standard_door", "--robots", "2")
+    assert status == 0
+    assert [line for line in two.splitlines() if line.endswith("robot")] == ["first robot", "second robot"]
+    assert "EXCEEDED" not in two
+    totals = [float(x.split()[3]) for x in two.splitlines() if x.startswith("door, with probing")]
+    assert totals[2] == max(totals[:2])
+
+
+def test_a_door_that_cannot_be_milled_is_said_in_one_line(shipped, tmp_path, document):
+    path = tmp_path / "door.json"
+    path.write_text(json.dumps(document))
+    assert shipped("import", path, "--author", "anna")[0] == 0
+    status, out, err = shipped("check", "door_1")
+    assert (status, out) == (2, "")
+    assert "recipes: plate: the door takes 2 tools" in err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -90,6 +147,9 @@ def test_draw_writes_svg(run, file, tmp_path):
         (["show", "door_1", "--version", "9"], "found version 9"),
         (["history", "nothing"], "found no recipe"),
         (["draw", "nothing"], "found no recipe"),
+        (["draw", "door_1", "--out", "x.png"], "allowed is .svg, and .png with --path"),
+        (["draw", "door_1", "--path", "--out", "x.pdf"], "allowed is .svg or .png"),
+        (["check", "nothing"], "found no recipe"),
         (["import", "/nothing.csv"], "cannot be read"),
         (["import", "/nothing.doc"], "found the ending '.doc'"),
         (["export", "/nothing.doc"], "found the ending '.doc'"),
