@@ -7,13 +7,14 @@ import os
 import sys
 import threading
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from doormill_ros.nodes import topics
@@ -24,7 +25,6 @@ from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received
 from doormill_ros.recording.errors import UnknownTypeError
-from doormill_ros.recording.schema import FEEDBACK
 
 DISCOVERY_PERIOD = 0.5  # s
 HIDDEN = "/_action/"
@@ -88,10 +88,10 @@ class BagRecorder(ManagedNode):
         """Write what still waits and close the bag."""
         self._queue.close()
         self._thread.join()
-        with self._lock:
-            self._writer.close(self._queue.dropped)
         if self._queue.dropped:
             self.get_logger().warning(_dropped_text(self._queue.dropped))
+        with self._lock:
+            self._writer.close(self._queue.dropped)
 
     def _discover(self) -> None:
         # Activation and timer may come at once from two threads; one subscription each is wanted.
@@ -103,7 +103,7 @@ class BagRecorder(ManagedNode):
         for name, types in self.get_topic_names_and_types():
             if name in self._subscribed or name in self._skipped:
                 continue
-            # Feedback of an action: its type has no .msg file, and readers refuse a schema made up for it.
+            # What an action publishes is hidden from `ros2 bag` too: its types have no .msg files.
             if name in self._excluded or HIDDEN in name:
                 self._skipped.add(name)
                 continue
@@ -135,10 +135,18 @@ class BagRecorder(ManagedNode):
         requested = QoSProfile(
             depth=max(10, offered.depth), reliability=offered.reliability, durability=offered.durability
         )
-        subscription = self.create_subscription(message_type, name, receive, requested, raw=True)
+        events = SubscriptionEventCallbacks(message_lost=lambda event: self._count_lost(name, event))
+        subscription = self.create_subscription(
+            message_type, name, receive, requested, raw=True, event_callbacks=events
+        )
         self.keep(self.destroy_subscription, subscription)
         self._taps.append((subscription, receive))
         self._subscribed.add(name)
+
+    def _count_lost(self, name: str, event: Any) -> None:
+        """DDS could not deliver messages; they count like those that did not fit."""
+        if self._wanted:
+            self._queue.count_dropped({name: event.total_count_change})
 
     @staticmethod
     def _drain(subscription: Any, receive: Callable[[bytes, Any], None]) -> None:
@@ -158,15 +166,18 @@ class BagRecorder(ManagedNode):
                         written += 1
                     self._writer.flush()
             except OSError as error:
-                self._failure = f"the bag cannot be written: {error}; free the disk and restart the recorder"
                 self._queue.close(failed=True)
-                self._queue.count_dropped(received[written:])
+                with self._lock:
+                    lost = Counter(self._writer.abandon())
+                lost.update(item.topic for item in received[written:])
+                self._queue.count_dropped(lost)
+                self._failure = f"the bag cannot be written: {error}; free the disk and restart the recorder"
 
     def _report(self) -> None:
         dropped = sum(self._queue.dropped.values())
         counts = {"messages": sum(f.message_count for f in self._writer.record.files), "dropped": dropped}
         if self._failure:
-            self.report(ERROR, self._failure, **counts)
+            self.report(ERROR, f"{self._failure}; {_dropped_text(self._queue.dropped)}", **counts)
         elif dropped:
             self.report(WARN, _dropped_text(self._queue.dropped), **counts)
         else:
@@ -175,7 +186,7 @@ class BagRecorder(ManagedNode):
 
 def _dropped_text(dropped: dict[str, int]) -> str:
     counts = ", ".join(f"{count} of {topic}" for topic, count in sorted(dropped.copy().items()))
-    return f"messages were dropped because the disk is too slow: {counts}"
+    return f"messages that are not in the bag: {counts or 'none'}"
 
 
 def _type_name(message_type: Any) -> str:
@@ -184,16 +195,13 @@ def _type_name(message_type: Any) -> str:
 
 
 def _message_class(name: str) -> Any:
-    """The class of a message type by its full name; an action's feedback is part of the action.
+    """The class of a message type by its full name.
 
     Raises:
         ImportError, AttributeError: The type's package is not installed.
     """
     package, kind, message = name.split("/")
-    module = import_module(f"{package}.{kind}")
-    if kind == "action":
-        return getattr(module, message.removesuffix(FEEDBACK)).Impl.FeedbackMessage
-    return getattr(module, message)
+    return getattr(import_module(f"{package}.{kind}"), message)
 
 
 def _matching(offers: list[QoSProfile]) -> QoSProfile:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import time
+from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from io import BufferedWriter
 from pathlib import Path
 from typing import Any
@@ -13,6 +15,7 @@ import yaml
 from mcap.writer import CompressionType, Writer
 
 from doormill_ros.recording.errors import BagExistsError
+from doormill_ros.recording.mcap_scan import scan
 from doormill_ros.recording.metadata import BagRecord, FileRecord, TopicRecord
 from doormill_ros.recording.schema import Schema, load_schema
 
@@ -46,6 +49,7 @@ class BagWriter:
         self._stream: BufferedWriter
         self._writer: Writer
         self._flushed = time.monotonic()
+        self._abandoned = False
         self._open_file()
 
     def add_topic(
@@ -77,6 +81,7 @@ class BagWriter:
         """Append a serialized (CDR) message of a known topic."""
         self._writer.add_message(self._channels[topic], log_time_ns, data, publish_time_ns or log_time_ns)
         self.record.topics[topic].message_count += 1
+        self._in_file[topic] += 1
         self.record.files[-1].count(log_time_ns)
         if self.split_size and self._stream.tell() >= self.split_size:
             self._close_file()
@@ -94,15 +99,41 @@ class BagWriter:
 
         Args:
             dropped: Messages that were lost, by topic; kept in the metadata's custom data.
+
+        Raises:
+            OSError: They cannot be written.
         """
         if dropped is not None:
             self.record.custom["dropped"] = str(sum(dropped.values()))
             self.record.custom |= {f"dropped {topic}": str(count) for topic, count in sorted(dropped.items())}
-        self._close_file()
+        if self._abandoned:
+            self.record.write(self.folder)
+        else:
+            self._close_file()
+
+    def abandon(self) -> dict[str, int]:
+        """Give up the open file after an error of the disk; nothing can be written any more.
+
+        Returns:
+            Messages by topic that were taken and did not reach the file.
+        """
+        self._abandoned = True
+        with suppress(OSError):
+            self._stream.close()
+        file = self.record.files[-1]
+        found: Counter[str] = Counter()
+        with suppress(OSError):
+            found.update(item.channel.topic for item in scan(self.folder / file.name))
+        lost = {topic: count - found[topic] for topic, count in self._in_file.items() if count > found[topic]}
+        for topic, count in lost.items():
+            self.record.topics[topic].message_count -= count
+            file.message_count -= count
+        return lost
 
     def _open_file(self) -> None:
         name = f"{self.folder.name}_{len(self.record.files)}.mcap"
         self.record.files.append(FileRecord(name))
+        self._in_file: Counter[str] = Counter()
         self._stream = open(self.folder / name, "wb")  # noqa: SIM115  closed by _close_file
         self._writer = Writer(self._stream, chunk_size=CHUNK_SIZE, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="doormill_ros")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 
@@ -53,11 +53,11 @@ class BoundedQueue:
             self._size = 0
             return items
 
-    def count_dropped(self, items: Iterable[Received]) -> None:
-        """Count messages that were taken and could not be written."""
+    def count_dropped(self, lost: Mapping[str, int]) -> None:
+        """Count messages, by topic, that were taken and could not be written."""
         with self._changed:
-            for item in items:
-                self.dropped[item.topic] = self.dropped.get(item.topic, 0) + 1
+            for topic, count in lost.items():
+                self.dropped[topic] = self.dropped.get(topic, 0) + count
 
     def close(self, failed: bool = False) -> None:
         """Refuse further messages and wake the writer.

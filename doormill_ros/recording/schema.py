@@ -60,28 +60,6 @@ def _used_types(text: str, package: str) -> list[str]:
     return used
 
 
-FEEDBACK = "_FeedbackMessage"
-
-
-def _feedback_text(name: str) -> str:
-    """What an action publishes while it runs; generated from its .action file, so no .msg file holds it."""
-    action = name.removesuffix(FEEDBACK)
-    package, _, base = action.split("/")
-    # Without its package the field's type would be looked for among the actions' types by some readers.
-    # The IDL compiler makes of `goal --- result --- feedback` a message with the goal's id and the feedback.
-    feedback = _share_file(action, ".action").read_text(encoding="utf-8").split("\n---\n")[2]
-    separator = f"{SEPARATOR}\nMSG: {package}/{base}_Feedback\n"
-    return f"unique_identifier_msgs/UUID goal_id\n{package}/{base}_Feedback feedback\n{separator}{feedback}"
-
-
-def _own_text(name: str) -> str:
-    return (
-        _feedback_text(name)
-        if name.endswith(FEEDBACK)
-        else _share_file(name, ".msg").read_text(encoding="utf-8")
-    )
-
-
 @cache
 def load_schema(name: str) -> Schema:
     """Definition and hash of a message type, from the ament index.
@@ -89,8 +67,8 @@ def load_schema(name: str) -> Schema:
     Raises:
         UnknownTypeError: The type's package is not installed.
     """
-    text = _own_text(name)
-    parts, seen = [text], {name, f"{name.split('/')[0]}/msg/{name.split('/')[-1].removesuffix('Message')}"}
+    text = _share_file(name, ".msg").read_text(encoding="utf-8")
+    parts, seen = [text], {name}
     pending = _used_types(text, name.split("/")[0])
     while pending:
         used = pending.pop(0)
@@ -101,6 +79,6 @@ def load_schema(name: str) -> Schema:
         package, _, message = used.split("/")
         parts.append(f"{SEPARATOR}\nMSG: {package}/{message}\n{used_text}")
         pending.extend(_used_types(used_text, package))
-    description = json.loads(_share_file(name.removesuffix(FEEDBACK), ".json").read_text(encoding="utf-8"))
+    description = json.loads(_share_file(name, ".json").read_text(encoding="utf-8"))
     type_hash = next(e["hash_string"] for e in description["type_hashes"] if e["type_name"] == name)
     return Schema(name, "\n".join(parts), type_hash)

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from threading import Thread
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -110,6 +111,15 @@ def test_what_does_not_fit_is_counted_and_told(record: Callable[..., Recording],
     recording.recorder.close()
     document = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     assert document["custom_data"] == {"dropped": "1", "dropped /camera/image_raw": "1"}
+
+
+def test_what_dds_lost_is_counted_too(record: Callable[..., Recording], tmp_path: Path) -> None:
+    recording = record()
+    recording.wait(lambda: recording.recorder.active)
+    recording.recorder._count_lost("/camera/image_raw", SimpleNamespace(total_count_change=2))
+    recording.recorder.close()
+    document = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert document["custom_data"]["dropped /camera/image_raw"] == "2"
 
 
 def test_excluded_topics_are_left_out(record: Callable[..., Recording], tmp_path: Path) -> None:

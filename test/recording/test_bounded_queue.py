@@ -51,7 +51,7 @@ def test_what_comes_after_the_disk_failed_is_counted() -> None:
     queue = BoundedQueue(LIMIT)
     queue.close(failed=True)
     queue.put(item("a", 1))
-    queue.count_dropped([item("a", 1), item("b", 1)])
+    queue.count_dropped({"a": 1, "b": 1})
     assert queue.dropped == {"a": 2, "b": 1}
 
 

@@ -9,7 +9,7 @@ import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from doormill_ros.recording.errors import UnknownTypeError
-from doormill_ros.recording.schema import FEEDBACK, load_schema
+from doormill_ros.recording.schema import load_schema
 from source_tree import ROOT
 
 OWN = [f"doormill_interfaces/msg/{p.stem}" for p in sorted((ROOT / "doormill_interfaces/msg").glob("*.msg"))]
@@ -46,14 +46,6 @@ def test_text_says_the_same_as_the_one_rosbags_writes(name: str) -> None:
     ours = get_types_from_msg(load_schema(name).text, name)
     assert ours[name] == get_types_from_msg(theirs, name)[name]
     assert ours.keys() == get_types_from_msg(theirs, name).keys()
-
-
-def test_feedback_of_the_action_is_a_type_of_its_own() -> None:
-    name = f"doormill_interfaces/action/MillDoor{FEEDBACK}"
-    schema = load_schema(name)
-    fields = dict(get_types_from_msg(schema.text, name)["doormill_interfaces/msg/MillDoor_Feedback"][1])
-    assert list(fields) == ["stage", "progress"]
-    assert schema.type_hash.startswith("RIHS01_")
 
 
 def test_a_type_that_is_not_installed_is_refused() -> None:
