@@ -91,8 +91,9 @@ def joint_path(
     except tuple(_MEANING) as error:
         at = int(index[int(error.data.get("pose", 0))])
         feature = next((s.feature for s in [*steps[at:], *steps[:at]] if s.feature), "")
+        where = feature if at == 0 or steps[at].feature else f"the way to {feature}"
         raise _MEANING[type(error)](
-            f"{feature}, motion {at + 1} of {len(steps)}: {error.message}", feature=feature, motion=at + 1
+            f"{where}, motion {at + 1} of {len(steps)}: {error.message}", feature=feature, motion=at + 1
         ) from error
     station = np.isin(fraction, FRACTIONS)
     return JointPath(q, index, fraction, q[station].reshape(len(steps), len(FRACTIONS), 6))

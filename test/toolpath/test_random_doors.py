@@ -62,7 +62,17 @@ def cause_is_there(cell, recipe, T_base_door, refusal):
     """Ask the inverse kinematics, pose by pose, whether the feature really cannot be served."""
     if isinstance(refusal, ProgramSizeError):
         return refusal.data["found"] > 2000
-    feature = recipe.feature(refusal.data["feature"])
+    if isinstance(refusal, ConfigurationChangeError | AirMoveError | JointSpeedError):
+        return True
+    names = [f.id for f in recipe.features]
+    at = names.index(refusal.data["feature"])
+    # On a way it may be the place where it begins that lies badly.
+    first = max(0, at - 1) if refusal.message.startswith("the way to") else at
+    return any(lies_badly(cell, recipe, T_base_door, f) for f in recipe.features[first : at + 1])
+
+
+def lies_badly(cell, recipe, T_base_door, feature):
+    """True when the robot does not get to a feature, or to where it draws back in front of it."""
     box = [
         s * np.array([feature.shape.width, feature.shape.length]) / 2
         for s in ([1, 1], [1, -1], [-1, 1], [-1, -1])
@@ -77,7 +87,7 @@ def cause_is_there(cell, recipe, T_base_door, refusal):
             low, high = cell.robot.lower + 0.03, cell.robot.upper - 0.03
             ok = ((q > low) & (q < high)).all(axis=1) & (np.abs(np.sin(q[:, 4])) > 0.07)
             good.append(ok.any())
-    return not all(good) or isinstance(refusal, ConfigurationChangeError | AirMoveError | JointSpeedError)
+    return not all(good)
 
 
 def shared_targets_leave(cell, program):
