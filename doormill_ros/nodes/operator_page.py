@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from sensor_msgs.msg import Image
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe, RunResult
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
+from doormill_ros.localization.errors import BadPicture
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import seconds_of
 from doormill_ros.nodes.convert.picture import picture_of
@@ -93,8 +95,10 @@ class OperatorPage(ManagedNode):
             return
         self.store.update(lambda view: view.with_refused_picture(found.run_id, found.reason))
         for picture in tuple(self._pictures):
-            if picture.header.stamp == found.header.stamp:
-                self._show(picture_of(picture), f"Refused picture of door {found.door_id}")
+            # What cannot be read cannot be shown; the refusal says so.
+            with suppress(BadPicture):
+                if picture.header.stamp == found.header.stamp:
+                    self._show(picture_of(picture), f"Refused picture of door {found.door_id}")
 
     def _take_overlay(self, overlay: Image) -> None:
         taken = time.strftime("%H:%M:%S", time.localtime(seconds_of(overlay.header.stamp)))

@@ -8,13 +8,12 @@ import re
 import zlib
 from typing import Any
 
-import cv2
 import numpy as np
 from matplotlib.figure import Figure
 
+from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
+from doormill_ros.recording.messages import picture_of
 from doormill_ros.units import m_to_mm
-
-JPEG_QUALITY = 80
 
 
 def svg(figure: Figure) -> str:
@@ -29,13 +28,16 @@ def svg(figure: Figure) -> str:
 
 
 def picture_url(message: Any) -> str:
-    """A sensor_msgs/Image (mono8, rgb8) as a JPEG data URL."""
-    channels = 3 if message.encoding == "rgb8" else 1
-    pixels = np.asarray(message.data, dtype=np.uint8).reshape(message.height, message.width, channels)
-    if channels == 3:
-        pixels = pixels[..., ::-1]
-    _, jpeg = cv2.imencode(".jpg", np.ascontiguousarray(pixels), [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-    return "data:image/jpeg;base64," + base64.b64encode(jpeg.tobytes()).decode("ascii")
+    """A sensor_msgs/Image as a JPEG data URL; overlays (rgb8) in colour, camera pictures in grey.
+
+    Raises:
+        BadPicture: Of an encoding that nobody here reads.
+    """
+    data = np.asarray(message.data, dtype=np.uint8)
+    height, width = message.height, message.width
+    coloured = message.encoding == "rgb8" and data.size == 3 * height * width
+    picture = data.reshape(height, width, 3) if coloured else picture_of(message)
+    return f"data:{MEDIA_TYPE};base64," + base64.b64encode(encode_picture(picture)).decode("ascii")
 
 
 def deviation_figure(milled: Any) -> str:

@@ -10,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from doormill_ros import __version__
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.localization.errors import BadPicture
 from doormill_ros.report.door_figure import door_figure
 from doormill_ros.report.figures import correction_figure, deviation_figure, picture_url
 from doormill_ros.report.run_figures import deflection_figure, handshake_figure, pose_figure
@@ -104,10 +105,19 @@ def _figures(record: RunRecord) -> dict[str, str]:
     return figures
 
 
+def _picture(record: RunRecord) -> str:
+    """URL of the overlay, else of the camera's picture; empty when there is none that can be read."""
+    message = record.get("door/overlay") or record.get("camera/image_raw")
+    try:
+        return "" if message is None else picture_url(message)
+    except BadPicture:
+        return ""
+
+
 def render_report(record: RunRecord) -> str:
     """The whole page, self-contained."""
     result = record.get("run/result")
-    recipe, picture = record.get("door/recipe"), record.get("door/overlay") or record.get("camera/image_raw")
+    recipe = record.get("door/recipe")
     environment = Environment(
         loader=PackageLoader("doormill_ros.report"),
         autoescape=True,
@@ -125,7 +135,7 @@ def render_report(record: RunRecord) -> str:
         handshake=record.handshake,
         timeline=handshake_figure(record.handshake) if record.handshake else "",
         figures=_figures(record),
-        picture=picture_url(picture) if picture is not None else "",
+        picture=_picture(record),
         recipe=json.dumps(json.loads(recipe.document), indent=2) if recipe is not None else "",
         target_lines=_target_lines(record),
         counts=dict(sorted(record.counts.items())),

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import base64
 import re
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
+import cv2
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
 from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.report.figures import picture_url
 from doormill_ros.report.run_record import read_run
-from doormill_ros.report.run_report import write_report
+from doormill_ros.report.run_report import render_report, write_report
 from doormill_ros.tools.report import main
 from source_tree import ROOT
 
@@ -127,6 +132,44 @@ def test_text_of_a_bag_cannot_become_part_of_the_page(
     assert page.inner_text("#verdict") == "<script>console.error('in')</script> & <b>bold</b>"
     assert opened.complaints == []
     page.close()
+
+
+def decoded(url: str) -> np.ndarray:
+    data = base64.b64decode(url.removeprefix("data:image/jpeg;base64,"))
+    return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).astype(int)
+
+
+def image(pixels: np.ndarray, encoding: str, padding: int = 0) -> SimpleNamespace:
+    height, width = pixels.shape[:2]
+    rows = np.pad(pixels.reshape(height, -1), ((0, 0), (0, padding)))
+    return SimpleNamespace(
+        height=height, width=width, encoding=encoding, step=rows.shape[1], data=rows.ravel()
+    )
+
+
+def test_an_overlay_keeps_the_colour_of_its_lines() -> None:
+    pixels = np.full((100, 100, 3), 90, dtype=np.uint8)
+    pixels[50] = (255, 50, 40)
+    _, green, red = decoded(picture_url(image(pixels, "rgb8")))[50].mean(axis=0)
+    assert red - green > 150
+
+
+@pytest.mark.parametrize(("encoding", "padding"), [("mono8", 0), ("mono8", 6), ("bgr8", 0)])
+def test_camera_pictures_are_shown_as_drivers_send_them(encoding: str, padding: int) -> None:
+    pixels = np.full((40, 60) if encoding == "mono8" else (40, 60, 3), 30, dtype=np.uint8)
+    pixels[:, 30:] = 200
+    shown = decoded(picture_url(image(pixels, encoding, padding)))
+    assert shown.shape == (40, 60, 3)
+    assert abs(shown[:, :25].mean() - 30) < 3
+    assert abs(shown[:, 35:].mean() - 200) < 3
+
+
+def test_a_picture_that_nobody_reads_is_left_out() -> None:
+    record = read_run(BAGS / "outside_y")
+    record.latest["camera/image_raw"].encoding = "bayer_rggb16"
+    page = render_report(record)
+    assert "<h2>Picture</h2>" not in page
+    assert "13.0" in page
 
 
 def test_the_tool_writes_the_page_beside_the_bag_and_refuses_others(
