@@ -1,4 +1,7 @@
-"""Tell what a simulation gets wrong: `diagnose --data DIR [--data DIR ...] [--check DIR ...] --out OUT`."""
+"""Tell what a simulation gets wrong: `diagnose --data DIR [--data DIR ...] [--check DIR ...] --out OUT`.
+
+With `--thesis` in place of `--data` it questions the thesis' own loading tests (tables 4.2 and 4.3).
+"""
 
 from __future__ import annotations
 
@@ -58,9 +61,11 @@ def choose_runner(folders: Sequence[Path]) -> Runner:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the tool; 0 for every verdict, 2 for data that cannot be read."""
     parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
-    parser.add_argument(
-        "--data", metavar="DIR", type=Path, action="append", required=True, help="set to diagnose"
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument(
+        "--data", metavar="DIR", type=Path, action="append", default=[], help="set to diagnose"
     )
+    source.add_argument("--thesis", action="store_true", help="the loading tests that the thesis prints")
     parser.add_argument(
         "--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only"
     )
@@ -76,8 +81,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 console.log(line, highlight=False)
                 status.update(line)
 
-            run = choose_runner([*chosen.data, *chosen.check])
-            verdict = run(chosen.data, chosen.check, chosen.out, progress)
+            if chosen.thesis:
+                from doormill_ros.diagnosis.thesis_run import run_thesis
+
+                verdict = run_thesis(chosen.out)
+            else:
+                run = choose_runner([*chosen.data, *chosen.check])
+                verdict = run(chosen.data, chosen.check, chosen.out, progress)
     except DoormillError as error:
         print(" ".join(error.message.split()), file=sys.stderr)
         return 2

@@ -44,6 +44,9 @@ def test_the_thesis_table_is_what_the_code_gives(page):
     assert f"({1e5 * gap.gap:.1f} +- {1e5 * gap.gap_std:.1f}) x 1e-5 rad" in page
     assert f"{1e5 * gap.gap_ci95[0]:.1f} to {1e5 * gap.gap_ci95[1]:.1f}" in page
     assert f"{gap.friction:.0f} +- {gap.friction_std:.0f} N m" in page
+    closed = gap.torque / (gap.torque / gap.stiffness_if_friction - gap.gap)
+    assert f"{1e-6 * closed:.2f}e6 N m/rad by the first reading" in page
+    assert f"{1e-6 * gap.stiffness_if_friction:.2f}e6 by the second" in page
 
 
 def test_the_page_is_two_pages_long(page):

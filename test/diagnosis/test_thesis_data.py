@@ -1,10 +1,14 @@
 """The thesis' own loading tests, questioned: figures by hand, and tests held out from the fit."""
 
+import json
+
 import numpy as np
 import pytest
 
+from doormill_ros.diagnosis.extended_model import load_compliance_model
 from doormill_ros.diagnosis.thesis_data import DECIDABLE, diagnose_thesis, read_preload_test
 from doormill_ros.stiffness.identification.thesis_tests import load_thesis_data
+from doormill_ros.tools.diagnose import main
 
 
 @pytest.fixture(scope="module")
@@ -64,3 +68,28 @@ def test_what_the_printed_data_cannot_decide_is_said(found):
     assert low < found.rows[5].measured < high
     assert 6 not in DECIDABLE
     assert np.isnan(found.rows[5].held_out)
+
+
+def test_the_tool_writes_page_figures_and_model(found, tmp_path, capsys):
+    assert main(["--thesis", "--out", str(tmp_path), "--quiet"]) == 0
+    assert capsys.readouterr().out.startswith("partly_explained: joint_stiffness at joint 3")
+    document = json.loads((tmp_path / "diagnosis.json").read_text())
+    assert [row["joint"] for row in document["table_4_2"]] == [1, 2, 3, 4, 5, 6]
+    # The deviations that the thesis states for joints 3 to 6.
+    off = [round(100 * abs(row["simulated"] / row["measured"] - 1)) for row in document["table_4_2"][2:]]
+    assert off == [35, 24, 21, 13]
+    assert document["table_4_2"][5]["held_out"] is None
+    page = (tmp_path / "report.html").read_text()
+    for row in found.rows:
+        assert row.left_out in page
+    model = load_compliance_model(tmp_path)
+    q, wrench = np.zeros((1, 6)), np.array([[0.0, 0.0, -300.0, 0.0, 0.0, 0.0]])
+    plain = load_compliance_model("irb6600_175_255").deflection(q, wrench, np.zeros(3))
+    assert abs(model.deflection(q, wrench, np.zeros(3))[0, 2]) < abs(plain[0, 2]), "joint 3 is stiffer now"
+
+
+def test_thesis_and_data_exclude_each_other(tmp_path, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["--thesis", "--data", str(tmp_path), "--out", str(tmp_path)])
+    assert stop.value.code == 2
+    assert "not allowed with" in capsys.readouterr().err
