@@ -14,6 +14,7 @@ PathError 300
 |-- ConfigurationChangeError 313  no single robot configuration serves a feature
 |-- JointSpeedError 314         the feed asks a joint for more than its speed
 |-- AirMoveError 315            a way through the air touches the door
+|-- HolderError 316             the spindle would meet the surface over a deep pocket
 |-- CorrectionLimitError 320    the robot bends further than may be corrected
 |-- CorrectionSettleError 321   the correction does not settle
 `-- CycleTimeError 330          the program is slower than the cell's cycle
@@ -106,6 +107,12 @@ class AirMoveError(PathError):
     """A way through the air comes too close to the door."""
 
     code = 315
+
+
+class HolderError(PathError):
+    """A pocket is deeper than the mill reaches out of the spindle."""
+
+    code = 316
 
 
 class CorrectionLimitError(PathError):

@@ -1,4 +1,4 @@
-"""Find a way round the door that the robot can go, and see that no MoveJ touches the wood."""
+"""Find a way round the door that the robot can go without touching the wood."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.cell.layout import CellLayout
-from doormill_ros.frames import apply, inverse
-from doormill_ros.recipes.door import DoorSize
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
-from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.toolpath.clearance import check_air, check_holder
 from doormill_ros.toolpath.door_plan import door_plan
 from doormill_ros.toolpath.errors import (
     AirMoveError,
@@ -23,15 +21,9 @@ from doormill_ros.toolpath.errors import (
     ProgramSizeError,
 )
 from doormill_ros.toolpath.operation import Operation
-from doormill_ros.toolpath.plan import Plan, Step
-from doormill_ros.toolpath.program import MotionKind
+from doormill_ros.toolpath.plan import Plan
 from doormill_ros.toolpath.reach import JointPath, joint_path
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.units import m_to_mm
-
-MARGIN = 0.010  #: tool and spindle keep this far from the door while the joints interpolate [m]
-SAMPLES = 21  #: postures looked at on a MoveJ
-ALONG_TOOL = np.linspace(0.0, 1.0, 6)  #: points from the tool tip to the flange
 
 
 def route(
@@ -59,13 +51,14 @@ def route(
     Raises:
         PathError: The leaf says which feature cannot be served, and why.
     """
+    check_holder(operations, settings.approach)
     retreats: dict[int, float] = {}
     while True:
         plan = door_plan(recipe, operations, settings, retreats)
         check_size([step.feature for step in plan.steps], settings)  # before the costly part
         try:
             path = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings)
-            check_air(plan.steps, path, recipe.size, T_base_door, robot, layout)
+            check_air(plan.steps, path, recipe.size, T_base_door, robot, layout, settings.approach)
             return plan, path
         except (PathSingularityError, PathJointLimitError, ConfigurationChangeError, AirMoveError) as error:
             if plan.fixed or not _draw_back(retreats, error, operations, settings.approach.retreats):
@@ -110,44 +103,3 @@ def check_size(features: Sequence[str], settings: PathSettings) -> None:
             found=found,
             allowed=allowed,
         )
-
-
-def check_air(
-    steps: Sequence[Step],
-    path: JointPath,
-    size: DoorSize,
-    T_base_door: np.ndarray,
-    robot: Robot,
-    layout: CellLayout,
-) -> None:
-    """See that tool and spindle axis stay clear of the door on every MoveJ but the first.
-
-    Only the line from the tool tip to the flange is looked at, not the arm.
-
-    Raises:
-        AirMoveError: A MoveJ comes too close.
-    """
-    kinematics = Kinematics(robot)
-    T_door_base = inverse(T_base_door)
-    for i, step in enumerate(steps):
-        if step.kind is not MotionKind.JOINT or i == 0:
-            continue
-        start, end = path.stations[i - 1, -1], path.stations[i, -1]
-        q = start + np.linspace(0.0, 1.0, SAMPLES)[:, None] * (end - start)
-        T_base_flange = kinematics.forward(q)
-        tip = (T_base_flange @ layout.T_flange_tool)[:, :3, 3]
-        axis = T_base_flange[:, :3, 3] - tip
-        points = apply(T_door_base, tip[:, None] + ALONG_TOOL[:, None] * axis[:, None])
-        high = np.array([size.thickness, size.width, size.height])
-        outside = np.maximum(-points, points - high)  # (samples, points, 3)
-        gap = float(outside.max(axis=-1).min())
-        if gap < MARGIN:
-            feature = next((s.feature for s in steps[i:] if s.feature), "")
-            raise AirMoveError(
-                f"{feature}, motion {i + 1} of {len(steps)}: on the way there the tool passes the door at "
-                f"{m_to_mm(gap):.0f} mm, allowed are {m_to_mm(MARGIN):.0f} mm; raise approach.retreats",
-                feature=feature,
-                motion=i + 1,
-                found=gap,
-                allowed=MARGIN,
-            )

@@ -27,6 +27,9 @@ class Approach:
             door is not possible [m].
         rapid_speed: Speed in the air [m/s].
         plunge_speed: Speed of the way down to the wood [m/s].
+        nose: How far the mill reaches out of the spindle or its holder [m].
+        mill_radius: Of the widest mill [m].
+        spindle_radius: Of spindle and holder [m].
     """
 
     clearance: float
@@ -34,6 +37,9 @@ class Approach:
     retreats: tuple[float, ...]
     rapid_speed: float
     plunge_speed: float
+    nose: float
+    mill_radius: float
+    spindle_radius: float
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,11 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.stiffness.joint_springs import JointSpringModel
 from doormill_ros.toolpath import errors
 from doormill_ros.toolpath.arcs import check_arcs
+from doormill_ros.toolpath.clearance import check_air
 from doormill_ros.toolpath.door_checks import check_door, require_cycle
 from doormill_ros.toolpath.operation import operation
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.route import check_air, route
+from doormill_ros.toolpath.route import route
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
 
@@ -219,12 +220,31 @@ def test_a_way_through_the_wood(cell, recipe):
     settings, T = load_settings(), cell.T_base_door(recipe)
     ops = [operation(f, recipe.size) for f in recipe.features]
     plan, path = route(recipe, ops, T, cell.layout, cell.robot, settings)
-    check_air(plan.steps, path, recipe.size, T, cell.robot, cell.layout)
+    check_air(plan.steps, path, recipe.size, T, cell.robot, cell.layout, settings.approach)
     wide = replace(recipe, width=recipe.width + 0.2)
     with pytest.raises(
         errors.AirMoveError, match=r"the tool passes the door at -?[0-9]+ mm, allowed are 10 mm"
     ):
-        check_air(plan.steps, path, wide.size, T, cell.robot, cell.layout)
+        check_air(plan.steps, path, wide.size, T, cell.robot, cell.layout, settings.approach)
+
+
+def test_a_spindle_wider_than_the_way_round_the_edge(cell, recipe):
+    """The axis passes the door at the same distance as before; what is round it does not."""
+    settings, T = load_settings(), cell.T_base_door(recipe)
+    ops = [operation(f, recipe.size) for f in recipe.features]
+    plan, path = route(recipe, ops, T, cell.layout, cell.robot, settings)
+    fat = replace(settings.approach, nose=0.011, spindle_radius=0.2)
+    with pytest.raises(errors.AirMoveError, match="the tool passes the door at"):
+        check_air(plan.steps, path, recipe.size, T, cell.robot, cell.layout, fat)
+
+
+def test_a_pocket_deeper_than_the_mill_reaches_out_of_the_spindle(cell, recipe):
+    deep = replace(recipe.feature("lock_case"), depth=0.1101)
+    words = "lock_case: it is 110.1 mm deep, allowed are 110.0 mm"
+    error = refused(cell, with_features(recipe, deep), errors.HolderError, words)
+    assert error.data["found"] == pytest.approx(0.1101)
+    just = with_features(recipe, replace(deep, depth=0.1099))
+    assert cell.program(just, cell.T_base_door(just)).targets
 
 
 def test_a_cycle_that_takes_too_long(cell, recipe):
