@@ -69,6 +69,7 @@ class CellOptions:
             "bag_recorder": {"bag": folder.bag},
             "abb_bridge": {"address": folder.controller, "archive": folder.targets},
             "controller_simulator": {"home": folder.controller},
+            "operator_page": {"history": folder.root},
         }
         for node, values in self.parameters.items():
             chosen.setdefault(node, {}).update(values)

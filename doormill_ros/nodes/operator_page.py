@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections import deque
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,12 +17,14 @@ from sensor_msgs.msg import Image
 
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe, RunResult
+from doormill_interfaces.srv import ListRecipes
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import seconds_of
 from doormill_ros.nodes.convert.picture import picture_of
 from doormill_ros.nodes.managed_node import ERROR, OK, ManagedNode, Parameter
+from doormill_ros.operator.history import append_history, load_history
 from doormill_ros.operator.page_server import PageServer, is_loopback
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.operator.server import create_app
@@ -29,6 +33,8 @@ from doormill_ros.operator.state import EndedRun, ViewStore
 BRIDGE = "abb_bridge"
 SILENCE = 5.0  # s; nodes report on themselves every second
 KEPT_PICTURES = 4
+OFFERED_DOORS = 20
+DATABASE_LIMIT = 5.0  # s
 ACTION = "mill_door"
 FEEDBACK = topics.Topic(
     f"{ACTION}/_action/feedback", MillDoor.Impl.FeedbackMessage, topics.EVENT, topics.EVENT
@@ -41,6 +47,9 @@ class OperatorPage(ManagedNode):
     PARAMETERS = (
         Parameter("host", "127.0.0.1", "address the page is served at, unencrypted; 0.0.0.0: every network"),
         Parameter("port", 8080, "TCP port of the page; 0: any free one", 0, 65535),
+        Parameter(
+            "history", "out/runs", "folder that keeps the ended runs, the summaries of single runs too"
+        ),
     )
 
     def __init__(self, token: str | None = None, **kwargs: Any) -> None:
@@ -52,6 +61,8 @@ class OperatorPage(ManagedNode):
     def setup(self) -> None:
         """Serve the page and subscribe."""
         self.store = ViewStore()
+        self._history = Path(self.value("history"))
+        self.store.update(lambda view: view.with_history(load_history(self._history)))
         self._bridge_heard = float("-inf")
         self._pictures: deque[Image] = deque(maxlen=KEPT_PICTURES)
         host = self.value("host")
@@ -118,7 +129,10 @@ class OperatorPage(ManagedNode):
             result.message,
             seconds_of(result.header.stamp),
         )
+        known = any(run.run_id == ended.run_id for run in self.store.view.history)
         self.store.update(lambda view: view.with_ended(ended))
+        if not known:
+            append_history(self._history, ended)
 
     def _take_diagnostics(self, array: DiagnosticArray) -> None:
         for status in array.status:
@@ -141,6 +155,9 @@ class _Control:
         group = ReentrantCallbackGroup()
         self._goals = node.keep(
             ActionClient.destroy, ActionClient(node, MillDoor, ACTION, callback_group=group)
+        )
+        self._recipes = node.keep(
+            node.destroy_client, node.create_client(ListRecipes, "recipes/list", callback_group=group)
         )
         # With no goal named, the action ends whatever run is in hand, no matter who started it.
         self._cancel = node.keep(
@@ -169,6 +186,18 @@ class _Control:
         self._node.get_logger().info("the run in hand is canceled from the operator's page")
         self._cancel.call_async(MillDoor.Impl.CancelGoalService.Request())
         return "the run in hand, if any, is canceled"
+
+    def doors(self, prefix: str) -> list[str]:
+        """Doors of the recipe database."""
+        request = ListRecipes.Request(door_id_prefix=prefix, limit=OFFERED_DOORS)
+        answered = threading.Event()
+        future = self._recipes.call_async(request)
+        future.add_done_callback(lambda _: answered.set())
+        if not answered.wait(DATABASE_LIMIT):
+            raise NodeInactiveError(
+                "the recipe database does not answer; check that /recipe_database is running"
+            )
+        return [record.door_id for record in future.result().recipes]
 
     def _ended(self, future: Any) -> None:
         result = future.result().result

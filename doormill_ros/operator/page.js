@@ -104,6 +104,28 @@ async function order(path, body) {
   }
 }
 
+let asked = null;
+
+async function offerDoors() {
+  const prefix = byId("wanted").value.trim();
+  if (prefix === asked) return;
+  asked = prefix;
+  try {
+    const response = await fetch(`/doors?prefix=${encodeURIComponent(prefix)}`);
+    if (!response.ok || asked !== prefix) return;
+    const options = (await response.json()).map((id) => {
+      const option = document.createElement("option");
+      option.value = id;
+      return option;
+    });
+    byId("doors").replaceChildren(...options);
+  } catch {
+    asked = null; // typing works without the list
+  }
+}
+
+byId("wanted").addEventListener("focus", offerDoors);
+byId("wanted").addEventListener("input", offerDoors);
 byId("token").addEventListener("input", (event) => { token = event.target.value.trim().replace(/[^!-~]/g, ""); });
 byId("mill").addEventListener("click", () => order("/control/mill", { door_id: byId("wanted").value.trim() }));
 byId("cancel").addEventListener("click", () => order("/control/cancel", {}));

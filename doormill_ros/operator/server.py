@@ -7,9 +7,9 @@ import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
 from importlib.resources import files
-from typing import Protocol
+from typing import Annotated, Any, Protocol
 
-from fastapi import Depends, FastAPI, HTTPException, Request, Response
+from fastapi import Depends, FastAPI, HTTPException, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field
@@ -21,6 +21,7 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.operator.state import ViewStore
 from doormill_ros.operator.token import authorizes
 
+LONGEST_ID = 100  # characters
 KEEP_ALIVE = 5.0  # s, the longest silence on the event stream
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
@@ -69,11 +70,18 @@ class Control(Protocol):
             DoormillError: There is nobody to end it.
         """
 
+    def doors(self, prefix: str) -> list[str]:
+        """Some of the doors whose id starts so.
+
+        Raises:
+            DoormillError: The recipe database does not answer.
+        """
+
 
 class MillRequest(BaseModel):
     """Body of a request to mill a door."""
 
-    door_id: str = Field(min_length=1, max_length=100)
+    door_id: str = Field(min_length=1, max_length=LONGEST_ID)
 
 
 def create_app(
@@ -169,9 +177,9 @@ def _serve_control(app: FastAPI, control: Control, token: str) -> None:
                 {"WWW-Authenticate": "Bearer"},
             )
 
-    async def answer(action: Callable[..., str], *arguments: str) -> dict[str, str]:
+    async def answer(action: Callable[..., Any], *arguments: str) -> Any:
         try:
-            return {"message": await run_in_threadpool(action, *arguments)}
+            return await run_in_threadpool(action, *arguments)
         except DoormillError as error:
             raise HTTPException(409, error.message) from error
 
@@ -182,8 +190,13 @@ def _serve_control(app: FastAPI, control: Control, token: str) -> None:
 
     @app.post("/control/mill", dependencies=[Depends(allowed)], status_code=202)
     async def mill(wanted: MillRequest) -> dict[str, str]:
-        return await answer(control.mill, wanted.door_id)
+        return {"message": await answer(control.mill, wanted.door_id)}
 
     @app.post("/control/cancel", dependencies=[Depends(allowed)], status_code=202)
     async def cancel() -> dict[str, str]:
-        return await answer(control.cancel)
+        return {"message": await answer(control.cancel)}
+
+    # To be offered before the token is typed; the page shows door ids to everybody anyway.
+    @app.get("/doors")
+    async def doors(prefix: Annotated[str, Query(max_length=LONGEST_ID)] = "") -> list[str]:
+        return await answer(control.doors, prefix)

@@ -111,6 +111,10 @@ class CellView:
             **(idle if self.run_id in ("", run.run_id) else {}),
         )
 
+    def with_history(self, runs: tuple[EndedRun, ...]) -> CellView:
+        """Runs that ended before the page was there, the newest first."""
+        return replace(self, history=runs[:HISTORY])
+
     def with_notice(self, notice: str) -> CellView:
         """What the operator asked for was answered."""
         return replace(self, notice=_short(notice))

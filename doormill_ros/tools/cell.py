@@ -76,6 +76,8 @@ def main(arguments: list[str] | None = None) -> int:
     token = None
     if options.ui is not None:
         page: dict[str, object] = {"port": options.ui}
+        if options.out is None:
+            page["history"] = folder.parent.resolve()
         if options.ui_host:
             page["host"] = options.ui_host
         parameters["operator_page"] = page

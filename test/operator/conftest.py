@@ -7,11 +7,13 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from doormill_ros.cell.errors import CellBusyError
+from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
 from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.state import ViewStore
 from doormill_ros.operator.token import new_token
+
+NASTY = "<script>document.title='broken'</script>"
 
 
 @dataclass
@@ -29,6 +31,11 @@ class ControlSpy:
     def cancel(self) -> str:
         self.orders.append("cancel")
         return "canceled"
+
+    def doors(self, prefix: str) -> list[str]:
+        if prefix == "silent":
+            raise NodeInactiveError("the recipe database does not answer")
+        return [door for door in ("oak", "oak_2", NASTY) if door.startswith(prefix)]
 
 
 @dataclass

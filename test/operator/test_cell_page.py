@@ -111,6 +111,11 @@ def test_only_the_token_starts_a_run(cell: Started) -> None:
     assert (view["history"], view["run_id"]) == (before, "")
 
 
+def test_the_doors_of_the_database_are_offered(cell: Started) -> None:
+    offered = cell.page.get("/doors", params={"prefix": "thesis_190"}).json()
+    assert offered == ["thesis_190_0deg", "thesis_190_2deg"]
+
+
 def test_an_operator_starts_and_cancels(cell: Started) -> None:
     # A run takes about a second; on a loaded machine it may be over before the second order comes.
     for _ in range(ATTEMPTS):

@@ -124,6 +124,18 @@ def test_orders_need_the_token(controlled: Any) -> None:
         assert errors == []
 
 
+def test_doors_of_the_database_are_offered(controlled: Any) -> None:
+    with open_page(controlled.url, **TABLET) as (page, errors):
+        offered = page.locator("#doors option")
+        page.locator("#wanted").focus()
+        expect(offered).to_have_count(3, timeout=LIMIT)
+        page.locator("#wanted").fill("oak_")
+        expect(offered).to_have_count(1, timeout=LIMIT)
+        assert offered.get_attribute("value") == "oak_2"
+        assert page.title() == "Door milling cell"
+        assert errors == []
+
+
 def test_a_page_that_only_shows_offers_no_control(read_only: Any) -> None:
     with open_page(read_only.url, **TABLET) as (page, errors):
         text_of(page, "#state", "unknown")

@@ -107,6 +107,18 @@ def test_reading_an_order_does_not_give_it(controlled: Any, path: str) -> None:
     assert controlled.control.orders == []
 
 
+def test_doors_are_offered_by_the_beginning_of_their_id(controlled: Any) -> None:
+    assert httpx.get(controlled.url + "doors", params={"prefix": "oak"}).json() == ["oak", "oak_2"]
+    assert len(httpx.get(controlled.url + "doors").json()) == 3
+    assert httpx.get(controlled.url + "doors", params={"prefix": "x" * 101}).status_code == 422
+    silent = httpx.get(controlled.url + "doors", params={"prefix": "silent"})
+    assert (silent.status_code, silent.json()["detail"]) == (409, "the recipe database does not answer")
+
+
+def test_a_page_that_only_shows_offers_no_doors(read_only: Any) -> None:
+    assert httpx.get(read_only.url + "doors").status_code == 404
+
+
 def test_a_foreign_name_pointed_at_this_machine_reads_nothing(either: Any) -> None:
     answer = httpx.get(either.url + "state", headers={"Host": "attacker.example"})
     assert answer.status_code == 400

@@ -1,0 +1,78 @@
+"""Ended runs that outlive the page: a line each in a file, and the summaries of single runs beside it."""
+
+from __future__ import annotations
+
+import json
+from collections import deque
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from doormill_ros.operator.state import HISTORY, EndedRun
+
+FILE = "history.jsonl"
+SUMMARIES = ("summary.json", "*/summary.json")
+
+
+def load_history(folder: Path) -> tuple[EndedRun, ...]:
+    """The last runs that ended, the newest first; what cannot be read is passed over.
+
+    Args:
+        folder: Where `append_history` wrote, or with the output folders of single runs in it.
+    """
+    found: dict[str, EndedRun] = {}
+    for path in (path for pattern in SUMMARIES for path in folder.glob(pattern)):
+        run = _summary(path)
+        if run is not None:
+            found[run.run_id] = run
+    try:
+        with (folder / FILE).open(encoding="utf-8", errors="replace") as lines:
+            last = deque(lines, maxlen=HISTORY)
+    except OSError:
+        last = deque()
+    for line in last:
+        run = _run(line)
+        if run is not None:
+            found[run.run_id] = run
+    return tuple(sorted(found.values(), key=lambda run: run.ended, reverse=True)[:HISTORY])
+
+
+def append_history(folder: Path, run: EndedRun) -> None:
+    """Add a run.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / FILE).open("a", encoding="utf-8") as stream:
+        stream.write(json.dumps(asdict(run)) + "\n")
+
+
+def _run(line: str) -> EndedRun | None:
+    try:
+        return _ended(json.loads(line))
+    except (ValueError, KeyError, TypeError):
+        return None
+
+
+def _summary(path: Path) -> EndedRun | None:
+    """A run from its summary.json, which says how but not when it ended: the file's time does."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        return _ended({**document, "ended": path.stat().st_mtime})
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _ended(values: dict[str, Any]) -> EndedRun:
+    run = EndedRun(
+        run_id=str(values["run_id"]),
+        door_id=str(values["door_id"]),
+        success=bool(values["success"]),
+        error_code=int(values["error_code"]),
+        message=str(values["message"]),
+        ended=float(values["ended"]),
+    )
+    if not run.run_id:
+        raise ValueError("a goal that never became a run")
+    return run
