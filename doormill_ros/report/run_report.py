@@ -70,12 +70,12 @@ def _stage_times(result: Any) -> dict[str, float]:
 
 
 def _target_lines(record: RunRecord) -> list[str]:
-    """The RAPID file as recorded; of older bags as it lies on the disk."""
-    message, path = record.get("abb/target_file"), record.get("run/result").target_file
-    if message is not None and path:
+    """The RAPID file as recorded, also of a run that failed once it was handed over; of older bags from the disk."""
+    message, result = record.get("abb/target_file"), record.get("run/result")
+    if message is not None and result.run_id in message.data:
         text = message.data
-    elif path and Path(path).is_file():
-        text = Path(path).read_text(encoding="ascii", errors="replace")
+    elif result.target_file and Path(result.target_file).is_file():
+        text = Path(result.target_file).read_text(encoding="ascii", errors="replace")
     else:
         return []
     lines = text.splitlines()

@@ -134,6 +134,43 @@ def test_text_of_a_bag_cannot_become_part_of_the_page(
     page.close()
 
 
+def test_a_fault_while_milling_shows_the_file_that_was_handed_over(
+    open_report: Callable[[str], OpenedPage],
+) -> None:
+    opened = open_report("spindle_fault")
+    assert "RAPID target file" in opened.headings()
+    assert "handed over before" in opened.page.inner_text("body")
+
+
+def test_a_file_of_another_run_is_not_shown() -> None:
+    record = read_run(BAGS / "outside_y")
+    record.latest["abb/target_file"] = read_run(BAGS / "thesis_190_0deg").get("abb/target_file")
+    page = render_report(record)
+    assert "RAPID target file" not in page
+    assert "No target file was left" in page
+
+
+def test_stages_that_were_not_reached_have_no_time(open_report: Callable[[str], OpenedPage]) -> None:
+    text = open_report("unknown_door").page.inner_text("body")
+    assert text.count("not reached") == 4
+    assert "0.0 ms" not in text
+
+
+@pytest.mark.parametrize("width", [768, 1400])
+def test_the_page_fits_tablet_and_desktop(width: int, open_report: Callable[[str], OpenedPage]) -> None:
+    page = open_report("outside_y").page
+    page.set_viewport_size({"width": width, "height": 1000})
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    lines = page.evaluate(
+        """Array.from(document.querySelectorAll('td.number')).map(cell => {
+            const range = document.createRange();
+            range.selectNodeContents(cell);
+            return range.getClientRects().length;
+        })"""
+    )
+    assert set(lines) == {1}  # no number is broken into two lines
+
+
 def decoded(url: str) -> np.ndarray:
     data = base64.b64decode(url.removeprefix("data:image/jpeg;base64,"))
     return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).astype(int)
