@@ -85,28 +85,29 @@ class AbbBridge(ManagedNode):
         self._action.destroy()
         super().destroy_node()
 
-    def submit(self, message: TargetArray, request_number: int | None = None) -> tuple[Path, bytes]:
-        """Render the target file, keep a copy and hand it to the controller.
+    def submit(self, message: TargetArray, request_number: int | None = None) -> bytes:
+        """Render the target file and hand it to the controller; returns its bytes.
 
         Args:
             message: Accepted targets.
             request_number: Request for which the door was measured; a later one refuses the file. None for
                 targets that no action asked for.
 
-        Returns:
-            Path of the copy and the file's bytes.
-
         Raises:
             AbbError: The targets cannot be written, or the handshake does not take them.
         """
         data = render_target_file(program_of(message), message.run_id)
         self.handshake.submit(message.run_id, message.door_id, data, request_number)
+        return data
+
+    def file_away(self, run_id: str, data: bytes) -> Path:
+        """Put a copy of a submitted target file into the archive, show it, and return the copy's path."""
         archive = Path(self.value("archive"))
         archive.mkdir(parents=True, exist_ok=True)
-        path = (archive / f"{message.run_id}.txt").resolve()
+        path = (archive / f"{run_id}.txt").resolve()
         path.write_bytes(data)
         self._file.publish(String(data=data.decode("ascii")))
-        return path, data
+        return path
 
     def _transport_options(self) -> TransportOptions:
         certificate = self.value("certificate")
@@ -119,7 +120,7 @@ class AbbBridge(ManagedNode):
             return
         # Targets that no action asked for: an integrator drives the bridge himself.
         try:
-            self.submit(message)
+            self.file_away(message.run_id, self.submit(message))
         except DoormillError as error:
             self.get_logger().warning(f"targets of run {message.run_id!r} were not handed over: {error}")
 
@@ -140,11 +141,11 @@ class AbbBridge(ManagedNode):
             error_code=snapshot.error_code,
         )
         status.header.stamp = now
-        self._status.publish(status)
-        if (snapshot.request, ready) != self._shown:
+        if (snapshot.request, ready) != self._shown:  # first: the camera waits for the request
             self._shown = (snapshot.request, ready)
             self._request.publish(Bool(data=snapshot.request))
             self._ready.publish(Bool(data=ready))
+        self._status.publish(status)
         healthy = snapshot.error_code == 0
         self.report(OK if healthy else WARN, f"{snapshot.state.value}: {snapshot.reason}")
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from sensor_msgs.msg import CameraInfo
+from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Bool, Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, RunResult
@@ -51,7 +51,7 @@ class CameraSimulator(ManagedNode):
         self._camera = SceneCamera.load()
         self._layout = load_layout()
         self._run_id = ""
-        self._picture: np.ndarray | None = None
+        self._picture: Image | None = None
         self._request = False
         self._lock = threading.Lock()
         self._image = self.publisher(topics.IMAGE)
@@ -95,7 +95,7 @@ class CameraSimulator(ManagedNode):
         )
         picture = render_picture(scene, zlib.crc32(f"{self.value('seed')} {recipe.door_id}".encode()))
         with self._lock:
-            self._run_id, self._picture = message.run_id, picture
+            self._run_id, self._picture = message.run_id, picture_message(picture, Header())
         placement = DoorPlacement(
             run_id=message.run_id,
             door_id=recipe.door_id,
@@ -135,7 +135,8 @@ class CameraSimulator(ManagedNode):
             return
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=CAMERA_FRAME)
         self._info.publish(self._camera_info(header))
-        self._image.publish(picture_message(picture, header))
+        picture.header = header
+        self._image.publish(picture)
 
     def _camera_info(self, header: Header) -> CameraInfo:
         header.frame_id = CAMERA_FRAME

@@ -10,6 +10,7 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped
 from rclpy.time import Time
 from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.cell.layout import load_layout
@@ -72,7 +73,10 @@ class DoorLocalizer(ManagedNode):
             prepare(self._camera, self._layout, self._recipe.width, self._recipe.thickness)
 
     def _take_camera_info(self, info: CameraInfo) -> None:
-        self._camera = camera_of(info, self._mounted)
+        intrinsics = (info.width, info.height, *info.k, *info.d)
+        if self._camera is None or intrinsics != self._intrinsics:
+            self._camera, self._intrinsics = camera_of(info, self._mounted), intrinsics
+            self._prepare()
         if self._waiting is not None:
             (picture, _), self._waiting = self._waiting, None
             self._localize(picture)
@@ -118,19 +122,23 @@ class DoorLocalizer(ManagedNode):
             return
         answer.duration = time.perf_counter() - begun
         self._publish(answer, found)
+        self.report(OK, "door found", door_id=recipe.door_id, residual=found.residual, quality=found.quality)
+        self.later("show", lambda: self._show(message.header, picture, found, recipe.width))
+
+    def _show(self, header: Header, picture: np.ndarray, found: Localization, width: float) -> None:
+        """What people look at."""
         if self._frames is not None:
-            T_base_camera = (self._camera or self._mounted).T_base_camera(recipe.width)
+            T_base_camera = (self._camera or self._mounted).T_base_camera(width)
             self._frames.show(
                 [
                     LinkPose(BASE_FRAME, CAMERA_FRAME, T_base_camera),
                     LinkPose(BASE_FRAME, DOOR_FRAME, found.T_base_door),
                 ]
             )
-        self.report(OK, "door found", door_id=recipe.door_id, residual=found.residual, quality=found.quality)
         step = self.value("overlay_step")
         if step:
             overlay = draw_overlay(picture, found)[::step, ::step]
-            self._overlay.publish(picture_message(overlay, message.header))
+            self._overlay.publish(picture_message(overlay, header))
 
     def _publish(self, answer: DoorLocalization, found: Localization) -> None:
         answer.accepted = True

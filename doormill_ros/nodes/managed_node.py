@@ -19,6 +19,7 @@ from doormill_ros.nodes import topics
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 DIAGNOSTICS_PERIOD = 1.0  # s
 RETRY_PERIOD = 2.0  # s
+DISPLAY_DELAY = 0.1  # s
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,7 @@ class ManagedNode(LifecycleNode):
         self.active = False
         self.configured = False
         self._created: list[tuple[Callable[[Any], bool], Any]] = []
+        self._later: dict[str, Any] = {}
         self._health: tuple[bytes, str, dict[str, Any]] = (WARN, "unconfigured", {})
         self.declare_parameter(
             "autostart", True, ParameterDescriptor(description="configure and activate at start-up")
@@ -165,6 +167,25 @@ class ManagedNode(LifecycleNode):
         timer = self.create_timer(period, lambda: guarded() if self.active else None, **kwargs)
         self.keep(self.destroy_timer, timer)
 
+    def later(self, name: str, callback: Callable[[], None]) -> None:
+        """Call once, a moment from now; one that still waits under the same name gives way.
+
+        For what only people look at: drawn at once, it would take a core from the run in hand.
+        """
+
+        def call() -> None:
+            self._forget_later(name)
+            guarded()
+
+        guarded = self.guarded(callback)
+        self._forget_later(name)
+        self._later[name] = self.create_timer(DISPLAY_DELAY, call)
+
+    def _forget_later(self, name: str) -> None:
+        timer = self._later.pop(name, None)
+        if timer is not None:
+            self.destroy_timer(timer)
+
     def guarded(self, callback: Callable[..., None]) -> Callable[..., None]:
         """A callback that reports what went wrong instead of ending the node."""
 
@@ -252,6 +273,8 @@ class ManagedNode(LifecycleNode):
         return entity
 
     def _release(self) -> None:
+        for name in list(self._later):
+            self._forget_later(name)
         for destroy, entity in reversed(self._created):
             destroy(entity)
         self._created.clear()

@@ -170,12 +170,16 @@ class MillDoorServer:
         result.recipe_version = self._fetch_recipe(run, limits).version
         targets, request_number = self._measure(run, limits, stage, times)
         result.largest_correction = targets.largest_correction
-        path, data = bridge.submit(targets, request_number)
-        announced = run.wait_until(
-            lambda: self._announced(run),
-            limits.ready,
-            "the target file was not written and verified; see abb/status",
-        )
+        data = bridge.submit(targets, request_number)
+        stage("targets", 0.4)
+        try:
+            announced = run.wait_until(
+                lambda: self._announced(run),
+                limits.ready,
+                "the target file was not written and verified; see abb/status",
+            )
+        finally:
+            path = bridge.file_away(run.run_id, data)  # the controller does not wait for the copy
         times.targets_to_ready = announced["ready"] - announced["writing"]
         times.request_to_ready = announced["ready"] - announced["requested"]
         stage("ready", 0.6)
@@ -237,7 +241,6 @@ class MillDoorServer:
                 )
                 if targets is not None:
                     times.pose_to_targets = run.times["targets"] - run.times["localization"]
-                    stage("targets", 0.4)
                     return targets, number
             run.forget()
 

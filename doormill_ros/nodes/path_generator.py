@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from doormill_ros.nodes.convert.recipe import recipe_of
 from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
 from doormill_ros.toolpath.door_checks import check_door
@@ -57,6 +59,7 @@ class PathGenerator(ManagedNode):
         self._model = load_compliance_model(self._model_name)
         self._settings = load_settings()
         self._recipe: DoorRecipe | None = None
+        self._door: Recipe | None = None
         self._early: PoseStamped | None = None
         self._targets = self.publisher(topics.PATH_TARGETS)
         self._nominal = self.publisher(topics.PATH_NOMINAL)
@@ -73,7 +76,9 @@ class PathGenerator(ManagedNode):
         self._description.publish(String(data=self._robot.urdf.read_text(encoding="utf-8")))
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
-        self._recipe = recipe
+        self._recipe, self._door = recipe, None
+        with suppress(DoormillError):  # said when the pose comes
+            self._door = recipe_of(recipe)
         if self._early is not None:
             pose, self._early = self._early, None
             self._take_pose(pose)
@@ -93,7 +98,7 @@ class PathGenerator(ManagedNode):
         )
         begun = time.perf_counter()
         try:
-            door = recipe_of(recipe)
+            door = self._door if self._door is not None else recipe_of(recipe)
             program = generate_program(
                 door, transform_of(pose.pose), self._layout, self._robot, self._model, settings=self._settings
             )
@@ -110,7 +115,7 @@ class PathGenerator(ManagedNode):
         answer.duration = time.perf_counter() - begun
         self._targets.publish(answer)
         self.report(OK, "path generated", door_id=recipe.door_id, targets=len(program.targets))
-        self._show(answer.header, program)
+        self.later("show", lambda: self._show(answer.header, program))
 
     def _show(self, header: Header, program: MillingProgram) -> None:
         nominal, corrected = Path(header=header), Path(header=header)

@@ -9,6 +9,7 @@ import rclpy
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.memory import keep_freed_memory, spare_collector
 from doormill_ros.resources import resource
 
 THREADS = 4
@@ -16,6 +17,7 @@ THREADS = 4
 
 def init(arguments: Sequence[str]) -> None:
     """Initialize rclpy with the shipped parameter file and the user's ROS arguments."""
+    keep_freed_memory()
     program, *rest = list(arguments)
     shipped = ["--ros-args", "--params-file", str(resource("config/nodes.yaml")), "--"]
     rclpy.init(args=[program, *shipped, *rest])
@@ -31,6 +33,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
             nodes.append(factory())
             executor.add_node(nodes[-1])
             nodes[-1].bring_up()
+        spare_collector()
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
