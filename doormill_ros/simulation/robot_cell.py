@@ -65,6 +65,11 @@ class RobotCellRun:
         """Stop program and robot; from any thread."""
         self._controller.stop()
 
+    @property
+    def pendant_lines(self) -> tuple[str, ...]:
+        """What the program showed on the pendant."""
+        return tuple(self._controller.pendant_lines)
+
     def executed_path(self, program: MillingProgram) -> ExecutedPath:
         """What the tool did, given the wrenches under which the motions cut."""
         return self._controller.executed_path(module_process(program).wrench_of)
@@ -96,6 +101,7 @@ class RobotCell:
         self._time_scale = time_scale
         home.mkdir(parents=True, exist_ok=True)
         self._io = FolderIo(home)
+        self._controller: VirtualController | None = None
 
     def reset(self) -> None:
         """Lower what the controller signals, as an operator does who takes a door out."""
@@ -103,11 +109,18 @@ class RobotCell:
             self._io.write(name, 0)
 
     def start(self, door_id: str) -> RobotCellRun:
-        """Clamp a door and get the program ready; `execute` runs it."""
+        """Clamp a door and get the program ready; `execute` runs it.
+
+        The robot stands at home again. PERS keep their values from door to door, as in a real controller:
+        the runs that were milled and the number of the last request.
+        """
         self.reset()
         controller = VirtualController(
             self._home, self._arm, self._truth, io=self._io, time_scale=self._time_scale
         )
+        if self._controller is not None:
+            controller.program.restore(self._controller.program.persistent_data())
+        self._controller = controller
         controller.program.write("expectedDoor", f'"{door_id}"')
         controller.cell.spindle_works = self._spindle_works
         return RobotCellRun(controller)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from doormill_ros.abb.errors import RapidProgramError, RapidRuntimeError, RapidStoppedError
 from doormill_ros.abb.rapid import syntax as s
@@ -65,6 +65,7 @@ class Program:
         self._routines = Names(outer_routines)
         self._scopes = {id(m): (Names(self._data), Names(self._routines)) for m in modules}
         self._initial: list[tuple[Symbol, Value]] = []
+        self._persistent: dict[str, Symbol] = {}
         for module in modules:
             self._declare_types(module)
         self._declare_data(modules)
@@ -99,6 +100,15 @@ class Program:
                 literal=literal,
             )
         symbol.store[0] = value
+
+    def persistent_data(self) -> dict[str, Value]:
+        """All PERS by "module.name", as a controller keeps them when it is switched off."""
+        return {name: copy(symbol.store[0]) for name, symbol in self._persistent.items()}
+
+    def restore(self, data: Mapping[str, Value]) -> None:
+        """Give PERS the values that `persistent_data` gave of the same modules."""
+        for name, value in data.items():
+            self._persistent[name].store[0] = copy(value)
 
     def has_data(self, name: str) -> bool:
         """Whether global data of that name is loaded."""
@@ -213,6 +223,8 @@ class Program:
         scope.add(node.name, symbol)
         if node.storage == "VAR":
             self._initial.append((symbol, copy(value)))
+        elif node.storage == "PERS":
+            self._persistent[f"{module.name}.{node.name}".lower()] = symbol
 
     def _data_type(self, module: s.Module, compiler: StatementCompiler, node: s.Data) -> AnyType:
         element = resolve_type(self._types, node.type_name, module.file, node.line)
@@ -294,11 +306,8 @@ class Program:
         if data.storage == "PERS":
             raise program_error(module.file, data.line, f"PERS {data.name} stands in a routine: move it out")
         kind = self._data_type(module, compiler, data)
-        run = (
-            compiler.typed(data.initial, kind, f"the initial value of {data.name}")
-            if data.initial is not None
-            else None
-        )
+        what = f"the initial value of {data.name}"
+        run = None if data.initial is None else compiler.typed(data.initial, kind, what)
         slot = compiler.slots
         compiler.slots += 1
         self._add_local(module, node, names, Symbol(data.name, kind, data.storage, slot=slot))
