@@ -407,20 +407,24 @@ MODULE DoorFile
     ENDFUNC
 
     LOCAL PROC AddToSum(string text)
-        VAR num at:=1;
         VAR num last;
         VAR num pair;
+        VAR num a;
+        VAR num b;
 
         last:=StrLen(text);
+        a:=sum.a;
+        b:=sum.b;
         ! Written out, without calls of own routines: this loop takes most of the reading time.
-        WHILE at<last DO
+        FOR at FROM 1 TO last-1 STEP 2 DO
             pair:=StrToByte(StrPart(text,at,1)\Char)*CODES+StrToByte(StrPart(text,at+1,1)\Char);
-            sum.a:=(sum.a*FACTOR_A+pair) MOD MODULUS_A;
-            sum.b:=(sum.b*FACTOR_B+pair) MOD MODULUS_B;
-            at:=at+2;
-        ENDWHILE
-        IF at=last THEN
-            AddPair StrToByte(StrPart(text,at,1)\Char)*CODES;
+            a:=(a*FACTOR_A+pair) MOD MODULUS_A;
+            b:=(b*FACTOR_B+pair) MOD MODULUS_B;
+        ENDFOR
+        sum.a:=a;
+        sum.b:=b;
+        IF last MOD 2=1 THEN
+            AddPair StrToByte(StrPart(text,last,1)\Char)*CODES;
         ENDIF
         AddPair LINE_FEED;
     ENDPROC
