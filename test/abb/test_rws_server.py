@@ -13,6 +13,7 @@ import httpx
 import pytest
 import requests
 from abb_robot_client import rws as public
+from rwswrap.RWS import RWS as RWS2
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
@@ -140,6 +141,41 @@ class TestPublicClient:
             client.get_execution_state()
         assert server.services.sessions.created == 1
         client.close()
+
+
+class TestPublicClient2:
+    """rwswrap 0.1, written by others for a controller with RobotWare 7, run unchanged."""
+
+    @pytest.fixture
+    def client(self, server2: RwsServer) -> RWS2:
+        return RWS2(server2.url, username=USER, password=PASSWORD, verify=str(server2.certificate))
+
+    def test_execution(self, server2: RwsServer, client: RWS2) -> None:
+        assert client.is_running()
+        assert client.reset_pp().status_code == 403
+        assert client.stop_RAPID().status_code == 204
+        assert not client.is_running()
+        assert client.reset_pp().status_code == 204
+        assert client.toggle_motors(0).status_code == 204
+        client.start_RAPID()
+        assert not client.is_running()
+        assert client.toggle_motors(1).status_code == 204
+        client.start_RAPID()
+        assert client.is_running()
+        assert server2.services.sessions.created == 1
+
+    def test_rapid_data_under_mastership(self, server2: RwsServer, client: RWS2) -> None:
+        assert client.get_rapid_variable("nSpeed", module="DoorMill") == "20"
+        assert client.set_rapid_variable("nSpeed", 21, module="DoorMill").status_code == 204
+        assert client.get_rapid_variable("nSpeed", module="DoorMill") == "21"
+        assert server2.cabinet.symbols["T_ROB1/DoorMill/nSpeed"] == "21"
+        assert not server2.cabinet.mastership
+        assert client.toggle_mastership(1).status_code == 204
+        assert client.toggle_mastership(1).status_code == 403
+
+    def test_a_wrong_password(self, server2: RwsServer) -> None:
+        client = RWS2(server2.url, username=USER, password="x", verify=str(server2.certificate))
+        assert client.get_exec_state().status_code == 401
 
 
 class TestVersion1:

@@ -181,6 +181,6 @@ RWS2_ROUTES = (
     Route("POST", "rw/rapid/symbol/RAPID/(.+)/data", _symbol_writer(implicit=True)),
     Route("GET", "rw/panel/ctrl-state", _panel("ctrl-state")),
     Route("POST", "rw/panel/ctrl-state", _motors),
-    Route("POST", "rw/mastership/edit/request", _mastership("request")),
-    Route("POST", "rw/mastership/edit/release", _mastership("release")),
+    Route("POST", "rw/mastership(?:/edit)?/request", _mastership("request")),
+    Route("POST", "rw/mastership(?:/edit)?/release", _mastership("release")),
 )
