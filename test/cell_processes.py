@@ -29,9 +29,10 @@ NODES = (
 )
 MANAGED = (*NODES[:-1], "camera_simulator", "controller_simulator")
 #: A loaded machine must not turn a good door into a refused one.
-PATIENT = {f"limit.{stage}": 60.0 for stage in ("recipe", "picture", "targets", "request", "ready")}
-START_LIMIT = 120.0  # s
-STOP_LIMIT = 20.0  # s
+PATIENT = {f"limit.{stage}": 120.0 for stage in ("recipe", "picture", "targets", "request", "ready")}
+ASK_AGAIN = 5.0  # s
+START_LIMIT = 300.0  # s
+STOP_LIMIT = 120.0  # s
 
 
 def executable(name: str) -> str:
@@ -144,13 +145,30 @@ class CellProcesses:
             time.sleep(pause)
         return value
 
+    def ask(self, service_type: Any, name: str, request: Any) -> Any:
+        """A service's answer; asks again when it got lost, as a server may not know a new client yet."""
+        client = self.node.create_client(service_type, name)
+        self.wait(client.service_is_ready)
+        futures: list[Any] = []
+        asked_at = [0.0]
+
+        def answered() -> Any:
+            if not futures or time.monotonic() - asked_at[0] > ASK_AGAIN:
+                futures.append(client.call_async(request))
+                asked_at[0] = time.monotonic()
+            return next((future for future in futures if future.done()), None)
+
+        answer = self.wait(answered).result()
+        self.node.destroy_client(client)
+        return answer
+
     def subscribe(self, topic: Any) -> list[Any]:
         """A list that grows by each message of the topic."""
         received: list[Any] = []
         self.node.create_subscription(topic.type, topic.name, received.append, topic.requested)
         return received
 
-    def mill(self, door_id: str, limit: float = 120.0) -> tuple[MillDoor.Result, list[str]]:
+    def mill(self, door_id: str, limit: float = 600.0) -> tuple[MillDoor.Result, list[str]]:
         """Send the goal; the result and the stages that the feedback named."""
         stages: list[str] = []
         done = threading.Event()

@@ -13,7 +13,7 @@ import yaml
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
-from cell_processes import CellProcesses
+from cell_processes import PATIENT, CellProcesses
 from doormill_interfaces.srv import ImportRecipes
 from doormill_ros.nodes import topics
 from doormill_ros.recipes.documents import shipped_recipes
@@ -30,14 +30,10 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcesses]:
 
 
 def set_parameters(cell: CellProcesses, node: str, values: dict[str, Any]) -> None:
-    client = cell.node.create_client(SetParameters, f"{node}/set_parameters")
-    cell.wait(client.service_is_ready)
-    request = SetParameters.Request(
-        parameters=[Parameter(k, value=v).to_parameter_msg() for k, v in values.items()]
-    )
-    future = client.call_async(request)
-    cell.wait(future.done)
-    assert all(r.successful for r in future.result().results)
+    parameters = [Parameter(k, value=v).to_parameter_msg() for k, v in values.items()]
+    request = SetParameters.Request(parameters=parameters)
+    answer = cell.ask(SetParameters, f"{node}/set_parameters", request)
+    assert all(r.successful for r in answer.results)
 
 
 def refused(cell: CellProcesses, door: str, code: int | tuple[int, int], *words: str) -> None:
@@ -53,7 +49,7 @@ def refused(cell: CellProcesses, door: str, code: int | tuple[int, int], *words:
     home = cell.folder / "HOME"
     cell.wait(lambda: not (home / "Hei2.txt").exists())
     assert (home / "io" / "doPathReady").read_text() == "0"
-    assert not cell.ready[-1].data
+    cell.wait(lambda: cell.ready and not cell.ready[-1].data)
     assert all(process.poll() is None for process in cell.processes.values())
 
 
@@ -68,17 +64,17 @@ def test_unknown_door(cell: CellProcesses) -> None:
 
 
 @contextmanager
-def impatient(cell: CellProcesses) -> Iterator[None]:
-    """Shorten the waits for what is known not to come."""
-    stages = [f"limit.{stage}" for stage in ("recipe", "picture", "targets", "request")]
-    set_parameters(cell, "abb_bridge", dict.fromkeys(stages, 3.0))
+def impatient(cell: CellProcesses, stage: str) -> Iterator[None]:
+    """Shorten the wait for the stage that is known not to come; the others take the time they need."""
+    limit = f"limit.{stage}"
+    set_parameters(cell, "abb_bridge", {limit: 3.0})
     yield
-    set_parameters(cell, "abb_bridge", dict.fromkeys(stages, 60.0))
+    set_parameters(cell, "abb_bridge", {limit: PATIENT[limit]})
 
 
 def test_no_picture(cell: CellProcesses) -> None:
     set_parameters(cell, "camera_simulator", {"pictures": False})
-    with impatient(cell):
+    with impatient(cell, "picture"):
         refused(cell, GOOD_DOOR, 801, "no picture", "camera/image_raw")
     set_parameters(cell, "camera_simulator", {"pictures": True})
     still_mills(cell)
@@ -118,11 +114,8 @@ def test_unreachable_target(cell: CellProcesses, tmp_path: Any) -> None:
     document["tools"] = {f["tool"]: document["tools"][f["tool"]] for f in document["features"]}
     path = tmp_path / "too_far.yaml"
     path.write_text(yaml.safe_dump(document))
-    client = cell.node.create_client(ImportRecipes, "recipes/import")
-    cell.wait(client.service_is_ready)
-    future = client.call_async(ImportRecipes.Request(path=str(path), author="test"))
-    cell.wait(future.done)
-    assert future.result().success, future.result().message
+    answer = cell.ask(ImportRecipes, "recipes/import", ImportRecipes.Request(path=str(path), author="test"))
+    assert answer.success, answer.message
     refused(cell, "too_far", (300, 399), "lock_case")
     still_mills(cell)
 
@@ -140,10 +133,20 @@ def test_a_second_goal_is_refused_while_a_door_is_milled(cell: CellProcesses) ->
     still_mills(cell)
 
 
-@pytest.mark.parametrize("node", ["door_localizer", "path_generator", "recipe_database", "cell_simulator"])
-def test_a_killed_node_ends_the_run_with_a_reason_and_is_replaced(cell: CellProcesses, node: str) -> None:
+@pytest.mark.parametrize(
+    ("node", "stage"),
+    [
+        ("door_localizer", "picture"),
+        ("path_generator", "targets"),
+        ("recipe_database", "recipe"),
+        ("cell_simulator", "request"),
+    ],
+)
+def test_a_killed_node_ends_the_run_with_a_reason_and_is_replaced(
+    cell: CellProcesses, node: str, stage: str
+) -> None:
     cell.stop(node, signal.SIGKILL)
-    with impatient(cell):
+    with impatient(cell, stage):
         result, _ = cell.mill(GOOD_DOOR)
     assert not result.success
     assert result.error_code == 801
