@@ -25,7 +25,13 @@ class Kinematics:
 
     def forward(self, q: np.ndarray) -> np.ndarray:
         """T_base_flange, shape (..., 4, 4), of joint angles q, shape (..., 6) [rad] (thesis eq. 2.1)."""
-        return self.link_frames(q)[..., JOINTS, :, :]
+        columns, shape = _columns(q)
+        frames = chain_frames(self.dh, columns)
+        T = np.zeros((columns.shape[1], 4, 4))
+        for column, part in enumerate((frames.x, frames.y, frames.z, frames.origin)):
+            T[:, :3, column] = part[JOINTS].T
+        T[:, 3, 3] = 1.0
+        return T.reshape(*shape, 4, 4)
 
     def link_frames(self, q: np.ndarray) -> np.ndarray:
         """T_base_i of the Denavit-Hartenberg frames i = 0..6, shape (..., 7, 4, 4).

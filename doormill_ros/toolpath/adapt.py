@@ -12,7 +12,7 @@ from doormill_ros.correction.load import Bench
 from doormill_ros.toolpath.curve import Curve
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MotionKind
-from doormill_ros.toolpath.refine import Division, divide
+from doormill_ros.toolpath.refine import Division, bends, divide
 from doormill_ros.toolpath.settings import Correction
 from doormill_ros.toolpath.stations import FRACTIONS, Stations, directions, stations_of
 
@@ -57,6 +57,9 @@ def adapted(
                 break
         correction = np.zeros((len(plan.steps), k, 3))
         correction[cut] = (found.T_base_tool - nominal)[:, :3, 3].reshape(-1, k, 3)
+        arc = np.array([step.curve.is_arc for step in plan.steps])
+        if number and not (bends(correction, arc) > settings.bend).any():
+            break
         division = divide(plan.steps, correction, settings, blend=number == 0)
         if len(division.steps) == len(plan.steps):
             break
@@ -89,7 +92,7 @@ def straightened(
         via = curve.points([0.5])[0]
         for first, last, chord in ((0.0, 0.5, Curve(curve.start, via)), (0.5, 1.0, Curve(via, curve.end))):
             zone = step.zone if last == 1.0 else "z0"
-            line = replace(step, kind=MotionKind.LINEAR, curve=chord, zone=zone)
+            line = step.changed(kind=MotionKind.LINEAR, curve=chord, zone=zone)
             parts.append((i, first, last, line))
     parent, first, last, steps = zip(*parts, strict=True)
     division = Division(steps, np.array(parent), np.stack([first, last], axis=1))

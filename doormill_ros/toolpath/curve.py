@@ -55,9 +55,10 @@ class Curve:
 
     def part(self, first: float, last: float) -> Curve:
         """The stretch between two fractions of the length."""
-        start, end = self.points([first, last])
         if not self.is_arc:
-            return Curve(start, end)
+            way = self.end - self.start
+            return Curve(self.start + first * way, self.start + last * way)
+        start, end = self.points([first, last])
         # The direction of travel at the new start, as long as the radius.
         angle = first * self.sweep
         across = np.cos(angle) * self.across - np.sin(angle) * (self.start - self.centre)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -44,7 +43,7 @@ def followable(steps: Sequence[Step], path: JointPath, robot: Robot, checks: Che
         raise _too_fast(steps, int(worst.argmax()), shares, robot, checks)
     slower = np.minimum(1.0, checks.joint_speed_share / np.maximum(shares.max(axis=1), 1e-12))
     return [
-        s if f == 1.0 else replace(s, speed=s.speed * float(f)) for s, f in zip(steps, slower, strict=True)
+        s if f == 1.0 else s.changed(speed=s.speed * float(f)) for s, f in zip(steps, slower, strict=True)
     ]
 
 

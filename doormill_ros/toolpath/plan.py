@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +47,13 @@ class Step:
         """The stretch between two fractions of the length; inner ends lose their names."""
         name = self.name if last == 1.0 else ""
         zone = self.zone if last == 1.0 else "z0"
-        return replace(self, curve=self.curve.part(first, last), name=name, via_name="", zone=zone)
+        return self.changed(curve=self.curve.part(first, last), name=name, via_name="", zone=zone)
+
+    def changed(self, **values: Any) -> Step:
+        """As `dataclasses.replace`, which would take a fifth of the time that a whole door does."""
+        step = object.__new__(Step)
+        step.__dict__.update(self.__dict__, **values)
+        return step
 
 
 @dataclass(frozen=True, eq=False)

@@ -200,8 +200,7 @@ class _Pocket:
             return
         wrench = self.feature.wrench(name) if cutting else np.zeros(6)
         self.result.append(
-            replace(
-                self.pattern,
+            self.pattern.changed(
                 curve=Curve(self.at, end),
                 speed=speed or self.feed,
                 zone=zone,
@@ -215,7 +214,7 @@ class _Pocket:
         kind = MotionKind.CIRCULAR if curve.is_arc else MotionKind.LINEAR
         wrench = np.zeros(6) if name is None else self.feature.wrench(name)
         self.result.append(
-            replace(self.pattern, kind=kind, curve=curve, cutting=True, wall=wall, wrench_tool=wrench)
+            self.pattern.changed(kind=kind, curve=curve, cutting=True, wall=wall, wrench_tool=wrench)
         )
         self.at = curve.end
 
@@ -226,11 +225,11 @@ class _Pocket:
             if step.wall and after.wall:
                 turn = _tangent(step.curve, 1.0) @ _tangent(after.curve, 0.0)
                 if turn < math.cos(SHARP):
-                    self.result[i] = replace(step, zone="fine")
+                    self.result[i] = step.changed(zone="fine")
 
     def _retract(self, depth: float) -> None:
         # The last cut must end where it ends before the tool is drawn out.
-        self.result[-1] = replace(self.result[-1], zone="fine")
+        self.result[-1] = self.result[-1].changed(zone="fine")
         front = self.at - (depth + self.approach.clearance) * self.inward
         self._line(front, speed=self.approach.rapid_speed)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -87,7 +87,7 @@ def divide(
             steps[i:j], correction[i:j], bend[i:j], settings, blend
         ):
             for a, b, part in _stretches(steps[i + index], first, last, settings):
-                new.append(replace(part, wrench_tool=wrench))
+                new.append(part.changed(wrench_tool=wrench))
                 parent.append(i + index)
                 span.append((a, b))
         i = j
@@ -157,8 +157,8 @@ def _stretches(
     lines = []
     for k in range(count):
         name, zone = (part.name, part.zone) if k == count - 1 else ("", "z0")
-        line = replace(
-            part, kind=MotionKind.LINEAR, curve=Curve(ends[k], ends[k + 1]), name=name, via_name="", zone=zone
+        line = part.changed(
+            kind=MotionKind.LINEAR, curve=Curve(ends[k], ends[k + 1]), name=name, via_name="", zone=zone
         )
         lines.append((first + cuts[k] * (last - first), first + cuts[k + 1] * (last - first), line))
     return lines
