@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import chi2
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
@@ -30,10 +31,18 @@ from doormill_ros.simulation.truth.hidden_effects import (
     effect_rms,
     scale_effect,
 )
-from doormill_ros.simulation.truth.loading_test import STYLES, Spoil, draw_plan, write_loading_test
+from doormill_ros.simulation.truth.loading_test import (
+    STYLES,
+    Spoil,
+    draw_plan,
+    true_displacement,
+    write_loading_test,
+)
 
 #: An effect this many times the noise (root mean square over all trials) has to be found.
 DETECTABLE = 2.0
+#: How close to the noise an explained set has to be predicted.
+LIMIT = 1.1
 #: Kinds of sets, in the order in which they are dealt.
 KINDS = (
     "single",
@@ -57,7 +66,11 @@ KINDS = (
 
 @dataclass
 class Outcome:
-    """One set: what was hidden, what was said."""
+    """One set: what was hidden, what was said.
+
+    `ratio_to_floor` is the held-out residual over the stated noise, `ratio_to_drawn` over the noise that
+    was really drawn, and `innocent_excess` the chance that the latter alone is 1.1 times the former.
+    """
 
     seed: int
     kind: str
@@ -68,13 +81,15 @@ class Outcome:
     right: bool
     wrong: list[tuple[str, str]]
     ratio_to_floor: float
+    ratio_to_drawn: float
+    innocent_excess: float
     covered: list[bool] = field(default_factory=list)
     misses: list[str] = field(default_factory=list)
     seconds: float = 0.0
 
 
-def draw_set(folder: Path, seed: int, kind: str):
-    """Write one set; returns its effects, their strength over the noise, and the gross errors."""
+def draw_set(folder: Path, seed: int, kind: str) -> tuple[list[dict], list[float], np.ndarray]:
+    """Write one set; returns its effects, their strength over the noise, and the tracker noise drawn (n, 3)."""
     rng = np.random.default_rng([seed, 77])
     dh = load_robot("irb6600_175_255").dh
     trials = int(rng.integers(18, 40)) if kind == "few" else 120
@@ -102,10 +117,13 @@ def draw_set(folder: Path, seed: int, kind: str):
         unknown_directions=float(rng.choice([0.3, 0.6, 1.0])) if kind == "unknown" else 0.0,
     )
     write_loading_test(folder, plan, effects, rng, spoil)
-    return effects, [effect_rms(plan, [e]) / plan.noise[0] for e in effects]
+    drawn = read_measurement_set(folder).displacement - true_displacement(plan, effects)
+    return effects, [effect_rms(plan, [e]) / plan.noise[0] for e in effects], drawn
 
 
-def judge(seed: int, kind: str, effects: list[dict], strengths: list[float], diagnosis: Diagnosis) -> Outcome:
+def judge(
+    seed: int, kind: str, effects: list[dict], strengths: list[float], drawn: np.ndarray, diagnosis: Diagnosis
+) -> Outcome:
     """Compare what was said with what was hidden."""
     library = [e for e in effects if e["cause"] in LIBRARY_CAUSES]
     foreign = len(library) < len(effects)
@@ -142,6 +160,7 @@ def judge(seed: int, kind: str, effects: list[dict], strengths: list[float], dia
             and all(weak[i] for i, e in enumerate(effects) if (e["cause"], e["where"]) in open_)
             and (diagnosis.verdict == "explained" or all(weak))
         )
+    components = 3 * int(diagnosis.kept.sum())
     return Outcome(
         seed,
         kind,
@@ -152,6 +171,8 @@ def judge(seed: int, kind: str, effects: list[dict], strengths: list[float], dia
         right,
         wrong,
         diagnosis.holdout_rmse[1] / diagnosis.problem.noise_floor,
+        diagnosis.holdout_rmse[1] / float(np.sqrt(np.mean(drawn[diagnosis.kept] ** 2))),
+        float(chi2.sf(LIMIT**2 * components, components)),
         covered,
         misses,
     )
@@ -167,10 +188,10 @@ def campaign(
             kind = KINDS[seed % len(KINDS)]
             if kind not in kinds:
                 continue
-            effects, strengths = draw_set(Path(folder) / str(seed), seed, kind)
+            effects, strengths, drawn = draw_set(Path(folder) / str(seed), seed, kind)
             start = time.perf_counter()
             diagnosis = diagnose_set(read_measurement_set(Path(folder) / str(seed)))
-            outcome = judge(seed, kind, effects, strengths, diagnosis)
+            outcome = judge(seed, kind, effects, strengths, drawn, diagnosis)
             outcome.seconds = time.perf_counter() - start
             outcomes.append(outcome)
             if not outcome.right:
@@ -191,17 +212,27 @@ def summary(outcomes: list[Outcome]) -> dict[str, float]:
     detectable = [o for o in known if o.strength >= DETECTABLE]
     other = [o for o in outcomes if o not in known]
     covered = [c for o in outcomes for c in o.covered if o.verdict == "explained"]
-    explained = [o.ratio_to_floor for o in outcomes if o.verdict == "explained"]
+    explained = [o for o in outcomes if o.verdict == "explained"]
+    ratios = np.array([o.ratio_to_floor for o in explained] or [0.0])
     return {
         "detectable sets": len(detectable),
-        "right cause and place": float(np.mean([o.right for o in detectable])),
+        "right cause and place": float(np.mean([o.right for o in detectable])) if detectable else 1.0,
         "sets without effect": sum(not o.truth for o in outcomes),
         "false alarms": sum(o.verdict != "consistent" for o in outcomes if not o.truth),
         "foreign sets": sum(bool(o.truth) for o in other),
         "wrong names on the others": sum(bool(o.wrong) for o in other),
         "wrong names on known causes": sum(bool(o.wrong) for o in known),
-        "explained: worst held-out over floor": float(max(explained, default=0.0)),
-        "explained: 95 % of held-out over floor": float(np.quantile(explained, 0.95)) if explained else 0.0,
+        "explained sets": len(explained),
+        "explained: held-out over floor, all together": float(np.sqrt(np.mean(ratios**2))),
+        "explained: worst held-out over floor": float(ratios.max()),
+        f"explained: sets beyond {LIMIT} times the floor": int(np.sum(ratios > LIMIT)),
+        "explained: of these by the noise alone, expected": float(sum(o.innocent_excess for o in explained)),
+        "explained: worst held-out over the noise drawn": max(
+            (o.ratio_to_drawn for o in explained), default=0.0
+        ),
+        "explained: 95 % of held-out over the noise drawn": float(
+            np.quantile([o.ratio_to_drawn for o in explained] or [0.0], 0.95)
+        ),
         "parameters": len(covered),
         "coverage of 95 % intervals": float(np.mean(covered)) if covered else 0.0,
         "seconds a set": float(np.median([o.seconds for o in outcomes])),

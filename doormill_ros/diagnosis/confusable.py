@@ -11,6 +11,7 @@ from doormill_ros.diagnosis.stability import beaten
 
 #: Fall of the score with one more number that chance reaches once in ten sets.
 LEANING = 2.7
+_NEAR = 40.0  #: score within which a model is worth another look at its kinked numbers
 _TRIED = 6  #: pairs of causes that are fitted in place of one
 
 
@@ -32,6 +33,8 @@ def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[tup
         nested = other.where == cause.where and cause.name in (other.generalises, other.name)
         # A law that contains this one counts as another only if the data lean towards it.
         nested = nested and (other.name == cause.name or model.score > best.score - LEANING)
+        if other.named and model.held_out_score < best.held_out_score + limit + _NEAR:
+            model = search.polished(model)
         close = model.held_out_score < best.held_out_score + limit
         as_good = close or (remains and not beaten(search.problem, best, model))
         if other.named and other.key != cause.key and not nested and as_good:

@@ -28,6 +28,8 @@ class Preview:
         self._columns = np.hstack(blocks)
         ends = np.cumsum([0, *(block.shape[1] for block in blocks)])
         self._blocks = [slice(a, b) for a, b in pairwise(ends)]
+        sizes = np.diff(ends)
+        self._by_size = {int(size): np.flatnonzero(sizes == size) for size in np.unique(sizes)}
 
     def _left(self, found: Fit) -> tuple[np.ndarray, np.ndarray]:
         """Residual (3n,) and derivatives (3n, m) less what the members can take over themselves."""
@@ -49,13 +51,18 @@ class Preview:
     def _gains(self, target: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The gains and the number of the block that gave each."""
         pull = columns.T @ target
+        of_block = np.zeros(len(self._blocks))
+        for size, numbers in self._by_size.items():
+            at = np.array([self._blocks[i].start for i in numbers])[:, None] + np.arange(size)
+            part = columns[:, at]
+            gram = np.einsum("nbi,nbj->bij", part, part)
+            gram += 1e-9 * (1.0 + np.einsum("bii->b", gram))[:, None, None] * np.eye(size)
+            of_block[numbers] = np.einsum(
+                "bi,bi->b", pull[at], np.linalg.solve(gram, pull[at][:, :, None])[:, :, 0]
+            )
         gains = np.zeros(len(self.candidates))
         chosen = np.zeros(len(self.candidates), dtype=int)
-        for number, (index, block) in enumerate(zip(self._owner, self._blocks, strict=True)):
-            part = columns[:, block]
-            gram = part.T @ part
-            gram[np.diag_indices_from(gram)] += 1e-9 * (1.0 + np.trace(gram))
-            gain = float(pull[block] @ np.linalg.solve(gram, pull[block]))
+        for number, (index, gain) in enumerate(zip(self._owner, of_block, strict=True)):
             if gain >= gains[index]:
                 gains[index], chosen[index] = gain, number
         return gains, chosen

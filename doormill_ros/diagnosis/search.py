@@ -17,7 +17,7 @@ from doormill_ros.diagnosis.problem import Problem
 #: this with a chance of 1e-5; times a hundred candidates that is one false alarm in a thousand.
 ENTRY = 20.0
 #: What an unnamed pattern must be better by than a cause that does the same.
-PATTERN_PENALTY = 6.0
+PATTERN_PENALTY = 2.0
 #: Score within which two models count as equally good: odds of e^5, about 150 to 1.
 EQUAL = 10.0
 BEAM = 5  #: models kept at every size
@@ -43,6 +43,7 @@ class Search:
     fits: dict[frozenset, Fit] = field(default_factory=dict)
     progress: Callable[[str], None] = lambda line: None
     _polished: set[tuple[frozenset, frozenset]] = field(default_factory=set)
+    _walked: set[frozenset] = field(default_factory=set)
 
     def fit(self, members: Iterable[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
         """Fit a model once."""
@@ -123,10 +124,14 @@ class Search:
                 break
             best = ranked[0]
             beam = ranked[:BEAM]
-        best = self._settle(self._prune(best))
-        if any(cause.kinked for cause in best.members):
-            best = self.fits[best.identity] = polish(self.problem, best)
-        return best
+        return self.polished(self._settle(self._prune(best)))
+
+    def polished(self, found: Fit) -> Fit:
+        """The model with its kinked numbers at their best; equals must be compared that way."""
+        if any(cause.kinked for cause in found.members) and found.identity not in self._walked:
+            self._walked.add(found.identity)
+            self.fits[found.identity] = polish(self.problem, found)
+        return self.fits[found.identity]
 
     def _settle(self, best: Fit) -> Fit:
         """Swap members as long as that helps: the order in which they came must not matter."""

@@ -82,8 +82,8 @@ def test_a_model_is_beaten_in_most_postures_or_not_at_all(make_set):
 def test_no_wrong_name_where_a_foreign_ripple_hides_among_gross_errors(score, tmp_path, seed):
     """Both sets once led to a wrong place: few postures show the ripple, and look like slips."""
     kind = score.KINDS[seed % len(score.KINDS)]
-    effects, strengths = score.draw_set(tmp_path / "set", seed, kind)
+    drawn = score.draw_set(tmp_path / "set", seed, kind)
     diagnosis = diagnose_set(score.read_measurement_set(tmp_path / "set"))
-    outcome = score.judge(seed, kind, effects, strengths, diagnosis)
+    outcome = score.judge(seed, kind, *drawn, diagnosis)
     assert outcome.wrong == []
     assert diagnosis.verdict in ("partly_explained", "unexplained")
