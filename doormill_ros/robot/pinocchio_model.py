@@ -38,18 +38,18 @@ class PinocchioKinematics:
         self, q: np.ndarray, point_flange: np.ndarray | tuple[float, ...] = (0.0, 0.0, 0.0)
     ) -> np.ndarray:
         """Derivative of `jacobian` to each joint, shape (6, 6, 6): [i, j, k] = d J[i, j] / d q[k]."""
-        J = self.jacobian(q)
-        pinocchio.computeJointKinematicHessians(self.model, self.data, np.asarray(q, dtype=float))
-        H = pinocchio.getFrameKinematicHessian(
-            self.model, self.data, self.frame, pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        )
-        # The binding hands Eigen's column-major tensor over as if it were row-major (seen in
-        # 4.1), so that the three indices come out in reverse order.
-        H = H.transpose(2, 1, 0).copy()
-        lever = self._lever(point_flange)
+        q = np.asarray(q, dtype=float)
+        J = self.jacobian(q, point_flange)
+        point = self.data.oMf[self.frame].translation + self._lever(point_flange)
+        H = np.empty((6, self.model.nv, self.model.nv))
         for k in range(self.model.nv):
-            turned = np.cross(J[3:, k], lever)
-            H[:3, :, k] += (np.cross(H[3:, :, k].T, lever) + np.cross(J[3:].T, turned)).T
+            # The Jacobian's change with time while joint k alone turns at 1 rad/s, at base's origin; older
+            # releases have no Hessian of their own, newer ones reverse its indices (seen in 4.1).
+            pinocchio.computeJointJacobiansTimeVariation(self.model, self.data, q, np.eye(self.model.nv)[k])
+            H[:, :, k] = pinocchio.getFrameJacobianTimeVariation(
+                self.model, self.data, self.frame, pinocchio.ReferenceFrame.WORLD
+            )
+            H[:3, :, k] += (np.cross(H[3:, :, k].T, point) + np.cross(J[3:].T, J[:3, k])).T
         return H
 
     def _lever(self, point_flange: np.ndarray | tuple[float, ...]) -> np.ndarray:
