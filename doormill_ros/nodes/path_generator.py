@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Path
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
 
@@ -19,7 +18,7 @@ from doormill_ros.diagnosis.extended_model import load_compliance_model
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.geometry import nanoseconds_of, pose_message, transform_of
+from doormill_ros.nodes.convert.geometry import nanoseconds_of, path_message, transform_of
 from doormill_ros.nodes.convert.markers import program_markers
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.convert.recipe import recipe_of
@@ -118,14 +117,9 @@ class PathGenerator(ManagedNode):
         self.later("show", lambda: self._show(answer.header, program))
 
     def _show(self, header: Header, program: MillingProgram) -> None:
-        nominal, corrected = Path(header=header), Path(header=header)
-        for target in program.targets:
-            nominal.poses.append(PoseStamped(header=header, pose=pose_message(target.T_base_tool_nominal)))
-            corrected.poses.append(
-                PoseStamped(header=header, pose=pose_message(target.T_base_tool_corrected))
-            )
-        self._nominal.publish(nominal)
-        self._corrected.publish(corrected)
+        targets = program.targets
+        self._nominal.publish(path_message(header, [t.T_base_tool_nominal for t in targets]))
+        self._corrected.publish(path_message(header, [t.T_base_tool_corrected for t in targets]))
         self._markers.publish(program_markers(program, header))
         if program.targets:
             self._show_robot(header, program.targets[0].q)

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3, Wrench
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, Vector3, Wrench
+from nav_msgs.msg import Path
+from std_msgs.msg import Header
 
 from doormill_ros.frames import quaternion_xyzw
 from doormill_ros.recording.messages import nanoseconds_of, transform_of, twist_of, wrench_of
 
 __all__ = [
+    "fill_pose",
     "nanoseconds_of",
+    "path_message",
     "pose_message",
+    "pose_values",
     "seconds_of",
     "transform_of",
     "twist_message",
@@ -26,6 +33,31 @@ def pose_message(T_a_b: np.ndarray) -> Pose:
     x, y, z, w = (float(v) for v in quaternion_xyzw(T_a_b))
     px, py, pz = (float(v) for v in T_a_b[:3, 3])
     return Pose(position=Point(x=px, y=py, z=pz), orientation=Quaternion(x=x, y=y, z=z, w=w))
+
+
+def pose_values(T_a_b: Sequence[np.ndarray]) -> list[list[float]]:
+    """x, y, z, qx, qy, qz, qw of each of many poses, for `fill_pose`."""
+    if len(T_a_b) == 0:
+        return []
+    stacked = np.array(T_a_b, dtype=float)
+    return np.hstack([stacked[:, :3, 3], quaternion_xyzw(stacked)]).tolist()
+
+
+def fill_pose(message: Pose, values: list[float]) -> None:
+    """Fill a pose in place: generated constructors make every default even where a value is given."""
+    p, q = message.position, message.orientation
+    p.x, p.y, p.z, q.x, q.y, q.z, q.w = values
+
+
+def path_message(header: Header, T_a_b: Sequence[np.ndarray]) -> Path:
+    """A path through many poses, all with the path's header."""
+    path = Path(header=header)
+    for values in pose_values(T_a_b):
+        stamped = PoseStamped()
+        stamped.header = header
+        fill_pose(stamped.pose, values)
+        path.poses.append(stamped)
+    return path
 
 
 def _vector(values: np.ndarray) -> Vector3:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from geometry_msgs.msg import Pose, Vector3
+from geometry_msgs.msg import Vector3
 
 from doormill_interfaces.msg import Motion as MotionMessage
 from doormill_interfaces.msg import Target as TargetMessage
 from doormill_interfaces.msg import TargetArray
-from doormill_ros.frames import quaternion_xyzw
+from doormill_ros.nodes.convert.geometry import fill_pose, pose_values
 from doormill_ros.recording.messages import program_of
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
@@ -33,8 +31,8 @@ def program_into(message: TargetArray, program: MillingProgram) -> TargetArray:
     message.recipe_version = program.recipe_version
     message.largest_correction = program.largest_correction
     targets = program.targets
-    nominal = _poses([t.T_base_tool_nominal for t in targets])
-    corrected = _poses([t.T_base_tool_corrected for t in targets])
+    nominal = pose_values([t.T_base_tool_nominal for t in targets])
+    corrected = pose_values([t.T_base_tool_corrected for t in targets])
     message.targets = [_target(*row) for row in zip(targets, nominal, corrected, strict=True)]
     message.motions = [_motion(m) for m in program.motions]
     return message
@@ -43,8 +41,8 @@ def program_into(message: TargetArray, program: MillingProgram) -> TargetArray:
 def _target(target: Target, nominal: list[float], corrected: list[float]) -> TargetMessage:
     message = TargetMessage()
     message.name = target.name
-    _fill_pose(message.nominal, nominal)
-    _fill_pose(message.corrected, corrected)
+    fill_pose(message.nominal, nominal)
+    fill_pose(message.corrected, corrected)
     message.joint_positions = np.asarray(target.q, dtype=float)
     conf = target.conf
     message.cf1, message.cf4, message.cf6, message.cfx = conf.cf1, conf.cf4, conf.cf6, conf.cfx
@@ -65,19 +63,6 @@ def _motion(motion: Motion) -> MotionMessage:
     _fill_pair(message.wrench.force, message.wrench.torque, motion.wrench)
     message.spindle_speed = float(motion.spindle_speed)
     return message
-
-
-def _poses(T_a_b: Sequence[np.ndarray]) -> list[list[float]]:
-    """x, y, z, qx, qy, qz, qw of each pose."""
-    if not T_a_b:
-        return []
-    stacked = np.array(T_a_b, dtype=float)
-    return np.hstack([stacked[:, :3, 3], quaternion_xyzw(stacked)]).tolist()
-
-
-def _fill_pose(message: Pose, values: list[float]) -> None:
-    p, q = message.position, message.orientation
-    p.x, p.y, p.z, q.x, q.y, q.z, q.w = values
 
 
 def _fill_pair(first: Vector3, second: Vector3, values: np.ndarray) -> None:
