@@ -22,7 +22,7 @@ function showHistory(history) {
   const rows = history.map((run) => {
     const row = document.createElement("tr");
     row.className = run.success ? "milled" : "refused";
-    cell(row, new Date(run.ended * 1000).toLocaleString());
+    cell(row, new Date(run.ended * 1000).toLocaleString([], { dateStyle: "short", timeStyle: "short" }));
     cell(row, run.door_id);
     cell(row, result(run));
     cell(row, run.message);
@@ -50,7 +50,8 @@ function showPicture(picture) {
 }
 
 function show(view) {
-  byId("step").className = view.urgency;
+  // A refusal waits for the operator too, but nobody shall take it for a success from afar.
+  byId("step").className = view.refusal ? `${view.urgency} refused` : view.urgency;
   write("next-step", view.next_step);
   write("refusal", view.refusal);
   byId("refusal").hidden = !view.refusal;

@@ -45,9 +45,12 @@ def test_a_refusals_reason_shows_up_by_itself(shown: tuple[Any, Page, list[str]]
     text_of(page, "#last", "oak, refused (201)")
     text_of(page, "#history tr:first-child", REASON)
     text_of(page, "#next-step", "not milled")
+    colour = "getComputedStyle(document.getElementById('step')).backgroundColor"
+    refused = page.evaluate(colour)
     update(lambda v: v.with_run("r2", "oak").with_ended(EndedRun("r2", "oak", True, 0, "milled well", 2.0)))
     text_of(page, "#history tr:first-child", "milled well")
     expect(page.locator("#refusal")).to_be_hidden()
+    assert page.evaluate(colour) != refused
     assert page.locator("#history tr").count() == 2
     assert errors == []
 
