@@ -14,6 +14,7 @@ from doormill_ros.diagnosis.finding import rmse
 from doormill_ros.diagnosis.join_sets import check_same_model, join_sets
 from doormill_ros.diagnosis.measurement_set import MeasurementSet, read_measurement_set
 from doormill_ros.diagnosis.next_measurement import NextMeasurement, plan_next
+from doormill_ros.diagnosis.path_shift import path_shift
 from doormill_ros.diagnosis.problem import Problem
 from doormill_ros.diagnosis.report.page import render_report
 
@@ -38,13 +39,17 @@ def run_measurement_sets(
     progress("choosing the next trials")
     plan = plan_next(diagnosis)
     checked = [check_set(diagnosis, other) for other in checks]
+    progress("sending the extended model through the path generator")
+    shift = path_shift(diagnosis)
     progress("writing the report")
-    document = diagnosis_document(
-        diagnosis, plan.sentence, next_trials=_trials(plan), **({"checks": checked} if checked else {})
-    )
-    write_diagnosis(
-        out, document, extended_model_document(diagnosis), render_report(diagnosis, plan, checked)
-    )
+    more: dict[str, Any] = {"next_trials": _trials(plan)}
+    if shift is not None:
+        more["path_shift"] = {"door": shift.door, "largest": shift.largest, "unit": "m"}
+    if checked:
+        more["checks"] = checked
+    document = diagnosis_document(diagnosis, plan.sentence, **more)
+    page = render_report(diagnosis, plan, checked, shift)
+    write_diagnosis(out, document, extended_model_document(diagnosis), page)
     return verdict_line(diagnosis)
 
 

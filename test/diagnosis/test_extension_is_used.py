@@ -1,6 +1,8 @@
 """From a loading test to the milled door: a hidden backlash costs less once the diagnosis is in the path."""
 
 import importlib.util
+import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +56,7 @@ def milled(tmp_path_factory, dh):
     assert main(["--data", str(folder / "set"), "--out", str(folder / "out"), "--quiet"]) == 0
     recipe = load_recipe("thesis_1350_0deg")
     T_base_door = layout.T_base_door(recipe.width, recipe.thickness, DoorOffset(0.0, 0.0, 0.0))
-    results = {}
+    results = {"document": json.loads((folder / "out" / "diagnosis.json").read_text())}
     for name, model in (
         ("springs", load_compliance_model(layout.robot)),
         ("extended", load_compliance_model(folder / "out" / "model.yaml")),
@@ -75,3 +77,22 @@ def test_every_feature_gains(milled):
     for one, two in zip(milled["springs"].features, milled["extended"].features, strict=True):
         assert np.sqrt(np.mean(two.deviation**2)) < 0.8 * np.sqrt(np.mean(one.deviation**2))
         assert two.max_deviation < one.max_deviation
+
+
+def test_the_page_on_the_method_tells_this_gain(milled):
+    docs = Path(__file__).resolve().parents[2] / "docs" / "diagnosis.md"
+    text = " ".join(docs.read_text().split())
+    before, after = map(float, re.search(r"up to ([0-9.]+) mm off .*? and ([0-9.]+) mm with", text).groups())
+    assert 1e3 * milled["springs"].max_deviation == pytest.approx(before, rel=0.1)
+    assert 1e3 * milled["extended"].max_deviation == pytest.approx(after, rel=0.1)
+
+
+def test_the_diagnosis_says_how_far_the_path_moves(milled):
+    """A gap turns the whole arm by so much at most; half of it where a target is cut from either side."""
+    shift = milled["document"]["path_shift"]
+    assert shift["door"] == "thesis_1350_0deg"
+    assert set(shift["largest"]) == {feature.feature for feature in milled["springs"].features}
+    reach = 2.5  # m, of the arm
+    for away in shift["largest"].values():
+        assert 0.0 < away < 1.1e-4 * reach
+    assert max(shift["largest"].values()) > 2e-5

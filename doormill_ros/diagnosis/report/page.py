@@ -11,6 +11,7 @@ import numpy as np
 from doormill_ros.diagnosis.diagnosis import Diagnosis
 from doormill_ros.diagnosis.document import parameters_of
 from doormill_ros.diagnosis.next_measurement import DECIDED, NextMeasurement
+from doormill_ros.diagnosis.path_shift import PathShift
 from doormill_ros.diagnosis.report import pictures
 from doormill_ros.diagnosis.report.candidates import candidates_table
 from doormill_ros.diagnosis.report.wording import micrometres, spoken, spoken_all, with_deviation
@@ -43,7 +44,12 @@ _SENTENCES = {
 }
 
 
-def render_report(diagnosis: Diagnosis, plan: NextMeasurement, checks: Sequence[dict[str, Any]] = ()) -> str:
+def render_report(
+    diagnosis: Diagnosis,
+    plan: NextMeasurement,
+    checks: Sequence[dict[str, Any]] = (),
+    shift: PathShift | None = None,
+) -> str:
     """The page as HTML text without any outside resource."""
     title = headline(diagnosis)
     parts = [
@@ -54,6 +60,7 @@ def render_report(diagnosis: Diagnosis, plan: NextMeasurement, checks: Sequence[
     if diagnosis.findings:
         parts.append(_section("Causes", _causes(diagnosis)))
         parts.append(_section("The pattern that gave it away", _patterns(diagnosis)))
+        parts.append(_section("What it changes on a part", _part(shift)))
     parts.append(
         _section(
             "Measured against simulated",
@@ -163,6 +170,21 @@ def _causes(diagnosis: Diagnosis) -> str:
         f"<th>Held-out residual without the cause</th></tr>{''.join(rows)}</table>"
         "<p>The true value lies within two standard deviations 95 times of 100.</p>"
     )
+
+
+def _part(shift: PathShift | None) -> str:
+    if shift is None:
+        return (
+            "<p>Nothing: the causes lie in the measuring chain, and the robot's own model stays as it is.</p>"
+        )
+    rows = "".join(
+        f"<tr><td>{escape(feature)}</td><td>{1e3 * away:.3f} mm</td></tr>"
+        for feature, away in shift.largest.items()
+    )
+    table = (
+        f"<table><tr><th>Feature</th><th>Largest shift of a target</th></tr>{rows}</table>" if rows else ""
+    )
+    return f"<p>{escape(shift.sentence)}</p>{table}"
 
 
 def _confusable(diagnosis: Diagnosis) -> str:
