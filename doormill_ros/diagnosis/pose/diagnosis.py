@@ -15,7 +15,7 @@ from doormill_ros.diagnosis.pose.fit import Fitted, deviation, fit_causes, place
 from doormill_ros.diagnosis.pose.model import PoseModel
 from doormill_ros.diagnosis.pose.orders import find_orders
 from doormill_ros.diagnosis.pose.pose_set import PoseSet
-from doormill_ros.diagnosis.pose.selection import Score, eliminate, explained_cost, scores
+from doormill_ros.diagnosis.pose.selection import REAL, Score, eliminate, explained_cost, scores
 from doormill_ros.diagnosis.pose.solve import add_up
 from doormill_ros.diagnosis.pose.validation import Validation, by_block
 
@@ -101,10 +101,16 @@ def diagnose_poses(
     progress("leaving out blocks and whole series")
     validation = Validation(fitted)
     stay, gone = eliminate(validation, progress)
-    extended = _refit(sets, fitted, stay, progress)
-    final = Validation(extended)
-    everything = list(range(len(stay)))
-    stay = scores(final, everything, explained_cost(final)) if stay else []
+    while True:
+        extended = _refit(sets, fitted, stay, progress)
+        final = Validation(extended)
+        stay = scores(final, range(len(stay)), explained_cost(final)) if stay else []
+        # Noise and weights have changed with the weak causes gone: what is laid on the robot has to pass once more.
+        fallen = [score for score in stay if score.cause.transfers and score.status != REAL]
+        if not fallen:
+            break
+        gone += fallen
+        fitted, stay = extended, [score for score in stay if score not in fallen]
     before = _errors(baseline, Validation(baseline))
     after = _errors(extended, final)
     gross = [weight == 0.0 for weight in extended.problem.weights]

@@ -9,8 +9,10 @@ import numpy as np
 from doormill_ros.diagnosis.document import MODEL_FILE, SCHEMA
 from doormill_ros.diagnosis.pose.causes.session_step import SessionStep
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, distinct_share, rmse
-from doormill_ros.diagnosis.pose.selection import Score
+from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
 
+#: Why a cause that helps on blocks left out is not one of the robot.
+WITHIN = (ONE_SERIES, NOT_CARRIED)
 #: Amplitudes of single orders are listed from this many standard deviations.
 LISTED = 2.0
 #: Part of a coefficient's effect that a placement cannot imitate, below which it is called not distinguishable.
@@ -51,9 +53,9 @@ def pose_document(
     }
     document["sets"] = [_series(diagnosis, index) for index in range(len(diagnosis.sets))]
     document["only_within_one_series"] = [
-        _rejected(score) for score in diagnosis.rejected if score.status == "one series"
+        _rejected(score) for score in diagnosis.rejected if score.status in WITHIN
     ]
-    document["rejected"] = [_rejected(score) for score in diagnosis.rejected if score.status != "one series"]
+    document["rejected"] = [_rejected(score) for score in diagnosis.rejected if score.status not in WITHIN]
     document["not_distinguishable_from_placement"] = indistinguishable(diagnosis)
     document["coverage"] = coverage(diagnosis)
     document["next_measurement"] = next_measurement
@@ -192,9 +194,11 @@ def _rejected(score: Score) -> dict[str, Any]:
     return {
         "cause": score.cause.name,
         "where": score.cause.where,
+        "why": score.status,
         "gain_by_series": [float(v) for v in score.gain],
         "standard_errors_by_series": [float(v) for v in score.sure],
         "gain_with_series_left_out": [float(v) for v in score.transfer],
+        "position_standard_errors": float(score.position_sure),
     }
 
 

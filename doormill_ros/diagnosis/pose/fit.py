@@ -21,6 +21,8 @@ BLOCKS = 10
 DOUBT, GROSS = 2.5, 7.0
 #: Largest share of a series that may be gross errors.
 GROSS_SHARE = 0.1
+#: Smallest part of the rows that is taken to be independent.
+LEAST_SHARE = 0.02
 
 Progress = Callable[[str], None]
 
@@ -76,13 +78,16 @@ def fit_causes(
     if start is not None:
         problem.weights = [weight.copy() for weight in start.problem.weights]
         problem.sigma = start.problem.sigma
+        problem.share = start.problem.share
     rows = [contiguous(len(data)) for data in sets]
     solution: Solution | None = None
     for turn in range(passes):
-        H, g = add_up(problem.blocks(rows), problem.size)
+        blocks = problem.blocks(rows)
+        H, g = add_up(blocks, problem.size)
         solution = learn(
             H, g, problem.layout, 3 if turn == 0 else 8, None if solution is None else solution.variance
         )
+        problem.share = independent_share(blocks, solution, problem.share)
         _move(problem, solution)
         errors = [problem.residual(series) for series in range(len(sets))]
         problem.sigma = noise_of(errors, problem.weights, sets)
@@ -95,6 +100,26 @@ def fit_causes(
     H, g = add_up(blocks, problem.size)
     solution = learn(H, g, problem.layout, 4, None if solution is None else solution.variance)
     return Fitted(problem, solution, blocks)
+
+
+def independent_share(blocks: Sequence[Block], solution: Solution, share: float) -> float:
+    """Part of the rows that count as independent, from how far the blocks disagree with the common solution.
+
+    With independent residuals the gradient of a block scatters by the square root of its own second derivative; where
+    rows of a block err alike it scatters more, and every standard deviation with it.
+
+    Args:
+        blocks: Normal equations, weighted with `share`.
+        solution: The common solution.
+        share: Part of the rows that counted in the blocks.
+    """
+    excess = []
+    for block in blocks:
+        curvature = np.diag(block.H)
+        acts = curvature > 1e-9 * curvature.max()
+        pull = block.g - block.H @ solution.x[block.ids]
+        excess.append(np.mean(pull[acts] ** 2 / curvature[acts]) / share)
+    return float(np.clip(1.0 / max(np.mean(excess), 1e-12), LEAST_SHARE, 1.0))
 
 
 def _move(problem: Problem, solution: Solution) -> None:

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from doormill_ros.diagnosis.pose.causes.cause import PoseCause
-from doormill_ros.diagnosis.pose.validation import Validation, by_block
+from doormill_ros.diagnosis.pose.validation import AXES_OF_POSITION, Validation, by_block
 
 #: A cause earns its place when taking it away raises the held-out cost of the blocks by this many standard errors
 #: and by this much altogether (a squared standard deviation is 1; tried causes are a few dozen).
 SURE, WORTH = 3.0, 25.0
 #: ... and by this share of all that can be explained.
 SHARE = 1e-4
+
+REAL = "real"
+NO_GAIN = "does not help on blocks left out"
+ONE_SERIES = "helps within one series only"
+NOT_CARRIED = "helps on blocks, yet not on a series that was left out as a whole"
+CONTRADICTED = "betters the rotation and spoils the position, which no cause of that name does"
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +33,9 @@ class Score:
         sure: The same in standard errors over the blocks, shape (series,).
         total, total_sure: Over all series.
         transfer: Fall of the cost with a whole series left out, by series; empty with a single series.
+        position_sure: Fall of the position's part of the cost with blocks left out, in standard errors.
         rmse_without: Position error without the cause, blocks left out [m].
-        status: "real", "one series", "no gain".
+        status: REAL, ONE_SERIES, NOT_CARRIED, CONTRADICTED or NO_GAIN.
     """
 
     cause: PoseCause
@@ -37,6 +44,7 @@ class Score:
     total: float
     total_sure: float
     transfer: np.ndarray
+    position_sure: float
     rmse_without: float
     status: str
 
@@ -60,7 +68,9 @@ def scores(validation: Validation, chosen: Sequence[int], explained: float) -> l
     layout = validation.fitted.problem.layout
     kept = [weight > 0.0 for weight in validation.fitted.problem.weights]
     none = np.zeros(0, dtype=int)
-    full = validation.cost(validation.residuals(validation.blocks, none))
+    unseen = validation.residuals(validation.blocks, none)
+    full = validation.cost(unseen)
+    full_position = validation.cost(unseen, AXES_OF_POSITION)
     full_series = validation.cost(validation.residuals(validation.series, none)) if validation.series else []
     found = []
     for index in chosen:
@@ -76,10 +86,22 @@ def scores(validation: Validation, chosen: Sequence[int], explained: float) -> l
             costs = validation.cost(validation.residuals(validation.series, ids))
             transfer = np.array([float(np.sum(a - b)) for a, b in zip(costs, full_series, strict=True)])
         total, total_sure = float(every.sum()), _standard_errors(every)
-        status = _status(cause, gain, sure, total, total_sure, max(WORTH, SHARE * explained))
-        found.append(
-            Score(cause, gain, sure, total, total_sure, transfer, position_rmse(errors, kept), status)
+        position = by_block(
+            [a - b for a, b in zip(validation.cost(errors, AXES_OF_POSITION), full_position, strict=True)]
         )
+        position_sure = _standard_errors(np.concatenate(position))
+        score = Score(
+            cause,
+            gain,
+            sure,
+            total,
+            total_sure,
+            transfer,
+            position_sure,
+            position_rmse(errors, kept),
+            NO_GAIN,
+        )
+        found.append(replace(score, status=_status(score, max(WORTH, SHARE * explained))))
     return found
 
 
@@ -94,7 +116,7 @@ def eliminate(validation: Validation, progress: Callable[[str], None]) -> tuple[
     remaining = list(range(len(layout.causes)))
     now = dict(zip(remaining, scores(validation, remaining, explained), strict=True))
     gone: list[Score] = []
-    while weak := sorted((i for i in remaining if now[i].status != "real"), key=lambda i: now[i].total):
+    while weak := sorted((i for i in remaining if now[i].status != REAL), key=lambda i: now[i].total):
         leave = weak[: (len(weak) + 1) // 2]
         gone += [now[i] for i in leave]
         remaining = [i for i in remaining if i not in leave]
@@ -112,14 +134,18 @@ def _standard_errors(change: np.ndarray) -> float:
     return float(change.sum() / max(change.std(ddof=1) * np.sqrt(len(change)), 1e-9))
 
 
-def _status(
-    cause: PoseCause, gain: np.ndarray, sure: np.ndarray, total: float, total_sure: float, worth: float
-) -> str:
-    strong = (sure > SURE) & (gain > worth)
-    if not (strong.any() or (total > worth and total_sure > SURE)):
-        return "no gain"
-    if not cause.transfers or len(gain) == 1:
-        return "real"
+def _status(score: Score, worth: float) -> str:
+    strong = (score.sure > SURE) & (score.gain > worth)
+    if not (strong.any() or (score.total > worth and score.total_sure > SURE)):
+        return NO_GAIN
+    if score.position_sure < -SURE:
+        return CONTRADICTED
+    if not score.cause.transfers or len(score.gain) == 1:
+        return REAL
     # A property of the robot shows in every series that excites it; one voice among several is none.
-    helped = (gain > WORTH) & (sure > 2.0)
-    return "real" if helped.sum() >= 2 else "one series"
+    helped = (score.gain > WORTH) & (score.sure > 2.0)
+    if helped.sum() < 2:
+        return ONE_SERIES
+    # A series at angles that no other visited may lose by it; where most lose, it is the others' habit.
+    harmed = score.transfer.sum() < 0.0 and 2 * np.sum(score.transfer < 0.0) > len(score.transfer)
+    return NOT_CARRIED if harmed else REAL

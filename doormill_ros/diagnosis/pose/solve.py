@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri
@@ -14,9 +15,15 @@ from doormill_ros.diagnosis.pose.problem import Block, Layout
 def add_up(blocks: Iterable[Block], size: int) -> tuple[np.ndarray, np.ndarray]:
     """Sum of the normal equations, shapes (m, m) and (m,)."""
     H, g = np.zeros((size, size)), np.zeros(size)
-    for block in blocks:
-        H[np.ix_(block.ids, block.ids)] += block.H
-        g[block.ids] += block.g
+    # Blocks of a series have their coefficients in common: added in their own order, sorted in once.
+    for _, parts in groupby(sorted(blocks, key=lambda block: block.series), key=lambda block: block.series):
+        first, *others = parts
+        own, pull = first.H.copy(), first.g.copy()
+        for block in others:
+            own += block.H
+            pull += block.g
+        H[np.ix_(first.ids, first.ids)] += own
+        g[first.ids] += pull
     return H, g
 
 

@@ -19,6 +19,7 @@ FOLDS = 5
 ROUNDS = 1
 #: Rows that place a series left out when the set marks fewer than three: every so many-th.
 _EVERY = 25
+ALL_AXES, AXES_OF_POSITION = slice(0, 6), slice(0, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,12 +104,12 @@ class Validation:
                     out[series][rows] = linear.residual(placed, rows)
         return out
 
-    def cost(self, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Weighted squares of every row in noise units, shape (n,) each."""
+    def cost(self, errors: Sequence[np.ndarray], axes: slice = ALL_AXES) -> list[np.ndarray]:
+        """Weighted squares of every row in noise units, shape (n,) each; of some of its six components."""
         problem = self.fitted.problem
         scale = np.repeat(1.0 / np.array(problem.sigma), 3)
         return [
-            weight * np.sum((error * scale) ** 2, axis=1)
+            weight * np.sum((error * scale)[:, axes] ** 2, axis=1)
             for error, weight in zip(errors, problem.weights, strict=True)
         ]
 

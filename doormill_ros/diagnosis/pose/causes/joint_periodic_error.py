@@ -17,12 +17,25 @@ def harmonics(angle: np.ndarray, orders: Sequence[int]) -> np.ndarray:
     return np.stack([np.cos(phase), np.sin(phase)], axis=2).reshape(len(angle), -1)
 
 
-class JointPeriodicError(PoseCause):
-    """Fourier series of the joint's own angle: encoder, gear teeth, eccentricity.
+#: Orders up to here make a spectrum where all of them are fitted.
+BROAD = 60
 
-    Each order has a typical size of its own, so that orders which the data do not call for vanish, and away
-    from the angles that were visited the series fades to what its long waves still say.
+
+def size_group(where: str, order: int, orders: Sequence[int]) -> str:
+    """Which amplitudes share a typical size.
+
+    Many rows tell a spectrum. The joints of a robot hold gears of one make, so it is learnt by octaves for all
+    joints together, whatever part of a turn each was visited on. That is the spectrum of a smooth random curve:
+    away from the visited angles it goes to zero within a wave or so, where the few orders that survive with sizes of
+    their own would swing on. Few rows, and the sharp lines beyond the spectrum, tell single orders.
     """
+    if order <= BROAD and set(range(1, BROAD + 1)) <= set(orders):
+        return f"octave {order.bit_length()}"
+    return f"{where} order {order}"
+
+
+class JointPeriodicError(PoseCause):
+    """Fourier series of the joint's own angle: encoder, gear teeth, eccentricity."""
 
     name = "joint_periodic_error"
 
@@ -35,7 +48,7 @@ class JointPeriodicError(PoseCause):
     def coefficients(self) -> tuple[Coefficient, ...]:
         """Amplitudes of cosine and sine."""
         return tuple(
-            Coefficient(f"{part}_{order}", "rad", f"{self.where} order {order}", 5e-4)
+            Coefficient(f"{part}_{order}", "rad", size_group(self.where, order, self.orders), 5e-4)
             for order in self.orders
             for part in ("cos", "sin")
         )

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from doormill_ros.diagnosis.pose.causes.cause import PoseCause
 from doormill_ros.diagnosis.pose.causes.joint_backlash import JointBacklash
-from doormill_ros.diagnosis.pose.causes.joint_periodic_error import JointPeriodicError
+from doormill_ros.diagnosis.pose.causes.joint_periodic_error import BROAD, JointPeriodicError
 from doormill_ros.diagnosis.pose.causes.joint_sag import JointSag
 from doormill_ros.diagnosis.pose.causes.joint_wobble import JointWobble
 from doormill_ros.diagnosis.pose.causes.link_geometry import LinkGeometry
@@ -17,8 +17,8 @@ from doormill_ros.diagnosis.pose.view import make_view
 
 #: Waves of a tilting axis; one wave a turn is, in the main, a wrong alpha or theta of the links next to it.
 WOBBLE_ORDERS = (2, 3, 4)
-#: Orders that are always tried for a joint's own angle: of many rows, of few.
-DENSE, SPARSE = 60, 16
+#: Orders that are tried for a joint's own angle without a hint where rows are few.
+SPARSE = 16
 MANY_ROWS = 2500
 #: Torque of gravity below which a joint's sag cannot be asked for [N m].
 LEAST_TORQUE = 0.5
@@ -27,7 +27,7 @@ LEAST_TORQUE = 0.5
 def dense_orders(sets: Sequence[PoseSet]) -> tuple[int, ...]:
     """Orders that are tried without any hint."""
     rows = sum(len(data) for data in sets)
-    return tuple(range(1, (DENSE if rows >= MANY_ROWS else SPARSE) + 1))
+    return tuple(range(1, (BROAD if rows >= MANY_ROWS else SPARSE) + 1))
 
 
 def candidates(
