@@ -10,7 +10,7 @@ import numpy as np
 
 from doormill_ros.diagnosis.pose import pictures
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
-from doormill_ros.diagnosis.report.page import _STYLE
+from doormill_ros.diagnosis.report.html import charts, figure, notes, page, section, table, tiles
 from doormill_ros.units import rad_to_deg
 
 _SENTENCES = {
@@ -24,57 +24,51 @@ _SENTENCES = {
 
 def render_report(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
     """The page as HTML text."""
-    title = _headline(diagnosis, document)
     parts = [
-        f'<h1>{escape(title)}</h1><p class="lead">{escape(_SENTENCES[diagnosis.verdict])}</p>',
         _tiles(document),
-        "".join(f'<p class="note">{escape(line)}</p>' for line in document["remarks"]),
-        _section("Every series", _series(document)),
-        _section("Position error before and after", _charts(pictures.before_and_after(diagnosis))),
+        notes(document["remarks"]),
+        section("Every series", _series(document)),
+        section("Position error before and after", charts(pictures.before_and_after(diagnosis))),
     ]
     curves = pictures.joint_curves(diagnosis)
     if curves:
         parts.append(
-            _section(
+            section(
                 "The pattern that gave it away: each joint against its own angle",
                 f"<p>Residual joint angle over the recorded angle, by series. Left with the nominal model and the "
                 f"causes other than the joint's own periodic error, right on rows that the fit has not seen.</p>"
-                f"{_charts(curves)}",
+                f"{charts(curves)}",
             )
         )
     parts += [
-        _section("Causes", _causes(document)),
-        _section("Candidates on rows left out", _wide([pictures.candidates_chart(diagnosis)])),
-        _section(
+        section("Causes", _causes(document)),
+        section("Candidates on rows left out", charts([pictures.candidates_chart(diagnosis)], "wide")),
+        section(
             "What only helps within one series", _rejected(document["only_within_one_series"], diagnosis)
         ),
-        _section("What does not help", _rejected(document["rejected"], diagnosis)),
-        _section("Amplitudes by order", _charts(pictures.spectra(diagnosis))),
-        _section("What no pose can tell from the placement", _gauge(document)),
-        _section("Course of the recording", _charts(pictures.over_rows(diagnosis))),
-        _section("Joint angles that were visited", _coverage(document)),
-        _section("What to measure next", f"<p>{escape(document['next_measurement'])}</p>"),
+        section("What does not help", _rejected(document["rejected"], diagnosis)),
+        section("Amplitudes by order", charts(pictures.spectra(diagnosis))),
+        section("What no pose can tell from the placement", _gauge(document)),
+        section("Course of the recording", charts(pictures.over_rows(diagnosis))),
+        section("Joint angles that were visited", _coverage(document)),
+        section("What to measure next", f"<p>{escape(document['next_measurement'])}</p>"),
     ]
     if document["outliers_by_set"]:
         listed = "; ".join(
             f"{name}: {', '.join(map(str, rows))}" for name, rows in document["outliers_by_set"].items()
         )
         parts.append(
-            _section(
+            section(
                 "Gross errors", f"<p>Rows {escape(listed)}. They steer no fit and count in no figure.</p>"
             )
         )
     if document["checks"]:
-        parts.append(_section("Sets that were only predicted", _checks(document)))
+        parts.append(section("Sets that were only predicted", _checks(document)))
     sources = dict.fromkeys(data.source for data in diagnosis.sets if data.source)
     if sources:
-        parts.append(_section("Data", "".join(f"<p>{escape(text)}</p>" for text in sources)))
-    parts.append(_section("How this was found", _METHOD))
-    return (
-        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" '
-        f'content="width=device-width,initial-scale=1"><title>{escape(title)}</title><style>{_STYLE}</style></head>'
-        f"<body><main>{''.join(parts)}</main></body></html>\n"
-    )
+        parts.append(section("Data", "".join(f"<p>{escape(text)}</p>" for text in sources)))
+    parts.append(section("How this was found", _METHOD))
+    return page(_headline(diagnosis, document), _SENTENCES[diagnosis.verdict], parts)
 
 
 def _headline(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
@@ -90,21 +84,9 @@ def _headline(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
     return f"{word}: {robot}, {names} ({before:.0f} um down to {after:.0f} um, noise {floor:.0f} um)"
 
 
-def _section(title: str, body: str) -> str:
-    return f"<section><h2>{escape(title)}</h2>{body}</section>"
-
-
-def _charts(charts: Sequence[str]) -> str:
-    return f'<div class="charts">{"".join(charts)}</div>'
-
-
-def _wide(charts: Sequence[str]) -> str:
-    return f'<div class="wide">{"".join(charts)}</div>'
-
-
 def _tiles(document: dict[str, Any]) -> str:
     low, high = document["gain"]["ci95"]
-    tiles = [
+    entries = [
         (f"{1e6 * document['baseline']['holdout_rmse']:.0f} um", "nominal model"),
         (f"{1e6 * document['extended']['holdout_rmse']:.0f} um", "extended, blocks left out"),
         (f"{1e6 * document['noise_floor']:.0f} um", "measurement noise"),
@@ -112,19 +94,10 @@ def _tiles(document: dict[str, Any]) -> str:
         (str(sum(s["rows"] for s in document["sets"])), f"poses, {len(document['outliers'])} gross errors"),
     ]
     if "series_out_rmse" in document["extended"]:
-        tiles.insert(
+        entries.insert(
             2, (f"{1e6 * document['extended']['series_out_rmse']:.0f} um", "extended, series left out")
         )
-    body = "".join(f'<div class="tile"><b>{escape(a)}</b>{escape(b)}</div>' for a, b in tiles)
-    return f'<div class="tiles">{body}</div>'
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    if not rows:
-        return "<p>None.</p>"
-    top = "".join(f"<th>{escape(cell)}</th>" for cell in head)
-    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table><tr>{top}</tr>{body}</table>"
+    return tiles(entries)
 
 
 def _um(entry: dict[str, Any], key: str) -> str:
@@ -151,16 +124,14 @@ def _series(document: dict[str, Any]) -> str:
         "Series", "Poses", "Gross errors", "Nominal [um]", "Extended, fitted rows", "Blocks left out",
         "Series left out", "Rotation before / after [urad]",
     )  # fmt: skip
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _causes(document: dict[str, Any]) -> str:
     rows = []
     for cause in document["causes"]:
         listed = sorted(cause["parameters"].items(), key=lambda item: -_size(item[1]["value"]))
-        text = "; ".join(
-            f"{n} {_figure(p['value'])} ± {_figure(p['std'])} {p['unit']}" for n, p in listed[:6]
-        )
+        text = "; ".join(f"{n} {figure(p['value'])} ± {figure(p['std'])} {p['unit']}" for n, p in listed[:6])
         more = f"; and {len(listed) - 6} more" if len(listed) > 6 else ""
         confusable = ", ".join(f"{c['cause']} at {c['where']}" for c in cause["confusable_with"])
         rows.append(
@@ -173,17 +144,11 @@ def _causes(document: dict[str, Any]) -> str:
             ]
         )
     head = ("Cause", "Where", "Parameters ± standard deviation", "Held-out error without it", "Leans on")
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _size(value: Any) -> float:
     return float(np.max(np.abs(np.atleast_1d(value)))) if np.size(value) else 0.0
-
-
-def _figure(value: Any) -> str:
-    if isinstance(value, list):
-        return "(" + ", ".join(f"{v:.3g}" for v in value[:12]) + ")"
-    return f"{value:.3g}"
 
 
 def _rejected(entries: Sequence[dict[str, Any]], diagnosis: PoseDiagnosis) -> str:
@@ -193,7 +158,7 @@ def _rejected(entries: Sequence[dict[str, Any]], diagnosis: PoseDiagnosis) -> st
         for e in entries
     ]  # fmt: skip
     head = ("Cause", "Where", *(f"Gain in {data.name} (standard errors)" for data in diagnosis.sets))
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _gauge(document: dict[str, Any]) -> str:
@@ -201,7 +166,7 @@ def _gauge(document: dict[str, Any]) -> str:
         [e["cause"], e["where"], ", ".join(e["parameters"]), e["imitated_by"]]
         for e in document["not_distinguishable_from_placement"]
     ]
-    return _table(("Cause", "Where", "Parameters", "Imitated by"), rows)
+    return table(("Cause", "Where", "Parameters", "Imitated by"), rows)
 
 
 def _coverage(document: dict[str, Any]) -> str:
@@ -213,7 +178,7 @@ def _coverage(document: dict[str, Any]) -> str:
         ]
         for e in document["coverage"]
     ]
-    return _table(("Joint", "Share of a turn", "Ranges [deg]"), rows)
+    return table(("Joint", "Share of a turn", "Ranges [deg]"), rows)
 
 
 def _checks(document: dict[str, Any]) -> str:
@@ -234,7 +199,7 @@ def _checks(document: dict[str, Any]) -> str:
         "Set", "Rows", "Nominal [um]", "Extended [um]", "Rotation before / after [urad]", "Gross errors",
         "Rows at angles never visited",
     )  # fmt: skip
-    return _table(head, rows)
+    return table(head, rows)
 
 
 _METHOD = """<p>Every series has a placement of its own: base in tracker and target on flange. Each cause displaces

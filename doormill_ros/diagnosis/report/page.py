@@ -14,26 +14,9 @@ from doormill_ros.diagnosis.next_measurement import DECIDED, NextMeasurement
 from doormill_ros.diagnosis.path_shift import PathShift
 from doormill_ros.diagnosis.report import pictures
 from doormill_ros.diagnosis.report.candidates import candidates_table
+from doormill_ros.diagnosis.report.html import charts, notes, page, section, tiles
 from doormill_ros.diagnosis.report.wording import micrometres, spoken, spoken_all, with_deviation
 from doormill_ros.units import rad_to_deg
-
-_STYLE = """
-:root{color-scheme:light}body{font:15px/1.5 system-ui,sans-serif;color:#1d2327;background:#f6f7f8;margin:0}
-main{max-width:1180px;margin:auto;padding:24px}h1{font-size:24px;margin:0 0 4px}h2{font-size:18px;margin:34px 0 8px}
-.tiles{display:flex;flex-wrap:wrap;gap:10px;margin:16px 0}
-.tile{background:#fff;border:1px solid #dcdfe3;border-radius:6px;padding:8px 13px;flex:1 1 120px;font-size:13.5px}
-.tile b{display:block;font-size:21px;white-space:nowrap}
-.charts{display:grid;gap:12px;grid-template-columns:repeat(auto-fit,minmax(340px,1fr));align-items:start}
-.halves{display:grid;gap:12px;grid-template-columns:repeat(auto-fit,minmax(480px,1fr))}.wide{display:grid;gap:12px}
-.models td:nth-child(2){width:20%}.models td:nth-child(3){width:34%}
-.bar{height:5px;margin-top:2px}.own td{font-weight:600}
-svg{background:#fff;border:1px solid #dcdfe3;border-radius:6px;width:100%;height:auto}
-svg .t{font:600 13px system-ui}svg .l{font:11.5px system-ui}svg .n{font:11px system-ui;fill:#555}
-svg .g{stroke:#e6e9ec;stroke-width:1}svg .h{paint-order:stroke;stroke:#fff;stroke-width:3px}
-table{border-collapse:collapse;background:#fff;width:100%}
-td,th{border:1px solid #dcdfe3;padding:5px 9px;text-align:left;vertical-align:top}th{background:#eef0f2}
-.lead{font-size:17px}.note{color:#555}
-"""
 
 _SENTENCES = {
     "consistent": "The simulation is right to within the measurement noise. Nothing has to be changed.",
@@ -51,52 +34,48 @@ def render_report(
     shift: PathShift | None = None,
 ) -> str:
     """The page as HTML text without any outside resource."""
-    title = headline(diagnosis)
     parts = [
-        f'<h1>{escape(title)}</h1><p class="lead">{escape(_SENTENCES[diagnosis.verdict])}</p>',
         _tiles(diagnosis),
-        "".join(f'<p class="note">{escape(line)}</p>' for line in diagnosis.remarks),
+        notes(diagnosis.remarks),
     ]
     if diagnosis.findings:
-        parts.append(_section("Causes", _causes(diagnosis)))
-        parts.append(_section("The pattern that gave it away", _patterns(diagnosis)))
-        parts.append(_section("What it changes on a part", _part(shift)))
+        parts.append(section("Causes", _causes(diagnosis)))
+        parts.append(section("The pattern that gave it away", _patterns(diagnosis)))
+        parts.append(section("What it changes on a part", _part(shift)))
     parts.append(
-        _section(
+        section(
             "Measured against simulated",
-            _charts(pictures.before_and_after(diagnosis), "halves")
+            charts(pictures.before_and_after(diagnosis), "halves")
             + "<p>Every dot is one axis of one trial; the grey bands, here and below, are twice the noise.</p>",
         )
     )
     nameless = pictures.patterns_without_a_name(diagnosis)
     if nameless:
-        parts.append(_section("What remains looks like this, and no cause leaves it", _wide(nameless)))
+        parts.append(
+            section("What remains looks like this, and no cause leaves it", charts(nameless, "wide"))
+        )
     parts += [
-        _section("Residual by joint", _charts(pictures.residual_by_joint(diagnosis))),
-        _section("Residual by load and time", _charts(pictures.residual_by_circumstance(diagnosis))),
-        _section(
-            "Residual by direction, reflector and posture", _charts(pictures.residual_by_group(diagnosis))
+        section("Residual by joint", charts(pictures.residual_by_joint(diagnosis))),
+        section("Residual by load and time", charts(pictures.residual_by_circumstance(diagnosis))),
+        section(
+            "Residual by direction, reflector and posture", charts(pictures.residual_by_group(diagnosis))
         ),
-        _section("Candidates", candidates_table(diagnosis)),
-        _section("What cannot be told apart", _confusable(diagnosis)),
-        _section("What to measure next", _next(plan)),
+        section("Candidates", candidates_table(diagnosis)),
+        section("What cannot be told apart", _confusable(diagnosis)),
+        section("What to measure next", _next(plan)),
     ]
     if diagnosis.outliers:
         listed = ", ".join(map(str, diagnosis.outliers))
         parts.append(
-            _section(
+            section(
                 "Gross errors",
                 f"<p>Trials {listed} are gross errors; they steer no fit and count in no figure.</p>",
             )
         )
     if checks:
-        parts.append(_section("Sets that were only predicted", _checks(checks)))
-    parts.append(_section("How this was found", _METHOD))
-    return (
-        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" '
-        f'content="width=device-width,initial-scale=1"><title>{escape(title)}</title><style>{_STYLE}</style></head>'
-        f"<body><main>{''.join(parts)}</main></body></html>\n"
-    )
+        parts.append(section("Sets that were only predicted", _checks(checks)))
+    parts.append(section("How this was found", _METHOD))
+    return page(headline(diagnosis), _SENTENCES[diagnosis.verdict], parts)
 
 
 def headline(diagnosis: Diagnosis) -> str:
@@ -112,37 +91,24 @@ def headline(diagnosis: Diagnosis) -> str:
     return f"{word}: {names} ({before} down to {after}, noise {floor})"
 
 
-def _section(title: str, body: str) -> str:
-    return f"<section><h2>{escape(title)}</h2>{body}</section>"
-
-
-def _charts(charts: Sequence[str], layout: str = "charts") -> str:
-    return f'<div class="{layout}">{"".join(charts)}</div>'
-
-
-def _wide(charts: Sequence[str]) -> str:
-    return _charts(charts, "wide")
-
-
 def _tiles(diagnosis: Diagnosis) -> str:
     low, high = diagnosis.ratio_ci
     before, after = map(micrometres, diagnosis.holdout_rmse)
-    tiles = [
+    entries = [
         (before, "simulation now"),
         (micrometres(diagnosis.problem.noise_floor), "measurement noise"),
         (str(len(diagnosis.problem)), f"trials, {len(diagnosis.outliers)} of them gross errors"),
         (str(int(diagnosis.problem.configuration.max()) + 1), "configurations"),
     ]
     if diagnosis.findings:
-        tiles[1:1] = [
+        entries[1:1] = [
             (after, "extended model on unseen configurations"),
             (
                 f"{100 * diagnosis.ratio:.0f} %",
                 f"of the residual left (95 %: {100 * low:.0f} to {100 * high:.0f} %)",
             ),
         ]
-    body = "".join(f'<div class="tile"><b>{escape(a)}</b>{escape(b)}</div>' for a, b in tiles)
-    return f'<div class="tiles">{body}</div>'
+    return tiles(entries)
 
 
 def _patterns(diagnosis: Diagnosis) -> str:

@@ -6,7 +6,7 @@ from html import escape
 
 import numpy as np
 
-from doormill_ros.diagnosis.report.page import _STYLE
+from doormill_ros.diagnosis.report.html import page, table
 from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
 from doormill_ros.diagnosis.report.wording import MICRO, micrometres, spoken, with_deviation
 from doormill_ros.diagnosis.thesis_data import PreloadReading, ThesisDiagnosis, ThesisRow
@@ -23,14 +23,14 @@ def thesis_headline(found: ThesisDiagnosis) -> str:
 
 def render_thesis_report(found: ThesisDiagnosis, gap: PreloadReading) -> str:
     """The page as HTML text without any outside resource."""
-    title = thesis_headline(found)
     rivals = ", ".join(map(spoken, found.confusable))
     low, high = found.test_6_range
+    lead = (
+        "The simulation of table 4.2 lets the joint under test give way alone. With all springs of table 4.1 acting, "
+        f"tests 3 and 5 overshoot; one changed spring brings both to within {_percent(found)} of what was measured. "
+        f"It is not the only way: {rivals} would do as well."
+    )
     parts = [
-        f'<h1>{escape(title)}</h1><p class="lead">The simulation of table 4.2 lets the joint under test give way '
-        "alone. With all springs of table 4.1 acting, tests 3 and 5 overshoot; one changed spring brings both to "
-        f"within {_percent(found)} of what was measured. It is not the only way: {escape(rivals)} "
-        "would do as well.</p>",
         f"<h2>Table 4.2: measured against simulated</h2>{_lengths(found)}{_table(found)}"
         f"<p>Held out: the cause fitted without the test, so test 5 alone predicts test 3 and the other way round. "
         f"Test 6 with all joints gives {micrometres(low)} or {micrometres(high)}, depending on the side on which its "
@@ -42,11 +42,7 @@ def render_thesis_report(found: ThesisDiagnosis, gap: PreloadReading) -> str:
         "with a second reflector before joint 3: it shows what joint 2 does, and "
         "parts the candidates for joint 3 from joint 2.</p>",
     ]
-    return (
-        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" '
-        f'content="width=device-width,initial-scale=1"><title>{escape(title)}</title><style>{_STYLE}</style></head>'
-        f"<body><main>{''.join(parts)}</main></body></html>\n"
-    )
+    return page(thesis_headline(found), lead, parts)
 
 
 def _percent(found: ThesisDiagnosis) -> str:
@@ -77,13 +73,12 @@ def _table(found: ThesisDiagnosis) -> str:
         "Held out",
         "What was left out",
     )
-    body = "".join(f"<tr>{_cells(row)}</tr>" for row in found.rows)
-    return f"<table><tr>{''.join(f'<th>{escape(h)}</th>' for h in heads)}</tr>{body}</table>"
+    return table(heads, [_cells(row) for row in found.rows])
 
 
-def _cells(row: ThesisRow) -> str:
+def _cells(row: ThesisRow) -> list[str]:
     off = 100.0 * abs(row.simulated / row.measured - 1.0)
-    cells = [
+    return [
         str(row.joint),
         micrometres(row.measured),
         f"{micrometres(row.simulated)}, off by {off:.0f} %",
@@ -93,7 +88,6 @@ def _cells(row: ThesisRow) -> str:
         "cannot be held out" if np.isnan(row.held_out) else micrometres(row.held_out),
         row.left_out,
     ]
-    return "".join(f"<td>{escape(cell)}</td>" for cell in cells)
 
 
 def _closed(gap: PreloadReading) -> float:
