@@ -171,3 +171,31 @@ def test_every_kind_of_feature_at_every_limit_of_size(cell, height, width, thick
         assert cause_is_there(cell, recipe, T_base_door, refusal), refusal.message
         return
     judged(cell, recipe, T_base_door, program, LIMIT)
+
+
+recipes = _load(Path(__file__).resolve().parents[1] / "recipes" / "strategies.py")
+
+
+@settings(
+    max_examples=EXAMPLES * 2 // 3,
+    deadline=None,
+    derandomize=CAMPAIGN is None,
+    suppress_health_check=QUIET,
+    phases=[Phase.explicit, Phase.generate],
+)
+@given(recipes.documents())
+def test_any_recipe_that_is_accepted_gives_a_program_or_a_reason(cell, any_tool, document):
+    """Tools from 2 to 25 mm, depths to 150 mm, forces to 300 N any way, features on the rear face too."""
+    recipe = Recipe.from_document(document)
+    program, refusal = generated(cell, recipe, cell.T_base_door(recipe), settings=any_tool)
+    if refusal is None:
+        event("milled")
+        assert {m.feature for m in program.motions} - {""} == {f.id for f in recipe.features}
+        assert len(program.targets) <= any_tool.checks.targets
+        assert program.largest_correction <= any_tool.correction.limit
+        return
+    event(type(refusal).__name__)
+    assert 300 < refusal.code < 400
+    assert refusal.data["feature"] in {f.id for f in recipe.features}
+    assert refusal.data["feature"] in refusal.message
+    assert "; " in refusal.message  # what to do
