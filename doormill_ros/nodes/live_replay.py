@@ -14,6 +14,7 @@ from typing import Any
 
 from rclpy.parameter import Parameter
 
+from doormill_ros.abb import signals
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.errors import StageTimeoutError
 from doormill_ros.nodes.abb_bridge import AbbBridge
@@ -26,7 +27,12 @@ from doormill_ros.recipes.database import RecipeDatabase
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.replay.answer import Answer
 from doormill_ros.recording.replay.offline import LAST_REPLAYED
-from doormill_ros.recording.replay.recorded_controller import RecordedController, controller_events
+from doormill_ros.recording.replay.recorded_controller import (
+    ControllerEvent,
+    RecordedController,
+    controller_events,
+    with_end,
+)
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 
 #: Targets follow from a pose found anew, whose own tolerance is that of a lever of some metres.
@@ -69,7 +75,7 @@ def replay_live(run: RecordedRun, options: LiveOptions) -> list[Answer]:
         folder = Path(name)
         home = folder / "HOME"
         home.mkdir()
-        events = controller_events(run.begun_ns, run.requests, run.states)
+        events = _events(run)
         arguments = ["replay", "--ros-args", "-r", f"__ns:=/replay_{os.getpid()}"]
         nodes = _nodes(run, options, folder)
         beside = partial(ReplayDriver, run, options.rate, repeats_the_end(run))
@@ -78,6 +84,15 @@ def replay_live(run: RecordedRun, options: LiveOptions) -> list[Answer]:
             RecordedController(home, events, options.rate) as controller,
         ):
             return cell.driver.replay(controller.begin, _clock_setter(cell))
+
+
+def _events(run: RecordedRun) -> list[ControllerEvent]:
+    events = controller_events(run.begun_ns, run.requests, run.states)
+    if run.result is not None and run.result.success:
+        return with_end(events, signals.DONE)
+    if run.result is not None and run.result.error_code == MillingFaultError.code:
+        return with_end(events, signals.FAULT)
+    return events
 
 
 def repeats_the_end(run: RecordedRun) -> bool:

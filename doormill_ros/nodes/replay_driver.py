@@ -161,12 +161,13 @@ class ReplayDriver(Node):
         handed_over = run.result is not None and bool(run.target_files or run.result.sha256)
         if self._to_the_end:
             self._wait(lambda: self._result is not None, MILLING_LIMIT, "the run did not end")
-        elif handed_over:
-            name = topics.ABB_TARGET_FILE.name
+        name = topics.ABB_TARGET_FILE.name
+        if handed_over:
+            # It comes on another way than the result and may be heard after it.
             self._wait(
-                lambda: name in self._latest or self._result, ANSWER_LIMIT, "no target file was written"
+                lambda: name in self._latest or self._refused(), ANSWER_LIMIT, "no target file was written"
             )
-        if handed_over and topics.ABB_TARGET_FILE.name in self._latest:
+        if handed_over and name in self._latest:
             answers.append(self._target_file())
         if self._to_the_end:
             end = self._result
@@ -182,6 +183,11 @@ class ReplayDriver(Node):
                     )
                 )
         return answers
+
+    def _refused(self) -> bool:
+        """The run ended, and earlier or otherwise than when it was recorded."""
+        end, recorded = self._result, self._run.result
+        return end is not None and not end.success and end.error_code != recorded.error_code
 
     def _target_file(self) -> Answer:
         """The file that the bridge wrote, under the recorded run's name."""

@@ -48,7 +48,8 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     try:
         assert process.stdout.readline() == "milled\n"
         deadline = time.monotonic() + LIMIT
-        while not any(m.topic == "/run/result" for m in read_bag(folder / "run" / "bag")):
+        # The last state of the handshake is published beside the result, by another thread.
+        while not _ended(folder / "run" / "bag"):
             assert time.monotonic() < deadline, "the end of the run never reached the disk"
             time.sleep(0.2)
     finally:
@@ -56,6 +57,13 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> Path:
         process.wait(LIMIT)
     assert process.returncode == -signal.SIGKILL
     return folder / "run" / "bag"
+
+
+def _ended(bag: Path) -> bool:
+    messages = list(read_bag(bag, ["/run/result", "/abb/status"]))
+    return any(m.topic == "/run/result" for m in messages) and any(
+        m.topic == "/abb/status" and m.message.state == "done" for m in messages
+    )
 
 
 def _python_path() -> str:

@@ -14,6 +14,7 @@ from doormill_ros.recording.replay.recorded_controller import (
     ControllerEvent,
     RecordedController,
     controller_events,
+    with_end,
 )
 
 S = 1_000_000_000  # ns
@@ -55,6 +56,22 @@ def test_a_request_that_was_withdrawn_does_not_wait_for_a_ready_that_never_came(
         (False, 2.0, None),
         (True, 1.0, None),
     ]
+
+
+def test_what_comes_after_the_end_is_no_part_of_the_run() -> None:
+    states = [(n * S, state) for n, state in enumerate([*MILLED, "done", "requested"], start=10)]
+    events = controller_events(10 * S, [(12 * S, True), (17 * S, False), (20 * S, True)], states)
+    assert [(e.signal, e.value) for e in events] == [
+        (signals.REQUEST, True),
+        (signals.REQUEST, False),
+        (signals.DONE, True),
+    ]
+    assert with_end(events, signals.FAULT) == events
+
+
+def test_an_end_that_was_not_recorded_is_added() -> None:
+    events = [ControllerEvent(signals.REQUEST, True, 1.0)]
+    assert with_end(events, signals.DONE) == [*events, ControllerEvent(signals.DONE, True, 0.0, ready=False)]
 
 
 def test_a_refusal_before_milling_is_no_end_of_milling() -> None:

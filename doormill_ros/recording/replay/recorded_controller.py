@@ -36,7 +36,7 @@ class ControllerEvent:
 def controller_events(
     begun_ns: int, requests: Sequence[tuple[int, bool]], states: Sequence[tuple[int, str]]
 ) -> list[ControllerEvent]:
-    """What the controller did in a run, from what the bridge published of it.
+    """What the controller did in a run until milling ended, from what the bridge published of it.
 
     Args:
         begun_ns: When the run's recipe was recorded [ns].
@@ -52,21 +52,26 @@ def controller_events(
             milling = milling or value == HandshakeState.MILLING.value
             if not (milling and value in ENDS):
                 continue
-            signal, level, answers, ready = ENDS[value], True, False, False
-            milling = False
-        elif value == high:
+            events.append(ControllerEvent(ENDS[value], True, max(0, stamp_ns - before_ns) * 1e-9, False))
+            break
+        if value == high:
             continue
-        else:
-            signal, level = signals.REQUEST, bool(value)
-            answers = not level and ready_ns is not None
-            ready = True if answers else None
-            high = level
+        high = bool(value)
+        answers = not high and ready_ns is not None
         since = ready_ns if answers else before_ns
-        events.append(ControllerEvent(signal, level, max(0, stamp_ns - since) * 1e-9, ready))
+        delay = max(0, stamp_ns - since) * 1e-9
+        events.append(ControllerEvent(signals.REQUEST, high, delay, True if answers else None))
         before_ns = stamp_ns
         if answers:
             ready_ns = None
     return events
+
+
+def with_end(events: list[ControllerEvent], signal: str) -> list[ControllerEvent]:
+    """The events, ended by `signal` when the recording stopped before the bridge told of the end."""
+    if events and events[-1].signal in ENDS.values():
+        return events
+    return [*events, ControllerEvent(signal, True, 0.0, False)]
 
 
 class RecordedController:

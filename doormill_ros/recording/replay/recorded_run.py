@@ -197,7 +197,8 @@ class _Collector:
             self._in_hand.requests.append((item.stamp_ns, self._requested))
 
     def status(self, item: BagMessage) -> None:
-        if self._in_hand is not None and self._in_hand.result is None:
+        # The end of milling may be recorded after the result that follows from it.
+        if self._in_hand is not None:
             self._in_hand.states.append((item.stamp_ns, item.message.state))
 
     def result(self, item: BagMessage) -> None:
