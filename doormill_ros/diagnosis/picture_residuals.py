@@ -8,10 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.stats import chi2
 
+from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.diagnosis.causes.cause import LinearTwist, Parameter
 from doormill_ros.diagnosis.fit import Fit
 from doormill_ros.diagnosis.problem import Prediction, make_folds
 from doormill_ros.diagnosis.search import EQUAL, Search
+from doormill_ros.localization.camera import CameraModel
+from doormill_ros.localization.result import Localization
 
 STRUCTURE = 1e-4  #: chance of an innocent residual below which something is wrong
 
@@ -38,6 +41,38 @@ class Localisations:
     def place(self) -> np.ndarray:
         """Position in the picture's field, from the optical axis, shape (n, 2) [m]."""
         return self.moved[:, :2] - self.centre
+
+
+def localisations_of(
+    found: Sequence[Localization],
+    moved: Sequence[DoorOffset],
+    time: np.ndarray,
+    camera: CameraModel,
+    layout: CellLayout,
+    width: float,
+) -> Localisations:
+    """What the localizer said of pictures of one door, in the form that is questioned.
+
+    Args:
+        found: Results, one a picture.
+        moved: Where the door was known to stand.
+        time: When each picture was taken, shape (n,) [s].
+        camera: The camera model that the localizer used.
+        layout: The nominal place of the door.
+        width: Door width [m].
+    """
+    corner = np.array([layout.centre_y - width / 2.0, layout.bottom_z])
+    return Localisations(
+        moved=np.array([_numbers(offset) for offset in moved]),
+        located=np.array([_numbers(one.offset) for one in found]),
+        time=np.asarray(time, dtype=float),
+        std=np.sqrt(np.mean([np.diag(one.covariance) for one in found], axis=0)),
+        centre=camera.T_base_camera(width)[1:3, 3] - corner,
+    )
+
+
+def _numbers(offset: DoorOffset) -> tuple[float, float, float]:
+    return offset.y, offset.z, offset.rotation
 
 
 class CameraCause(LinearTwist):

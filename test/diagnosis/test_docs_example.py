@@ -13,9 +13,13 @@ from doormill_ros.tools.diagnose import main
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
+def text(name):
+    return " ".join((DOCS / name).read_text().replace("\n>", " ").split())
+
+
 @pytest.fixture(scope="module")
 def page():
-    return " ".join((DOCS / "diagnosis.md").read_text().replace("\n>", " ").split())
+    return text("diagnosis.md")
 
 
 def test_the_example_gives_the_line_and_the_figures_on_the_page(page, tmp_path, capsys):
@@ -31,7 +35,8 @@ def test_the_example_gives_the_line_and_the_figures_on_the_page(page, tmp_path, 
     assert abs(crossing["value"] - 30.0) < 2 * crossing["std"]
 
 
-def test_the_thesis_table_is_what_the_code_gives(page):
+def test_the_thesis_table_is_what_the_code_gives():
+    page = text("diagnosis-thesis.md")
     data = load_thesis_data()
     found = diagnose_thesis(data)
     for row in found.rows[2:5]:

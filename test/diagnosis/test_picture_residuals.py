@@ -1,9 +1,22 @@
 """Camera errors from localisations of a door moved by known amounts, against a pinhole written here."""
 
+from dataclasses import replace
+
+import cv2
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.picture_residuals import Localisations, camera_causes, diagnose_pictures
+from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.diagnosis.picture_residuals import (
+    Localisations,
+    camera_causes,
+    diagnose_pictures,
+    localisations_of,
+)
+from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.localizer import localize
+from doormill_ros.simulation.picture import render_picture
+from doormill_ros.simulation.picture_scene import PictureScene
 
 STD = np.array([2e-5, 2e-5, 5e-5])
 CENTRE = np.array([0.004, -0.006])
@@ -84,3 +97,63 @@ def test_every_camera_cause_tells_its_pattern():
     assert len({cause.name for cause in camera_causes()}) == 6
     for cause in camera_causes():
         assert len(cause.pattern()) > 25
+
+
+WIDTH, THICKNESS = 1.0, 0.04
+EVERY = 30.0  #: time between two pictures [s]
+
+
+@pytest.fixture(scope="module")
+def photographed():
+    """Pictures of a door at 12 known places, two at each, by the camera as it truly is."""
+    cv2.setNumThreads(1)
+    rng = np.random.default_rng(9)
+    places = np.column_stack([rng.uniform(-0.008, 0.008, (12, 2)), rng.uniform(-0.025, 0.025, 12)])
+    moved = [DoorOffset(*place) for place in np.tile(places, (2, 1))]
+    return moved, [render_picture(PictureScene(WIDTH, THICKNESS, m), 300 + i) for i, m in enumerate(moved)]
+
+
+def believed(photographed, model):
+    """Diagnosis when the localizer believes in `model(i)` at picture i."""
+    moved, pictures = photographed
+    layout, time = load_layout(), EVERY * np.arange(len(pictures))
+    found = [localize(p, model(i), layout, WIDTH, THICKNESS) for i, p in enumerate(pictures)]
+    return diagnose_pictures(localisations_of(found, moved, time, model(0), layout, WIDTH))
+
+
+def test_the_right_camera_model_is_consistent_on_real_localisations(photographed):
+    diagnosis = believed(photographed, lambda i: load_camera())
+    assert diagnosis.verdict == "consistent"
+
+
+def test_a_wrong_focal_length_is_a_wrong_scale(photographed):
+    camera = load_camera()
+    k = camera.k * np.array([[1.01, 1.0, 1.0], [1.0, 1.01, 1.0], [1.0, 1.0, 1.0]])
+    diagnosis = believed(photographed, lambda i: replace(camera, k=k))
+    values = {f.cause.name: f.values for f in diagnosis.findings}
+    assert diagnosis.verdict == "explained"
+    # The corner is not on the optical axis, and the camera looks a little askew.
+    assert (
+        {"camera_scale", "camera_placing"} <= set(values) <= {"camera_scale", "camera_placing", "camera_tilt"}
+    )
+    assert values["camera_scale"][0] == pytest.approx(1 / 1.01 - 1, rel=0.03)
+
+
+def test_a_camera_turned_about_its_axis_is_a_turn(photographed):
+    camera = load_camera()
+    turned = replace(camera, rotation_vector=camera.rotation_vector + np.array([0.0, 0.0, 0.005]))
+    diagnosis = believed(photographed, lambda i: turned)
+    values = {f.cause.name: f.values for f in diagnosis.findings}
+    assert diagnosis.verdict == "explained"
+    assert set(values) == {"camera_turn", "camera_placing"}
+    assert abs(values["camera_turn"][0]) == pytest.approx(0.005, rel=0.02)
+
+
+def test_a_camera_that_creeps_on_its_slider_drifts(photographed):
+    camera = load_camera()
+    diagnosis = believed(
+        photographed, lambda i: replace(camera, position=camera.position + 1e-7 * EVERY * i * np.eye(3)[1])
+    )
+    assert diagnosis.verdict == "explained"
+    assert named(diagnosis) == {"camera_drift"}
+    assert diagnosis.findings[0].values[0] == pytest.approx(1e-7, rel=0.03)

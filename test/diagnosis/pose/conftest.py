@@ -138,12 +138,12 @@ def write_sets(folder: Path, faults: Faults, rows: int, seed: int) -> list[Path]
     return folders
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def faults():
     return Faults
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def write_pose_sets():
     return write_sets
 

@@ -89,6 +89,8 @@ def test_the_corrected_command_brings_the_true_tool_to_its_place(robot, model_fi
 def test_a_robot_without_description_is_refused_in_one_sentence(tmp_path, robot):
     model = PoseModel("ur10", robot.dh, (), (), np.zeros(0))
     (tmp_path / "model.yaml").write_text(yaml.safe_dump(model_document(model, "test")))
-    with pytest.raises(PoseModelError, match=r"unloaded poses of robot 'ur10'.*config/robots/ur10") as refusal:
+    with pytest.raises(
+        PoseModelError, match=r"unloaded poses of robot 'ur10'.*config/robots/ur10"
+    ) as refusal:
         load_compliance_model(tmp_path)
     assert "\n" not in refusal.value.message
