@@ -232,10 +232,11 @@ class RecipeDatabase:
         A door that an earlier release has put there and nobody has saved since gets this release's
         recipe as a new version.
         """
-        shipped = shipped_recipes()
-        newest = {record.door_id: record for record in self.list()}
-        wanted = [r for name, r in shipped.items() if name not in newest or newest[name].author == author]
-        wanted = [recipe for recipe in wanted if self._stored(recipe.door_id) != content_of(recipe)]
+        wanted = []
+        for recipe in shipped_recipes().values():
+            rows = self._read(BY_DOOR, {"door_id": recipe.door_id})
+            if not rows or self._is_earlier(rows[0], recipe, author):
+                wanted.append(recipe)
         if not wanted:
             return ()
         checked = [self._checked(recipe, author) for recipe in wanted]
@@ -247,14 +248,14 @@ class RecipeDatabase:
                 row = connection.execute(BY_DOOR, {"door_id": recipe.door_id}).one_or_none()
                 if row is None:
                     saved.append(self._save(connection, recipe, author, only_new=True))
-                elif row.author == author and row.document != content_of(recipe):
+                elif self._is_earlier(row, recipe, author):
                     saved.append(self._save(connection, recipe, author))
         return tuple(_record_of(recipe) for recipe in saved if recipe is not None)
 
-    def _stored(self, door_id: str) -> str | None:
-        """Text of a door's newest version, None for an unknown door."""
-        rows = self._read(BY_DOOR, {"door_id": door_id})
-        return rows[0].document if rows else None
+    @staticmethod
+    def _is_earlier(row: sa.Row, recipe: Recipe, author: str) -> bool:
+        """True when an earlier release has stored another recipe, and nobody else one since."""
+        return row.author == author and row.document != content_of(recipe)
 
     def _read(self, query: sa.Select, values: dict[str, object] | None = None) -> Sequence[sa.Row]:
         """Every row of one statement, which is all that a look-up is: no transaction round it."""
