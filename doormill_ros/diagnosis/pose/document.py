@@ -20,7 +20,10 @@ IMITATED = 0.02
 
 
 def pose_document(
-    diagnosis: PoseDiagnosis, next_measurement: str, checks: list[dict[str, Any]]
+    diagnosis: PoseDiagnosis,
+    next_measurement: str,
+    next_poses: list[dict[str, Any]],
+    checks: list[dict[str, Any]],
 ) -> dict[str, Any]:
     """The content of diagnosis.json; every rmse is a 3-D position error and stands beside its rotation_rmse."""
     kept = [~bad for bad in diagnosis.gross]
@@ -59,6 +62,7 @@ def pose_document(
     document["not_distinguishable_from_placement"] = indistinguishable(diagnosis)
     document["coverage"] = coverage(diagnosis)
     document["next_measurement"] = next_measurement
+    document["next_poses"] = next_poses
     document["extended_model"] = MODEL_FILE
     document["checks"] = checks
     document["remarks"] = remarks(diagnosis)

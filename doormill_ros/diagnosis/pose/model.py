@@ -55,28 +55,30 @@ class PoseModel:
             q: Recorded or commanded joint angles, shape (n, 6) [rad].
             motion: Direction of each joint's last motion, -1, 0 (unknown) or +1, shape (n, 6); None: unknown.
         """
-        return self.frames(self._view(q, motion))[:, -1]
+        return self.frames(view_of(self, q, motion))[:, -1]
 
-    def _view(self, q: np.ndarray, motion: np.ndarray | None) -> SetView:
-        q = np.atleast_2d(np.asarray(q, dtype=float))
-        n = len(q)
-        data = PoseSet(
-            path=Path(),
-            robot=self.robot,
-            source="",
-            dh=self.dh,
-            links=self.links,
-            noise=(1.0, 1.0),
-            row=np.arange(n),
-            time=np.full(n, np.nan),
-            temperature=np.full(n, np.nan),
-            q=q,
-            position=np.zeros((n, 3)),
-            rotation=np.broadcast_to(np.eye(3), (n, 3, 3)),
-            placement=np.zeros(n, dtype=bool),
-        )
-        known = np.zeros(q.shape) if motion is None else np.broadcast_to(np.asarray(motion, float), q.shape)
-        return dataclasses.replace(make_view(data), motion=known)
+
+def view_of(model: PoseModel, q: np.ndarray, motion: np.ndarray | None = None) -> SetView:
+    """Joint angles (n, 6) [rad] as causes look at a series; `motion` as for `PoseModel.flange`."""
+    q = np.atleast_2d(np.asarray(q, dtype=float))
+    n = len(q)
+    data = PoseSet(
+        path=Path(),
+        robot=model.robot,
+        source="",
+        dh=model.dh,
+        links=model.links,
+        noise=(1.0, 1.0),
+        row=np.arange(n),
+        time=np.full(n, np.nan),
+        temperature=np.full(n, np.nan),
+        q=q,
+        position=np.zeros((n, 3)),
+        rotation=np.broadcast_to(np.eye(3), (n, 3, 3)),
+        placement=np.zeros(n, dtype=bool),
+    )
+    known = np.zeros(q.shape) if motion is None else np.broadcast_to(np.asarray(motion, float), q.shape)
+    return dataclasses.replace(make_view(data), motion=known)
 
 
 def model_document(model: PoseModel, source: str, others: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:

@@ -51,7 +51,7 @@ def render_report(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
         section("What no pose can tell from the placement", _gauge(document)),
         section("Course of the recording", charts(pictures.over_rows(diagnosis))),
         section("Joint angles that were visited", _coverage(document)),
-        section("What to measure next", f"<p>{escape(document['next_measurement'])}</p>"),
+        section("What to measure next", f"<p>{escape(document['next_measurement'])}</p>{_next(document)}"),
     ]
     if document["outliers_by_set"]:
         listed = "; ".join(
@@ -153,11 +153,16 @@ def _size(value: Any) -> float:
 
 def _rejected(entries: Sequence[dict[str, Any]], diagnosis: PoseDiagnosis) -> str:
     rows = [
-        [e["cause"], e["where"], *(f"{g:.0f} ({s:.1f})" for g, s in zip(
+        [e["cause"], e["where"], e["why"], *(f"{g:.0f} ({s:.1f})" for g, s in zip(
             e["gain_by_series"], e["standard_errors_by_series"], strict=True))]
         for e in entries
     ]  # fmt: skip
-    head = ("Cause", "Where", *(f"Gain in {data.name} (standard errors)" for data in diagnosis.sets))
+    head = (
+        "Cause",
+        "Where",
+        "Why not",
+        *(f"Gain in {data.name} (standard errors)" for data in diagnosis.sets),
+    )
     return table(head, rows)
 
 
@@ -179,6 +184,18 @@ def _coverage(document: dict[str, Any]) -> str:
         for e in document["coverage"]
     ]
     return table(("Joint", "Share of a turn", "Ranges [deg]"), rows)
+
+
+def _next(document: dict[str, Any]) -> str:
+    rows = [
+        [
+            str(i + 1),
+            ", ".join(f"{a:.1f}" for a in rad_to_deg(np.array(one["q"]))),
+            f"{one['information']:.1f}",
+        ]
+        for i, one in enumerate(document["next_poses"])
+    ]
+    return table(("", "Joint angles [deg]", "What it adds to the ones above [nat]"), rows) if rows else ""
 
 
 def _checks(document: dict[str, Any]) -> str:

@@ -14,7 +14,7 @@ from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, check_together,
 from doormill_ros.diagnosis.pose.document import BINS, bin_of, covered, pose_document
 from doormill_ros.diagnosis.pose.fit import deviation
 from doormill_ros.diagnosis.pose.model import model_document
-from doormill_ros.diagnosis.pose.next_poses import plan_next
+from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
 from doormill_ros.diagnosis.pose.placement import fit_placement
 from doormill_ros.diagnosis.pose.pose_set import PoseSet, read_pose_set
 from doormill_ros.diagnosis.pose.report import render_report
@@ -41,9 +41,11 @@ def run_pose_sets(
     diagnosis = diagnose_poses(sets, progress)
     progress("predicting the sets to check")
     checks = [check_set(diagnosis, other) for other in others]
-    sentence = plan_next(diagnosis)
+    progress("choosing poses to measure next")
+    poses = propose(diagnosis)
+    sentence = plan_next(diagnosis, poses)
     progress("writing the report")
-    document = pose_document(diagnosis, sentence, checks)
+    document = pose_document(diagnosis, sentence, listed(poses), checks)
     source = f"diagnosis of {', '.join(one.name for one in sets)}, verdict {diagnosis.verdict}"
     series = [c for c in document["causes"] if c["where"].startswith("set")]
     write_diagnosis(
