@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable, Sequence
 
@@ -23,8 +24,26 @@ def init(arguments: Sequence[str]) -> None:
     rclpy.init(args=[program, *shipped, *rest])
 
 
+def interrupt_once() -> None:
+    """Let the first interrupt end the process in order and the ones after it wait for that.
+
+    Under `ros2 launch` a Ctrl-C comes twice, from the terminal and from launch. To be called by a
+    process' main thread before rclpy.init, whose own handler passes the signal on.
+    """
+    interrupted = False
+
+    def end(*_: object) -> None:
+        nonlocal interrupted
+        if not interrupted:
+            interrupted = True
+            raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, end)
+
+
 def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None) -> int:
     """Run nodes in this process until interrupted; the body of every node's executable."""
+    interrupt_once()
     init(sys.argv if arguments is None else arguments)
     executor = MultiThreadedExecutor(num_threads=THREADS)
     nodes: list[ManagedNode] = []

@@ -55,9 +55,12 @@ def main(arguments: list[str] | None = None) -> int:
     # Late, so that --help answers at once.
     from doormill_ros.cell.summary import RunSummary
     from doormill_ros.nodes.cell import CellOptions, run_once
+    from doormill_ros.nodes.run import interrupt_once
     from doormill_ros.operator.token import new_token
     from doormill_ros.report.run_report import write_report
 
+    if arguments is None:
+        interrupt_once()
     camera: dict[str, object] = {"seed": options.seed, "pictures": not options.no_pictures}
     if options.offset is not None:
         y, z, rotation = options.offset

@@ -80,3 +80,12 @@ def test_the_bridge_waits_for_a_folder_that_is_not_there_yet(cell: CellProcesses
 
 def test_all_processes_are_there(cell: CellProcesses) -> None:
     assert sorted(cell.processes) == sorted(NODES)
+
+
+def test_two_interrupts_end_all_processes_cleanly(cell: CellProcesses) -> None:
+    """As under `ros2 launch`: one from the terminal, one from launch. The last test of the module."""
+    for _ in range(2):
+        for process in cell.processes.values():
+            process.send_signal(signal.SIGINT)
+    assert {name: cell.stop(name) for name in list(cell.processes)} == dict.fromkeys(NODES, 0)
+    assert not [name for name in NODES if "Traceback" in cell.log(name)]
