@@ -113,6 +113,8 @@ class ControllerSimulator(ManagedNode):
             self.report(ERROR, f"program stopped: {error.message}", error_code=error.code)
             self.get_logger().error(error.message)
         except Exception as error:
+            if not self.context.ok():
+                return  # interrupted: there is nobody left to tell
             self.report(ERROR, f"unexpected {type(error).__name__}: {error}")
             self.get_logger().error(traceback.format_exc())
 
