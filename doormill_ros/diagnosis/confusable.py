@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.diagnosis.causes.cause import Cause
-from doormill_ros.diagnosis.fit import Fit
+from doormill_ros.diagnosis.fit import Fit, score_without
 from doormill_ros.diagnosis.search import EQUAL, Search
 from doormill_ros.diagnosis.stability import beaten
 
@@ -31,8 +31,11 @@ def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[tup
     found: dict[tuple[str, str], tuple[Cause, Fit]] = {}
     for other, model in search.rivals(best, cause):
         nested = other.where == cause.where and cause.name in (other.generalises, other.name)
-        # A law that contains this one counts as another only if the data lean towards it.
-        nested = nested and (other.name == cause.name or model.score > best.score - LEANING)
+        if nested and other.name != cause.name:
+            # A law that contains this one counts as another only if the data lean towards it, or if
+            # what it adds can stand for all of this one.
+            leans = model.score < best.score - LEANING
+            nested = not (leans or _instead(search, best, model, other))
         if other.named and model.held_out_score < best.held_out_score + limit + _NEAR:
             model = search.polished(model)
         close = model.held_out_score < best.held_out_score + limit
@@ -44,6 +47,17 @@ def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[tup
             if all(other is not member for member in best.members):
                 found.setdefault(other.key, (other, model))
     return list(found.values())
+
+
+def _instead(search: Search, best: Fit, model: Fit, other: Cause) -> bool:
+    """Whether a law fits as well without its first number, which it shares with the law it contains."""
+    part = model.part(other)
+    starts = []
+    for start in other.starts(search.problem.case):
+        theta = model.theta.copy()
+        theta[part] = start
+        starts.append(theta)
+    return score_without(search.problem, model.members, starts, part.start) < best.score + EQUAL
 
 
 def _pairs_with_fewer_numbers(search: Search, best: Fit, cause: Cause) -> list[Fit]:

@@ -105,6 +105,26 @@ def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[np.ndarray]
     return _finish(problem, members, best[1], best[2], best[0])
 
 
+def score_without(
+    problem: Problem, members: Sequence[Cause], starts: Sequence[np.ndarray], index: int
+) -> float:
+    """Score of a model in which one number stays at zero, the best from several starts.
+
+    Args:
+        problem: The set.
+        members: Causes.
+        starts: Each of shape (p,).
+        index: The number that stays at zero.
+    """
+    scores = []
+    for start in starts:
+        theta = np.array(start, dtype=float)
+        theta[index] = 0.0
+        theta, _ = _descend(problem, tuple(members), theta, fixed=index)
+        scores.append(robust_sum(problem.predict(members, theta).cost))
+    return min(scores)
+
+
 def _starts(problem: Problem, members: tuple[Cause, ...]) -> list[np.ndarray]:
     starts = [np.zeros(0)]
     for cause in members:
