@@ -19,4 +19,13 @@ def imports_of(path: Path) -> set[str]:
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path} uses a relative import"
             found.add(node.module)
+        elif isinstance(node, ast.Call) and _name(node.func) == "import_module" and node.args:
+            first = node.args[0]
+            if isinstance(first, ast.Constant) and isinstance(first.value, str):
+                found.add(first.value)  # an optional dependency
     return found
+
+
+def _name(function: ast.expr) -> str:
+    """The last part of what is called."""
+    return getattr(function, "attr", getattr(function, "id", ""))
