@@ -1,6 +1,6 @@
 """How far the diagnosis brings the measured UR10: whole procedure repeated without the rows it is judged on.
 
-python bench/diagnosis_ur10.py [--folds 5] [--data ../shared/data/ur10]
+python bench/diagnosis_ur10.py [--folds 5] [--only blocks|series] [--data ../shared/data/ur10]
 
 Unlike the figures in diagnosis.json, where the list of causes and orders comes from all rows, everything is
 done anew here for every part left out: search, selection, fit.
@@ -45,7 +45,8 @@ def figures(errors: np.ndarray) -> str:
     most = size[size < GROSS]
     turn = 1e6 * np.sqrt(np.mean(np.sum(errors[:, 3:] ** 2, axis=1)))
     return (
-        f"rms {np.sqrt(np.mean(size**2)):.0f} um, without {len(size) - len(most)} rows beyond 1 mm {np.sqrt(np.mean(most**2)):.0f} um, "
+        f"rms {np.sqrt(np.mean(size**2)):.0f} um, without {len(size) - len(most)} rows beyond 1 mm "
+        f"{np.sqrt(np.mean(most**2)):.0f} um, "
         f"median {np.median(size):.0f} um, rotation {turn:.0f} urad"
     )
 
@@ -57,12 +58,21 @@ def main() -> None:
     parser.add_argument(
         "--data", type=Path, default=Path(__file__).resolve().parents[2] / "shared" / "data" / "ur10"
     )
+    parser.add_argument("--only", choices=("blocks", "series"), help="leave out these alone")
     chosen = parser.parse_args()
     sets = [read_pose_set(chosen.data / name) for name in NAMES]
+    if chosen.only != "series":
+        leave_blocks_out(sets, chosen.folds)
+    if chosen.only != "blocks":
+        leave_series_out(sets)
+
+
+def leave_blocks_out(sets: list[PoseSet], folds: int) -> None:
+    """Every so many-th block of each series predicted by a diagnosis without it."""
     start = time.perf_counter()
     errors = [np.zeros((len(data), 6)) for data in sets]
-    for fold in range(chosen.folds):
-        out = [np.concatenate(contiguous(len(data))[fold :: chosen.folds]) for data in sets]
+    for fold in range(folds):
+        out = [np.concatenate(contiguous(len(data))[fold::folds]) for data in sets]
         rest = [np.setdiff1d(np.arange(len(data)), rows) for data, rows in zip(sets, out, strict=True)]
         found = diagnose_poses([part_of(data, rows) for data, rows in zip(sets, rest, strict=True)])
         for series, (data, rows) in enumerate(zip(sets, out, strict=True)):
@@ -74,6 +84,10 @@ def main() -> None:
         sizes = [np.sqrt(np.mean(np.sum(error[b, :3] ** 2, axis=1))) for b in contiguous(len(data))]
         print("  by block:", " ".join(f"{1e6 * size:.0f}" for size in sizes), "um")
     print(f"blocks left out, all: {figures(np.concatenate(errors))}", flush=True)
+
+
+def leave_series_out(sets: list[PoseSet]) -> None:
+    """Every series predicted by a diagnosis of the others, placed by its marked rows."""
     for index, data in enumerate(sets):
         found = diagnose_poses([other for i, other in enumerate(sets) if i != index])
         checked = check_set(found, data)

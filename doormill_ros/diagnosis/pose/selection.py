@@ -146,6 +146,9 @@ def _status(score: Score, worth: float) -> str:
     helped = (score.gain > WORTH) & (score.sure > 2.0)
     if helped.sum() < 2:
         return ONE_SERIES
-    # A series at angles that no other visited may lose by it; where most lose, it is the others' habit.
+    # A series at angles that no other visited may lose by it; where most lose, it is the others' habit. One series
+    # alone teaches too little to judge by that, and the lengths and angles of a link are nobody's habit.
+    if len(score.transfer) < 3 or score.cause.name == "link_geometry":
+        return REAL
     harmed = score.transfer.sum() < 0.0 and 2 * np.sum(score.transfer < 0.0) > len(score.transfer)
     return NOT_CARRIED if harmed else REAL
