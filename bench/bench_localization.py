@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -23,6 +24,7 @@ from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare
+from doormill_ros.localization.settings import load_settings
 from doormill_ros.localization.view import face_view
 from doormill_ros.simulation.picture import render_picture
 from doormill_ros.simulation.picture_corpus import corpus
@@ -47,15 +49,17 @@ def timed(call, *args):
 def look(count: int, seed: int) -> dict:
     """Localise every picture by every means."""
     camera, layout = load_camera(), load_layout()
+    known = load_settings().picture_only()  # the corpus gives every door its true thickness and mounting
     errors, times = {k: [] for k in (OURS, HOUGH, LSD)}, {k: [] for k in (OURS, HOUGH, LSD)}
     account = {"acceptable": 0, "accepted": 0, "wrong": [], "refused": {}, "normalized": []}
+    ours = partial(localize, settings=known)
     for i, item in enumerate(corpus(count, seed)):
         scene = item.scene
         picture = render_picture(scene, item.seed)
         true = np.array([scene.offset.y, scene.offset.z, scene.offset.rotation])
         prepare(camera, layout, scene.width, scene.thickness)  # as the peers' strips are, before the picture
         try:
-            found, seconds = timed(localize, picture, camera, layout, scene.width, scene.thickness)
+            found, seconds = timed(ours, picture, camera, layout, scene.width, scene.thickness)
         except LocalizationError as reason:
             found = None
             account["refused"].setdefault(item.label, []).append(type(reason).__name__)

@@ -182,6 +182,6 @@ def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float, r
         middle=middle,
         tilts=tilts,
         scores=scores(np.arange(near), tilts),
-        texture=scores(np.arange(near + WING, count - WING), tilts[len(tilts) % 4 // 2 :: 4]),
+        texture=scores(np.arange(near + WING, count - WING), tilts[len(tilts) % 3 // 2 :: 3]),
         brightness=column_medians(values[first::per])[inside],
     )

@@ -9,12 +9,14 @@ import numpy as np
 from scipy.special import ndtr
 
 from doormill_ros.localization.profiles import Profiles
+from doormill_ros.localization.texture import PIXEL_VARIANCE, Surface, covariance_function, step_design
 
-_BIN = 0.5  # px
-_BLURS = np.geomspace(0.45, 9.0, 40)  # px
+_FINE = 2  # bins a pixel
+_BLURS = np.geomspace(0.45, 9.0, 18)  # px
+_MODEL = 4.0e-3  # how far a true point spread is from a Gaussian one, as a share of the step
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Spread:
     """Blur of an edge.
 
@@ -22,52 +24,110 @@ class Spread:
         blur: Standard deviation of the point spread [px].
         misfit: RMS difference of the mean profile from one blurred step, as a share of the step.
         level: Standard error of `misfit` expected from the rows' scatter.
+        mean: Mean profile of the rows near their line, as a share of the step, shape (m,).
+        error: Its standard error, shape (m,).
     """
 
     blur: float
     misfit: float
     level: float
+    mean: np.ndarray
+    error: np.ndarray
 
 
 @lru_cache(maxsize=16)
-def _templates(half: int) -> tuple[np.ndarray, np.ndarray]:
-    """Projectors (b, m, m) onto what a blurred step at the origin leaves unexplained; bin centres (m,)."""
-    place = np.arange(-half + 0.5, half - 0.5 + 1e-9, _BIN)
-    sigma = np.sqrt(_BLURS**2 + 1.0 / 12.0)[:, None]
-    slope = np.exp(-0.5 * (place / sigma) ** 2) / (np.sqrt(2 * np.pi) * sigma)
-    design = np.stack([np.broadcast_to(1.0, slope.shape), ndtr(place / sigma), slope], axis=-1)
-    projector = np.eye(place.size) - design @ np.linalg.pinv(design)
-    return projector, place
+def _templates(half: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Blurred steps (b, m, 3), projectors (b, m, m) onto what they leave unexplained; bin centres (m,)."""
+    place = np.arange(-half + 0.5, half - 0.5 + 1e-9, 1 / _FINE)
+    design = np.stack([step_design(place, blur) for blur in _BLURS])
+    return design, np.eye(place.size) - design @ np.linalg.pinv(design), place
 
 
-def edge_spread(profiles: Profiles, shift: np.ndarray, good: np.ndarray) -> Spread:
+def _lay_over(shape: np.ndarray, index: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and its standard error (size,) of `shape` in the bins `index`; index `size` is nowhere."""
+    index = index.ravel()
+    count = np.bincount(index, minlength=size + 1)[:size]
+    total = np.bincount(index, weights=shape.ravel(), minlength=size + 1)[:size]
+    square = np.bincount(index, weights=(shape * shape).ravel(), minlength=size + 1)[:size]
+    many = np.maximum(count, 1)
+    mean = total / many
+    if not count.all():
+        filled = np.flatnonzero(count)
+        mean = np.interp(np.arange(size), filled, mean[filled])
+    return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many)
+
+
+def edge_spread(profiles: Profiles, shift: np.ndarray, near: np.ndarray) -> Spread:
     """Blur and singleness of an edge.
 
     Args:
         profiles: Rows across the edge.
         shift: Distance of the fitted line from the middle of each row's pixels [px], shape (n,).
-        good: Rows to use, shape (n,), bool.
+        near: Rows whose edge point lies near the line: chips would smear the step, shape (n,), bool.
     """
     half = profiles.values.shape[1] // 2
-    projector, place = _templates(half)
-    step = profiles.contrast[good, None]
-    shape = (profiles.values[good] - profiles.level[good, None]) / step
+    _, projector, place = _templates(half)
+    good = profiles.edge_like
+    shape = (profiles.values[good] - profiles.level[good, None]) / profiles.contrast[good, None]
     at = np.arange(-half, half + 1) - shift[good, None]
-    index = np.rint((at - place[0]) / _BIN).astype(int)
-    inside = (index >= 0) & (index < place.size)
-    count = np.bincount(index[inside], minlength=place.size)
-    total = np.bincount(index[inside], weights=shape[inside], minlength=place.size)
-    square = np.bincount(index[inside], weights=shape[inside] ** 2, minlength=place.size)
-    many = np.maximum(count, 1)
-    mean = total / many
-    if np.any(count == 0):
-        mean = np.interp(place, place[count > 0], mean[count > 0])
-    error = np.sqrt(np.maximum(square / many - mean**2, 0) / many)
-    left = np.einsum("bij,j->bi", projector, mean)
-    costs = np.mean(left**2, axis=1)
-    i = int(np.clip(np.argmin(costs), 1, len(_BLURS) - 2))
-    a, b, c = costs[i - 1 : i + 2]
+    index = np.rint((at - place[0]) * _FINE).astype(np.intp)
+    index[(index < 0) | (index >= place.size)] = place.size
+    mean, error = _lay_over(shape, index, place.size)
+    misfit = np.sqrt(np.min(_left_over(projector, mean)))
+    level = float(np.sqrt(np.mean(error**2)))
+    near = near[good]
+    if 2 * np.count_nonzero(near) > near.size > np.count_nonzero(near):
+        mean, error = _lay_over(shape[near], index[near], place.size)
+    return Spread(_lowest(_left_over(projector, mean)), float(misfit), level, mean, error)
+
+
+def _left_over(projector: np.ndarray, mean: np.ndarray) -> np.ndarray:
+    """Mean square (b,) of what each blur leaves of a profile unexplained."""
+    left = projector @ mean
+    return np.einsum("bm,bm->b", left, left) / mean.size
+
+
+def _lowest(costs: np.ndarray) -> float:
+    """The blur with the lowest cost, between those tried [px]."""
+    i = min(max(int(np.argmin(costs)), 1), len(_BLURS) - 2)
+    a, b, c = (float(v) for v in costs[i - 1 : i + 2])
     bend = a - 2 * b + c
-    move = np.clip(0.5 * (a - c) / bend, -1, 1) if bend > 0 else 0.0
-    blur = float(_BLURS[i] * (_BLURS[1] / _BLURS[0]) ** move)
-    return Spread(blur, float(np.sqrt(costs[i])), float(np.sqrt(np.mean(error**2))))
+    move = min(max(0.5 * (a - c) / bend, -1.0), 1.0) if bend > 0 else 0.0
+    return float(_BLURS[i] * (_BLURS[1] / _BLURS[0]) ** move)
+
+
+def textured_blur(spread: Spread, step: float, inside: Surface, outside: Surface) -> float:
+    """Blur of an edge [px] with streaks along it taken for what they are, by generalised least squares.
+
+    Streaks lie over each other in all rows and remain in the mean profile, where they look
+    like a softer edge.
+
+    Args:
+        spread: From `edge_spread`.
+        step: Step at the edge [grey levels].
+        inside: Texture of the face.
+        outside: Texture of what lies behind it.
+    """
+    if max(inside.lasting.max(), outside.lasting.max()) < (_MODEL * step) ** 2:
+        return spread.blur
+    half = (spread.mean.size + 3) // (2 * _FINE)
+    design, _, place = _templates(half)
+    out = ndtr(place / np.sqrt(spread.blur**2 + PIXEL_VARIANCE))
+    lag = _lags(place.size)
+    covariance = np.diag(spread.error**2 + _MODEL**2)
+    for share, side in ((1.0 - out, inside), (out, outside)):
+        covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
+    columns = np.column_stack([design[0, :, 0], design[:, :, 1].T, design[:, :, 2].T, spread.mean])
+    products = columns.T @ np.linalg.solve(covariance, columns)
+    count = len(_BLURS)
+    part = np.stack(
+        [np.zeros(count, dtype=np.intp), 1 + np.arange(count), 1 + count + np.arange(count)], axis=1
+    )
+    moment = products[part, -1]
+    explained = np.linalg.solve(products[part[:, :, None], part[:, None, :]], moment[..., None])[..., 0]
+    return _lowest(-np.einsum("bi,bi->b", moment, explained))
+
+
+@lru_cache(maxsize=4)
+def _lags(size: int) -> np.ndarray:
+    return np.abs(np.arange(size)[:, None] - np.arange(size))

@@ -16,12 +16,13 @@ from doormill_ros.localization.robust import median
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 
 _MARGIN = 2.0e-3  # how far beyond the largest displacement of an edge the search reaches [m]
-_INSIDE = 45.0e-3  # how much of the face beside an edge serves to learn its texture [m]
+_INSIDE = 30.0e-3  # how much of the face beside an edge serves to learn its texture [m]
 _SIGNIFICANT = 4.0  # an edge stands out of the texture by that many standard deviations,
 _CERTAIN = 7.0  # and by that many if a line further out is more than twice as strong
 _FLOOR = 0.25  # texture that noise alone makes [grey levels]
 _FAINTEST = 3.5  # smallest step taken for an edge [grey levels]
 _STRAY = 0.5e-3  # lines that far out of range are passed over if others are in range [m]
+_NEAR_CORNER = (16.0e-3, 32.0e-3)  # an edge must show within the second, one of the two within the first [m]
 _PARALLEL = 9.0e-3  # largest difference between the tilts of the two edges, as far as the search sees [rad]
 
 
@@ -107,17 +108,21 @@ def meet(hinge: Line, bottom: Line) -> np.ndarray:
 
 def _ends_at_corner(steps: dict[str, Steps], hinge: Line, bottom: Line, corner: np.ndarray) -> bool:
     """Whether both edges are there near the corner and at least one of them ends in it."""
-    beyond = []
+    beyond, close = [], []
     for edge, line, at in ((HINGE, hinge, corner[1]), (BOTTOM, bottom, corner[0])):
-        # Chips may have taken more than half of the wood near the corner.
+        # Chips may have taken more than half of the wood near the corner, or a clamp may hide it.
         sign = np.sign(line.step)
         quantile = 0.6 if sign > 0 else 0.4
-        inside = steps[edge].along_line(line.across, line.tilt, at + 0.8e-3, at + 16.0e-3, quantile)
-        if inside * sign < 0.35 * abs(line.step):
+        near, far = (
+            sign * steps[edge].along_line(line.across, line.tilt, at + 0.8e-3, at + reach, quantile)
+            for reach in _NEAR_CORNER
+        )
+        if max(near, far) < 0.35 * abs(line.step):
             return False
+        close.append(near > 0.35 * abs(line.step))
         outside = steps[edge].along_line(line.across, line.tilt, at - 3.0e-3, at - 0.9e-3)
-        beyond.append(abs(outside) > 0.5 * abs(inside))
-    return not all(beyond)
+        beyond.append(sign * outside > 0.5 * max(near, far))
+    return any(close) and not all(beyond)
 
 
 def search_bands(view: FaceView, limit: float, rotation: float) -> dict[str, Band]:

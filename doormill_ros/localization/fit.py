@@ -13,11 +13,14 @@ import numpy as np
 from doormill_ros.localization.robust import median
 
 _PIECE = 6.0e-3  # length over which deviations are averaged [m]; a sawn edge wanders over 2 mm
-# Of Gaussian wander over 2 mm, averages over 6 mm hold a quarter too little variance; the biweight takes
-# another eighth off the largest of them.
-_PIECE_BIAS = 1.4
+# Of Gaussian wander over 2 mm, averages over 6 mm hold a fifth too little variance; the biweight and the
+# search for chips take another quarter off the largest of them.
+_PIECE_BIAS = 1.6
 _CUT = 4.7  # Tukey's biweight ends at that many standard deviations
 _FINEST = 2.0e-7  # smallest scatter believed [m]
+_CHIP = 1.0e-3  # length over which points are averaged to see chips in noise [m]
+_CHIP_CUT = 6.0  # such averages lose weight from half that many standard deviations, and have none beyond
+_DOUBTED = 0.1  # least weight of a point in them
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +36,8 @@ class LineFit:
         residuals: Of all points [m], shape (n,).
         inliers: Points that agree with the line, shape (n,), bool.
         scatter: RMS residual of the inliers [m].
+        variance: That independent points would need to make the line as uncertain as it is [m^2].
+        freedom: Degrees of freedom of `variance`.
     """
 
     place: float
@@ -43,6 +48,8 @@ class LineFit:
     residuals: np.ndarray
     inliers: np.ndarray
     scatter: float
+    variance: float
+    freedom: float
 
     def pushed(self, place_variance: float, slope_variance: float) -> LineFit:
         """This line with the uncertainty [m^2], [-] that texture beside the edge adds."""
@@ -84,16 +91,19 @@ def fit_line(
         if step < 0:  # the guess may be off by more than the scatter: least absolute distances
             weight = scale / np.maximum(np.abs(residual), scale)
         else:
-            weight = np.clip(1 - (residual / (_CUT * scale)) ** 2, 0, None) ** 2
+            weight = np.maximum(1 - (residual / (_CUT * scale)) ** 2, 0.0) ** 2
+            if step == rounds - 1 > 1:
+                weight *= _unchipped(x, residual, weight)
         middle, place, slope = _weighted_line(x, y, weight)
         if step == rounds - 3:
             x, y = every
         residual = y - place - slope * (x - middle)
-    variance = _point_variance(x, residual, weight)
+    variance, freedom = _point_variance(x, residual, weight) if rounds > 2 else (scale**2, 1.0)
     lever = x - middle
     square = weight**2
     residuals = across - place - slope * (along - middle)
     inliers = usable & (np.abs(residuals) < _CUT * scale)
+    inliers[usable] &= weight > 0
     return LineFit(
         float(place),
         float(slope),
@@ -103,21 +113,57 @@ def fit_line(
         residuals,
         inliers,
         float(np.sqrt((weight @ residual**2) / weight.sum())),
+        variance,
+        freedom,
     )
 
 
-def _point_variance(along: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> float:
-    """Variance that independent points would need to make a line as uncertain as it is [m^2]."""
-    piece = ((along - along.min()) / _PIECE).astype(int)
-    sums = np.bincount(piece, weights=weight * residual)
-    squares = np.bincount(piece, weights=weight**2)
+def _unchipped(along: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Weights (n,) that leave out chips too shallow to be told from noise point by point."""
+    half = max(round(0.5 * _CHIP * (along.size - 1) / abs(along[-1] - along[0])), 1)
+    weight = np.maximum(weight, _DOUBTED)
+    sums = np.zeros((2, along.size + 1))
+    np.cumsum(weight * residual, out=sums[0, 1:])
+    np.cumsum(weight, out=sums[1, 1:])
+    at = np.arange(along.size)
+    part = sums[:, np.minimum(at + half + 1, along.size)] - sums[:, np.maximum(at - half, 0)]
+    average = np.abs(part[0] / part[1])
+    limit = _CHIP_CUT * (1.4826 * median(average) + _FINEST)
+    return np.minimum(np.maximum(2 - 2 * average / limit, 0.0), 1.0)
+
+
+def _point_variance(along: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
+    """Variance that independent points would need to make a line as uncertain as it is [m^2], and its freedom."""
+    third = ((along - along.min()) * (3 / _PIECE)).astype(np.intp)
+    # Pieces overlap by two thirds: half as many degrees of freedom more than those side by side have.
+    sums = np.convolve(np.bincount(third, weights=weight * residual), np.ones(3), "valid")
+    squares = np.convolve(np.bincount(third, weights=weight**2), np.ones(3), "valid")
     used = squares > 0.2 * squares.max()
-    free = max(int(used.sum()) - 2, 1)
-    # Of few pieces the variance is itself uncertain; this factor makes normalized errors spread as they should.
-    student = free / max(free - 2.0, 0.5)
-    wander = _PIECE_BIAS * student * (sums[used] @ sums[used]) / squares[used].sum() * (free + 2) / free
+    pieces = squares.sum() / squares.max() / 3
+    fitted = (pieces + 0.5) / max(pieces - 1.5, 1.0)  # the line went along with the pieces
+    wander = _PIECE_BIAS * fitted * (sums[used] @ sums[used]) / squares[used].sum()
     white = (weight**2 @ residual**2) / (weight**2).sum()
-    return float(max(wander, white))
+    return float(max(wander, white)), float(max(1.5 * pieces - 2, 1.0))
+
+
+def pooled(lines: dict[str, LineFit]) -> dict[str, LineFit]:
+    """Lines along edges that one saw has cut, their uncertainty learned half from themselves, half from all.
+
+    An edge of 70 mm is a dozen pieces long, from which its variance is known to a third only;
+    poses that are stated too sure for that reason are the tail of the normalized errors.
+    """
+    freedom = sum(line.freedom for line in lines.values())
+    common = sum(line.freedom * line.variance for line in lines.values()) / freedom
+    out = {}
+    for name, line in lines.items():
+        others = freedom - line.freedom
+        variance = (line.freedom * line.variance + others * common) / freedom
+        # A variance that is itself uncertain: this makes normalized errors spread as they should.
+        share = variance / line.variance * freedom / max(freedom - 2.0, 0.5)
+        out[name] = replace(
+            line, place_variance=share * line.place_variance, slope_variance=share * line.slope_variance
+        )
+    return out
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,17 +51,17 @@ def localize(
     checks.check_square(fit)
     offset = DoorOffset(*(float(v) for v in fit.pose))
     checks.check_range(offset, layout.limits)
-    covariance = _covariance(fit, view, settings)
-    checks.check_certainty(covariance, traces[HINGE].line, traces[BOTTOM].line, settings)
+    # A better picture cannot help against a wrong thickness or mounting: only the picture's own part is judged.
+    checks.check_certainty(fit.covariance, traces[HINGE].line, traces[BOTTOM].line, settings)
     inlier = np.concatenate([t.line.inliers for t in traces.values()])
     residual = np.concatenate([t.line.residuals for t in traces.values()])[inlier]
     return Localization(
         T_base_door=layout.T_base_door(width, thickness, offset),
         offset=offset,
-        covariance=covariance,
+        covariance=_covariance(fit, view, settings),
         residual=float(np.sqrt(np.mean(residual**2))),
         inlier_share=float(inlier.mean()),
-        quality=_quality(traces, covariance, settings),
+        quality=_quality(traces, fit.covariance, settings),
         corner=view.pixels(fit.pose[:2]),
         pixel=float(view.pixel),
         edges=tuple(_edge_trace(view, trace, fit) for trace in traces.values()),

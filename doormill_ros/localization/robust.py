@@ -7,9 +7,10 @@ import numpy as np
 
 def median(values: np.ndarray) -> float:
     """Upper median of values of any shape, at least one."""
-    flat = values.ravel()
+    flat = values.flatten()
     middle = flat.size // 2
-    return float(np.partition(flat, middle)[middle])
+    flat.partition(middle)
+    return float(flat[middle])
 
 
 def column_medians(values: np.ndarray) -> np.ndarray:

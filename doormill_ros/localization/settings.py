@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -21,9 +21,10 @@ class LocalizerSettings:
         max_age: Age from which a picture is stale [s].
         max_blur: Softest edge, standard deviation of its point spread [px].
         min_inlier_share: Share of each edge's visible length that must agree with its line.
-        max_deviation: Largest standard deviation of y, z [m] and rotation [rad] of a pose given away.
+        max_deviation: Largest standard deviation of y, z [m] and rotation [rad] that a picture may leave.
         mounting_deviation: Standard deviation of the camera's mounting in y, z [m] and rotation [rad].
-        thickness_deviation: Standard deviation of the door's thickness from its recipe [m].
+        thickness_deviation: Standard deviation of the face's distance, from the door's thickness and its seat in
+            the clamp [m].
     """
 
     squareness: float
@@ -33,6 +34,10 @@ class LocalizerSettings:
     max_deviation: tuple[float, float, float]
     mounting_deviation: tuple[float, float, float]
     thickness_deviation: float
+
+    def picture_only(self) -> LocalizerSettings:
+        """These settings where thickness, seat and mounting are known exactly: the covariance is the picture's own."""
+        return replace(self, mounting_deviation=(0.0, 0.0, 0.0), thickness_deviation=0.0)
 
 
 def load_settings(path: Path | None = None) -> LocalizerSettings:

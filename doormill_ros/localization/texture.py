@@ -1,9 +1,9 @@
 """What wood grain beside an edge does to the edge's place, and the weights that suffer least.
 
 Streaks along an edge do not average out over its length. Their statistics are read off the
-strips beside the edge as variograms, gamma(lag) = E[(v(x + lag) - v(x))^2] / 2: the weights are
-then the generalised least squares ones for a step in that texture, and the same weights laid
-over the face beside the edge show how far the edge may have been pushed.
+strips beside the edge as variograms, gamma(lag) = E[(v(x + lag) - v(x))^2] / 2, those of streaks
+from pairs of rows far apart. The weights are the generalised least squares ones for a step in that
+texture; laid over the face beside the edge they show how far the edge may have been pushed.
 """
 
 from __future__ import annotations
@@ -16,14 +16,16 @@ from scipy.special import ndtr
 
 from doormill_ros.localization.robust import median
 
-PHASES = 8  # sub-pixel phases for which weights are kept
+PHASES = 4  # sub-pixel phases for which weights are kept
 PIXEL_VARIANCE = 1.0 / 12.0  # what the pixel's own width adds to the point spread [px^2]
 _TRIM = 0.9  # share of the rows used, the calmest; the others hold dust and chips
 _FLOOR = 0.1  # variance that rounding to grey levels makes
 _ARM = 4  # px averaged on each side of a step looked for in the face
 # Such a step counts from this many times the usual difference, this share of the edge's step, these levels.
 _INNER_USUAL, _INNER_SHARE, _INNER_LEAST = 8.0, 0.15, 2.5
-_STIFFNESS = 0.02  # share of white noise assumed beside the texture; keeps the weights smooth
+_AVERAGED = 30.0  # rows over which what is no streak averages out; more would trust single rows too little
+_STIFFNESS = 0.003  # share of white noise assumed beside the texture; keeps the weights smooth
+_LEAST_NOISE = 1.0e-3  # and its least variance [grey levels^2]
 
 
 def step_design(place: np.ndarray, blur: float) -> np.ndarray:
@@ -38,19 +40,53 @@ def phase_places(half: int) -> np.ndarray:
     return np.arange(-half, half + 1)[None] - ((np.arange(PHASES) + 0.5) / PHASES - 0.5)[:, None]
 
 
-def variogram(strip: np.ndarray, lags: int) -> np.ndarray:
-    """gamma(0..lags) of rows of pixels (n, m) on one surface; where lag >= m the last value is kept."""
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Texture of a surface beside an edge as variograms, gamma(0..lags) [grey levels^2].
+
+    Attributes:
+        rows: Of pixels in one row: all texture, and the noise.
+        lasting: Of what rows far apart have in common: streaks along the edge.
+    """
+
+    rows: np.ndarray
+    lasting: np.ndarray
+
+
+def surface(strip: np.ndarray, lags: int, apart: int, most: float) -> Surface:
+    """Learn the texture of rows of pixels (n, m); where lag >= m the last value is kept.
+
+    Args:
+        strip: Rows of pixels on one surface.
+        lags: Largest lag wanted [px].
+        apart: Rows so many numbers apart have only streaks in common.
+        most: Largest standard deviation believed to be texture [grey levels].
+    """
+    count = len(strip)
     level = strip - strip.mean(axis=1, keepdims=True)
     liveliness = np.einsum("nm,nm->n", level, level)
-    keep = max(int(_TRIM * len(strip)), 1)
-    calm = level[np.argpartition(liveliness, keep - 1)[:keep]]
-    products = calm.T @ calm / keep
-    power = np.diag(products)
-    squares = power[:, None] + power - 2 * products  # E[(v_i - v_j)^2]
-    lag, count = _lags(strip.shape[1])
-    out = 0.5 * np.bincount(lag, weights=squares.ravel()) / count
-    out[1:] += _FLOOR
-    return out[np.minimum(np.arange(lags + 1), out.size - 1)]
+    keep = max(int(_TRIM * count), 1)
+    calm = liveliness <= np.partition(liveliness, keep - 1)[keep - 1]
+    level *= calm[:, None]
+    rows = _variogram(level.T @ level / keep)
+    rows[1:] += _FLOOR
+    apart = min(apart, count // 2)
+    pairs = max(int(np.count_nonzero(calm[apart:] & calm[: count - apart])), 1)
+    cross = level[apart:].T @ level[: count - apart] / pairs
+    lasting = np.maximum(_variogram(0.5 * (cross + cross.T)), 0.0)
+    last = np.minimum(np.arange(lags + 1), rows.size - 1)
+    return Surface(
+        rows[last] * min(1.0, most**2 / rows.max()),
+        lasting[last] * min(1.0, most**2 / (lasting.max() + 1e-9)),
+    )
+
+
+def _variogram(products: np.ndarray) -> np.ndarray:
+    """E[(v_i - v_j)^2] / 2 by lag, of E[v_i v_j]."""
+    power = products.diagonal()
+    squares = power[:, None] + power - 2 * products
+    lag, count = _lags(len(products))
+    return 0.5 * np.bincount(lag, weights=squares.ravel()) / count
 
 
 @lru_cache(maxsize=8)
@@ -60,28 +96,48 @@ def _lags(size: int) -> tuple[np.ndarray, np.ndarray]:
     return lag, np.bincount(lag)
 
 
-def step_weights(half: int, blur: float, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
+def covariance_function(gamma: np.ndarray, fine: int = 1) -> np.ndarray:
+    """Covariance at lags 0, 1 / fine .. n whose variogram is nearest to gamma(0..n).
+
+    Its spectrum is made non-negative, for a variogram learned from a few rows need not be one.
+    Levels are fitted beside it, so that any constant may be added to it.
+    """
+    count = gamma.size - 1
+    power = gamma.max() - gamma
+    spectrum = np.maximum(np.fft.rfft(np.concatenate([power, power[-2:0:-1]])).real, 0.0)
+    return fine * np.fft.irfft(spectrum, 2 * count * fine)[: count * fine + 1]
+
+
+def step_weights(half: int, blur: float, inside: Surface, outside: Surface) -> np.ndarray:
     """Generalised least squares weights (PHASES, 3, w) of level, step and shift x step.
 
-    Both sides of the edge count alike, though often only one has texture: weights that lean to
-    one side would turn every difference of the true point spread from the assumed one into a
-    shift of the edge.
+    Each side of the edge has its own texture, which ends there. Weights so one-sided would turn a
+    point spread taken for too wide or too narrow into a shift; the fourth column of the design, the
+    derivative with respect to its width, makes them blind for that. Streaks last along the edge while the
+    rest averages out, so the rest counts by its share in _AVERAGED rows only.
 
     Args:
         half: Pixels on each side of a window's middle.
         blur: Standard deviation of the point spread [px].
-        inside: Variogram of the face up to lag 2 half.
-        outside: Variogram of what lies behind it.
+        inside: Texture of the face, at least up to lag 2 half.
+        outside: Texture of what lies behind it.
     """
-    design = step_design(phase_places(half), blur)
+    place = phase_places(half)
+    sigma = np.sqrt(blur**2 + PIXEL_VARIANCE)
+    design = step_design(place, blur)
+    design = np.concatenate([design, (place / sigma)[..., None] * design[..., 2:]], axis=-1)
     lag = np.abs(np.arange(2 * half + 1)[:, None] - np.arange(2 * half + 1))
-    gamma = 0.5 * (inside + outside)
-    # The levels of both sides are fitted, so any constant may be added to a covariance.
-    covariance = gamma.max() - gamma[lag] + _STIFFNESS * gamma.max() * np.eye(2 * half + 1)
+    out = ndtr(place / sigma)
+    covariance = np.zeros((PHASES, 2 * half + 1, 2 * half + 1))
+    noise = 0.0
+    for share, side in ((1.0 - out, inside), (out, outside)):
+        function = covariance_function((side.lasting + side.rows / _AVERAGED)[: 2 * half + 1])
+        covariance += share[:, :, None] * share[:, None, :] * function[lag]
+        noise = max(noise, _STIFFNESS * function[0])
+    covariance += (noise + _LEAST_NOISE) * np.eye(2 * half + 1)
     weighted = np.linalg.solve(covariance, design)
-    return np.linalg.solve(np.swapaxes(design, 1, 2) @ weighted, np.swapaxes(weighted, 1, 2)).astype(
-        np.float32
-    )
+    weights = np.linalg.solve(np.swapaxes(design, 1, 2) @ weighted, np.swapaxes(weighted, 1, 2))
+    return weights[:, :3].astype(np.float32)
 
 
 def streaks(common: np.ndarray) -> float:

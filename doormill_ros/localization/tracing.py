@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.localization import checks
-from doormill_ros.localization.blur import Spread, edge_spread
-from doormill_ros.localization.fit import LineFit, fit_line
+from doormill_ros.localization.blur import Spread, edge_spread, textured_blur
+from doormill_ros.localization.fit import LineFit, fit_line, pooled
 from doormill_ros.localization.profiles import Profiles, crossing, gather, measure, plain_weights
-from doormill_ros.localization.robust import column_medians
+from doormill_ros.localization.robust import column_medians, median
 from doormill_ros.localization.settings import LocalizerSettings
-from doormill_ros.localization.texture import push, step_inside, step_weights, streaks, variogram
+from doormill_ros.localization.texture import push, step_inside, step_weights, streaks, surface
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 
 _WIDE_BLUR, _WIDE_HALF = 3.0, 12  # px; wide enough to catch an edge four pixels from where the search has it
@@ -21,6 +21,10 @@ _EVERY = 6  # rows left out while focusing in
 # by more than the third, blur and texture are learned again.
 _CAUGHT, _NEAR, _FAR = 1.5, 0.6, 1.2
 _REACH = 2.5  # pixels looked at on each side of an edge, in standard deviations of its blur
+_MOST_BLURRED, _WIDEST = 14, 28  # px; half width of the widest window, and its largest lag
+_CLEAR = 3.0  # rows nearer to their line than that many standard deviations tell the blur
+_LASTING = 8.0e-3  # rows that far apart have only streaks in common [m]
+_TEXTURE = 0.25  # largest standard deviation of a texture, as a share of the step
 _LOOK_INSIDE, _FACE_STRIP, _BACK_STRIP = 90, 40, 12  # px; surfaces beside an edge whose texture is learned
 
 
@@ -91,13 +95,13 @@ class _Lens:
     inner: float | None
 
 
-def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles) -> _Lens:
-    """Learn blur and texture along an edge that runs where `pose` says, from rows read about it."""
+def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles, line: LineFit) -> _Lens:
+    """Learn blur and texture along an edge that runs where `pose` says, from rows read about it and their line."""
     edge = wide.edge
     lines, at = crossing(view, edge, pose, 0, -5.0e-3)
     shift = np.interp(wide.lines, lines, at) - wide.centre
-    spread = edge_spread(wide, shift, wide.edge_like)
-    half = int(np.clip(np.ceil(_REACH * spread.blur + 2.0), 4, 14))
+    off = np.abs(line.residuals)
+    spread = edge_spread(wide, shift, off < _CLEAR * 1.4826 * median(off[line.inliers]))
     gap = int(np.ceil(3.0 * spread.blur)) + 2
     span = np.arange(-gap - _LOOK_INSIDE, gap + _BACK_STRIP + 1)
     values = gather(picture, edge, wide.lines, wide.centre, span).astype(np.float32)
@@ -108,10 +112,13 @@ def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles)
     level = np.maximum(some.mean(axis=1, keepdims=True), 1.0)
     common = column_medians(some * (level.mean() / level))
     inner = step_inside(common, wide.step)
-    weights = step_weights(half, spread.blur, variogram(strip, 2 * half), variogram(back, 2 * half))
+    apart, most = max(round(_LASTING / view.pixel / _EVERY), 1), _TEXTURE * abs(wide.step)
+    inside, outside = surface(strip, _WIDEST, apart, most), surface(back, _WIDEST, apart, most)
+    spread = replace(spread, blur=textured_blur(spread, wide.step, inside, outside))
+    half = min(max(int(np.ceil(_REACH * spread.blur + 2.0)), 4), _MOST_BLURRED)
     return _Lens(
         spread,
-        weights,
+        step_weights(half, spread.blur, inside, outside),
         strip,
         wide.lines,
         streaks(common[-_FACE_STRIP:]),
@@ -121,8 +128,8 @@ def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles)
 
 def _focus(
     picture: np.ndarray, view: FaceView, poses: dict[str, np.ndarray], settings: LocalizerSettings
-) -> tuple[dict[str, np.ndarray], dict[str, Profiles]]:
-    """Poses to about half a pixel, with windows wide enough for what the search leaves open; the rows read."""
+) -> tuple[dict[str, np.ndarray], dict[str, Profiles], dict[str, LineFit]]:
+    """Poses to about half a pixel, with windows wide enough for what the search leaves open; rows and lines."""
     weights = plain_weights(_WIDE_HALF, _WIDE_BLUR)
     for _ in range(3):
         wide, lines = {}, {}
@@ -133,7 +140,7 @@ def _focus(
         before, poses = poses, _poses(lines)
         if _moved(view, before, poses) < _CAUGHT:
             break
-    return poses, wide
+    return poses, wide, lines
 
 
 def trace_edges(
@@ -152,8 +159,8 @@ def trace_edges(
     """
     poses = dict.fromkeys(EDGES, pose)
     for _ in range(3):
-        poses, wide = _focus(picture, view, poses, settings)
-        lenses = {edge: _lens(picture, view, poses[edge], wide[edge]) for edge in EDGES}
+        poses, wide, near = _focus(picture, view, poses, settings)
+        lenses = {edge: _lens(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
         if all(lens.inner is None for lens in lenses.values()):
             break
         move = [(lenses[edge].inner or 0.0) * view.pixel for edge in EDGES]
@@ -171,7 +178,9 @@ def trace_edges(
         if moved < _NEAR:
             break
         if moved > _FAR:
-            lenses = {edge: _lens(picture, view, poses[edge], wide[edge]) for edge in EDGES}
+            poses, wide, near = _focus(picture, view, poses, settings)
+            lenses = {edge: _lens(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
+    lines = pooled(lines)
     out = {}
     for edge, lens in lenses.items():
         step, line = profiles[edge].step, lines[edge]

@@ -13,6 +13,7 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.result import Localization
+from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture import render_picture
 from doormill_ros.simulation.picture_corpus import CorpusPicture, corpus
 
@@ -39,7 +40,10 @@ def look(item: CorpusPicture) -> Looked:
     scene = item.scene
     picture = render_picture(scene, item.seed)
     try:
-        found = localize(picture, load_camera(), scene.layout, scene.width, scene.thickness)
+        known = (
+            load_settings().picture_only()
+        )  # the scene has the thickness and mounting that the localiser is told
+        found = localize(picture, load_camera(), scene.layout, scene.width, scene.thickness, settings=known)
         return Looked(item, found, None)
     except LocalizationError as refused:
         return Looked(item, None, refused)

@@ -13,6 +13,7 @@ from doormill_ros.simulation.picture_scene import Edges, PictureScene, Surface
 from doormill_ros.units import DEG, MM
 
 WIDTH = 0.8
+KNOWN = load_settings().picture_only()
 
 
 def normalized(error: np.ndarray, covariance: np.ndarray) -> float:
@@ -46,7 +47,8 @@ def test_covariance_follows_the_roughness_of_the_edge(roughness, camera, layout)
         scene = PictureScene(
             WIDTH, rng.uniform(0.03, 0.1), offset, face=Surface(0.6, mottle=0.01), edges=edges
         )
-        found = localize(render_picture(scene, seed), camera, layout, WIDTH, scene.thickness)
+        picture = render_picture(scene, seed)
+        found = localize(picture, camera, layout, WIDTH, scene.thickness, settings=KNOWN)
         error = [
             found.offset.y - offset.y,
             found.offset.z - offset.z,
@@ -60,10 +62,10 @@ def test_covariance_follows_the_roughness_of_the_edge(roughness, camera, layout)
 
 
 def test_thickness_off_the_recipe_is_covered_when_its_deviation_is_given(camera, layout):
-    settings = replace(load_settings(), thickness_deviation=0.2 * MM)
+    settings = replace(KNOWN, thickness_deviation=0.2 * MM)
     scene = PictureScene(WIDTH, 0.05, DoorOffset(0.004, 0.002, 0.01), edges=Edges(0.02 * MM))
     found = localize(render_picture(scene, 3), camera, layout, WIDTH, 0.0504, settings=settings)
-    plain = localize(render_picture(scene, 3), camera, layout, WIDTH, 0.0504)
+    plain = localize(render_picture(scene, 3), camera, layout, WIDTH, 0.0504, settings=KNOWN)
     error = np.array([found.offset.y - scene.offset.y, found.offset.z - scene.offset.z, 0.0])
     # The corner is 41 mm to the right (-y) and 22 mm below the optical axis, 168 mm away; a face taken
     # to be 0.4 mm nearer seems to have it that much nearer to the axis.
@@ -75,7 +77,7 @@ def test_thickness_off_the_recipe_is_covered_when_its_deviation_is_given(camera,
 
 def test_mounting_deviation_adds_to_the_variances(camera, layout):
     deviation = (3e-5, 1e-5, 2e-4)
-    settings = replace(load_settings(), mounting_deviation=deviation)
+    settings = replace(KNOWN, mounting_deviation=deviation)
     picture = render_picture(PictureScene(WIDTH, 0.05, edges=Edges(0.02 * MM)), 2)
-    plain, more = (localize(picture, camera, layout, WIDTH, 0.05, settings=s) for s in (None, settings))
+    plain, more = (localize(picture, camera, layout, WIDTH, 0.05, settings=s) for s in (KNOWN, settings))
     np.testing.assert_allclose(more.covariance - plain.covariance, np.diag(np.square(deviation)), atol=1e-15)

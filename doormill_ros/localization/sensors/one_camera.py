@@ -15,6 +15,7 @@ from doormill_ros.localization.sensors.edge_rays import EDGES, miss, seen
 from doormill_ros.localization.sensors.errors import BadSensorFile
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
+from doormill_ros.localization.settings import shipped_settings
 from doormill_ros.resources import resource
 
 _SEEN, _HELD = [1, 2, 3], [0, 4, 5]  # y, z, rotation x; x, rotations y, z
@@ -53,7 +54,9 @@ class OneCamera:
             LocalizationError: Whatever `localize` refuses.
         """
         begun = time.perf_counter()
-        found = localize(reading, self.camera, self.layout, door.width, door.thickness)
+        # `_unseen` tells in six degrees of freedom what the localiser's own settings tell in three.
+        known = shipped_settings().picture_only()
+        found = localize(reading, self.camera, self.layout, door.width, door.thickness, settings=known)
         covariance = self._unseen(found.T_base_door, door)
         covariance[np.ix_(_SEEN, _SEEN)] += found.covariance
         points = sum(int(edge.inlier.sum()) for edge in found.edges)
