@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -81,10 +82,20 @@ class ManagedNode(LifecycleNode):
         """
         if not self.value("autostart"):
             return
+        self._starting = threading.Lock()
         self._again = self.create_timer(RETRY_PERIOD, self._try_to_start)
         self._try_to_start()
 
     def _try_to_start(self) -> None:
+        # The timer may come round while a slow machine is still at the attempt before.
+        if not self._starting.acquire(blocking=False):
+            return
+        try:
+            self._start_up()
+        finally:
+            self._starting.release()
+
+    def _start_up(self) -> None:
         if self.configured or self.trigger_configure() == TransitionCallbackReturn.SUCCESS:
             self.destroy_timer(self._again)
             if not self.active:

@@ -21,7 +21,7 @@ ALWAYS = {
     "/abb/status",
     "/abb/request",
     "/abb/ready",
-    "/mill_door/_action/feedback",
+    "/robot_description",
 }
 
 pytestmark = pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda s: s.name)
