@@ -29,7 +29,7 @@ NODES = (
 )
 MANAGED = (*NODES[:-1], "camera_simulator", "controller_simulator")
 #: A loaded machine must not turn a good door into a refused one.
-PATIENT = {f"limit.{stage}": 120.0 for stage in ("recipe", "picture", "targets", "request", "ready")}
+PATIENT = {f"limit.{stage}": 120.0 for stage in ("recipe", "picture", "targets", "request", "ready", "read")}
 ASK_AGAIN = 5.0  # s
 START_LIMIT = 300.0  # s
 STOP_LIMIT = 120.0  # s

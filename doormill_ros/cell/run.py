@@ -26,6 +26,7 @@ class StageLimits:
     targets: float = 10.0
     request: float = 20.0
     ready: float = 10.0
+    read: float = 60.0
     milling: float = 600.0
 
 

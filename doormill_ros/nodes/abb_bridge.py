@@ -42,6 +42,9 @@ class AbbBridge(ManagedNode):
         Parameter(
             "limit.ready", 10.0, "longest wait for the file to be written and verified [s]", 0.1, 600.0
         ),
+        Parameter(
+            "limit.read", 60.0, "longest wait for the robot to read and check the file [s]", 1.0, 3600.0
+        ),
         Parameter("limit.milling", 600.0, "longest wait for the end of milling [s]", 1.0, 36000.0),
     )
 
@@ -59,7 +62,9 @@ class AbbBridge(ManagedNode):
         transport = open_transport(self.value("transport"), self._transport_options())
         self.handshake = Handshake(
             transport,
-            timeouts=HandshakeTimeouts(milling=self.value("limit.milling")),
+            timeouts=HandshakeTimeouts(
+                acknowledge=self.value("limit.read"), milling=self.value("limit.milling")
+            ),
             check=check_handover,
             on_change=self._changed,
         )

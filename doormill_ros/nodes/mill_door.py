@@ -6,6 +6,7 @@ import hashlib
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -178,14 +179,17 @@ class MillDoorServer:
                 limits.ready,
                 "the target file was not written and verified; see abb/status",
             )
-        finally:
-            path = bridge.file_away(run.run_id, data)  # the controller does not wait for the copy
+        except DoormillError:
+            with suppress(OSError):  # the reason counts more than the copy
+                bridge.file_away(run.run_id, data)
+            raise
+        path = bridge.file_away(run.run_id, data)  # the controller does not wait for the copy
         times.targets_to_ready = announced["ready"] - announced["writing"]
         times.request_to_ready = announced["ready"] - announced["requested"]
         stage("ready", 0.6)
         outcome = run.wait_until(
             lambda: handshake.outcome(run.run_id),
-            limits.ready,
+            limits.read + limits.ready,  # the handshake itself gives up after limits.read
             "the controller does not read the target file",
         )
         self._refuse_unless(outcome.handed_over, outcome.reason, outcome.error_code)
