@@ -15,9 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.diagnosis.pose.causes.joint_sag import JointSag
+from doormill_ros.diagnosis.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.diagnosis.pose.chain import residual
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
-from doormill_ros.diagnosis.pose.fit import contiguous
+from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.model import PoseModel
+from doormill_ros.diagnosis.pose.placement import fit_placement
 from doormill_ros.diagnosis.pose.pose_set import PoseSet, read_pose_set
 from doormill_ros.diagnosis.pose.run import check_set
 from doormill_ros.diagnosis.pose.view import make_view
@@ -86,10 +90,25 @@ def leave_blocks_out(sets: list[PoseSet], folds: int) -> None:
     print(f"blocks left out, all: {figures(np.concatenate(errors))}", flush=True)
 
 
+def plain_calibration(sets: list[PoseSet], data: PoseSet) -> float:
+    """Position error of a series for a robot calibrated on others with link geometry and sag alone [m]."""
+    causes = [LinkGeometry(f"link {k}", data.dh) for k in range(1, 6)]
+    fitted = fit_causes(
+        sets, [*causes, *(JointSag(f"joint {k}") for k in range(2, 6))], place_nominally(sets)
+    )
+    problem = fitted.problem
+    model = PoseModel(data.robot, data.dh, problem.views[0].links, problem.layout.causes, problem.x)
+    T, marked = model.frames(make_view(data)), data.placement
+    placement = fit_placement(T[marked], data.position[marked], data.rotation[marked], problem.sigma)
+    error = residual(T, placement, data.position, data.rotation)[~marked, :3]
+    return float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
+
+
 def leave_series_out(sets: list[PoseSet]) -> None:
     """Every series predicted by a diagnosis of the others, placed by its marked rows."""
     for index, data in enumerate(sets):
-        found = diagnose_poses([other for i, other in enumerate(sets) if i != index])
+        others = [other for i, other in enumerate(sets) if i != index]
+        found = diagnose_poses(others)
         checked = check_set(found, data)
         base, extended = checked["baseline"], checked["extended"]
         outside = ", ".join(
@@ -97,8 +116,8 @@ def leave_series_out(sets: list[PoseSet]) -> None:
         )
         print(
             f"series left out, {data.name}: {1e6 * base['rmse']:.0f} -> {1e6 * extended['rmse']:.0f} um, rotation "
-            f"{1e6 * base['rotation_rmse']:.0f} -> {1e6 * extended['rotation_rmse']:.0f} urad; angles never visited: "
-            f"{outside or 'none'}",
+            f"{1e6 * base['rotation_rmse']:.0f} -> {1e6 * extended['rotation_rmse']:.0f} urad; link geometry and sag "
+            f"alone {1e6 * plain_calibration(others, data):.0f} um; angles never visited: {outside or 'none'}",
             flush=True,
         )
 
