@@ -11,7 +11,7 @@ from doormill_ros.units import m_to_mm, rad_to_deg
 _GREEN, _RED, _YELLOW, _WHITE = (70, 230, 90), (255, 50, 40), (255, 200, 30), (255, 255, 255)
 _BITS = 4  # fractional bits of a pixel that the drawing routines keep
 _EVERY = 10  # of the points that agree, one in so many is drawn
-_ENLARGED = 100  # the ellipse of uncertainty is drawn that much too large
+_ENLARGED = 20  # the ellipse of uncertainty is drawn that much too large
 _SIGMAS = 2.0
 
 

@@ -15,6 +15,7 @@ from doormill_ros.diagnosis.picture_residuals import (
 )
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
+from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture import render_picture
 from doormill_ros.simulation.picture_scene import PictureScene
 
@@ -117,7 +118,8 @@ def believed(photographed, model):
     """Diagnosis when the localizer believes in `model(i)` at picture i."""
     moved, pictures = photographed
     layout, time = load_layout(), EVERY * np.arange(len(pictures))
-    found = [localize(p, model(i), layout, WIDTH, THICKNESS) for i, p in enumerate(pictures)]
+    known = load_settings().picture_only()  # one door: its thickness and the mounting are the same in all
+    found = [localize(p, model(i), layout, WIDTH, THICKNESS, settings=known) for i, p in enumerate(pictures)]
     return diagnose_pictures(localisations_of(found, moved, time, model(0), layout, WIDTH))
 
 
@@ -132,10 +134,10 @@ def test_a_wrong_focal_length_is_a_wrong_scale(photographed):
     diagnosis = believed(photographed, lambda i: replace(camera, k=k))
     values = {f.cause.name: f.values for f in diagnosis.findings}
     assert diagnosis.verdict == "explained"
-    # The corner is not on the optical axis, and the camera looks a little askew.
-    assert (
-        {"camera_scale", "camera_placing"} <= set(values) <= {"camera_scale", "camera_placing", "camera_tilt"}
-    )
+    # The corner is not on the optical axis. The lens bends rays that are taken for one per cent too steep, by six
+    # micrometres at the corner: over the places visited a tilt or a distortion explains that equally well.
+    assert {"camera_scale", "camera_placing"} <= set(values)
+    assert set(values) - {"camera_scale", "camera_placing"} in (set(), {"camera_tilt"}, {"camera_distortion"})
     assert values["camera_scale"][0] == pytest.approx(1 / 1.01 - 1, rel=0.03)
 
 

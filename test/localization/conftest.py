@@ -25,6 +25,7 @@ class Looked:
     """A picture of the corpus and what came of it."""
 
     item: CorpusPicture
+    picture: np.ndarray
     found: Localization | None
     refused: LocalizationError | None
 
@@ -44,9 +45,9 @@ def look(item: CorpusPicture) -> Looked:
             load_settings().picture_only()
         )  # the scene has the thickness and mounting that the localiser is told
         found = localize(picture, load_camera(), scene.layout, scene.width, scene.thickness, settings=known)
-        return Looked(item, found, None)
+        return Looked(item, picture, found, None)
     except LocalizationError as refused:
-        return Looked(item, None, refused)
+        return Looked(item, picture, None, refused)
 
 
 @pytest.fixture(scope="session")

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
+from doormill_ros.localization.view import face_view
 from doormill_ros.simulation.picture import render_picture
 from doormill_ros.simulation.picture_scene import Edges, PictureScene, Surface
 from doormill_ros.units import DEG, MM
@@ -81,3 +83,27 @@ def test_mounting_deviation_adds_to_the_variances(camera, layout):
     picture = render_picture(PictureScene(WIDTH, 0.05, edges=Edges(0.02 * MM)), 2)
     plain, more = (localize(picture, camera, layout, WIDTH, 0.05, settings=s) for s in (KNOWN, settings))
     np.testing.assert_allclose(more.covariance - plain.covariance, np.diag(np.square(deviation)), atol=1e-15)
+
+
+def test_doors_and_mounting_as_they_come_are_covered_by_the_shipped_deviations(looked, layout):
+    """Every picture is read with a thickness and a mounting that are off as the settings say they may be."""
+    settings, rng, squares, misses = load_settings(), np.random.default_rng(11), [], []
+    for x in [x for x in looked if x.found][:24]:
+        scene, off = x.item.scene, rng.normal(0.0, settings.mounting_deviation)
+        recipe = scene.thickness + rng.normal(0.0, settings.thickness_deviation)
+        # A face taken to be nearer than it is seems nearer to the optical axis.
+        view = face_view(load_camera(), layout, scene.width, scene.thickness)
+        found, true = x.found.offset, scene.offset
+        sight = view.sight(np.array([found.y, found.z]))
+        shift = -(recipe - scene.thickness) * sight
+        error = np.array([found.y - true.y, found.z - true.z, found.rotation - true.rotation]) + off
+        error[:2] += shift
+        again = localize(x.picture, load_camera(), layout, scene.width, recipe, settings=settings)
+        seen = np.array([again.offset.y - found.y, again.offset.z - found.z])
+        np.testing.assert_allclose(seen, shift, atol=0.01 * MM)
+        squares.append(normalized(error, again.covariance))
+        misses.append(np.hypot(*error[:2]))
+    # Mean 3 with a standard deviation of sqrt(6 / 24) = 0.5.
+    assert 1.5 < np.mean(squares) < 4.5
+    assert np.max(squares) < 20.0
+    assert np.max(misses) > 0.05 * MM  # without these deviations such poses would be confidently wrong
