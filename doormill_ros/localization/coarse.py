@@ -122,7 +122,10 @@ def _ends_at_corner(steps: dict[str, Steps], hinge: Line, bottom: Line, corner: 
         close.append(near > 0.35 * abs(line.step))
         outside = steps[edge].along_line(line.across, line.tilt, at - 3.0e-3, at - 0.9e-3)
         beyond.append(sign * outside > 0.5 * max(near, far))
-    return any(close) and not all(beyond)
+    # What hides one edge near the corner hides where a line too far in would give itself away: then the other must end.
+    if not all(close):
+        return any(close) and not beyond[close.index(True)]
+    return not all(beyond)
 
 
 def search_bands(view: FaceView, limit: float, rotation: float) -> dict[str, Band]:
