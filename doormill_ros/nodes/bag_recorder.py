@@ -30,6 +30,7 @@ DISCOVERY_PERIOD = 0.5  # s
 HIDDEN = "/_action/"
 WRITE_PERIOD = 0.1  # s
 SETTLING = 0.2  # s, for messages on their way when the recording ends
+NICENESS = 5  # of the process: the door comes first
 REMEMBERED = 32  # samples of each topic by which one that is delivered again is recognized
 
 
@@ -216,7 +217,8 @@ def _matching(offers: list[QoSProfile]) -> QoSProfile:
 
 
 def main() -> int:
-    """Run the node."""
+    """Run the node; compressing a picture may wait until the door has its targets."""
+    os.nice(NICENESS)
     return run_nodes(BagRecorder)
 
 

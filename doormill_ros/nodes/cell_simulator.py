@@ -6,11 +6,13 @@ import sys
 
 from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.large_messages import make_room_for_pictures
 from doormill_ros.nodes.run import run_nodes
 
 
 def main() -> int:
     """Run both nodes."""
+    make_room_for_pictures()
     return run_nodes(CameraSimulator, ControllerSimulator)
 
 
