@@ -6,6 +6,7 @@ import sys
 import time
 from typing import Any
 
+import cv2
 import numpy as np
 from geometry_msgs.msg import PoseStamped
 from rclpy.time import Time
@@ -156,7 +157,8 @@ class DoorLocalizer(ManagedNode):
 
 
 def main() -> int:
-    """Run the node."""
+    """Run the node, on one core: a second one has the other nodes to run."""
+    cv2.setNumThreads(1)
     return run_nodes(DoorLocalizer)
 
 

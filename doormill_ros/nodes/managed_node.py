@@ -215,10 +215,15 @@ class ManagedNode(LifecycleNode):
         return call
 
     def report(self, level: bytes, message: str, **values: Any) -> None:
-        """Set what the node says of itself on /diagnostics; a change is published at once."""
+        """Set what the node says of itself on /diagnostics.
+
+        What is not well, or well again, is published at once; a healthy node's news wait for the next round:
+        each message wakes every process that listens, in the middle of a run.
+        """
+        healthy = level == OK and self._health[0] == OK
         changed = (level, message) != self._health[:2]
         self._health = (level, message, values)
-        if changed:
+        if changed and not healthy:
             self._publish_diagnostics()
 
     # Life cycle.
