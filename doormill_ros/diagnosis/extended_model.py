@@ -14,9 +14,9 @@ from doormill_ros.diagnosis.causes.cause import Cause, Setup
 from doormill_ros.diagnosis.causes.registry import build_cause
 from doormill_ros.diagnosis.errors import ExtendedModelError
 from doormill_ros.diagnosis.load_case import build_load_case
-from doormill_ros.diagnosis.pose.compliance import load_pose_compliance
+from doormill_ros.diagnosis.pose.compliance import PoseErrorCompliance, load_pose_compliance
 from doormill_ros.diagnosis.pose.model import SCHEMA as POSE_SCHEMA
-from doormill_ros.robot.description import load_robot
+from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.stiffness.compliance import ComplianceModel
@@ -127,7 +127,7 @@ def _named(sized: SizedCause) -> dict[str, float | list[float]]:
     return named
 
 
-def load_compliance_model(path_or_name: str | Path) -> ComplianceModel:
+def load_compliance_model(path_or_name: str | Path) -> ExtendedComplianceModel | PoseErrorCompliance:
     """A compliance model from a diagnosis' model.yaml (or its folder), or a robot's own joint springs.
 
     The model of a pose diagnosis is taken with the joint springs of the robot it names.
@@ -173,6 +173,29 @@ def load_compliance_model(path_or_name: str | Path) -> ComplianceModel:
             path=str(path),
         )
     return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes)
+
+
+def load_model_of(robot: Robot, path_or_name: str | Path = "") -> ComplianceModel:
+    """A compliance model of the robot that mills: what `load_compliance_model` finds, if it is of that robot.
+
+    Args:
+        robot: The robot in the cell.
+        path_or_name: As for `load_compliance_model`; empty: the robot's own joint springs.
+
+    Raises:
+        ExtendedModelError: As `load_compliance_model`, or the model is of a robot with other lengths.
+        PoseModelError: As `load_compliance_model`.
+    """
+    if not path_or_name or str(path_or_name) == robot.name:
+        return ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, ())
+    model = load_compliance_model(path_or_name)
+    if model.robot != robot.name and not np.allclose(load_robot(model.robot).dh, robot.dh):
+        raise ExtendedModelError(
+            f"{path_or_name} is a model of {model.robot}, the cell mills with {robot.name}; give a diagnosis of this "
+            "robot, or correct the robot in config/cell.yaml",
+            path=str(path_or_name),
+        )
+    return model
 
 
 def _sized(entry: dict[str, Any]) -> SizedCause:

@@ -14,7 +14,7 @@ from std_msgs.msg import Header, String
 
 from doormill_interfaces.msg import DoorRecipe, TargetArray
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.diagnosis.extended_model import load_compliance_model
+from doormill_ros.diagnosis.extended_model import load_model_of
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.nodes import topics
@@ -55,7 +55,7 @@ class PathGenerator(ManagedNode):
         self._layout = load_layout()
         self._robot = load_robot(self.value("robot") or self._layout.robot)
         self._model_name = self.value("robot_model") or self._robot.name
-        self._model = load_compliance_model(self._model_name)
+        self._model = load_model_of(self._robot, self._model_name)
         self._settings = load_settings()
         self._recipe: DoorRecipe | None = None
         self._door: Recipe | None = None

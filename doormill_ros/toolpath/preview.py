@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
-from doormill_ros.diagnosis.extended_model import load_compliance_model
+from doormill_ros.diagnosis.extended_model import load_model_of
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.toolpath.door_checks import DoorCheck, check_door
@@ -51,7 +51,7 @@ def preview(recipe: Recipe, robots: int = 1, model: str | None = None) -> list[P
     """
     layout, settings = load_layout(), load_settings()
     robot = load_robot(layout.robot)
-    compliance = load_compliance_model(model or robot.name)
+    compliance = load_model_of(robot, model or "")
     place = recipe.placement
     offset = DoorOffset() if place is None else DoorOffset(place.y, place.z, place.rotation)
     T_base_door = layout.T_base_door(recipe.width, recipe.thickness, offset)

@@ -12,6 +12,7 @@ from doormill_ros.diagnosis.extended_model import (
     ExtendedComplianceModel,
     SizedCause,
     load_compliance_model,
+    load_model_of,
     model_document,
 )
 from doormill_ros.robot.description import load_robot
@@ -147,3 +148,13 @@ def test_what_is_neither_file_nor_robot_is_refused(tmp_path):
     (tmp_path / "x.yaml").write_text("a: [1,\n")
     with pytest.raises(ExtendedModelError, match="cannot be read"):
         load_compliance_model(tmp_path / "x.yaml")
+
+
+def test_a_model_of_another_robot_is_refused(tmp_path):
+    other = load_robot("irb6700_235_265")
+    path = tmp_path / "model.yaml"
+    path.write_text(yaml.safe_dump(model_document(other.name, other.stiffness, [], "test")))
+    with pytest.raises(ExtendedModelError, match=f"{other.name}.*mills with {ROBOT}.*cell.yaml"):
+        load_model_of(load_robot(ROBOT), path)
+    assert load_model_of(other, path).robot == other.name
+    np.testing.assert_array_equal(load_model_of(other).joint_stiffness, other.stiffness)

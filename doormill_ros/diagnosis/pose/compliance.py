@@ -24,6 +24,7 @@ class PoseErrorCompliance:
     calibration of the cell (`not_distinguishable_from_placement` of the diagnosis).
 
     Attributes:
+        robot: Name of the robot.
         pose_model: Pose error without load.
         springs: What the load adds.
     """
@@ -32,6 +33,7 @@ class PoseErrorCompliance:
         """Keep both."""
         self.pose_model = pose_model
         self.springs = springs
+        self.robot = pose_model.robot
 
     def deflection(
         self,

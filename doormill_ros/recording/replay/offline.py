@@ -10,7 +10,7 @@ from typing import Any
 
 from doormill_ros.abb.target_file import render_target_file
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.diagnosis.extended_model import load_compliance_model
+from doormill_ros.diagnosis.extended_model import load_model_of
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError, StalePicture
@@ -116,7 +116,7 @@ def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
 def _robot_and_model(robot_name: str, model_name: str) -> tuple[Any, Any]:
     layout, _ = _cell()
     robot = load_robot(robot_name or layout.robot)
-    return robot, load_compliance_model(model_name or robot.name)
+    return robot, load_model_of(robot, model_name)
 
 
 def _generate(
