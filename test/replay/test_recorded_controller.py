@@ -74,6 +74,17 @@ def test_an_end_that_was_not_recorded_is_added() -> None:
     assert with_end(events, signals.DONE) == [*events, ControllerEvent(signals.DONE, True, 0.0, ready=False)]
 
 
+def test_a_file_read_before_ready_was_told_is_still_waited_for() -> None:
+    """The controller may have lowered its request when the bridge tells that ready is high."""
+    states = [(n * S, state) for n, state in enumerate([*MILLED, "done"], start=10)]
+    told = {state: stamp for stamp, state in states}
+    (request, answer, _) = controller_events(
+        10 * S, [(told["requested"], True), (told["ready"], False)], states
+    )
+    assert (request.value, request.ready) == (True, None)
+    assert (answer.value, answer.ready) == (False, True)
+
+
 def test_a_refusal_before_milling_is_no_end_of_milling() -> None:
     assert controller_events(0, [], [(S, "requested"), (2 * S, "failed")]) == []
 

@@ -40,14 +40,16 @@ def controller_events(
 
     Args:
         begun_ns: When the run's recipe was recorded [ns].
-        requests: abb/request with the time of recording [ns].
+        requests: The request as abb/status tells it, with the time of recording [ns].
         states: State of abb/status with the time of recording [ns].
     """
-    course = sorted([(t, "request", v) for t, v in requests] + [(t, "state", v) for t, v in states])
+    # What is told in one message: the state comes first, as a controller may answer the ready signal before
+    # the bridge has told that it is high.
+    course = [(t, 0, v) for t, v in states] + [(t, 1, v) for t, v in requests]
     events: list[ControllerEvent] = []
     high, ready_ns, milling, before_ns = False, None, False, begun_ns
-    for stamp_ns, kind, value in course:
-        if kind == "state":
+    for stamp_ns, is_request, value in sorted(course):
+        if not is_request:
             ready_ns = stamp_ns if value == HandshakeState.READY.value else ready_ns
             milling = milling or value == HandshakeState.MILLING.value
             if not (milling and value in ENDS):

@@ -28,7 +28,7 @@ from doormill_ros.recording.replay.answer import (
 RECIPE, PICTURE, CAMERA_INFO = "door/recipe", "camera/image_raw", "camera/camera_info"
 POSE, LOCALIZATION, TARGETS = "door/pose", "door/localization", "path/targets"
 TARGET_FILE, RUN_RESULT = "abb/target_file", "run/result"
-STATUS, REQUEST = "abb/status", "abb/request"
+STATUS = "abb/status"
 
 
 @dataclass
@@ -47,7 +47,7 @@ class RecordedRun:
         result: How the run ended; None when the recording stopped before.
         serialized: Pictures and camera infos as recorded (CDR), by topic and stamp [ns].
         begun_ns: When the recipe was recorded [ns].
-        requests: abb/request, the level at the begin first, with the time of recording [ns].
+        requests: The request as abb/status tells it, the level at the begin first, with the time of recording [ns].
         states: State of abb/status with the time of recording [ns].
     """
 
@@ -191,14 +191,13 @@ class _Collector:
         if self._in_hand is not None and item.message.data:
             self._in_hand.target_files.append(item.message.data.encode("ascii", errors="replace"))
 
-    def request(self, item: BagMessage) -> None:
-        self._requested = bool(item.message.data)
-        if self._in_hand is not None and self._in_hand.result is None:
-            self._in_hand.requests.append((item.stamp_ns, self._requested))
-
     def status(self, item: BagMessage) -> None:
-        # The end of milling may be recorded after the result that follows from it.
+        # Level and state in one message: two topics may be recorded in another order than they were sent.
+        self._requested = bool(item.message.request)
         if self._in_hand is not None:
+            if self._in_hand.result is None:
+                self._in_hand.requests.append((item.stamp_ns, self._requested))
+            # The end of milling may be recorded after the result that follows from it.
             self._in_hand.states.append((item.stamp_ns, item.message.state))
 
     def result(self, item: BagMessage) -> None:
@@ -223,7 +222,6 @@ def read_runs(bag: Path) -> list[RecordedRun]:
         TARGET_FILE: collector.target_file,
         RUN_RESULT: collector.result,
         STATUS: collector.status,
-        REQUEST: collector.request,
     }
     wanted = {t: name for t in topics_of(bag) for name in take if t.endswith("/" + name)}
     for item in read_bag(bag, list(wanted)) if wanted else ():
