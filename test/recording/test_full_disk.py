@@ -38,7 +38,8 @@ node = Node("beside")
 executor = MultiThreadedExecutor(num_threads=3)
 executor.add_node(recorder)
 executor.add_node(node)
-Thread(target=executor.spin, daemon=True).start()
+spinning = Thread(target=executor.spin, daemon=True)
+spinning.start()
 recorder.bring_up()
 told = []
 node.create_subscription(
@@ -77,7 +78,10 @@ heard = len(told)
 wait(lambda: len(told) > heard + 1)
 print(json.dumps({"sent": sent, "fault": faults[0] if faults else "", "active": recorder.active}))
 recorder.close()
-executor.shutdown(timeout_sec=2.0)
+executor.shutdown(timeout_sec=30.0)
+spinning.join(30.0)
+for each in (recorder, node):
+    each.destroy_node()
 rclpy.try_shutdown()
 """
 
