@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from doormill_ros.nodes.abb_bridge import AbbBridge
 
 ASK_AGAIN = 1.0  # s
+REMEMBERED = 16  # runs that ended
 #: States that a run which was handed over can only reach once the controller has ended it.
 ENDED = (HandshakeState.DONE, HandshakeState.FAILED, HandshakeState.REQUESTED)
 
@@ -39,6 +41,7 @@ class MillDoorServer:
         self._bridge = bridge
         self._lock = threading.Lock()
         self._run: Run | None = None
+        self._ended: deque[str] = deque(maxlen=REMEMBERED)
         self._get_recipe: Any = None
         self._group = group
         self._result = bridge.create_publisher(
@@ -72,7 +75,8 @@ class MillDoorServer:
         """Pass a stage's answer to the run in hand; False when it belongs to no run of this server."""
         run = self._run
         if run is None or message.run_id != run.run_id:
-            return False
+            # A second picture of a run may be answered when its door is milled already.
+            return message.run_id in self._ended
         run.deliver(stage, message, seconds_of(message.header.stamp))
         return True
 
@@ -115,6 +119,7 @@ class MillDoorServer:
             result.message = f"door {door_id}: {type(error).__name__}: {error}; see the bridge's log"
             result.target_file = result.sha256 = ""
         finally:
+            self._ended.append(run.run_id)
             self._run = None
             self._lock.release()
         self._finish(run, goal, result)

@@ -12,9 +12,11 @@ import yaml
 
 from doormill_ros.abb import target_line
 from doormill_ros.correction import compensate
+from doormill_ros.diagnosis.extended_model import model_document
 from doormill_ros.localization import tracing
 from doormill_ros.recording.replay import offline
 from doormill_ros.recording.timeline import load_timeline
+from doormill_ros.robot.description import load_robot
 from doormill_ros.tools.replay import main
 from source_tree import ROOT
 
@@ -180,10 +182,20 @@ def test_a_refusal_with_another_reason_is_a_difference(
 def test_a_model_of_another_diagnosis_is_a_difference(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    status, lines = replay(capsys, BAG, "--robot-model", "irb6700_235_265")
+    robot = load_robot("irb6600_175_255")
+    model = tmp_path / "model.yaml"
+    model.write_text(yaml.safe_dump(model_document(robot.name, robot.stiffness, [], "test")))
+    status, lines = replay(capsys, BAG, "--robot-model", str(model))
     assert status == 1
     assert "/path/targets" in lines[0]
     assert "robot_model" in lines[0]
+
+
+def test_a_model_of_another_robot_is_no_model(capsys: pytest.CaptureFixture[str]) -> None:
+    status, lines = replay(capsys, BAG, "--robot-model", "irb6700_235_265")
+    assert status == 1
+    assert "/path/targets" in lines[0]
+    assert "accepted: expected True, found False" in lines[0]
 
 
 def test_rates_are_positive(capsys: pytest.CaptureFixture[str]) -> None:
