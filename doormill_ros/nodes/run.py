@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -39,6 +40,8 @@ def interrupt_once() -> None:
             raise KeyboardInterrupt
 
     signal.signal(signal.SIGINT, end)
+    # The interpreter takes that handler away on its way out; an interrupt ignored stays ignored.
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
 
 def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None) -> int:
