@@ -5,7 +5,8 @@ RecipeError
 |   |-- 101 UnknownField          |-- 102 MissingField       |-- 103 WrongType
 |   |-- 104 NotFinite             |-- 105 OutOfRange         |-- 106 NotAChoice
 |   |-- 107 BadText               |-- 108 DuplicateField     |-- 109 DuplicateName
-|   |-- 110 UnknownReference      |-- 111 ConflictingFields  `-- 112 ImplausibleMass
+|   |-- 110 UnknownReference      |-- 111 ConflictingFields  |-- 112 ImplausibleMass
+|   `-- 113 UnfitForProgram
 |-- GeometryError                 the fields are right one by one, the door is not
 |   |-- 120 LeavesWood            |-- 121 FeaturesMeet
 |   `-- 122 FeaturesApart         `-- 123 ThinFloor
@@ -115,6 +116,12 @@ class ImplausibleMass(FieldError):
     """No wood has the density that mass and size give."""
 
     code = 112
+
+
+class UnfitForProgram(FieldError):
+    """The robot's program that the recipe asks for cannot mill this door."""
+
+    code = 113
 
 
 class GeometryError(FieldError):

@@ -37,6 +37,7 @@ from doormill_ros.recipes.fields import (
     read_object,
     write_object,
 )
+from doormill_ros.recipes.program import Program, check_program
 from doormill_ros.recipes.tool import Tool
 
 SCHEMA = "doormill/recipe/1"
@@ -100,6 +101,7 @@ class Recipe:
         material: What the door is made of.
         mass: Mass before milling [kg].
         placement: Where a simulated clamp puts the door; None to leave it to the simulation.
+        program: Which program of the robot mills it.
         features: What is milled, in the order of milling.
     """
 
@@ -115,6 +117,7 @@ class Recipe:
     material: Material = entry(Choice(Material))
     mass: float = entry(Quantity("kg", *limits.MASS_KG))
     placement: Placement | None = entry(Nested(Placement), default=None)
+    program: Program = entry(Choice(Program), default=Program.GENERAL)
     features: tuple[Feature, ...] = field(default=())
 
     @property
@@ -167,6 +170,7 @@ class Recipe:
         tools = _read_tools(document.get("tools"))
         recipe = replace(recipe, features=_read_features(document.get("features"), tools))
         check_geometry(recipe)
+        check_program(recipe)
         return recipe
 
     @classmethod

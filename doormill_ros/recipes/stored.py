@@ -25,6 +25,7 @@ RULE_FILES = (
     "door.py",
     "fields.py",
     "outline.py",
+    "program.py",
     "recipe.py",
     "solid.py",
     "tool.py",

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, Side
+from doormill_ros.recipes.program import Program, fits_path_20
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.curve import Curve
 from doormill_ros.toolpath.errors import NothingToMillError
@@ -18,7 +19,7 @@ from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.pocket import pocket_steps
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.thesis_path import is_thesis_door, thesis_plan
+from doormill_ros.toolpath.thesis_path import thesis_plan
 
 SWING_PARTS = 4  #: motions in which the tool turns round an edge of the door
 
@@ -36,8 +37,8 @@ def door_plan(
 ) -> Plan:
     """Nominal path on the door.
 
-    A door that Path_20 of the thesis can mill gets exactly the thesis' targets and motions. Any
-    other door is milled feature by feature: with a MoveJ to the first one and wherever the
+    A door of the program Path_20 gets exactly the thesis' targets and motions, if one robot mills
+    it. Any other is milled feature by feature: with a MoveJ to the first one and wherever the
     spindle has to swing, in straight lines in front of the face otherwise.
 
     Args:
@@ -57,7 +58,7 @@ def door_plan(
             f"door {recipe.door_id} leaves this robot 0 features, allowed is at least 1; "
             "check the recipe or the split of the work"
         )
-    if is_thesis_door(operations):
+    if recipe.program is Program.PATH_20 and fits_path_20([item.feature for item in operations]):
         return thesis_plan(operations, settings)
     steps: list[Step] = []
     before: Operation | None = None

@@ -6,21 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from doormill_ros.recipes.cutting import Direction
-from doormill_ros.recipes.door import Side
-from doormill_ros.recipes.features.hinge_pocket import OblongHinge, OutlinePoints
 from doormill_ros.toolpath.curve import Curve
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings
-
-HINGES = 2
-
-
-def is_thesis_door(operations: Sequence[Operation]) -> bool:
-    """True for what Path_20 can mill: two oblong hinges of six points, each in one pass."""
-    return len(operations) == HINGES and all(_is_thesis_hinge(o) for o in operations)
 
 
 def thesis_plan(operations: Sequence[Operation], settings: PathSettings) -> Plan:
@@ -30,7 +20,7 @@ def thesis_plan(operations: Sequence[Operation], settings: PathSettings) -> Plan
     so that the way into the wood follows the tool axis.
 
     Args:
-        operations: Two operations for which `is_thesis_door` holds.
+        operations: Two operations whose features `fits_path_20`.
         settings: Clearance and speeds.
     """
     steps: list[Step] = []
@@ -41,20 +31,6 @@ def thesis_plan(operations: Sequence[Operation], settings: PathSettings) -> Plan
         order += [init, *(f"{tens + i}" for i in range(6))]
         steps += _hinge(operation, settings, tens, init, steps[-1].curve.end if steps else None)
     return Plan(tuple(steps), tuple(order))
-
-
-def _is_thesis_hinge(operation: Operation) -> bool:
-    feature = operation.feature
-    return (
-        isinstance(feature, OblongHinge)
-        and feature.points is OutlinePoints.SIX
-        and feature.length > feature.width
-        and feature.side is Side.FRONT
-        and feature.direction is Direction.CLIMB
-        and feature.passes.finish_allowance == 0.0
-        and feature.depth <= feature.passes.depth_step
-        and feature.width <= 2.0 * feature.tool.diameter
-    )
 
 
 def _hinge(

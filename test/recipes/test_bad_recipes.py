@@ -43,6 +43,10 @@ BAD = [
     ({"created": "yesterday"}, e.BadText, None),
     ({"created": "2026-01-31T12:00:00"}, e.BadText, None),
     ({"created": 5}, e.WrongType, None),
+    # the robot's program; the good document has five features
+    ({"program": "path_20"}, e.UnfitForProgram, None),
+    ({"program": "path_30"}, e.NotAChoice, None),
+    ({"program": 20}, e.WrongType, None),
     # the door
     ({"height_mm": GONE}, e.MissingField, None),
     ({"height_mm": 999.9}, e.OutOfRange, None),

@@ -13,6 +13,7 @@ from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.exchange.csv_file import format_csv, parse_csv
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.exchange.thesis_text import format_thesis_text, parse_thesis_text
+from doormill_ros.recipes.program import Program
 from doormill_ros.recipes.recipe import Recipe
 
 MINIMAL = """Door Width\t190
@@ -232,6 +233,19 @@ def test_thesis_table_with_nothing_but_what_the_thesis_lists(tmp_path):
             k: v for k, v in theirs.items() if k not in ignored
         }
     assert mine["features"][0]["cutting"] == {"spindle_speed_rpm": 3200.0, "feed_mm_s": 50.0}
+    assert recipe.program is Program.PATH_20
+
+
+@pytest.mark.parametrize(("row", "program"), [("path_20", Program.PATH_20), ("general", Program.GENERAL)])
+def test_thesis_table_may_name_the_program(row, program):
+    recipe = parse_thesis_text(f"Robot Program\t{row}\n{MINIMAL}", "x.txt", "x")
+    assert recipe.program is program
+    assert parse_thesis_text(format_thesis_text(recipe), "x.txt", "x") == recipe
+
+
+def test_thesis_table_of_three_hinges_gets_the_general_program():
+    three = MINIMAL.replace("Hinges\t2", "Hinges\t3").replace("150\t2350", "150\t1250\t2350")
+    assert parse_thesis_text(three, "x.txt", "x").program is Program.GENERAL
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "cp1252"])

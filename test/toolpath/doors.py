@@ -193,6 +193,37 @@ def doors(draw):
     return document, placement
 
 
+@st.composite
+def thesis_doors(draw):
+    """Any door that the thesis' Path_20 can mill, and a placement; see `doors`."""
+    door = {
+        "height_mm": draw(whole_range(1000.0, 3000.0)),
+        "width_mm": draw(whole_range(190.0, 1350.0)),
+        "thickness_mm": draw(whole_range(30.0, 100.0)),
+    }
+    features = []
+    for k in range(2):
+        width, depth = draw(mm(20.5, 38.0)), draw(mm(1.0, 12.0))
+        length = draw(mm(width + 2.0, 220.0))
+        low = door["height_mm"] / 2 * k + length / 2 + 5
+        hinge = {
+            "kind": "hinge_oblong",
+            "id": f"hinge_{k + 1}",
+            "side": "front",
+            "height_mm": draw(mm(low, low + door["height_mm"] / 2 - length - 10)),
+            "backset_mm": draw(mm(width / 2 + 2.5, width / 2 + 25.0)),
+            "width_mm": width,
+            "length_mm": length,
+            "depth_mm": depth,
+            "points": 6,
+        }
+        hinge |= draw(_work(OBLONG, "mill_19", depth))
+        features.append(hinge | {"passes": {"depth_step_mm": depth}, "direction": "climb"})
+    document = {**_document(door), "program": "path_20", "features": features}
+    edge = st.floats(-1.0, 1.0)
+    return document, (0.010 * draw(edge), 0.010 * draw(edge), math.radians(2.0) * draw(edge))
+
+
 def door_with(kind, height, width, thickness):
     """A door of a given size with one feature of a kind, under the forces of table 4.8 all round."""
     features = {

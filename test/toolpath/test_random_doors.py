@@ -12,10 +12,10 @@ import pytest
 from hypothesis import HealthCheck, Phase, event, given, settings
 
 from doormill_ros.recipes.features.registry import FEATURES
+from doormill_ros.recipes.program import Program
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.inverse import inverse
 from doormill_ros.simulation.milled_part import inspect
-from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.errors import (
     AirMoveError,
     ConfigurationChangeError,
@@ -24,7 +24,6 @@ from doormill_ros.toolpath.errors import (
     ProgramSizeError,
 )
 from doormill_ros.toolpath.settings import load_settings
-from doormill_ros.toolpath.thesis_path import is_thesis_door
 
 
 def _load(path):
@@ -145,14 +144,32 @@ def test_milled_within_five_hundredths_or_refused_with_a_reason(cell, any_tool, 
     event("milled")
     for feature in recipe.features:
         event(f"milled {feature.kind}")
-    thesis = is_thesis_door(whole_door(recipe))
-    limit = shared_targets_leave(cell, program) if thesis else LIMIT
-    judged(cell, recipe, T_base_door, program, limit)
-    if thesis:
-        # The same door without the thesis' program keeps to the limit of all others.
-        free = [replace(f, passes=replace(f.passes, finish_allowance=3e-4)) for f in recipe.features]
-        recipe = replace(recipe, features=tuple(free))
-        judged(cell, recipe, T_base_door, cell.program(recipe, T_base_door, settings=any_tool), LIMIT)
+    judged(cell, recipe, T_base_door, program, LIMIT)
+
+
+@settings(
+    max_examples=EXAMPLES // 3,
+    deadline=None,
+    derandomize=CAMPAIGN is None,
+    suppress_health_check=QUIET,
+    phases=[Phase.explicit, Phase.generate],
+)
+@given(doors.thesis_doors())
+def test_the_program_of_the_thesis_leaves_what_its_14_poses_must_leave(cell, door):
+    """The same door is milled within five hundredths by the general program."""
+    document, (y, z, rotation) = door
+    recipe = Recipe.from_document(document)
+    T_base_door = cell.T_base_door(recipe, y, z, rotation)
+    program, refusal = generated(cell, recipe, T_base_door)
+    if refusal is None:
+        event("milled by path_20")
+        assert len(program.targets) == 14
+        judged(cell, recipe, T_base_door, program, shared_targets_leave(cell, program))
+    free = replace(recipe, program=Program.GENERAL)
+    program, refusal = generated(cell, free, T_base_door)
+    if refusal is None:
+        event("milled by the general program")
+        judged(cell, free, T_base_door, program, LIMIT)
 
 
 SIZES = list(itertools.product((1000, 3000), (190, 1350), (30, 100)))

@@ -7,14 +7,13 @@ import pytest
 
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.features.registry import FEATURES
+from doormill_ros.recipes.program import Program
 from doormill_ros.simulation.milled_part import inspect
-from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
-from doormill_ros.toolpath.thesis_path import is_thesis_door
 
 SHIPPED = shipped_recipes()
-OTHERS = [name for name, recipe in SHIPPED.items() if not is_thesis_door(whole_door(recipe))]
+OTHERS = [name for name, recipe in SHIPPED.items() if recipe.program is Program.GENERAL]
 PLACEMENTS = [(0.0, 0.0, 0.0), (-0.010, 0.010, math.radians(2.0)), (0.010, -0.010, math.radians(-2.0))]
 
 

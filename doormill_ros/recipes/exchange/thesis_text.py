@@ -10,10 +10,12 @@ recipe; when they are absent the values of the thesis' experiments are taken.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from doormill_ros.recipes.errors import BadTable, FieldError, NotExpressible, UnreadableFile
 from doormill_ros.recipes.exchange.cells import NUMBER, format_number, located
+from doormill_ros.recipes.program import Program, fits_path_20
 from doormill_ros.recipes.recipe import SCHEMA, Recipe
 
 # Label, path in the document of the whole table; a leading * is a field that all hinges share.
@@ -24,6 +26,7 @@ TEXTS = {
     "Created": "created",
     "Hinge Side": "hinge_side",
     "Material": "material",
+    "Robot Program": "program",
     "Tool": "*tool",
     "Milling Direction": "*direction",
 }
@@ -113,9 +116,12 @@ def parse_thesis_text(text: str, name: str, door_id: str) -> Recipe:
     document["tools"] = {tool: document.pop("tool")}
     document["features"] = _hinges(rows, shared, name)
     try:
-        return Recipe.from_document(document)
+        recipe = Recipe.from_document(document)
     except FieldError as error:
         raise located(error, name) from error
+    # The thesis' own table has no such row, as there is only one program.
+    theirs = "program" not in document and fits_path_20(recipe.features)
+    return replace(recipe, program=Program.PATH_20) if theirs else recipe
 
 
 def _rows(text: str, name: str) -> dict[str, list[str]]:
