@@ -13,7 +13,7 @@ THESIS = load_recipe("thesis_1350_0deg")
 
 OTHERS = {
     "nine points": {"points": 9},
-    "turned": {"length_mm": 30, "width_mm": 36, "backset_mm": 40},
+    "turned": {"length_mm": 30, "width_mm": 36, "wrench_n_nm": {"default": [0] * 6}},
     "rear": {"side": "rear"},
     "conventional": {"direction": "conventional"},
     "finish": {"passes": {"depth_step_mm": 5, "finish_allowance_mm": 0.3}},
