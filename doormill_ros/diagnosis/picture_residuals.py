@@ -2,154 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import chi2
 
-from doormill_ros.cell.layout import CellLayout, DoorOffset
-from doormill_ros.diagnosis.causes.cause import LinearTwist, Parameter
 from doormill_ros.diagnosis.fit import Fit
+from doormill_ros.diagnosis.picture_causes import CameraCause, camera_causes
+from doormill_ros.diagnosis.picture_reading import Localisations
 from doormill_ros.diagnosis.problem import Prediction, make_folds
 from doormill_ros.diagnosis.search import EQUAL, Search
-from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.result import Localization
 
 STRUCTURE = 1e-4  #: chance of an innocent residual below which something is wrong
-
-
-@dataclass(frozen=True, eq=False)
-class Localisations:
-    """Repeated localisations; all lengths in the plane of the door.
-
-    Attributes:
-        moved: Known y, z and rotation of the door, shape (n, 3) [m, m, rad].
-        located: What the pictures gave, shape (n, 3).
-        time: When each picture was taken, shape (n,) [s].
-        std: Standard deviation of one localisation, shape (3,) [m, m, rad].
-        centre: Where the optical axis meets the door plane, y and z, shape (2,) [m].
-    """
-
-    moved: np.ndarray
-    located: np.ndarray
-    time: np.ndarray
-    std: np.ndarray
-    centre: np.ndarray = field(default_factory=lambda: np.zeros(2))
-
-    @property
-    def place(self) -> np.ndarray:
-        """Position in the picture's field, from the optical axis, shape (n, 2) [m]."""
-        return self.moved[:, :2] - self.centre
-
-
-def localisations_of(
-    found: Sequence[Localization],
-    moved: Sequence[DoorOffset],
-    time: np.ndarray,
-    camera: CameraModel,
-    layout: CellLayout,
-    width: float,
-) -> Localisations:
-    """What the localizer said of pictures of one door, in the form that is questioned.
-
-    Args:
-        found: Results, one a picture, by `LocalizerSettings.picture_only`: what is wrong alike in all pictures is
-            no scatter.
-        moved: Where the door was known to stand.
-        time: When each picture was taken, shape (n,) [s].
-        camera: The camera model that the localizer used.
-        layout: The nominal place of the door.
-        width: Door width [m].
-    """
-    corner = np.array([layout.centre_y - width / 2.0, layout.bottom_z])
-    return Localisations(
-        moved=np.array([_numbers(offset) for offset in moved]),
-        located=np.array([_numbers(one.offset) for one in found]),
-        time=np.asarray(time, dtype=float),
-        std=np.sqrt(np.mean([np.diag(one.covariance) for one in found], axis=0)),
-        centre=camera.T_base_camera(width)[1:3, 3] - corner,
-    )
-
-
-def _numbers(offset: DoorOffset) -> tuple[float, float, float]:
-    return offset.y, offset.z, offset.rotation
-
-
-class CameraCause(LinearTwist):
-    """A camera error that is linear in its parameters."""
-
-    def __init__(
-        self,
-        name: str,
-        parameters: tuple[Parameter, ...],
-        columns: Callable[[Localisations], list[np.ndarray]],
-        sentence: str,
-    ) -> None:
-        """Keep the columns: y, z and rotation each parameter adds, shape (n, 3)."""
-        super().__init__("camera")
-        size = sum(p.size for p in parameters)
-        self.name, self.parameters, self.columns, self._sentence = name, parameters, columns, sentence
-        self.scale = np.repeat([abs(p.high) for p in parameters], [p.size for p in parameters]) / 30.0
-        self.lower, self.upper = -np.ones(size) * 1e3, np.ones(size) * 1e3
-
-    def pattern(self) -> str:
-        """What it leaves."""
-        return self._sentence
-
-    def values(self, theta: np.ndarray, case: object = None) -> np.ndarray:
-        """Parameters as they are."""
-        return np.array(theta)
-
-
-def _plane(y: np.ndarray, z: np.ndarray) -> np.ndarray:
-    return np.stack([y, z, np.zeros_like(y)], axis=1)
-
-
-def camera_causes() -> list[CameraCause]:
-    """Scale, turn, tilt, distortion, drift and placing of the camera."""
-    return [
-        CameraCause(
-            "camera_scale",
-            (Parameter("factor_error", "1", -0.1, 0.1),),
-            lambda s: [_plane(*s.moved[:, :2].T)],
-            "the error grows with the distance the door was moved, along that distance",
-        ),
-        CameraCause(
-            "camera_turn",
-            (Parameter("angle", "rad", -0.1, 0.1),),
-            lambda s: [_plane(-s.moved[:, 1], s.moved[:, 0])],
-            "the error grows with the distance the door was moved, across that distance",
-        ),
-        CameraCause(
-            "camera_tilt",
-            (Parameter("slope", "1 / m", -5.0, 5.0, 2),),
-            lambda s: [
-                _plane(s.place[:, 0] * s.place[:, i], s.place[:, 1] * s.place[:, i])
-                - _plane(*np.outer(s.centre * s.centre[i], np.ones(len(s.time))))
-                for i in (0, 1)
-            ],
-            "the scale changes from one side of the picture to the other",
-        ),
-        CameraCause(
-            "camera_distortion",
-            (Parameter("k1", "1 / m^2", -500.0, 500.0),),
-            lambda s: [_plane(*(np.sum(s.place**2, axis=1)[:, None] * s.place).T)],
-            "the error points from the optical axis and grows with the cube of the distance from it",
-        ),
-        CameraCause(
-            "camera_drift",
-            (Parameter("velocity", "m / s, rad / s", -1e-5, 1e-5, 3),),
-            lambda s: [(s.time - s.time[0])[:, None] * e for e in np.eye(3)],
-            "the error grows with the time since the first picture, wherever the door stands",
-        ),
-        CameraCause(
-            "camera_placing",
-            (Parameter("offset", "m, m, rad", -0.01, 0.01, 3),),
-            lambda s: [np.broadcast_to(e, s.moved.shape) for e in np.eye(3)],
-            "the error is the same everywhere",
-        ),
-    ]
 
 
 class PictureProblem:
@@ -192,7 +57,7 @@ class PictureProblem:
 
     def _columns(self, cause: CameraCause) -> np.ndarray:
         if cause.identity not in self.cache:
-            self.cache[cause.identity] = np.stack(cause.columns(self.data), axis=2)
+            self.cache[cause.identity] = cause.unit(self.data)
         return self.cache[cause.identity]
 
     def measured_part(self, white: np.ndarray) -> np.ndarray:
@@ -231,7 +96,7 @@ class CameraDiagnosis:
 def diagnose_pictures(data: Localisations) -> CameraDiagnosis:
     """Question a camera model with localisations of a door moved by known amounts."""
     problem = PictureProblem(data)
-    search = Search(problem, camera_causes())
+    search = Search(problem, camera_causes(data.reading is not None))
     best = search.run()
     empty = search.fit(())
     kept = best.weights > 0.0
