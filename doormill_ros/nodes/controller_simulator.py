@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import traceback
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +11,13 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, RunResult, TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.summary import TOLERANCE
-from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.executed import executed_message, milled_message
 from doormill_ros.nodes.convert.geometry import transform_of
 from doormill_ros.nodes.convert.program import program_of
 from doormill_ros.nodes.convert.recipe import recipe_of
-from doormill_ros.nodes.managed_node import ERROR, OK, ManagedNode, Parameter
+from doormill_ros.nodes.managed_node import OK, ManagedNode, Parameter
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller_arm import ControllerArm
 from doormill_ros.simulation.milled_part import inspect
@@ -91,7 +89,7 @@ class ControllerSimulator(ManagedNode):
         self._placement = placement
         self._run = self._cell.start(placement.door_id)
         self._thread = threading.Thread(
-            target=self._mill, args=(self._run, placement), name="controller", daemon=True
+            target=self.guarded(self._mill), args=(self._run, placement), name="controller", daemon=True
         )
         self._thread.start()
 
@@ -104,19 +102,10 @@ class ControllerSimulator(ManagedNode):
 
     def _mill(self, run: RobotCellRun, placement: DoorPlacement) -> None:
         self.report(OK, "program running", door_id=placement.door_id)
-        try:
-            if not run.execute():
-                self.report(OK, "program stopped", door_id=placement.door_id)
-                return
+        if run.execute():
             self._inspect(run, placement)
-        except DoormillError as error:
-            self.report(ERROR, f"program stopped: {error.message}", error_code=error.code)
-            self.get_logger().error(error.message)
-        except Exception as error:
-            if not self.context.ok():
-                return  # interrupted: there is nobody left to tell
-            self.report(ERROR, f"unexpected {type(error).__name__}: {error}")
-            self.get_logger().error(traceback.format_exc())
+        else:
+            self.report(OK, "program stopped", door_id=placement.door_id)
 
     def _inspect(self, run: RobotCellRun, placement: DoorPlacement) -> None:
         targets, recipe = self._targets, self._recipe

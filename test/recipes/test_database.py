@@ -323,50 +323,49 @@ def test_concurrent_savers_get_distinct_versions(url, recipe, save):
         assert {history[version] for version in mine} == {f"cell {number}"}
 
 
-def test_four_cells_meet_sixty_new_doors_at_once(url, recipe):
-    """The first save of a door is the risky one: both the door and its bar code are new."""
-    doors = [variant(recipe, door_id=f"new_{n}", bar_code=f"code_{n}") for n in range(60)]
-    start = threading.Barrier(4)
+def at_once(count, work):
+    """Run `work(start)` in threads that meet at the barrier `start`; none may fail."""
+    start = threading.Barrier(count, timeout=300.0)
     failures = []
 
-    def cell():
-        with RecipeDatabase(url) as database:
-            for door in doors:
-                start.wait(30)
-                try:
-                    database.save(door, "cell")
-                except Exception as error:
-                    failures.append(error)
+    def run():
+        try:
+            work(start)
+        except Exception as error:
+            start.abort()  # the others shall not wait for this one
+            failures.append(error)
 
-    threads = [threading.Thread(target=cell) for _ in range(4)]
+    threads = [threading.Thread(target=run) for _ in range(count)]
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(60)
+        thread.join()
     assert failures == []
+
+
+def test_four_cells_meet_sixty_new_doors_at_once(url, recipe):
+    """The first save of a door is the risky one: both the door and its bar code are new."""
+    doors = [variant(recipe, door_id=f"new_{n}", bar_code=f"code_{n}") for n in range(60)]
+
+    def cell(start):
+        with RecipeDatabase(url) as database:
+            for door in doors:
+                start.wait()
+                database.save(door, "cell")
+
+    at_once(4, cell)
     with RecipeDatabase(url) as database:
         for door in doors:
             assert [record.version for record in database.history(door.door_id)] == [1, 2, 3, 4]
 
 
 def test_many_cells_may_open_a_new_database_at_once(url):
-    failures = []
-    start = threading.Barrier(6)
+    def open_it(start):
+        start.wait()
+        with RecipeDatabase(url) as database:
+            database.add_shipped()
 
-    def open_it():
-        try:
-            start.wait()
-            with RecipeDatabase(url) as database:
-                database.add_shipped()
-        except Exception as error:
-            failures.append(error)
-
-    threads = [threading.Thread(target=open_it) for _ in range(6)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(60)
-    assert failures == []
+    at_once(6, open_it)
     with RecipeDatabase(url) as database:
         assert [r.door_id for r in database.list()] == sorted(shipped_recipes())
         assert {r.version for r in database.list()} == {1}
@@ -527,23 +526,13 @@ def test_many_cells_may_bring_a_shipped_recipe_up_at_once(url):
     with RecipeDatabase(url) as database:
         database.add_shipped()
         database.save(variant(load_recipe("standard_door"), mass_kg=35), SHIPPER)
-    start = threading.Barrier(4)
-    failures = []
 
-    def open_it():
-        try:
-            with RecipeDatabase(url) as database:
-                start.wait(30)
-                database.add_shipped()
-        except Exception as error:
-            failures.append(error)
+    def open_it(start):
+        with RecipeDatabase(url) as database:
+            start.wait()
+            database.add_shipped()
 
-    threads = [threading.Thread(target=open_it) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(60)
-    assert failures == []
+    at_once(4, open_it)
     with RecipeDatabase(url) as database:
         assert [record.version for record in database.history("standard_door")] == [1, 2, 3]
 
