@@ -25,6 +25,7 @@ ARGUMENTS = [
     "--disable-sync",
 ]
 INSTALL_LIMIT = 240  # s
+PAGE_LIMIT = 120_000  # ms
 
 
 def _found() -> str | None:
@@ -67,6 +68,8 @@ def open_page(url: str, **context: object) -> Iterator[tuple[Page, list[str]]]:
             errors: list[str] = []
             page.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
             page.on("pageerror", lambda e: errors.append(str(e)))
+            # A loaded machine must not turn a good page into a failed one.
+            page.set_default_timeout(PAGE_LIMIT)
             page.goto(url)
             yield page, errors
         finally:

@@ -197,4 +197,4 @@ def _stop(process: subprocess.Popen) -> None:
     """Immediate shutdown, as the data go too; the postmaster takes its children with it."""
     if process.poll() is None:
         process.send_signal(signal.SIGQUIT)
-        process.wait(30)
+        process.wait(120)

@@ -83,7 +83,7 @@ def test_nodes_started_in_the_background_come_up_and_stop(block: str, tmp_path: 
             time.sleep(0.1)
     finally:
         os.killpg(process.pid, signal.SIGINT)
-        process.communicate(timeout=60)
+        process.communicate(timeout=300)
     assert "Traceback" not in log.read_text()
 
 

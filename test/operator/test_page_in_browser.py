@@ -15,7 +15,7 @@ from doormill_ros.operator.state import EndedRun
 
 TABLET = {"viewport": {"width": 1024, "height": 768}, "has_touch": True}
 REASON = "door oak: no edge was found in the picture; clean the lens & check the lamp"
-LIMIT = 20_000  # ms
+LIMIT = 120_000  # ms
 NASTY = "<img src=x onerror=\"document.title='broken'\"><script>document.title='broken'</script>&amp;"
 
 

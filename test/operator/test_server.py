@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import socket
+from functools import partial
 from typing import Any
 
 import cv2
@@ -18,6 +19,8 @@ from doormill_ros.operator.server import create_app
 from doormill_ros.operator.state import ViewStore
 from doormill_ros.operator.token import authorizes, new_token
 
+LIMIT = 120.0  # s
+get, post = partial(httpx.get, timeout=LIMIT), partial(httpx.post, timeout=LIMIT)
 ORDERS = [("/control/mill", {"door_id": "oak"}), ("/control/cancel", {})]
 
 
@@ -27,7 +30,7 @@ def bearer(token: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("path", ["/", "/page.js", "/page.css", "/icon.svg", "/state"])
 def test_every_answer_forbids_foreign_content(either: Any, path: str) -> None:
-    answer = httpx.get(either.url + path[1:])
+    answer = get(either.url + path[1:])
     assert answer.status_code == 200
     policy = dict(rule.strip().split(" ", 1) for rule in answer.headers["content-security-policy"].split(";"))
     assert policy["default-src"] == "'none'"
@@ -38,7 +41,7 @@ def test_every_answer_forbids_foreign_content(either: Any, path: str) -> None:
 
 def test_the_page_needs_nothing_from_elsewhere(read_only: Any) -> None:
     for path in ("", "page.js", "page.css"):
-        text = httpx.get(read_only.url + path).text
+        text = get(read_only.url + path).text
         assert "//" not in text.replace("// ", "")
         assert "innerHTML" not in text
         assert " style=" not in text
@@ -47,9 +50,9 @@ def test_the_page_needs_nothing_from_elsewhere(read_only: Any) -> None:
 
 @pytest.mark.parametrize(("path", "body"), ORDERS)
 def test_a_page_that_only_shows_has_no_control(read_only: Any, path: str, body: dict[str, str]) -> None:
-    answer = httpx.post(read_only.url + path[1:], json=body, headers=bearer(read_only.token))
+    answer = post(read_only.url + path[1:], json=body, headers=bearer(read_only.token))
     assert answer.status_code == 404
-    assert httpx.get(read_only.url + "state").json()["control"] is False
+    assert get(read_only.url + "state").json()["control"] is False
 
 
 @pytest.mark.parametrize(("path", "body"), ORDERS)
@@ -61,7 +64,7 @@ def test_without_the_token_nothing_happens(
 ) -> None:
     headers = {"Authorization": scheme.format(token=controlled.token).strip()} if scheme else {}
     for content in (body, {"door_id": 5}, None):
-        answer = httpx.post(controlled.url + path[1:], json=content, headers=headers)
+        answer = post(controlled.url + path[1:], json=content, headers=headers)
         assert answer.status_code == 401
         assert controlled.token not in answer.text
     assert controlled.control.orders == []
@@ -69,7 +72,7 @@ def test_without_the_token_nothing_happens(
 
 def test_the_token_counts_in_no_address_and_no_cookie(controlled: Any) -> None:
     for query in ("token", "access_token", "authorization"):
-        answer = httpx.post(
+        answer = post(
             f"{controlled.url}control/mill?{query}={controlled.token}",
             json={"door_id": "oak", query: controlled.token},
             cookies={query: controlled.token},
@@ -80,7 +83,7 @@ def test_the_token_counts_in_no_address_and_no_cookie(controlled: Any) -> None:
 
 def test_with_the_token_orders_are_carried_out(controlled: Any) -> None:
     for path, body in ORDERS:
-        answer = httpx.post(controlled.url + path[1:], json=body, headers=bearer(controlled.token))
+        answer = post(controlled.url + path[1:], json=body, headers=bearer(controlled.token))
         assert answer.status_code == 202
         assert answer.json()["message"]
         assert controlled.token not in answer.text
@@ -89,38 +92,36 @@ def test_with_the_token_orders_are_carried_out(controlled: Any) -> None:
 
 @pytest.mark.parametrize("body", [{}, {"door_id": ""}, {"door_id": "x" * 101}, {"door_id": 5}, []])
 def test_a_senseless_order_is_refused(controlled: Any, body: object) -> None:
-    answer = httpx.post(controlled.url + "control/mill", json=body, headers=bearer(controlled.token))
+    answer = post(controlled.url + "control/mill", json=body, headers=bearer(controlled.token))
     assert answer.status_code == 422
     assert controlled.control.orders == []
 
 
 def test_what_the_cell_refuses_is_answered_with_the_reason(controlled: Any) -> None:
-    answer = httpx.post(
-        controlled.url + "control/mill", json={"door_id": "busy"}, headers=bearer(controlled.token)
-    )
+    answer = post(controlled.url + "control/mill", json={"door_id": "busy"}, headers=bearer(controlled.token))
     assert (answer.status_code, answer.json()) == (409, {"detail": "another door is being milled"})
 
 
 @pytest.mark.parametrize("path", ["control/mill", "control/cancel"])
 def test_reading_an_order_does_not_give_it(controlled: Any, path: str) -> None:
-    assert httpx.get(controlled.url + path, headers=bearer(controlled.token)).status_code == 405
+    assert get(controlled.url + path, headers=bearer(controlled.token)).status_code == 405
     assert controlled.control.orders == []
 
 
 def test_doors_are_offered_by_the_beginning_of_their_id(controlled: Any) -> None:
-    assert httpx.get(controlled.url + "doors", params={"prefix": "oak"}).json() == ["oak", "oak_2"]
-    assert len(httpx.get(controlled.url + "doors").json()) == 3
-    assert httpx.get(controlled.url + "doors", params={"prefix": "x" * 101}).status_code == 422
-    silent = httpx.get(controlled.url + "doors", params={"prefix": "silent"})
+    assert get(controlled.url + "doors", params={"prefix": "oak"}).json() == ["oak", "oak_2"]
+    assert len(get(controlled.url + "doors").json()) == 3
+    assert get(controlled.url + "doors", params={"prefix": "x" * 101}).status_code == 422
+    silent = get(controlled.url + "doors", params={"prefix": "silent"})
     assert (silent.status_code, silent.json()["detail"]) == (409, "the recipe database does not answer")
 
 
 def test_a_page_that_only_shows_offers_no_doors(read_only: Any) -> None:
-    assert httpx.get(read_only.url + "doors").status_code == 404
+    assert get(read_only.url + "doors").status_code == 404
 
 
 def test_a_foreign_name_pointed_at_this_machine_reads_nothing(either: Any) -> None:
-    answer = httpx.get(either.url + "state", headers={"Host": "attacker.example"})
+    answer = get(either.url + "state", headers={"Host": "attacker.example"})
     assert answer.status_code == 400
     assert "history" not in answer.text
 
@@ -132,7 +133,7 @@ def test_control_without_a_token_is_not_served() -> None:
 
 
 def test_events_tell_every_change(read_only: Any) -> None:
-    with httpx.stream("GET", read_only.url + "events", timeout=20.0) as stream:
+    with httpx.stream("GET", read_only.url + "events", timeout=LIMIT) as stream:
         lines = (line.removeprefix("data: ") for line in stream.iter_lines() if line.startswith("data: {"))
         assert json.loads(next(lines))["door_id"] == ""
         read_only.store.update(lambda view: view.with_run("r1", "oak"))
@@ -143,7 +144,7 @@ def test_events_tell_every_change(read_only: Any) -> None:
 
 def test_a_line_break_in_a_text_does_not_break_the_stream(read_only: Any) -> None:
     read_only.store.update(lambda view: view.with_run("r1", "oak\n\nevent: alive\ndata: {}\r\n"))
-    with httpx.stream("GET", read_only.url + "events", timeout=20.0) as stream:
+    with httpx.stream("GET", read_only.url + "events", timeout=LIMIT) as stream:
         line = next(line for line in stream.iter_lines() if line.startswith("data: "))
     assert json.loads(line.removeprefix("data: "))["door_id"].startswith("oak\n\nevent")
 
@@ -151,10 +152,10 @@ def test_a_line_break_in_a_text_does_not_break_the_stream(read_only: Any) -> Non
 def test_the_newest_picture_alone_is_given(read_only: Any) -> None:
     for data in (b"first", b"second"):
         read_only.store.update(lambda view, data=data: view.with_picture(data, "image/jpeg", ""))
-    answer = httpx.get(read_only.url + "picture/2")
+    answer = get(read_only.url + "picture/2")
     assert (answer.content, answer.headers["content-type"]) == (b"second", "image/jpeg")
-    assert httpx.get(read_only.url + "picture/1").status_code == 404
-    assert httpx.get(read_only.url + "picture/x").status_code == 422
+    assert get(read_only.url + "picture/1").status_code == 404
+    assert get(read_only.url + "picture/x").status_code == 422
 
 
 def test_a_taken_port_is_refused_with_what_to_do() -> None:
@@ -168,14 +169,14 @@ def test_a_taken_port_is_refused_with_what_to_do() -> None:
 
 def test_stopping_ends_live_connections() -> None:
     server = PageServer(create_app(ViewStore()), "127.0.0.1", 0).start()
-    with httpx.stream("GET", server.url + "events", timeout=20.0) as stream:
+    with httpx.stream("GET", server.url + "events", timeout=LIMIT) as stream:
         lines = stream.iter_lines()
         next(lines)
         server.stop()
         with pytest.raises(httpx.HTTPError):
             list(lines)
     with pytest.raises(httpx.ConnectError):
-        httpx.get(server.url)
+        get(server.url)
 
 
 @pytest.mark.parametrize(

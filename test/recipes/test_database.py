@@ -306,7 +306,7 @@ def saved_by_processes(url, recipe):
     for cell in cells:
         cell.stdin.write("go\n")
         cell.stdin.flush()
-    return [json.loads(cell.communicate(timeout=60)[0]) for cell in cells]
+    return [json.loads(cell.communicate(timeout=300)[0]) for cell in cells]
 
 
 @pytest.mark.parametrize("save", [saved_by_threads, saved_by_processes])
