@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.diagnosis.errors import SetMixError
-from doormill_ros.diagnosis.pose.causes.cause import PoseCause
-from doormill_ros.diagnosis.pose.causes.registry import candidates, dense_orders
+from doormill_ros.diagnosis.pose.causes.cause import PoseCause, number
+from doormill_ros.diagnosis.pose.causes.hints import JOINTS, Hints
+from doormill_ros.diagnosis.pose.causes.joint_periodic_error import dense_orders
+from doormill_ros.diagnosis.pose.causes.registry import candidates
 from doormill_ros.diagnosis.pose.causes.session_step import find_step
 from doormill_ros.diagnosis.pose.fit import Fitted, deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.model import PoseModel
@@ -149,10 +151,10 @@ def diagnose_poses(
 def _search(sets: Sequence[PoseSet], baseline: Fitted, progress: Callable[[str], None]) -> Fitted:
     """Fit of everything that may act: first without, then with hints from the residual."""
     dense = dense_orders(sets)
-    library = candidates(sets, dict.fromkeys(range(1, 7), dense), drift=False)
+    library = candidates(Hints(sets, dict.fromkeys(JOINTS, dense), drift=False))
     progress(f"{len(library)} causes to try")
     first = fit_causes(sets, library, baseline.problem.placements, 2, progress)
-    orders = {k: dense + find_orders(first, k, dense[-1]) for k in range(1, 7)}
+    orders = {where: dense + find_orders(first, number(where), dense[-1]) for where in JOINTS}
     extra = sum(len(o) - len(dense) for o in orders.values())
     progress(f"the residual asks for {extra} orders beyond {dense[-1]}")
     steps = {}
@@ -161,7 +163,9 @@ def _search(sets: Sequence[PoseSet], baseline: Fitted, progress: Callable[[str],
         at, fall = find_step(first.problem.residual(index), scale, first.problem.weights[index])
         if fall > STEP:
             steps[index] = int(data.row[at])
-    return fit_causes(sets, candidates(sets, orders, steps), first.problem.placements, 2, progress, first)
+    return fit_causes(
+        sets, candidates(Hints(sets, orders, steps)), first.problem.placements, 2, progress, first
+    )
 
 
 def _refit(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.diagnosis.document import MODEL_FILE, SCHEMA
+from doormill_ros.diagnosis.pose.causes.joint_waves import JointWaves
 from doormill_ros.diagnosis.pose.causes.session_step import SessionStep
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, distinct_share, rmse
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
@@ -141,10 +142,9 @@ def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str,
                 "unit": "s",
             }
         return steps
-    orders = getattr(score.cause, "orders", None)
-    if orders is None:
-        return named
-    return _amplitudes(named, [c.name for c in coefficients], orders)
+    if isinstance(score.cause, JointWaves):
+        return _amplitudes(named, [c.name for c in coefficients], score.cause.orders)
+    return named
 
 
 def _amplitudes(

@@ -12,11 +12,7 @@ import numpy as np
 import yaml
 
 from doormill_ros.diagnosis.pose.causes.cause import PoseCause
-from doormill_ros.diagnosis.pose.causes.joint_backlash import JointBacklash
-from doormill_ros.diagnosis.pose.causes.joint_periodic_error import JointPeriodicError
-from doormill_ros.diagnosis.pose.causes.joint_sag import JointSag
-from doormill_ros.diagnosis.pose.causes.joint_wobble import JointWobble
-from doormill_ros.diagnosis.pose.causes.link_geometry import LinkGeometry
+from doormill_ros.diagnosis.pose.causes.registry import build_cause
 from doormill_ros.diagnosis.pose.chain import frames
 from doormill_ros.diagnosis.pose.errors import PoseModelError
 from doormill_ros.diagnosis.pose.pose_set import LinkMass, PoseSet
@@ -86,10 +82,7 @@ def model_document(model: PoseModel, source: str, others: Sequence[dict[str, Any
     layout = lay_out(model.causes)
     causes = []
     for index, cause in enumerate(model.causes):
-        entry: dict[str, Any] = {"cause": cause.name, "where": cause.where}
-        orders = getattr(cause, "orders", None)
-        if orders is not None:
-            entry["orders"] = [int(order) for order in orders]
+        entry: dict[str, Any] = {"cause": cause.name, "where": cause.where, **cause.settings}
         entry["coefficients"] = [float(v) for v in model.x[layout.part(index)]]
         causes.append(entry)
     return {
@@ -120,7 +113,9 @@ def load_pose_model(path: Path) -> PoseModel:
     try:
         dh = np.array(document["dh"], dtype=float)
         links = tuple(LinkMass(float(k["mass"]), np.array(k["com"], dtype=float)) for k in document["links"])
-        causes = tuple(_cause(entry, dh) for entry in document["causes"])
+        causes = tuple(
+            build_cause(entry["cause"], str(entry["where"]), entry, dh) for entry in document["causes"]
+        )
         x = np.concatenate(
             [np.zeros(0)] + [np.array(entry["coefficients"], dtype=float) for entry in document["causes"]]
         )
@@ -131,19 +126,3 @@ def load_pose_model(path: Path) -> PoseModel:
             f"{path} cannot be used: {error}; write it anew with diagnose", path=str(path)
         ) from error
     return PoseModel(str(document["robot"]), dh, links, causes, x)
-
-
-def _cause(entry: dict[str, Any], dh: np.ndarray) -> PoseCause:
-    name, where = entry["cause"], str(entry["where"])
-    match name:
-        case "link_geometry":
-            return LinkGeometry(where, dh)
-        case "joint_periodic_error":
-            return JointPeriodicError(where, entry["orders"])
-        case "joint_wobble":
-            return JointWobble(where, entry["orders"])
-        case "joint_sag":
-            return JointSag(where)
-        case "joint_backlash":
-            return JointBacklash(where)
-    raise ValueError(f"{name!r} is no cause of a robot's poses")

@@ -57,7 +57,7 @@ def test_outside_the_visited_angles_a_periodic_error_fades(tmp_path, write_pose_
     [score] = found.established
     assert score.cause.key == ("joint_periodic_error", "joint 1")
     columns = score.cause.columns(found.extended.problem.views[0])
-    from doormill_ros.diagnosis.pose.causes.joint_periodic_error import harmonics
+    from doormill_ros.diagnosis.pose.causes.joint_waves import harmonics
 
     angle = np.linspace(-np.pi, np.pi, 720)
     curve = harmonics(angle, score.cause.orders) @ found.extended.problem.x

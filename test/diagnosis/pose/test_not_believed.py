@@ -7,8 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.diagnosis.pose.causes.joint_backlash import JointBacklash
-from doormill_ros.diagnosis.pose.causes.joint_periodic_error import BROAD, JointPeriodicError, harmonics
+from doormill_ros.diagnosis.pose.causes.joint_periodic_error import BROAD, JointPeriodicError
 from doormill_ros.diagnosis.pose.causes.joint_sag import JointSag
+from doormill_ros.diagnosis.pose.causes.joint_waves import harmonics
 from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.pose_set import read_pose_set
 from doormill_ros.diagnosis.pose.selection import CONTRADICTED, REAL, scores

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from doormill_ros.diagnosis.pose.causes.hints import JOINTS, Hints
 from doormill_ros.diagnosis.pose.view import SetView
 
 
@@ -53,6 +56,34 @@ class PoseCause:
     name: str = ""
     where: str = ""
     transfers: bool = True
+
+    def __init__(self, where: str) -> None:
+        """Put the cause at its place."""
+        self.where = where
+
+    @classmethod
+    def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
+        """This cause wherever it may act; a joint each unless a cause says otherwise."""
+        return [cls(where) for where in JOINTS]
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What a model's file has to state besides the place."""
+        return {}
+
+    @classmethod
+    def build(cls, where: str, settings: Mapping[str, Any], dh: np.ndarray) -> PoseCause:
+        """The cause of a model's file.
+
+        Args:
+            where: Place.
+            settings: Holds at least those of `settings`.
+            dh: The model's table, shape (6, 4).
+
+        Raises:
+            KeyError: A setting is missing.
+        """
+        return cls(where)
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:

@@ -12,10 +12,6 @@ class JointBacklash(PoseCause):
 
     name = "joint_backlash"
 
-    def __init__(self, where: str) -> None:
-        """Put it at a joint."""
-        self.where = where
-
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:
         """The gap."""

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from doormill_ros.diagnosis.pose.causes.cause import Coefficient, Columns, PoseCause, number
+from doormill_ros.diagnosis.pose.causes.hints import JOINTS, Hints
+from doormill_ros.diagnosis.pose.causes.joint_waves import JointWaves
 from doormill_ros.diagnosis.pose.chain import joint_turn
+from doormill_ros.diagnosis.pose.pose_set import PoseSet
 from doormill_ros.diagnosis.pose.view import SetView
 
-
-def harmonics(angle: np.ndarray, orders: Sequence[int]) -> np.ndarray:
-    """Cos and sin of every order of an angle (n,), shape (n, 2 len(orders))."""
-    phase = angle[:, None] * np.asarray(orders, dtype=float)
-    return np.stack([np.cos(phase), np.sin(phase)], axis=2).reshape(len(angle), -1)
-
-
+#: Orders that are tried for a joint's own angle without a hint where rows are few.
+SPARSE = 16
+MANY_ROWS = 2500
 #: Orders up to here make a spectrum where all of them are fitted.
 BROAD = 60
+
+
+def dense_orders(sets: Sequence[PoseSet]) -> tuple[int, ...]:
+    """Orders that are tried without any hint."""
+    rows = sum(len(data) for data in sets)
+    return tuple(range(1, (BROAD if rows >= MANY_ROWS else SPARSE) + 1))
 
 
 def size_group(where: str, order: int, orders: Sequence[int]) -> str:
@@ -34,29 +37,27 @@ def size_group(where: str, order: int, orders: Sequence[int]) -> str:
     return f"{where} order {order}"
 
 
-class JointPeriodicError(PoseCause):
+class JointPeriodicError(JointWaves):
     """Fourier series of the joint's own angle: encoder, gear teeth, eccentricity."""
 
     name = "joint_periodic_error"
 
-    def __init__(self, where: str, orders: Sequence[int]) -> None:
-        """Put it at a joint, with the orders to look for."""
-        self.where = where
-        self.orders = tuple(int(order) for order in orders)
+    @classmethod
+    def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
+        """Every joint, with the orders that are looked for there."""
+        return [cls(where, hints.orders[where]) for where in JOINTS]
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:
         """Amplitudes of cosine and sine."""
         return tuple(
-            Coefficient(f"{part}_{order}", "rad", size_group(self.where, order, self.orders), 5e-4)
-            for order in self.orders
-            for part in ("cos", "sin")
+            Coefficient(name, "rad", size_group(self.where, order, self.orders), 5e-4)
+            for order, name in self.wave_names()
         )
 
     def columns(self, view: SetView) -> list[Columns]:
         """Turn of the joint."""
-        k = number(self.where)
-        return [Columns(joint_turn(k), 0, harmonics(view.q[:, k - 1], self.orders))]
+        return [Columns(joint_turn(number(self.where)), 0, self.waves(view))]
 
     def pattern(self) -> str:
         """What it leaves."""

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from doormill_ros.diagnosis.pose.causes.cause import Coefficient, Columns, PoseCause, number
+from doormill_ros.diagnosis.pose.causes.hints import JOINTS, Hints
 from doormill_ros.diagnosis.pose.chain import joint_turn
-from doormill_ros.diagnosis.pose.view import SetView
+from doormill_ros.diagnosis.pose.view import SetView, make_view
+
+#: Torque of gravity below which a joint's sag cannot be asked for [N m].
+LEAST_TORQUE = 0.5
 
 
 class JointSag(PoseCause):
@@ -12,9 +20,12 @@ class JointSag(PoseCause):
 
     name = "joint_sag"
 
-    def __init__(self, where: str) -> None:
-        """Put it at a joint."""
-        self.where = where
+    @classmethod
+    def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
+        """Joints that carry weight in one series at least."""
+        moment = [make_view(data).gravity_moment for data in hints.sets]
+        most = np.max([np.abs(m[:, :, 2]).max(axis=0) for m in moment], axis=0)
+        return [cls(where) for where, torque in zip(JOINTS, most, strict=True) if torque > LEAST_TORQUE]
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
 from doormill_ros.diagnosis.pose.causes.cause import Coefficient, Columns, PoseCause, number
+from doormill_ros.diagnosis.pose.causes.hints import Hints
 from doormill_ros.diagnosis.pose.chain import direction
 from doormill_ros.diagnosis.pose.view import SetView
 
@@ -24,12 +28,22 @@ class LinkGeometry(PoseCause):
 
     def __init__(self, where: str, dh: np.ndarray) -> None:
         """Choose what can be told from the placement."""
-        self.where = where
+        super().__init__(where)
         k = number(where)
         parallel = k < len(dh) and abs(np.sin(dh[k - 1, 3])) < PARALLEL
         names = ("theta", "a", "alpha", "beta") if parallel else ("theta", "d", "a", "alpha")
         self.hidden = {1: ("theta", "d"), 6: names}.get(k, ())
         self.names = tuple(name for name in names if name not in self.hidden)
+
+    @classmethod
+    def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
+        """Every link but the last, which is the same as a displaced target."""
+        return [cls(f"link {k}", hints.sets[0].dh) for k in range(1, 6)]
+
+    @classmethod
+    def build(cls, where: str, settings: Mapping[str, Any], dh: np.ndarray) -> PoseCause:
+        """With the model's table."""
+        return cls(where, dh)
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:

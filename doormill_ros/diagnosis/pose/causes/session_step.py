@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from doormill_ros.diagnosis.pose.causes.cause import Coefficient, Columns, PoseCause
+from doormill_ros.diagnosis.pose.causes.hints import Hints
 from doormill_ros.diagnosis.pose.chain import direction
 from doormill_ros.diagnosis.pose.view import SetView
 
@@ -17,8 +20,13 @@ class SessionStep(PoseCause):
 
     def __init__(self, where: str, row: int) -> None:
         """Put it on a series ('set NAME'), at the first row after the step."""
-        self.where = where
+        super().__init__(where)
         self.row = row
+
+    @classmethod
+    def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
+        """On every series in which one is suspected."""
+        return [cls(f"set {hints.sets[index].name}", row) for index, row in hints.steps.items()]
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:

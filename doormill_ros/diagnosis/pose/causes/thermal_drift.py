@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from doormill_ros.diagnosis.pose.causes.cause import Coefficient, Columns, PoseCause
+from doormill_ros.diagnosis.pose.causes.hints import Hints
 from doormill_ros.diagnosis.pose.chain import direction
 from doormill_ros.diagnosis.pose.view import SetView
 
@@ -20,9 +23,10 @@ class ThermalDrift(PoseCause):
     name = "thermal_drift"
     transfers = False
 
-    def __init__(self, where: str) -> None:
-        """Put it on a series: 'set NAME'."""
-        self.where = where
+    @classmethod
+    def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
+        """On every series: 'set NAME'."""
+        return [cls(f"set {data.name}") for data in hints.sets] if hints.drift else []
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:
