@@ -23,16 +23,6 @@ from doormill_ros.stiffness.compliance import ComplianceModel
 
 SCHEMA = "doormill/extended-model/1"
 
-#: Causes in the measuring chain: they corrected the identification, the robot itself is not changed by them.
-MEASURING = (
-    "wrench_frame_rotation",
-    "wrench_gain",
-    "tracker_frame_rotation",
-    "tracker_scale",
-    "thermal_drift",
-    "reflector_position",
-)
-
 
 @dataclass(frozen=True, eq=False)
 class SizedCause:
@@ -48,7 +38,7 @@ class ExtendedComplianceModel:
     Attributes:
         robot: Name of the robot.
         joint_stiffness: Springs of the model that was questioned, shape (6,) [N m / rad].
-        causes: What was established; those of the measuring chain are kept for the record only.
+        causes: What was established; those that are not of the robot are kept for the record only.
     """
 
     def __init__(
@@ -74,7 +64,7 @@ class ExtendedComplianceModel:
         q = np.atleast_2d(np.asarray(q, dtype=float))
         wrench = np.broadcast_to(np.asarray(wrench, dtype=float), (len(q), 6))
         setup = Setup()
-        acting = [sized for sized in self.causes if sized.cause.name not in MEASURING]
+        acting = [sized for sized in self.causes if sized.cause.of_robot]
         for sized in acting:
             if sized.cause.stage == "setup":
                 sized.cause.setup(setup, sized.values)
@@ -149,7 +139,7 @@ def load_compliance_model(path_or_name: str | Path) -> ExtendedComplianceModel |
             raise ExtendedModelError(
                 f"{path_or_name} is neither a model.yaml nor a robot: {error.message}", path=str(path_or_name)
             ) from error
-        return ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, ())
+        return _own_springs(robot)
     try:
         document = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
@@ -187,7 +177,7 @@ def load_model_of(robot: Robot, path_or_name: str | Path = "") -> ComplianceMode
         PoseModelError: As `load_compliance_model`.
     """
     if not path_or_name or str(path_or_name) == robot.name:
-        return ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, ())
+        return _own_springs(robot)
     model = load_compliance_model(path_or_name)
     if model.robot != robot.name and not np.allclose(load_robot(model.robot).dh, robot.dh):
         raise ExtendedModelError(
@@ -196,6 +186,11 @@ def load_model_of(robot: Robot, path_or_name: str | Path = "") -> ComplianceMode
             path=str(path_or_name),
         )
     return model
+
+
+def _own_springs(robot: Robot) -> ExtendedComplianceModel:
+    """What a robot's description says of it, nothing added."""
+    return ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, ())
 
 
 def _sized(entry: dict[str, Any]) -> SizedCause:

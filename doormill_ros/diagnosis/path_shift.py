@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.diagnosis.diagnosis import Diagnosis
-from doormill_ros.diagnosis.extended_model import MEASURING, ExtendedComplianceModel, SizedCause
+from doormill_ros.diagnosis.extended_model import ExtendedComplianceModel, SizedCause
 from doormill_ros.errors import DoormillError
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot
@@ -36,7 +36,7 @@ class PathShift:
 
 def path_shift(diagnosis: Diagnosis) -> PathShift | None:
     """Send both models through the path generator; None where no cause acts in the robot."""
-    causes = [SizedCause(f.cause, f.values) for f in diagnosis.findings if f.cause.name not in MEASURING]
+    causes = [SizedCause(f.cause, f.values) for f in diagnosis.findings if f.cause.of_robot]
     if not causes:
         return None
     data = diagnosis.problem.data

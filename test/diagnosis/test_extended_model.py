@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 from doormill_ros.diagnosis.causes.registry import build_cause
 from doormill_ros.diagnosis.errors import ExtendedModelError
 from doormill_ros.diagnosis.extended_model import (
-    MEASURING,
     ExtendedComplianceModel,
     SizedCause,
     load_compliance_model,
@@ -99,9 +98,10 @@ def test_the_measuring_chain_does_not_bend_the_robot():
         ("reflector_position", "ee", [0.1, 0, 0]),
         ("tracker_frame_rotation", "tracker", [0.1, 0, 0]),
     ):
-        assert name in MEASURING
+        cause = build_cause(name, where)
+        assert not cause.of_robot
         model = ExtendedComplianceModel(
-            ROBOT, robot.dh, robot.stiffness, [SizedCause(build_cause(name, where), np.array(values))]
+            ROBOT, robot.dh, robot.stiffness, [SizedCause(cause, np.array(values))]
         )
         np.testing.assert_array_equal(
             model.deflection(q, wrench, LOAD_POINT, direction), plain.deflection(q, wrench, LOAD_POINT)

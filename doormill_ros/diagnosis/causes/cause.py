@@ -58,6 +58,7 @@ class Cause:
         scale: Size of a typical effect in theta, shape (p,).
         lower, upper: Allowed theta, shape (p,).
         stage: "setup", "robot" or "tracker".
+        of_robot: Whether it is in the robot; one in the measuring chain changes nothing for who mills with it.
         named: Whether a diagnosis may name it; patterns that only warn of the unknown are not.
         generalises: Name of the cause at the same place that this one contains as a special case.
         variant: Tells apart two readings of the same cause.
@@ -71,6 +72,7 @@ class Cause:
     lower: np.ndarray
     upper: np.ndarray
     stage: str = "robot"
+    of_robot: bool = True
     named: bool = True
     generalises: str = ""
     variant: str = ""

@@ -17,6 +17,7 @@ class ReflectorPosition(Cause):
     lower = np.full(3, -0.5)
     upper = np.full(3, 0.5)
     stage = "setup"
+    of_robot = False
 
     def pattern(self) -> str:
         """What it leaves."""

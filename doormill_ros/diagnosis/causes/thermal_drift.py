@@ -19,6 +19,7 @@ class ThermalDrift(Cause):
     lower = np.full(3, -1000.0)
     upper = np.full(3, 1000.0)
     stage = "tracker"
+    of_robot = False
 
     def pattern(self) -> str:
         """What it leaves."""

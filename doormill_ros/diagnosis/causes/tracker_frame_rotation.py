@@ -18,6 +18,7 @@ class TrackerFrameRotation(Cause):
     lower = np.full(3, -0.7)
     upper = np.full(3, 0.7)
     stage = "tracker"
+    of_robot = False
 
     def pattern(self) -> str:
         """What it leaves."""

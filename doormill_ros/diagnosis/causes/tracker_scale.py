@@ -17,6 +17,7 @@ class TrackerScale(Cause):
     lower = np.array([-0.5])
     upper = np.array([1.0])
     stage = "tracker"
+    of_robot = False
 
     def pattern(self) -> str:
         """What it leaves."""

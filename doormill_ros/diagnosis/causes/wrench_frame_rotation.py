@@ -17,6 +17,7 @@ class WrenchFrameRotation(Cause):
     lower = np.array([-np.pi])
     upper = np.array([np.pi])
     stage = "setup"
+    of_robot = False
 
     def pattern(self) -> str:
         """What it leaves."""

@@ -17,6 +17,7 @@ class WrenchGain(Cause):
     lower = np.array([-0.8])
     upper = np.array([4.0])
     stage = "setup"
+    of_robot = False
 
     def pattern(self) -> str:
         """What it leaves."""
