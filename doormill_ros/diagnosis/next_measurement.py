@@ -116,7 +116,11 @@ def _closest(diagnosis: Diagnosis) -> tuple[Fit, Fit, tuple[str, str]] | None:
     options: list[tuple[float, Fit, Fit, tuple[str, str]]] = []
     for finding in diagnosis.findings:
         for other, found in search.rivals(best, finding.cause):
-            if other.where == finding.cause.where and finding.cause.name in (other.generalises, other.name):
+            nested = other.where == finding.cause.where and finding.cause.name in (
+                other.generalises,
+                other.name,
+            )
+            if nested and other not in finding.confusable:
                 continue
             options.append(
                 (found.held_out_score - best.held_out_score, best, found, (repr(finding.cause), repr(other)))

@@ -24,7 +24,6 @@ BEAM = 5  #: models kept at every size
 LARGEST = 4  #: causes in one model, at most
 _SCREEN = 10  #: candidates that are fitted in full after the linear preview
 _PAIRS = 8  #: pairs of candidates that are
-_SPRINGS = ("joint_stiffness", "joint_hardening")  #: laws of one spring, of which a joint has one only
 
 
 @dataclass(eq=False)
@@ -124,7 +123,7 @@ class Search:
                 break
             best = ranked[0]
             beam = ranked[:BEAM]
-        return self.polished(self._settle(self._prune(best)))
+        return self.polished(self._simplify(self._settle(self._prune(best))))
 
     def polished(self, found: Fit) -> Fit:
         """The model with its kinked numbers at their best; equals must be compared that way."""
@@ -143,6 +142,19 @@ class Search:
                     break
             else:
                 return best
+        return best
+
+    def _simplify(self, best: Fit) -> Fit:
+        """Put a simpler law for one of another name that contains it, unless that is clearly better.
+
+        One more number in a law is one more cause in all but name: where both count as equally good, the name that
+        claims more is not earned. It is listed beside the simpler one then.
+        """
+        for cause in best.members:
+            for other, found in self.rivals(best, cause):
+                simpler = other.where == cause.where and other.name == cause.generalises != cause.name
+                if simpler and self.total(found) < self.total(best) + EQUAL:
+                    return self._simplify(found)
         return best
 
     def add(self, parent: Fit, cause: Cause) -> Fit:
@@ -182,8 +194,12 @@ class Search:
 
 
 def may_join(members: Sequence[Cause], cause: Cause) -> bool:
-    """Whether a cause is new to a model, and its joint has no other spring there."""
-    if any(cause.key == member.key for member in members):
-        return False
-    springs = {member.where for member in members if member.name in _SPRINGS}
-    return not (cause.name in _SPRINGS and cause.where in springs)
+    """Whether a cause is new to a model, and no member at its place is a law that contains it or is contained in it."""
+    return not any(
+        cause.key == member.key
+        or (
+            cause.where == member.where
+            and (cause.generalises == member.name or member.generalises == cause.name)
+        )
+        for member in members
+    )

@@ -6,6 +6,7 @@ import pytest
 from doormill_ros.diagnosis.causes.registry import candidates
 from doormill_ros.diagnosis.diagnosis import diagnose_set
 from doormill_ros.diagnosis.fit import fit, trial_weights
+from doormill_ros.diagnosis.next_measurement import plan_next
 from doormill_ros.diagnosis.preview import Preview
 from doormill_ros.diagnosis.problem import Problem
 
@@ -70,6 +71,17 @@ def test_a_hardening_spring_is_not_ruled_out_by_few_trials(drawn):
     assert outcome.wrong == []
     keys = {diagnosis.findings[0].cause.key, *(c.key for c in diagnosis.findings[0].confusable)}
     assert keys >= {("joint_stiffness", "joint 4"), ("joint_hardening", "joint 4")}
+
+
+def test_a_law_with_one_more_number_has_to_earn_its_name(drawn):
+    """Noise bends a soft spring's line, as in one set of thousands: the other law stays open, and is put to test."""
+    diagnosis, outcome = drawn(40450)
+    assert outcome.wrong == []
+    [finding] = diagnosis.findings
+    assert finding.cause.key == ("joint_stiffness", "joint 3")
+    assert [c.key for c in finding.confusable] == [("joint_hardening", "joint 3")]
+    plan = plan_next(diagnosis)
+    assert {plan.favourite, plan.rival} == {"joint_stiffness at joint 3", "joint_hardening at joint 3"}
 
 
 @pytest.mark.parametrize("seed", [10025, 10185])
