@@ -52,10 +52,13 @@ def test_an_honest_set_is_consistent(make_set, seed):
 
 
 def test_explained_sets_are_predicted_to_the_noise(outcomes):
-    """Each within the chance of its own number of components, all together within a tenth."""
-    ratios = [o.ratio_to_floor for o in outcomes if o.verdict == "explained"]
-    assert np.sqrt(np.mean(np.square(ratios))) < 1.1
-    assert np.mean(np.array(ratios) < 1.1) >= 0.9
+    """Every one to within a tenth of the noise that its tracker really made."""
+    explained = [o for o in outcomes if o.verdict == "explained"]
+    assert len(explained) > 0.5 * SETS
+    assert max(o.ratio_to_drawn for o in explained) < 1.1
+    # By the noise as it is stated, too, but for sets that chance gave more of it.
+    assert np.sqrt(np.mean(np.square([o.ratio_to_floor for o in explained]))) < 1.1
+    assert np.mean([o.ratio_to_floor < 1.1 for o in explained]) >= 0.9
 
 
 def test_stated_intervals_cover_the_truth(outcomes, score):
