@@ -41,7 +41,7 @@ class DoorLocalizer(ManagedNode):
             "camera_info_wait", 3.0, "how long a picture waits for the first camera info [s]", 0.0, 30.0
         ),
         Parameter("overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8),
-        Parameter("frames", True, "publish camera and door on /tf, where tf2_msgs is installed"),
+        Parameter("frames", True, "publish the frames of camera and door"),
     )
 
     def __init__(self, **kwargs: Any) -> None:

@@ -43,7 +43,9 @@ class PathGenerator(ManagedNode):
             "robot_model", "", "model.yaml of a diagnosis used for the correction; empty: joint springs"
         ),
         Parameter(
-            "frames", True, "publish the robot at its first target on /tf; false where its driver does that"
+            "frames",
+            True,
+            "publish frames of the robot at its first target; false where its driver does that",
         ),
     )
 
@@ -98,8 +100,9 @@ class PathGenerator(ManagedNode):
         begun = time.perf_counter()
         try:
             door = self._door if self._door is not None else recipe_of(recipe)
+            T_base_door = transform_of(pose.pose)
             program = generate_program(
-                door, transform_of(pose.pose), self._layout, self._robot, self._model, settings=self._settings
+                door, T_base_door, self._layout, self._robot, self._model, settings=self._settings
             )
             answer.cycle_time = check_door(program, door, self._robot, self._settings).time
         except DoormillError as error:
@@ -114,21 +117,23 @@ class PathGenerator(ManagedNode):
         answer.duration = time.perf_counter() - begun
         self._targets.publish(answer)
         self.report(OK, "path generated", door_id=recipe.door_id, targets=len(program.targets))
-        self.later("show", lambda: self._show(answer.header, program))
+        self.later("show", lambda: self._show(answer.header, program, door, T_base_door))
 
-    def _show(self, header: Header, program: MillingProgram) -> None:
+    def _show(self, header: Header, program: MillingProgram, door: Recipe, T_base_door: np.ndarray) -> None:
         targets = program.targets
         self._nominal.publish(path_message(header, [t.T_base_tool_nominal for t in targets]))
         self._corrected.publish(path_message(header, [t.T_base_tool_corrected for t in targets]))
-        self._markers.publish(program_markers(program, header))
+        self._markers.publish(program_markers(program, door, T_base_door, header))
         if program.targets:
             self._show_robot(header, program.targets[0].q)
 
     def _show_robot(self, header: Header, q: np.ndarray) -> None:
         """The robot in the posture of the program's first target."""
         urdf = self._robot.urdf
-        stamp = Header(stamp=header.stamp)
-        self._joints.publish(JointState(header=stamp, name=joint_names(urdf), position=[float(v) for v in q]))
+        # Joint states have no use for a frame, but viewers report an empty one as missing.
+        self._joints.publish(
+            JointState(header=header, name=joint_names(urdf), position=[float(v) for v in q])
+        )
         if self._frames is not None:
             links = link_poses(urdf, q)
             self._frames.show(links)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from nav_msgs.msg import Path
 from rclpy.serialization import deserialize_message, serialize_message
 from scipy.spatial.transform import Rotation
 from std_msgs.msg import Header
+from visualization_msgs.msg import Marker
 
 from doormill_interfaces.msg import TargetArray
-from doormill_ros.nodes.convert.geometry import path_message
+from doormill_ros.nodes.convert.geometry import path_message, transform_of
+from doormill_ros.nodes.convert.markers import program_markers
 from doormill_ros.nodes.convert.program import program_into, program_of
+from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
 
 
@@ -75,6 +80,36 @@ def test_no_two_targets_share_a_message(program: MillingProgram) -> None:
 def test_a_program_without_targets() -> None:
     back = program_of(over_the_wire(program_into(TargetArray(), MillingProgram("door", 1, (), ()))))
     assert (back.targets, back.motions) == ((), ())
+
+
+def test_the_door_is_drawn_where_its_frame_says(program: MillingProgram) -> None:
+    rng = np.random.default_rng(9)
+    T_base_door = pose(rng)
+    door = shipped_recipes()["thesis_190_0deg"]
+    markers = program_markers(program, door, T_base_door, Header(frame_id="base_link")).markers
+    (body,) = [marker for marker in markers if marker.ns == "door"]
+    T_base_middle = transform_of(body.pose)
+    half = np.array([body.scale.x, body.scale.y, body.scale.z]) / 2.0
+    # Its corners in the door's frame: x into the thickness, y across the width, z up.
+    for sides in itertools.product((0, 1), repeat=3):
+        corner = T_base_middle @ [*((2.0 * np.array(sides) - 1.0) * half), 1.0]
+        found = np.linalg.solve(T_base_door, corner)[:3]
+        assert found == pytest.approx(np.array(sides) * [door.thickness, door.width, door.height], abs=1e-9)
+
+
+def test_markers_show_every_target_and_a_hundredfold_correction(program: MillingProgram) -> None:
+    door = shipped_recipes()["thesis_190_0deg"]
+    markers = program_markers(program, door, np.eye(4), Header(frame_id="base_link")).markers
+    assert markers[0].action == Marker.DELETEALL
+    shown = {m.ns: np.array([[p.x, p.y, p.z] for p in m.points]) for m in markers}
+    order = [0, 1, 2, 3]  # by the motions, the via target before the end of its arc
+    nominal = np.array([program.targets[i].T_base_tool_nominal[:3, 3] for i in order])
+    corrected = np.array([program.targets[i].T_base_tool_corrected[:3, 3] for i in order])
+    assert np.abs(shown["nominal path"] - nominal).max() < 1e-12
+    assert np.abs(shown["corrected path"] - corrected).max() < 1e-12
+    assert np.abs(shown["correction x 100"][0::2] - nominal).max() < 1e-12
+    drawn = shown["correction x 100"][1::2] - nominal
+    assert drawn == pytest.approx(100.0 * (corrected - nominal), rel=1e-9)
 
 
 def test_a_path_goes_through_the_poses(program: MillingProgram) -> None:

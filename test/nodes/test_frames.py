@@ -1,4 +1,4 @@
-"""Frames on /tf where tf2's messages are installed, and everything else where they are not."""
+"""Frames on /tf where tf2's messages are installed, one by one and everything else where they are not."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -122,6 +122,23 @@ def test_without_tf2_s_messages_all_else_is_published(without_tf2: None, running
     assert "/tf" not in dict(running.node.get_topic_names_and_types())
 
 
+def test_without_them_a_late_joiner_gets_the_latest_robot_one_frame_a_message(
+    without_tf2: None, running: Generator
+) -> None:
+    targets = running.hear(topics.PATH_TARGETS.type, topics.PATH_TARGETS.name, topics.PATH_TARGETS.requested)
+    early = running.hear(topics.FRAMES.type, topics.FRAMES.name, topics.FRAMES.requested)
+    running.generate()
+    running.wait(lambda: len(early) >= len(ROBOT_FRAMES))
+    running.generate()
+    running.wait(lambda: len(early) >= 2 * len(ROBOT_FRAMES))
+    late = running.hear(topics.FRAMES.type, topics.FRAMES.name, topics.FRAMES.requested)
+    running.wait(lambda: len(late) >= topics.LATCHED_FRAMES.depth)
+    frames = chain(late)
+    assert set(frames) == ROBOT_FRAMES
+    corrected = transform_of(targets[-1].targets[0].corrected)
+    assert np.abs(in_base(frames, "tool") - corrected).max() < 1e-6
+
+
 def test_the_absence_is_told_once(
     without_tf2: None, capfd: pytest.CaptureFixture[str], request: pytest.FixtureRequest
 ) -> None:
@@ -129,6 +146,27 @@ def test_the_absence_is_told_once(
     told = [line for line in capfd.readouterr().err.splitlines() if "tf2_msgs" in line]
     assert len(told) == 1
     assert "[INFO]" in told[0]
+
+
+ROBOT_FRAMES = {"flange", "tool", *(f"link_{n}" for n in range(1, 7))}
+
+
+def chain(transforms: Iterable[Any]) -> dict[str, tuple[str, np.ndarray]]:
+    """Parent and T_parent_child, shape (4, 4), by child: the latest of each."""
+    frames = {}
+    for t in transforms:
+        p, q = t.transform.translation, t.transform.rotation
+        matrix = from_xyzw(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
+        frames[t.child_frame_id] = (t.header.frame_id, matrix)
+    return frames
+
+
+def in_base(frames: dict[str, tuple[str, np.ndarray]], frame: str) -> np.ndarray:
+    """T_base_frame, shape (4, 4)."""
+    if frame == "base_link":
+        return np.eye(4)
+    parent, T_parent_frame = frames[frame]
+    return in_base(frames, parent) @ T_parent_frame
 
 
 PACKAGE = """<package format="3"><name>tf2_msgs</name><version>0.0.1</version><description>-</description>
@@ -186,31 +224,15 @@ def test_with_them_the_bag_of_a_run_holds_every_frame(tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stdout + done.stderr
     bag = tmp_path / "run" / "bag"
-    frames = {}
-    for item in read_bag(bag, ["/tf", "/tf_static"]):
-        assert item.type_name == "tf2_msgs/msg/TFMessage"
-        for t in item.message.transforms:
-            p, q = t.transform.translation, t.transform.rotation
-            matrix = from_xyzw(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
-            frames[t.child_frame_id] = (t.header.frame_id, matrix)
+    recorded = list(read_bag(bag, ["/tf", "/tf_static"]))
+    assert {item.type_name for item in recorded} == {"tf2_msgs/msg/TFMessage"}
+    frames = chain(t for item in recorded for t in item.message.transforms)
     latest = {item.topic: item.message for item in read_bag(bag, ["/door/localization", "/path/targets"])}
-
-    def in_base(frame: str) -> np.ndarray:
-        if frame == "base_link":
-            return np.eye(4)
-        parent, T_parent_frame = frames[frame]
-        return in_base(parent) @ T_parent_frame
 
     door = transform_of(latest["/door/localization"].pose.pose)
     first = latest["/path/targets"].targets[0]
-    assert np.abs(in_base("door") - door).max() < 1e-9
-    assert np.abs(in_base("tool") - transform_of(first.corrected)).max() < 1e-6
+    assert np.abs(in_base(frames, "door") - door).max() < 1e-9
+    assert np.abs(in_base(frames, "tool") - transform_of(first.corrected)).max() < 1e-6
     camera = load_camera().T_base_camera(shipped_recipes()[DOOR].width)
-    assert np.abs(in_base("camera_optical_frame") - camera).max() < 1e-9
-    assert set(frames) == {
-        "door",
-        "camera_optical_frame",
-        "flange",
-        "tool",
-        *(f"link_{n}" for n in range(1, 7)),
-    }
+    assert np.abs(in_base(frames, "camera_optical_frame") - camera).max() < 1e-9
+    assert set(frames) == ROBOT_FRAMES | {"door", "camera_optical_frame"}

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import re
 from typing import Any
+from xml.etree import ElementTree
 
 import yaml
+from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy, qos_check_compatible
 
 from doormill_ros.frames import BASE_FRAME
 from doormill_ros.nodes import topics
@@ -18,16 +20,25 @@ BAG = ROOT / "bags" / "thesis_190_0deg"
 ELSEWHERE = {"/door/overlay"}
 
 
-#: Settings by panel type that the app knows, by the classes of its layout library (foxglove-sdk 0.30,
-#: foxglove.layouts) and, for followTf, by the layouts that the app exports.
+#: Titles of panels in Foxglove and in Lichtblick 1.28, the open viewer made from its sources.
+TITLES = {"foxglovePanelTitle", "lichtblickPanelTitle"}
+#: Settings by panel type that both read, by the classes of Foxglove's layout library (foxglove-sdk 0.30,
+#: foxglove.layouts) and by Lichtblick's types of panel configurations.
 SETTINGS = {
     "3D": {"cameraState", "followTf", "layers", "scene", "topics", "transforms"},
     "Image": {"imageMode", "scene", "topics"},
     "DiagnosticSummary": {"hardwareIdFilter", "minLevel", "pinnedIds", "sortByLevel", "topicToRender"},
-    "StateTransitions": {"isSynced", "paths"},
+    "StateTransitions": {"isSynced", "paths"} | TITLES,
     "RawMessages": {"expansion", "topicPath"},
-    "Plot": {"foxglovePanelTitle", "isSynced", "paths", "xAxisVal"},
+    "Plot": {"isSynced", "paths", "xAxisLabel", "xAxisVal", "yAxisLabel"} | TITLES,
 }
+CAMERA = {
+    "distance", "far", "fovy", "near", "perspective", "phi",
+    "target", "targetOffset", "targetOrientation", "thetaOffset",
+}  # fmt: skip
+SCENE = {"labelScaleFactor", "transforms"}
+TRANSFORMS = {"axisScale", "enablePreloading", "lineWidth", "showLabel"}
+IMAGE_MODE = {"calibrationTopic", "imageTopic"}
 SERIES = {"enabled", "label", "timestampMethod", "value"}
 LAYERS = {
     "foxglove.Grid": {"divisions", "frameId", "size"},
@@ -81,6 +92,11 @@ def test_foxglove_layout_is_of_the_form_that_the_app_exports() -> None:
     for panel, settings in panels.items():
         kind = panel.split("!")[0]
         assert settings.keys() <= SETTINGS[kind], panel
+        assert settings.get("cameraState", {}).keys() <= CAMERA
+        assert settings.get("scene", {}).keys() <= SCENE
+        assert settings.get("scene", {}).get("transforms", {}).keys() <= TRANSFORMS
+        assert settings.get("imageMode", {}).keys() <= IMAGE_MODE
+        assert (settings.keys() & TITLES) in (set(), TITLES), f"{panel} has no title in one of the viewers"
         for series in settings.get("paths", ()):
             assert series.keys() <= SERIES
         for name, layer in settings.get("layers", {}).items():
@@ -107,13 +123,28 @@ def test_foxglove_series_lead_to_fields_of_the_messages() -> None:
         for field in fields:
             name, index = re.fullmatch(r"(\w+)(?:\[(\d*:?)\])?", field).groups()
             found = getattr(found, name)
-            found = found if index in (None, ":") else found[int(index)]
+            found = found if index is None else found[0 if index == ":" else int(index)]
         assert found is not None
 
 
 def test_foxglove_follows_the_frame_of_the_messages() -> None:
     scene = layout()["configById"]["3D!door"]
     assert scene["followTf"] == scene["layers"]["grid"]["frameId"] == BASE_FRAME
+
+
+def test_foxglove_knows_every_frame_after_a_jump_in_time() -> None:
+    # After a jump a viewer looks up one earlier message a topic, but `frames` has one frame a message.
+    panels = layout()["configById"]
+    spatial = {name for name in panels if name.split("!")[0] in ("3D", "Image")}
+    assert len(spatial) == 3
+    for name in spatial:
+        assert panels[name]["scene"]["transforms"]["enablePreloading"] is True, name
+
+
+def test_foxglove_plots_without_time_are_not_zoomed_to_the_times_of_other_panels() -> None:
+    panels = layout()["configById"].values()
+    plots = [panel for panel in panels if panel.get("xAxisVal", "timestamp") != "timestamp"]
+    assert [panel["isSynced"] for panel in plots] == [False]
 
 
 def test_rviz_shows_recorded_topics_with_the_durability_they_have() -> None:
@@ -127,6 +158,58 @@ def test_rviz_shows_recorded_topics_with_the_durability_they_have() -> None:
     assert {t for t, durability in named.items() if durability == "Transient Local"} == {
         "/path/nominal", "/path/corrected", "/path/markers", "/robot_description"
     }  # fmt: skip
+
+
+#: Properties of displays and views in the sources of rviz_default_plugins and rviz_common 14.3.
+OF_EVERY_DISPLAY = {"Class", "Enabled", "Name"}
+RVIZ = {
+    "Grid": {"Cell Size", "Plane Cell Count"},
+    "RobotModel": {"Description Source", "Description Topic"},
+    "TF": {"Frame Timeout", "Marker Scale"},
+    "Pose": {"Axes Length", "Axes Radius", "Shape", "Topic"},
+    "Path": {"Color", "Line Style", "Line Width", "Topic"},
+    "MarkerArray": {"Topic"},
+    "Image": {"Topic"},
+}
+RVIZ_TOPIC = {"Depth", "Durability Policy", "Reliability Policy", "Value"}
+RVIZ_POLICIES = {
+    "Reliable": ReliabilityPolicy.RELIABLE,
+    "Best Effort": ReliabilityPolicy.BEST_EFFORT,
+    "Transient Local": DurabilityPolicy.TRANSIENT_LOCAL,
+    "Volatile": DurabilityPolicy.VOLATILE,
+}
+
+
+def test_rviz_reads_every_setting_and_its_subscriptions_match_what_the_nodes_offer() -> None:
+    manager = yaml.safe_load((ROOT / "config" / "cell.rviz").read_text())["Visualization Manager"]
+    offered = {f"/{t.name}": t.offered for t in topics.ALL}
+    for display in manager["Displays"]:
+        plugin, kind = display["Class"].split("/")
+        assert plugin == "rviz_default_plugins"
+        assert display.keys() <= OF_EVERY_DISPLAY | RVIZ[kind], display["Name"]
+        for topic in (display[key] for key in ("Topic", "Description Topic") if key in display):
+            assert topic.keys() <= RVIZ_TOPIC
+            profile = QoSProfile(
+                depth=topic["Depth"],
+                reliability=RVIZ_POLICIES[topic["Reliability Policy"]],
+                durability=RVIZ_POLICIES[topic["Durability Policy"]],
+            )
+            verdict, why = qos_check_compatible(offered[topic["Value"]], profile)
+            assert verdict != QoSCompatibility.ERROR, f"{display['Name']}: {why}"
+            # Less than what is offered would lose pictures of many fragments.
+            assert profile.reliability == offered[topic["Value"]].reliability
+    view = manager["Views"]["Current"]
+    assert view.keys() <= {"Class", "Distance", "Focal Point", "Pitch", "Yaw"}
+    assert view["Class"] == "rviz_default_plugins/Orbit"
+
+
+def test_viewers_draw_the_robots_without_files_beside_the_description() -> None:
+    for path in sorted((ROOT / "config" / "robots").glob("*/robot.urdf")):
+        root = ElementTree.parse(path).getroot()
+        shapes = {child.tag for geometry in root.iter("geometry") for child in geometry}
+        assert shapes <= {"box", "cylinder"}, path
+        drawn = {link.get("name") for link in root.iter("link") if link.find("visual") is not None}
+        assert drawn == {link.get("name") for link in root.iter("link")}, path
 
 
 def test_shown_messages_are_in_the_base_frame() -> None:

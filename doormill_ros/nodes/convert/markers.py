@@ -1,4 +1,4 @@
-"""A milling program as markers for RViz and Foxglove."""
+"""A door and its milling program as markers for RViz and Foxglove."""
 
 from __future__ import annotations
 
@@ -7,11 +7,16 @@ from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from doormill_ros.frames import transform
+from doormill_ros.nodes.convert.geometry import pose_message
+from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.program import MillingProgram
 
 NOMINAL = ColorRGBA(r=0.55, g=0.55, b=0.55, a=1.0)
 CORRECTED = ColorRGBA(r=0.10, g=0.45, b=0.85, a=1.0)
 CORRECTION = ColorRGBA(r=0.90, g=0.35, b=0.10, a=1.0)
+DOOR = ColorRGBA(r=0.80, g=0.65, b=0.45, a=0.4)  # paths lie in it, on the far side too
+THIN, THICK = 0.002, 0.004  # m; thinner is less than a pixel where a whole door is seen
 EXAGGERATION = 100.0  # corrections are tenths of a millimetre on a door of metres
 
 
@@ -26,17 +31,31 @@ def _point(p: np.ndarray) -> Point:
     return Point(x=float(p[0]), y=float(p[1]), z=float(p[2]))
 
 
-def program_markers(program: MillingProgram, header: Header) -> MarkerArray:
-    """Nominal and corrected path through the targets in execution order, corrections exaggerated.
+def _door_marker(header: Header, T_base_door: np.ndarray, door: Recipe) -> Marker:
+    size = np.array([door.thickness, door.width, door.height])
+    # A marker's pose is that of its middle, a door's that of its lowest corner at the hinges.
+    pose = pose_message(T_base_door @ transform(translation=size / 2.0))
+    scale = Vector3(x=float(size[0]), y=float(size[1]), z=float(size[2]))
+    return Marker(
+        header=header, ns="door", type=Marker.CUBE, action=Marker.ADD, pose=pose, scale=scale, color=DOOR
+    )
+
+
+def program_markers(
+    program: MillingProgram, door: Recipe, T_base_door: np.ndarray, header: Header
+) -> MarkerArray:
+    """The door, nominal and corrected path in execution order, corrections exaggerated.
 
     Args:
         program: What to show.
+        door: Its door.
+        T_base_door: Where the door was found, shape (4, 4).
         header: Frame base_link and the stamp of the picture.
     """
     clear = Marker(header=header, action=Marker.DELETEALL)
-    nominal = _marker(header, "nominal path", Marker.LINE_STRIP, 0.001, NOMINAL)
-    corrected = _marker(header, "corrected path", Marker.LINE_STRIP, 0.001, CORRECTED)
-    corrections = _marker(header, "correction x 100", Marker.LINE_LIST, 0.0015, CORRECTION)
+    nominal = _marker(header, "nominal path", Marker.LINE_STRIP, THIN, NOMINAL)
+    corrected = _marker(header, "corrected path", Marker.LINE_STRIP, THICK, CORRECTED)
+    corrections = _marker(header, "correction x 100", Marker.LINE_LIST, THICK, CORRECTION)
     for motion in program.motions:
         for index in ([] if motion.via is None else [motion.via]) + [motion.target]:
             target = program.targets[index]
@@ -45,4 +64,5 @@ def program_markers(program: MillingProgram, header: Header) -> MarkerArray:
             corrected.points.append(_point(p_corrected))
             corrections.points.append(_point(p_nominal))
             corrections.points.append(_point(p_nominal + EXAGGERATION * (p_corrected - p_nominal)))
-    return MarkerArray(markers=[clear, nominal, corrected, corrections])
+    body = _door_marker(header, T_base_door, door)
+    return MarkerArray(markers=[clear, body, nominal, corrected, corrections])
