@@ -25,9 +25,9 @@ from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received
 from doormill_ros.recording.errors import UnknownTypeError
+from doormill_ros.recording.schema import FEEDBACK
 
 DISCOVERY_PERIOD = 0.5  # s
-HIDDEN = "/_action/"
 WRITE_PERIOD = 0.1  # s
 SETTLING = 0.2  # s, for messages on their way when the recording ends
 NICENESS = 5  # of the process: the door comes first
@@ -41,6 +41,7 @@ class BagRecorder(ManagedNode):
         Parameter("bag", "", "folder to record into; empty: a new folder under `folder`"),
         Parameter("folder", "out/bags", "where new bags are made when `bag` is empty"),
         Parameter("exclude", "", "topics that are not recorded, separated by spaces"),
+        Parameter("include_hidden_topics", False, "record what actions publish too: feedback and status"),
         Parameter("split_size", 512 << 20, "begin a new file at this size [bytes]; 0: never", 0, 1 << 40),
         Parameter("queue_size", 256 << 20, "most that may wait for the disk [bytes]", 1 << 20, 1 << 36),
     )
@@ -104,8 +105,7 @@ class BagRecorder(ManagedNode):
         for name, types in self.get_topic_names_and_types():
             if name in self._subscribed or name in self._skipped:
                 continue
-            # What an action publishes is hidden from `ros2 bag` too: its types have no .msg files.
-            if name in self._excluded or HIDDEN in name:
+            if name in self._excluded or (_is_hidden(name) and not self.value("include_hidden_topics")):
                 self._skipped.add(name)
                 continue
             offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
@@ -195,6 +195,11 @@ def _type_name(message_type: Any) -> str:
     return f"{package}/{kind}/{message_type.__name__}"
 
 
+def _is_hidden(topic: str) -> bool:
+    """True for what ROS' tools leave out by default: a part of the name begins with an underscore."""
+    return any(part.startswith("_") for part in topic.split("/"))
+
+
 def _message_class(name: str) -> Any:
     """The class of a message type by its full name.
 
@@ -202,7 +207,10 @@ def _message_class(name: str) -> Any:
         ImportError, AttributeError: The type's package is not installed.
     """
     package, kind, message = name.split("/")
-    return getattr(import_module(f"{package}.{kind}"), message)
+    module = import_module(f"{package}.{kind}")
+    if feedback := FEEDBACK.fullmatch(name):
+        return getattr(module, feedback[2]).Impl.FeedbackMessage
+    return getattr(module, message)
 
 
 def _matching(offers: list[QoSProfile]) -> QoSProfile:

@@ -16,6 +16,9 @@ PRIMITIVES = {
     "bool", "byte", "char", "float32", "float64", "int8", "uint8", "int16", "uint16",
     "int32", "uint32", "int64", "uint64", "string", "wstring",
 }  # fmt: skip
+#: What an action publishes while it works on a goal; no .msg file holds its definition.
+FEEDBACK = re.compile(r"(\w+)/action/(\w+)_FeedbackMessage")
+IDENTIFIER = "unique_identifier_msgs/UUID"
 FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+\w+")
 
 
@@ -60,6 +63,26 @@ def _used_types(text: str, package: str) -> list[str]:
     return used
 
 
+def _part(title: str, text: str) -> str:
+    return f"{SEPARATOR}\nMSG: {title}\n{text}"
+
+
+def _message(name: str) -> tuple[list[str], list[str]]:
+    """Definition of a message, and the types it uses."""
+    text = _share_file(name, ".msg").read_text(encoding="utf-8")
+    return [text], _used_types(text, name.split("/")[0])
+
+
+def _feedback_message(package: str, action: str) -> tuple[list[str], list[str]]:
+    """Definitions of what an action publishes as feedback and of the feedback in it, and the types they use."""
+    text = _share_file(f"{package}/action/{action}", ".action").read_text(encoding="utf-8")
+    _, _, feedback = re.split(r"^---\s*$", text, flags=re.MULTILINE)
+    whole = f"{IDENTIFIER} goal_id\n{action}_Feedback feedback\n"
+    # Messages go by two parts of their name in definitions; an action's type keeps the one between.
+    inner = _part(f"{package}/action/{action}_Feedback", feedback.lstrip("\n"))
+    return [whole, inner], _used_types(f"{IDENTIFIER} goal_id\n{feedback}", package)
+
+
 @cache
 def load_schema(name: str) -> Schema:
     """Definition and hash of a message type, from the ament index.
@@ -67,18 +90,19 @@ def load_schema(name: str) -> Schema:
     Raises:
         UnknownTypeError: The type's package is not installed.
     """
-    text = _share_file(name, ".msg").read_text(encoding="utf-8")
-    parts, seen = [text], {name}
-    pending = _used_types(text, name.split("/")[0])
+    feedback = FEEDBACK.fullmatch(name)
+    parts, pending = _feedback_message(*feedback.groups()) if feedback else _message(name)
+    seen = {name}
     while pending:
         used = pending.pop(0)
         if used in seen:
             continue
         seen.add(used)
-        used_text = _share_file(used, ".msg").read_text(encoding="utf-8")
+        (used_text,), further = _message(used)
         package, _, message = used.split("/")
-        parts.append(f"{SEPARATOR}\nMSG: {package}/{message}\n{used_text}")
-        pending.extend(_used_types(used_text, package))
-    description = json.loads(_share_file(name, ".json").read_text(encoding="utf-8"))
+        parts.append(_part(f"{package}/{message}", used_text))
+        pending.extend(further)
+    described = f"{feedback[1]}/action/{feedback[2]}" if feedback else name
+    description = json.loads(_share_file(described, ".json").read_text(encoding="utf-8"))
     type_hash = next(e["hash_string"] for e in description["type_hashes"] if e["type_name"] == name)
     return Schema(name, "\n".join(parts), type_hash)

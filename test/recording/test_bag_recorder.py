@@ -13,13 +13,16 @@ from typing import Any
 import pytest
 import rclpy
 import yaml
+from action_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.action import ActionClient, ActionServer
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosbags.rosbag2 import Reader
 from std_msgs.msg import Bool
 
+from doormill_interfaces.action import MillDoor
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.bag_recorder import BagRecorder
 from doormill_ros.recording.bag_reader import read_bag
@@ -130,3 +133,57 @@ def test_excluded_topics_are_left_out(record: Callable[..., Recording], tmp_path
     time.sleep(1.0)  # two looks for new topics
     recording.recorder.close()
     assert [m.topic for m in read_bag(tmp_path / "bag") if m.topic.startswith("/abb")] == ["/abb/ready"]
+
+
+FEEDBACK, STATUS = "/mill_door/_action/feedback", "/mill_door/_action/status"
+
+
+def serve(recording: Recording) -> ActionServer:
+    """An action that tells two stages of each goal."""
+
+    def execute(goal: Any) -> MillDoor.Result:
+        for stage in ("picture", "milling"):
+            goal.publish_feedback(MillDoor.Feedback(stage=stage))
+        goal.succeed()
+        return MillDoor.Result(success=True)
+
+    return ActionServer(recording.node, MillDoor, "mill_door", execute)
+
+
+def is_recorded(recording: Recording, topic: str) -> bool:
+    infos = recording.node.get_subscriptions_info_by_topic(topic)
+    return "bag_recorder" in [info.node_name for info in infos]
+
+
+def test_what_an_action_publishes_is_recorded(record: Callable[..., Recording], tmp_path: Path) -> None:
+    recording = record(include_hidden_topics=True)
+    server = serve(recording)
+    client = ActionClient(recording.node, MillDoor, "mill_door")
+    recording.wait(lambda: is_recorded(recording, FEEDBACK) and is_recorded(recording, STATUS))
+    recording.wait(client.server_is_ready)
+    sent = client.send_goal_async(MillDoor.Goal(door_id="any"))
+    recording.wait(sent.done)
+    ended = sent.result().get_result_async()
+    recording.wait(ended.done)
+    recording.recorder.close()
+    server.destroy()
+    recorded = list(read_bag(tmp_path / "bag", [FEEDBACK, STATUS]))
+    told = [m.message for m in recorded if m.topic == FEEDBACK]
+    assert [m.feedback.stage for m in told] == ["picture", "milling"]
+    assert {bytes(m.goal_id.uuid) for m in told} == {bytes(sent.result().goal_id.uuid)}
+    last = next(m.message for m in reversed(recorded) if m.topic == STATUS)
+    assert [status.status for status in last.status_list] == [GoalStatus.STATUS_SUCCEEDED]
+    with Reader(tmp_path / "bag") as reader:
+        (status,) = (c for c in reader.connections if c.topic == STATUS)
+        assert status.ext.offered_qos_profiles[0].durability.name == "TRANSIENT_LOCAL"
+
+
+def test_as_ros2_bag_does_it_leaves_hidden_topics_out_unless_told(record: Callable[..., Recording]) -> None:
+    recording = record()
+    server = serve(recording)
+    later = recording.node.create_publisher(Bool, "found_later", topics.EVENT)
+    recording.wait(lambda: is_recorded(recording, later.topic_name))
+    assert recording.node.count_publishers(FEEDBACK) == 1
+    assert not is_recorded(recording, FEEDBACK)
+    assert not is_recorded(recording, STATUS)
+    server.destroy()

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 
+import numpy as np
 import pytest
+import rclpy
+from rclpy.serialization import serialize_message
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from doormill_interfaces.action import MillDoor
 from doormill_ros.recording.errors import UnknownTypeError
 from doormill_ros.recording.schema import load_schema
 from source_tree import ROOT
 
+LIMIT = 60.0  # s
+FEEDBACK = "doormill_interfaces/action/MillDoor_FeedbackMessage"
 OWN = [f"doormill_interfaces/msg/{p.stem}" for p in sorted((ROOT / "doormill_interfaces/msg").glob("*.msg"))]
 FOREIGN = [
     "builtin_interfaces/msg/Time",
@@ -31,7 +39,7 @@ def test_there_are_types_to_check() -> None:
     assert len(OWN) >= 12
 
 
-@pytest.mark.parametrize("name", OWN + FOREIGN)
+@pytest.mark.parametrize("name", [*OWN, *FOREIGN, FEEDBACK, "action_msgs/msg/GoalStatusArray"])
 def test_hash_is_what_rosbags_computes_from_the_text(name: str) -> None:
     """Text and hash come from different files of the install tree; rosbags derives one from the other."""
     schema = load_schema(name)
@@ -46,6 +54,39 @@ def test_text_says_the_same_as_the_one_rosbags_writes(name: str) -> None:
     ours = get_types_from_msg(load_schema(name).text, name)
     assert ours[name] == get_types_from_msg(theirs, name)[name]
     assert ours.keys() == get_types_from_msg(theirs, name).keys()
+
+
+def test_the_feedback_of_an_action_can_be_read_by_who_has_no_package() -> None:
+    schema = load_schema(FEEDBACK)
+    message = MillDoor.Impl.FeedbackMessage(feedback=MillDoor.Feedback(stage="pose", progress=0.5))
+    message.goal_id.uuid[:] = np.arange(16)
+    data = serialize_message(message)
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(schema.text, FEEDBACK))
+    read = store.deserialize_cdr(data, FEEDBACK)
+    assert list(read.goal_id.uuid) == list(range(16))
+    assert (read.feedback.stage, read.feedback.progress) == ("pose", 0.5)
+
+
+def test_the_feedback_of_an_action_has_the_hash_that_ros_gives_its_topic() -> None:
+    rclpy.init()
+    try:
+        node = rclpy.create_node("beside")
+        publisher = node.create_publisher(MillDoor.Impl.FeedbackMessage, "feedback", 1)
+        found: list[TopicEndpointInfo] = []
+        deadline = time.monotonic() + LIMIT
+        while not found and time.monotonic() < deadline:
+            found = node.get_publishers_info_by_topic(publisher.topic_name)
+            time.sleep(0.02)
+        assert str(found[0].topic_type_hash) == load_schema(FEEDBACK).type_hash
+        assert found[0].topic_type == FEEDBACK
+    finally:
+        rclpy.shutdown()
+
+
+def test_an_action_that_is_not_installed_is_refused() -> None:
+    with pytest.raises(UnknownTypeError, match="nowhere_msgs/action/Nothing"):
+        load_schema("nowhere_msgs/action/Nothing_FeedbackMessage")
 
 
 def test_a_type_that_is_not_installed_is_refused() -> None:
