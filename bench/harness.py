@@ -9,6 +9,8 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+ALLOWED = "allowed"  # the peer of an entry that must not be above it
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -26,6 +28,16 @@ class Entry:
 def entry(name: str, median: float, unit: str, peer: str, peer_median: float, n: int) -> Entry:
     """An entry with its ratio, from medians measured elsewhere."""
     return Entry(name, float(median), unit, peer, float(peer_median), float(peer_median) / float(median), n)
+
+
+def limit(name: str, value: float, unit: str, allowed: float, n: int) -> Entry:
+    """An entry that fails the bench when `value` is above what is allowed."""
+    return entry(name, value, unit, ALLOWED, allowed, n)
+
+
+def exceeded(item: Entry) -> bool:
+    """Whether an entry made by `limit` is above what is allowed."""
+    return item.peer == ALLOWED and not item.median <= item.peer_median
 
 
 def compare(

@@ -1,7 +1,7 @@
 """Run every `bench_*.py` beside this file and write out/bench/bench.json.
 
 Each module has `run() -> list[Entry]`. Usage: `python bench/run.py [NAME ...]` runs those
-whose file name contains one of the names.
+whose file name contains one of the names. The exit code is 1 when a figure is above what is allowed.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
-from harness import Entry, write  # noqa: E402
+from harness import Entry, exceeded, write  # noqa: E402
 
 
 def main() -> int:
-    """Run the chosen modules, print a line an entry, write the file."""
+    """Run the chosen modules, print a line an entry, write the file; 1 when a limit is exceeded."""
     wanted = sys.argv[1:]
     entries: list[Entry] = []
     for path in sorted(HERE.glob("bench_*.py")):
@@ -32,13 +32,17 @@ def main() -> int:
             entries.append(item)
             print(
                 f"{item.name}: {item.median:.4g} {item.unit}, {item.peer}: {item.peer_median:.4g} "
-                f"{item.unit}, ratio {item.ratio:.1f} (n={item.n})",
+                f"{item.unit}, ratio {item.ratio:.1f} (n={item.n})"
+                + (", ABOVE THE LIMIT" if exceeded(item) else ""),
                 flush=True,
             )
     target = HERE.parent / "out" / "bench" / "bench.json"
     write(entries, target)
     print(target)
-    return 0
+    above = sum(exceeded(item) for item in entries)
+    if above:
+        print(f"{above} of {len(entries)} figures are above what is allowed", file=sys.stderr)
+    return 1 if above else 0
 
 
 if __name__ == "__main__":

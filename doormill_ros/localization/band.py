@@ -167,8 +167,11 @@ def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float, r
 
     def scores(columns: np.ndarray, tilts: np.ndarray) -> np.ndarray:
         shift = np.rint(np.outer(tilts, centres - middle) / where.step).astype(np.intp)  # (k, pieces)
-        at = np.clip(columns[:, None] + shift[:, None], 0, count - 1)  # (k, columns, pieces)
-        picked = segments.T.ravel()[at * pieces + np.arange(pieces)]
+        rim = max(int(np.abs(shift).max()), 1)
+        padded = np.empty((count + 2 * rim, pieces), dtype=segments.dtype)  # lines may leave the band
+        padded[:rim], padded[rim:-rim], padded[-rim:] = segments[:, 0], segments.T, segments[:, -1]
+        at = (columns * pieces)[:, None] + ((shift + rim) * pieces + np.arange(pieces))[:, None]
+        picked = np.take(padded, at)  # (k, columns, pieces)
         picked.partition(pieces // 2, axis=-1)
         return picked[..., pieces // 2]
 

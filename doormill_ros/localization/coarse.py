@@ -7,6 +7,7 @@ texture is its edge; a rebate's lip, the back of a door or a rail behind it lie 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -53,7 +54,8 @@ def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
     best = strength.max(axis=0)
     best[np.abs(across) > reach] = 0.0
     # A step is as wide as the averages on its two sides; nearer maxima are the same edge.
-    padded = np.pad(best, WING)
+    padded = np.zeros(best.size + 2 * WING, dtype=best.dtype)
+    padded[WING:-WING] = best
     shifted = [padded[i : i + best.size] for i in range(2 * WING + 1)]
     peak = (best > np.max(shifted[:WING], axis=0)) & (best >= np.max(shifted[WING + 1 :], axis=0))
     peak &= best > np.maximum(_FAINTEST, _SIGNIFICANT * level)
@@ -67,15 +69,21 @@ def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
     return lines, median(level)
 
 
+@lru_cache(maxsize=256)
+def _distant_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers i < j of the pairs of `count` pieces that are at least a quarter of them apart."""
+    return np.triu_indices(count, max(count // 4, 1))
+
+
 def refine(steps: Steps, line: Line) -> Line:
     """Place a line to about a pixel: peak of the step in each piece of edge, then a robust line."""
     where, half = steps.where, 3
     centre = np.rint((line.across + line.tilt * steps.centres - where.across[0]) / where.step).astype(int)
-    centre = np.clip(centre, half, len(where.across) - half - 1)
+    centre = np.minimum(np.maximum(centre, half), len(where.across) - half - 1)
     span = np.arange(-half, half + 1)
     windows = np.sign(line.step) * steps.segments[np.arange(len(centre))[:, None], centre[:, None] + span]
     highest = windows.argmax(axis=1)
-    top = np.clip(highest, 1, 2 * half - 1)
+    top = np.minimum(np.maximum(highest, 1), 2 * half - 1)
     i = np.arange(len(centre))
     left, middle, right = windows[i, top - 1], windows[i, top], windows[i, top + 1]
     bend = 2 * middle - left - right
@@ -85,9 +93,9 @@ def refine(steps: Steps, line: Line) -> Line:
         return line
     s = steps.centres[good]
     # Steps sit between samples: step j compares the samples before j with those from j on.
-    d = where.across[0] + where.step * (centre[good] + np.clip(place[good], -half, half) - 0.5)
+    d = where.across[0] + where.step * (centre[good] + np.minimum(np.maximum(place[good], -half), half) - 0.5)
     # Median of the slopes between distant pieces: a clamp or chips on a quarter of them do no harm.
-    i, j = np.triu_indices(s.size, max(s.size // 4, 1))
+    i, j = _distant_pairs(s.size)
     slope = median((d[j] - d[i]) / (s[j] - s[i]))
     at = median(d - slope * s)
     for _ in range(3):

@@ -65,13 +65,13 @@ def gather(
 ) -> np.ndarray:
     """Pixels at `centre + span` of each of `lines`, rows for the hinge edge, columns for the bottom edge."""
     height, width = picture.shape
-    last = (width if edge == HINGE else height) - 1
-    cross = centre[:, None] + span
-    if cross.size and (cross.min() < 0 or cross.max() > last):
-        cross = np.clip(cross, 0, last)
+    last, run, step = (width - 1, width, 1) if edge == HINGE else (height - 1, 1, width)
     # Flat indices into the picture are several times faster than pairs of them.
-    flat = lines[:, None] * width + cross if edge == HINGE else cross * width + lines[:, None]
-    return np.take(picture.ravel(), flat)
+    if centre.size and centre.min() + span[0] >= 0 and centre.max() + span[-1] <= last:
+        flat = (lines * run + centre * step)[:, None] + span * step
+    else:
+        flat = (lines * run)[:, None] + np.clip(centre[:, None] + span, 0, last) * step
+    return np.take(picture, flat)
 
 
 def crossing(

@@ -23,6 +23,7 @@ _FLOOR = 0.1  # variance that rounding to grey levels makes
 _ARM = 4  # px averaged on each side of a step looked for in the face
 # Such a step counts from this many times the usual difference, this share of the edge's step, these levels.
 _INNER_USUAL, _INNER_SHARE, _INNER_LEAST = 8.0, 0.15, 2.5
+_DOUBT = 2.5  # streaks count from so many standard errors of what was learned of them
 _AVERAGED = 30.0  # rows over which what is no streak averages out; more would trust single rows too little
 _STIFFNESS = 0.003  # share of white noise assumed beside the texture; keeps the weights smooth
 _LEAST_NOISE = 1.0e-3  # and its least variance [grey levels^2]
@@ -52,6 +53,11 @@ class Surface:
     rows: np.ndarray
     lasting: np.ndarray
 
+    @property
+    def plain(self) -> bool:
+        """Whether streaks count for less than what averages out over rows."""
+        return bool(self.lasting.max() < self.rows.max() / _AVERAGED)
+
 
 def surface(strip: np.ndarray, lags: int, apart: int, most: float) -> Surface:
     """Learn the texture of rows of pixels (n, m); where lag >= m the last value is kept.
@@ -73,7 +79,9 @@ def surface(strip: np.ndarray, lags: int, apart: int, most: float) -> Surface:
     apart = min(apart, count // 2)
     pairs = max(int(np.count_nonzero(calm[apart:] & calm[: count - apart])), 1)
     cross = level[apart:].T @ level[: count - apart] / pairs
-    lasting = np.maximum(_variogram(0.5 * (cross + cross.T)), 0.0)
+    # Noise alone seems to have streaks, about as large as what averages out: weights against them do harm.
+    doubt = _DOUBT * rows / np.sqrt(pairs * np.arange(rows.size, 0, -1))
+    lasting = np.maximum(_variogram(0.5 * (cross + cross.T)) - doubt, 0.0)
     last = np.minimum(np.arange(lags + 1), rows.size - 1)
     return Surface(
         rows[last] * min(1.0, most**2 / rows.max()),
@@ -193,7 +201,7 @@ def push(strip: np.ndarray, along: np.ndarray, weights: np.ndarray, blur: float,
     windows = np.lib.stride_tricks.sliding_window_view(strip, used.size, axis=1)[:, ::5]
     moved = windows @ (used / step)  # (n, k), shift at each row for each place of the window
     limit = 4 * median(np.abs(moved)) + 1e-6
-    moved = np.clip(moved, -limit, limit)
+    moved = np.minimum(np.maximum(moved, -limit), limit)
     lever = along - along.mean()
     places = moved.mean(axis=0)
     slopes = lever @ moved / (lever @ lever)

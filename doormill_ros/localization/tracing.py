@@ -20,8 +20,12 @@ _EVERY = 6  # rows left out while focusing in
 # Wide, then sharp focusing ends when the edges move by less than the first two [px]; when they move
 # by more than the third, blur and texture are learned again.
 _CAUGHT, _NEAR, _FAR = 1.5, 0.6, 1.2
-_REACH = 2.5  # pixels looked at on each side of an edge, in standard deviations of its blur
-_MOST_BLURRED, _WIDEST = 14, 28  # px; half width of the widest window, and its largest lag
+# Pixels looked at on each side of an edge, in standard deviations of its blur. Where nothing but noise is beside
+# the edge, more of them tell its two levels better; where streaks are, they tell more of the streaks.
+_REACH, _PLAIN_REACH = 2.5, 4.0
+_WIDEST = (
+    2 * _WIDE_HALF
+)  # px; largest lag of the widest window, which sees no more than was found to be one edge
 _CLEAR = 3.0  # rows nearer to their line than that many standard deviations tell the blur
 _LASTING = 8.0e-3  # rows that far apart have only streaks in common [m]
 _TEXTURE = 0.25  # largest standard deviation of a texture, as a share of the step
@@ -81,7 +85,7 @@ class _Lens:
     Attributes:
         spread: Blur of the edge.
         weights: For its rows, as its blur and the textures beside it ask for.
-        strip: Rows of the face beside it [grey levels].
+        face: Rows of the face beside it [grey levels].
         rows: Their numbers.
         streaks: Standard deviation of what the rows have in common [grey levels].
         inner: Distance of another edge inside of this one [px], or None.
@@ -89,7 +93,7 @@ class _Lens:
 
     spread: Spread
     weights: np.ndarray
-    strip: np.ndarray
+    face: np.ndarray
     rows: np.ndarray
     streaks: float
     inner: float | None
@@ -115,11 +119,12 @@ def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles,
     apart, most = max(round(_LASTING / view.pixel / _EVERY), 1), _TEXTURE * abs(wide.step)
     inside, outside = surface(strip, _WIDEST, apart, most), surface(back, _WIDEST, apart, most)
     spread = replace(spread, blur=textured_blur(spread, wide.step, inside, outside))
-    half = min(max(int(np.ceil(_REACH * spread.blur + 2.0)), 4), _MOST_BLURRED)
+    reach = _PLAIN_REACH if inside.plain and outside.plain else _REACH
+    half = min(max(int(np.ceil(reach * spread.blur + 2.0)), 4), _WIDE_HALF)
     return _Lens(
         spread,
         step_weights(half, spread.blur, inside, outside),
-        strip,
+        face,
         wide.lines,
         streaks(common[-_FACE_STRIP:]),
         None if inner is None else inner + gap,
@@ -189,7 +194,7 @@ def trace_edges(
         blur = float(np.sqrt(max(lens.spread.blur**2 - ragged**2, 0.0)))
         checks.check_spread(edge, replace(lens.spread, blur=blur), lens.streaks / abs(step), settings)
         checks.check_share(edge, float(line.inliers.mean()), settings)
-        pushed = push(lens.strip, lens.rows, lens.weights, lens.spread.blur, step)
+        pushed = push(lens.face, lens.rows, lens.weights, lens.spread.blur, step)
         line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
         out[edge] = Trace(profiles[edge], lens.spread, line)
     return out

@@ -37,13 +37,14 @@ class FaceView:
         self.camera = camera
         self._T_base_camera = camera.T_base_camera(width)
         self._corner = layout.T_base_door(width, thickness)[:3, 3]
+        rotation = self._T_base_camera[:3, :3]
+        self._corner_seen = (self._corner - self._T_base_camera[:3, 3]) @ rotation
+        self._plane_seen = rotation[1:3]
         self.pixel = (self._corner[0] - self._T_base_camera[0, 3]) / np.sqrt(camera.k[0, 0] * camera.k[1, 1])
 
     def pixels(self, points: np.ndarray) -> np.ndarray:
         """Pixels u, v (..., 2) of face points (..., 2) [m]."""
-        points = np.asarray(points, dtype=float)
-        rotation = self._T_base_camera[:3, :3]
-        seen = (self._corner - self._T_base_camera[:3, 3]) @ rotation + points @ rotation[1:3]
+        seen = self._corner_seen + np.asarray(points, dtype=float) @ self._plane_seen
         return self.camera.distort(seen[..., :2] / seen[..., 2:])
 
     def points(self, pixels: np.ndarray) -> np.ndarray:

@@ -1,7 +1,5 @@
 """On clean pictures the spread is near what any estimator could reach."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,42 +7,10 @@ from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture import expected_picture
-from doormill_ros.simulation.picture_scene import Edges, PictureScene, Sensor, Surface
+from doormill_ros.simulation.picture_bound import cramer_rao_deviations, picture_information
+from doormill_ros.simulation.picture_scene import Edges, PictureScene, Sensor
 
 WIDTH, THICKNESS, NOISE = 0.9, 0.05, 2.0
-
-
-def cramer_rao_deviations(scene: PictureScene, squareness: float) -> np.ndarray:
-    """Smallest standard deviations of y, z and rotation, shape (3,).
-
-    Fisher information of the simulator's own expected picture by central differences; both
-    brightnesses are unknown, the right angle is known to `squareness` [rad], the noise is white
-    and rounding to grey levels adds 1/12 to its variance.
-    """
-
-    def moved(step: np.ndarray) -> np.ndarray:
-        offset = scene.offset
-        return expected_picture(
-            replace(
-                scene,
-                offset=DoorOffset(offset.y + step[0], offset.z + step[1], offset.rotation + step[2]),
-                edges=replace(scene.edges, squareness=scene.edges.squareness + step[3]),
-                face=Surface(scene.face.brightness + step[4]),
-                background=Surface(scene.background.brightness + step[5]),
-            ),
-            0,
-        ).astype(float)
-
-    sizes = np.array([2e-5, 2e-5, 2e-4, 2e-4, 0.01, 0.01])
-    columns = []
-    for i, size in enumerate(sizes):
-        step = np.zeros(6)
-        step[i] = size
-        columns.append(((moved(step) - moved(-step)) / (2 * size)).ravel())
-    jacobian = np.stack(columns, axis=1) * sizes  # scaled, for the inverse's sake
-    information = jacobian.T @ jacobian / (NOISE**2 + 1.0 / 12.0)
-    information[3, 3] += (sizes[3] / squareness) ** 2
-    return (np.sqrt(np.diag(np.linalg.inv(information))) * sizes)[:3]
 
 
 @pytest.mark.parametrize("blur", [0.9, 2.0])
@@ -72,3 +38,27 @@ def test_spread_is_within_half_more_than_the_cramer_rao_bound(blur, camera, layo
     assert np.all(spread > 0.8 * bound), spread / bound
     bias = np.mean(found, axis=0) - [scene.offset.y, scene.offset.z, scene.offset.rotation]
     assert np.all(np.abs(bias) < [2e-6, 2e-6, 2e-5]), bias
+
+
+@pytest.mark.parametrize("gain", [0.0, 0.05])
+def test_information_about_y_is_that_of_a_blurred_step_in_each_row(gain, camera, layout):
+    """A row tells of its edge the integral of (slope of the light)^2 over the variance of the noise."""
+    blur = 1.6
+    scene = PictureScene(
+        WIDTH, THICKNESS, DoorOffset(0.002, 0.001, 0.0), sensor=Sensor(blur=blur, read_noise=NOISE, gain=gain)
+    )
+    T_base_door = layout.T_base_door(WIDTH, THICKNESS, scene.offset)
+    along = np.linspace(0.0, 0.15, 3000)[:, None]
+    u, v = camera.project(T_base_door[:3, 3] + along * T_base_door[:3, 2], WIDTH).T
+    beside = camera.project(T_base_door[:3, 3] + [0, 1e-4, 0] + along * T_base_door[:3, 2], WIDTH)[:, 0]
+    rows = np.arange(0, v[0])
+    per_metre = np.interp(rows, v[::-1], (beside - u)[::-1] / 1e-4)  # px a row's edge moves per metre of y
+    # The pixel's own width adds 1/12 to the variance of the point spread.
+    place, sigma = np.linspace(-12, 12, 4001), np.sqrt(blur**2 + 1.0 / 12.0)
+    slope = np.exp(-0.5 * (place / sigma) ** 2) / np.sqrt(2 * np.pi * sigma**2)
+    dark, bright = 255 * scene.background.brightness, 255 * scene.face.brightness
+    level = dark + (bright - dark) * np.cumsum(slope) * (place[1] - place[0])
+    variance = NOISE**2 + 1.0 / 12.0 + gain * level
+    told = np.sum((slope * (bright - dark)) ** 2 * (1 / variance + 0.5 * (gain / variance) ** 2))
+    told *= place[1] - place[0]
+    assert picture_information(scene)[0, 0] == pytest.approx(np.sum(told * per_metre**2), rel=0.02)
