@@ -24,6 +24,7 @@ def generate_launch_description():
             DeclareLaunchArgument(
                 "simulate", default_value="true", description="simulated camera, controller and robot"
             ),
+            DeclareLaunchArgument("rviz", default_value="false", description="show the runs in RViz"),
             *[
                 Node(package="doormill_ros", executable=name, output="screen", parameters=parameters)
                 for name in NODES
@@ -34,6 +35,12 @@ def generate_launch_description():
                 output="screen",
                 parameters=parameters,
                 condition=IfCondition(LaunchConfiguration("simulate")),
+            ),
+            Node(
+                package="rviz2",
+                executable="rviz2",
+                arguments=["-d", str(share / "config" / "cell.rviz")],
+                condition=IfCondition(LaunchConfiguration("rviz")),
             ),
         ]
     )

@@ -39,7 +39,7 @@ class FramePublisher:
         if self._message is None:
             self._frames = node.publisher(topics.FRAMES)
             node.get_logger().info(
-                f"no frames on /tf: tf2_msgs is not installed; they are on {topics.FRAMES.name} instead"
+                f"no frames on /tf: tf2_msgs is not installed; topic '{topics.FRAMES.name}' has them instead"
             )
             return
         self._tf, self._tf_static = (node.publisher(topic) for topic in used)
