@@ -133,7 +133,7 @@ class Steps:
         if chosen.size == 0:
             return 0.0
         at = np.rint((across + tilt * where.along[chosen] - where.across[0]) / where.step).astype(int)
-        found = np.sort(self.rows[chosen, np.clip(at, 0, len(where.across) - 1)])
+        found = np.sort(self.rows[chosen, np.minimum(np.maximum(at, 0), len(where.across) - 1)])
         return float(found[int(quantile * (found.size - 1) + 0.5)])
 
 

@@ -22,6 +22,7 @@ from doormill_ros.localization.errors import (
 )
 from doormill_ros.localization.fit import LineFit, PoseFit
 from doormill_ros.localization.profiles import WHITE, Profiles
+from doormill_ros.localization.robust import share
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.units import m_to_mm, rad_to_deg
 
@@ -102,28 +103,28 @@ def check_rows(profiles: Profiles, settings: LocalizerSettings) -> None:
             "check the slider and the door's size in the recipe",
             edge=profiles.edge,
         )
-    clipped = float(profiles.clipped.mean())
+    clipped = share(profiles.clipped)
     if clipped > settings.min_inlier_share:
         raise OverExposed(
             f"{100 * clipped:.0f} % of the {profiles.edge} edge are clipped at white, allowed are "
             f"{100 * settings.min_inlier_share:.0f} %; shorten the exposure or dim the light",
             edge=profiles.edge,
         )
-    check_share(profiles.edge, float(profiles.edge_like.mean()), settings)
+    check_share(profiles.edge, share(profiles.edge_like), settings)
 
 
-def check_share(edge: str, share: float, settings: LocalizerSettings) -> None:
+def check_share(edge: str, found: float, settings: LocalizerSettings) -> None:
     """Whether enough of an edge agrees with its line.
 
     Raises:
         TooFewInliers: It does not.
     """
-    if share < settings.min_inlier_share:
+    if found < settings.min_inlier_share:
         raise TooFewInliers(
-            f"{100 * share:.0f} % of the {edge} edge agree with a line, at least "
+            f"{100 * found:.0f} % of the {edge} edge agree with a line, at least "
             f"{100 * settings.min_inlier_share:.0f} % are needed; clear the edge of dust and tools or turn the door",
             edge=edge,
-            share=share,
+            share=found,
         )
 
 

@@ -64,7 +64,8 @@ def _weighted_line(along: np.ndarray, across: np.ndarray, weight: np.ndarray) ->
     total = weight.sum()
     middle, place = (weight @ along) / total, (weight @ across) / total
     lever = along - middle
-    slope = (weight @ (lever * (across - place))) / (weight @ (lever * lever))
+    pull = weight * lever
+    slope = (pull @ (across - place)) / (pull @ lever)
     return middle, place, slope
 
 
@@ -122,11 +123,12 @@ def _unchipped(along: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> n
     """Weights (n,) that leave out chips too shallow to be told from noise point by point."""
     half = max(round(0.5 * _CHIP * (along.size - 1) / abs(along[-1] - along[0])), 1)
     weight = np.maximum(weight, _DOUBTED)
-    sums = np.zeros((2, along.size + 1))
-    np.cumsum(weight * residual, out=sums[0, 1:])
-    np.cumsum(weight, out=sums[1, 1:])
-    at = np.arange(along.size)
-    part = sums[:, np.minimum(at + half + 1, along.size)] - sums[:, np.maximum(at - half, 0)]
+    sums = np.zeros((2, along.size + 2 * half + 1))  # before the first point 0, behind the last one everything
+    first, last = half + 1, half + 1 + along.size
+    np.cumsum(weight * residual, out=sums[0, first:last])
+    np.cumsum(weight, out=sums[1, first:last])
+    sums[:, last:] = sums[:, last - 1 : last]
+    part = sums[:, 2 * half + 1 :] - sums[:, : along.size]
     average = np.abs(part[0] / part[1])
     limit = _CHIP_CUT * (1.4826 * median(average) + _FINEST)
     return np.minimum(np.maximum(2 - 2 * average / limit, 0.0), 1.0)

@@ -1,4 +1,4 @@
-"""Medians without the checks on which the library's own spends most of its time."""
+"""Medians and shares without the checks on which the library's own spend most of their time."""
 
 from __future__ import annotations
 
@@ -11,6 +11,11 @@ def median(values: np.ndarray) -> float:
     middle = flat.size // 2
     flat.partition(middle)
     return float(flat[middle])
+
+
+def share(chosen: np.ndarray) -> float:
+    """Share of the elements of an array, bool and not empty, that are true."""
+    return float(np.count_nonzero(chosen) / chosen.size)
 
 
 def column_medians(values: np.ndarray) -> np.ndarray:

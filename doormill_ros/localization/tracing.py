@@ -10,7 +10,7 @@ from doormill_ros.localization import checks
 from doormill_ros.localization.blur import Spread, edge_spread, textured_blur
 from doormill_ros.localization.fit import LineFit, fit_line, pooled
 from doormill_ros.localization.profiles import Profiles, crossing, gather, measure, plain_weights
-from doormill_ros.localization.robust import column_medians, median
+from doormill_ros.localization.robust import column_medians, median, share
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.localization.texture import push, step_inside, step_weights, streaks, surface
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
@@ -193,7 +193,7 @@ def trace_edges(
         ragged = line.scatter / view.pixel
         blur = float(np.sqrt(max(lens.spread.blur**2 - ragged**2, 0.0)))
         checks.check_spread(edge, replace(lens.spread, blur=blur), lens.streaks / abs(step), settings)
-        checks.check_share(edge, float(line.inliers.mean()), settings)
+        checks.check_share(edge, share(line.inliers), settings)
         pushed = push(lens.face, lens.rows, lens.weights, lens.spread.blur, step)
         line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
         out[edge] = Trace(profiles[edge], lens.spread, line)
