@@ -28,7 +28,17 @@ SETTINGS = {
     "DiagnosticSummary": {"hardwareIdFilter", "minLevel", "pinnedIds", "sortByLevel", "topicToRender"},
     "StateTransitions": {"isSynced", "paths"} | TITLES,
     "RawMessages": {"expansion", "topicPath"},
-    "Plot": {"isSynced", "paths", "xAxisLabel", "xAxisVal", "yAxisLabel"} | TITLES,
+    "Plot": TITLES
+    | {
+        "isSynced",
+        "legendDisplay",
+        "paths",
+        "showLegend",
+        "xAxisLabel",
+        "xAxisPath",
+        "xAxisVal",
+        "yAxisLabel",
+    },
 }
 CAMERA = {
     "distance", "far", "fovy", "near", "perspective", "phi",
@@ -37,7 +47,7 @@ CAMERA = {
 SCENE = {"labelScaleFactor", "transforms"}
 TRANSFORMS = {"axisScale", "enablePreloading", "lineWidth", "showLabel"}
 IMAGE_MODE = {"calibrationTopic", "imageTopic"}
-SERIES = {"enabled", "label", "timestampMethod", "value"}
+SERIES = {"color", "enabled", "label", "showLine", "timestampMethod", "value"}
 LAYERS = {
     "foxglove.Grid": {"divisions", "frameId", "size"},
     "foxglove.Urdf": {"controlMode", "displayMode", "jointStatesTopic", "sourceType", "topic"},
@@ -111,7 +121,8 @@ def test_foxglove_series_lead_to_fields_of_the_messages() -> None:
     latest = {item.topic: item.message for item in read_bag(BAG)}
     panels = layout()["configById"].values()
     values = [series["value"] for panel in panels for series in panel.get("paths", ())]
-    assert len(values) >= 5
+    values += [panel["xAxisPath"]["value"] for panel in panels if "xAxisPath" in panel]
+    assert len(values) >= 6
     for value in values:
         topic, *fields = value.split(".")
         found = latest[topic]
@@ -140,6 +151,8 @@ def test_foxglove_plots_without_time_are_not_zoomed_to_the_times_of_other_panels
     panels = layout()["configById"].values()
     plots = [panel for panel in panels if panel.get("xAxisVal", "timestamp") != "timestamp"]
     assert [panel["isSynced"] for panel in plots] == [False]
+    # By index Lichtblick forgets how many points there are as soon as a message of another topic comes.
+    assert [panel["xAxisVal"] for panel in plots] == ["currentCustom"]
 
 
 def test_rviz_shows_recorded_topics_with_the_durability_they_have() -> None:
