@@ -69,7 +69,8 @@ class Outcome:
     """One set: what was hidden, what was said.
 
     `ratio_to_floor` is the held-out residual over the stated noise, `ratio_to_drawn` over the noise that
-    was really drawn, and `innocent_excess` the chance that the latter alone is 1.1 times the former.
+    was really drawn, and `innocent_excess` the chance that the latter alone is 1.1 times the former. `listed` counts
+    hidden causes that stand under `confusable_with` of the one that was named.
     """
 
     seed: int
@@ -83,6 +84,7 @@ class Outcome:
     ratio_to_floor: float
     ratio_to_drawn: float
     innocent_excess: float
+    listed: int = 0
     covered: list[bool] = field(default_factory=list)
     misses: list[str] = field(default_factory=list)
     seconds: float = 0.0
@@ -129,7 +131,7 @@ def judge(
     foreign = len(library) < len(effects)
     truth = {(e["cause"], e["where"]): e for e in library}
     open_ = dict(truth)
-    wrong, named, covered, misses = [], [], [], []
+    wrong, named, covered, misses, listed = [], [], [], [], 0
     for finding in diagnosis.findings:
         key = finding.cause.key
         named.append(key)
@@ -139,6 +141,7 @@ def judge(
             wrong.append(key)
             continue
         effect = open_.pop(match)
+        listed += match != key
         if match == key:
             for name, entry in parameters_of(finding).items():
                 real = np.atleast_1d(effect["parameters"].get(name, np.nan)).astype(float)
@@ -173,6 +176,7 @@ def judge(
         diagnosis.holdout_rmse[1] / diagnosis.problem.noise_floor,
         diagnosis.holdout_rmse[1] / float(np.sqrt(np.mean(drawn[diagnosis.kept] ** 2))),
         float(chi2.sf(LIMIT**2 * components, components)),
+        listed,
         covered,
         misses,
     )
@@ -215,7 +219,13 @@ def summary(outcomes: list[Outcome]) -> dict[str, float]:
     explained = [o for o in outcomes if o.verdict == "explained"]
     figures = {
         "detectable sets": len(detectable),
-        "right cause and place": float(np.mean([o.right for o in detectable])) if detectable else 1.0,
+        "right cause and place, named or listed as confusable with the name": float(
+            np.mean([o.right for o in detectable])
+        )
+        if detectable
+        else 1.0,
+        "known causes named": sum(len(o.named) - len(o.wrong) - o.listed for o in known),
+        "known causes listed as confusable with the name": sum(o.listed for o in known),
         "sets without effect": sum(not o.truth for o in outcomes),
         "false alarms": sum(o.verdict != "consistent" for o in outcomes if not o.truth),
         "foreign sets": sum(bool(o.truth) for o in other),
