@@ -68,18 +68,11 @@ def run(count: int = COUNT, seed: int = SEED) -> list[Entry]:
             f"{1e6 * mean[2]:+.1f} urad"
         )
         for name, ratio in zip(("y", "z", "rotation"), spread / bound, strict=True):
-            entries.append(
-                limit(
-                    f"clean pictures, spread of {name} over its Cramer-Rao bound, {label}",
-                    ratio,
-                    "",
-                    ALLOWED,
-                    count,
-                )
-            )
+            item = f"clean pictures, spread of {name}, {label}"
+            entries.append(limit(item, ratio, "times the Cramer-Rao bound", ALLOWED, count))
     return entries
 
 
 if __name__ == "__main__":
     for item in run(*(int(v) for v in sys.argv[1:3])):
-        print(f"{item.name}: {item.median:.3f}; {item.peer}: {item.peer_median:g}, n={item.n}")
+        print(f"{item.name}: {item.median:.3f} {item.unit}; {item.peer}: {item.peer_median:g}, n={item.n}")

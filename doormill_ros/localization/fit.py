@@ -123,7 +123,9 @@ def _unchipped(along: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> n
     """Weights (n,) that leave out chips too shallow to be told from noise point by point."""
     half = max(round(0.5 * _CHIP * (along.size - 1) / abs(along[-1] - along[0])), 1)
     weight = np.maximum(weight, _DOUBTED)
-    sums = np.zeros((2, along.size + 2 * half + 1))  # before the first point 0, behind the last one everything
+    sums = np.zeros(
+        (2, along.size + 2 * half + 1)
+    )  # before the first point 0, behind the last one everything
     first, last = half + 1, half + 1 + along.size
     np.cumsum(weight * residual, out=sums[0, first:last])
     np.cumsum(weight, out=sums[1, first:last])

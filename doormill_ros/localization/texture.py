@@ -198,8 +198,10 @@ def push(strip: np.ndarray, along: np.ndarray, weights: np.ndarray, blur: float,
     used = kernel[: half + int(np.ceil(2 * blur)) + 2]
     if strip.shape[1] < used.size + 2:
         return Push(0.0, 0.0)
-    windows = np.lib.stride_tricks.sliding_window_view(strip, used.size, axis=1)[:, ::5]
-    moved = windows @ (used / step)  # (n, k), shift at each row for each place of the window
+    starts = np.arange(0, strip.shape[1] - used.size + 1, 5)
+    windows = np.zeros((strip.shape[1], starts.size))
+    windows[starts + np.arange(used.size)[:, None], np.arange(starts.size)] = (used / step)[:, None]
+    moved = strip @ windows  # (n, k), shift at each row for each place of the window
     limit = 4 * median(np.abs(moved)) + 1e-6
     moved = np.minimum(np.maximum(moved, -limit), limit)
     lever = along - along.mean()
