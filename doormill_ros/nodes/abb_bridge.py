@@ -21,9 +21,17 @@ from doormill_ros.abb.transports.registry import TransportOptions, open_transpor
 from doormill_ros.errors import DoormillError
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.program import program_of
-from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.managed_node import ERROR, OK, WARN, ManagedNode, Parameter
 from doormill_ros.nodes.mill_door import MillDoorServer
 from doormill_ros.nodes.run import run_nodes
+
+
+def level_of(snapshot: HandshakeSnapshot) -> bytes:
+    """Diagnostic level: ERROR for what keeps the robot from going on, WARN for a run that came to nothing."""
+    if snapshot.error_code:
+        return WARN
+    # A fault while milling has no code of the handover: that succeeded.
+    return ERROR if snapshot.state is HandshakeState.FAILED else OK
 
 
 class AbbBridge(ManagedNode):
@@ -151,8 +159,7 @@ class AbbBridge(ManagedNode):
             self._request.publish(Bool(data=snapshot.request))
             self._ready.publish(Bool(data=ready))
         self._status.publish(status)
-        healthy = snapshot.error_code == 0
-        self.report(OK if healthy else WARN, f"{snapshot.state.value}: {snapshot.reason}")
+        self.report(level_of(snapshot), f"{snapshot.state.value}: {snapshot.reason}")
 
     def _watch(self) -> None:
         if not self._loop.alive:
