@@ -2,20 +2,25 @@
 
 Events come late, by some hundred milliseconds, and are lost with the connection; so they only make
 the handshake look sooner, and it asks the controller itself before it acts.
+
+The stream is read and written by one thread, in an event loop of its own: OpenSSL forbids two threads
+on one connection, which a blocking client would be, and ends the process when it happens.
 """
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import logging
 import re
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
 from urllib.parse import urlsplit
 
+from websockets.asyncio.client import connect
 from websockets.exceptions import WebSocketException
-from websockets.sync.client import ClientConnection, connect
 
 from doormill_ros.abb.backoff import Backoff
 from doormill_ros.abb.link_errors import LinkError, SubscriptionError
@@ -51,7 +56,7 @@ class RwsEvents:
         self._woken = woken
         self._edges: deque[bool] = deque(maxlen=100)
         self._stop = threading.Event()
-        self._socket: ClientConnection | None = None
+        self._end: Callable[[], object] | None = None  # ends the stream, from any thread
         self._group = ""
         self.live = False
         self._thread = threading.Thread(target=self._run, name="rws-events", daemon=True)
@@ -70,10 +75,10 @@ class RwsEvents:
     def close(self) -> None:
         """End the stream and the subscription; raises nothing."""
         self._stop.set()
-        socket = self._socket
-        if socket is not None:
-            with contextlib.suppress(Exception):
-                socket.close()
+        end = self._end
+        if end is not None:
+            with contextlib.suppress(RuntimeError):  # the loop has ended by itself
+                end()
         if self._thread.is_alive():
             self._thread.join(_OPEN_LIMIT)
         self._unsubscribe()
@@ -82,16 +87,28 @@ class RwsEvents:
         backoff = Backoff(time.monotonic, _RETRY_FIRST, _RETRY_LAST)
         while not self._stop.is_set():
             try:
-                self._subscribe_and_listen()
+                address = self._subscribe()
+                asyncio.run(self._listen(address))
                 backoff.reset()
             except (LinkError, WebSocketException, OSError, TimeoutError) as error:
                 _LOG.warning("event stream of the controller: %s; signals are polled meanwhile", error)
             self._unsubscribe()
             self._stop.wait(backoff.failed())
 
-    def _subscribe_and_listen(self) -> None:
-        address = self._subscribe()
-        with connect(
+    async def _listen(self, address: str) -> None:
+        """Take what the stream brings until either side ends it."""
+        loop, listening = asyncio.get_running_loop(), asyncio.current_task()
+        self._end = lambda: loop.call_soon_threadsafe(listening.cancel)
+        try:
+            if not self._stop.is_set():
+                await self._take_events(address)
+        except asyncio.CancelledError:
+            pass  # closed
+        finally:
+            self._end = None
+
+    async def _take_events(self, address: str) -> None:
+        async with connect(
             address,
             subprotocols=[self._dialect.subprotocol],
             additional_headers={"Cookie": self._http.cookie_header()},
@@ -102,15 +119,13 @@ class RwsEvents:
             proxy=None,
             logger=_SILENT,
         ) as socket:
-            self._socket = socket
             self.live = True
             self._woken.set()  # the first value is read by a request: an edge before this moment is no event
             try:
-                for message in socket:
+                async for message in socket:
                     self._take(message if isinstance(message, str) else message.decode("utf-8", "replace"))
             finally:
                 self.live = False
-                self._socket = None
                 self._woken.set()
 
     def _subscribe(self) -> str:
