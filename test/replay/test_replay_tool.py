@@ -78,8 +78,8 @@ def test_what_was_not_compared_stays_in_the_expectation(
     assert [(a["topic"], a["values"]["error_code"]) for a in answers] == [("/run/result", 801)]
 
 
-def wider_reach(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(tracing, "_REACH", 1.2)
+def shorter_reach(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(tracing, "_PLAIN_REACH", 1.2)
 
 
 def shorter_correction(patch: pytest.MonkeyPatch) -> None:
@@ -91,7 +91,7 @@ def fewer_decimals(patch: pytest.MonkeyPatch) -> None:
 
 
 CHANGES = [
-    (wider_reach, "/door/localization", "the localizer"),
+    (shorter_reach, "/door/localization", "the localizer"),
     (shorter_correction, "/path/targets", "path and correction"),
     (fewer_decimals, "/abb/target_file", "the RAPID writer"),
 ]
