@@ -19,7 +19,7 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import nanoseconds_of, path_message, transform_of
-from doormill_ros.nodes.convert.markers import program_markers
+from doormill_ros.nodes.convert.markers import no_markers, program_markers
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.convert.recipe import recipe_of
 from doormill_ros.nodes.frame_publisher import FramePublisher
@@ -77,6 +77,10 @@ class PathGenerator(ManagedNode):
         self._description.publish(String(data=self._robot.urdf.read_text(encoding="utf-8")))
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
+        if self._recipe is not None and self._recipe.run_id != recipe.run_id:
+            # What is shown belongs to the door before; it must not stand for a door that is refused.
+            header = Header(stamp=recipe.header.stamp, frame_id=BASE_FRAME)
+            self.later("show", lambda: self._clear(header))
         self._recipe, self._door = recipe, None
         with suppress(DoormillError):  # said when the pose comes
             self._door = recipe_of(recipe)
@@ -126,6 +130,11 @@ class PathGenerator(ManagedNode):
         self._markers.publish(program_markers(program, door, T_base_door, header))
         if program.targets:
             self._show_robot(header, program.targets[0].q)
+
+    def _clear(self, header: Header) -> None:
+        self._nominal.publish(path_message(header, []))
+        self._corrected.publish(path_message(header, []))
+        self._markers.publish(no_markers(header))
 
     def _show_robot(self, header: Header, q: np.ndarray) -> None:
         """The robot in the posture of the program's first target."""

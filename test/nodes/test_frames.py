@@ -19,6 +19,7 @@ from geometry_msgs.msg import PoseStamped
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Header
+from visualization_msgs.msg import Marker
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import from_xyzw, rotation_x, transform
@@ -75,15 +76,17 @@ class Generator:
             assert time.monotonic() < deadline, "waited in vain"
             time.sleep(0.02)
 
-    def generate(self) -> None:
-        """Hand a recipe and a pose to the generator."""
+    def generate(self, run_id: str = "r1", found: bool = True) -> None:
+        """Hand a recipe to the generator, and a pose if the door is found."""
         recipe = shipped_recipes()[DOOR]
         T_base_door = load_layout().T_base_door(recipe.width, recipe.thickness)
         names = (topics.DOOR_RECIPE, topics.DOOR_POSE)
         recipes, poses = (self.node.create_publisher(t.type, t.name, t.offered) for t in names)
         self.wait(lambda: min(p.get_subscription_count() for p in (recipes, poses)) >= 1)
         stamp = self.node.get_clock().now().to_msg()
-        recipes.publish(recipe_message(recipe, "r1", Header(stamp=stamp)))
+        recipes.publish(recipe_message(recipe, run_id, Header(stamp=stamp)))
+        if not found:
+            return
         header = Header(stamp=self.node.get_clock().now().to_msg(), frame_id="base_link")
         poses.publish(PoseStamped(header=header, pose=pose_message(T_base_door)))
 
@@ -120,6 +123,21 @@ def test_without_tf2_s_messages_all_else_is_published(without_tf2: None, running
     assert list(joints.position) == list(targets.targets[0].joint_positions)
     assert heard["robot_description"][0].data == load_robot(load_layout().robot).urdf.read_text()
     assert "/tf" not in dict(running.node.get_topic_names_and_types())
+
+
+def test_what_a_door_before_left_to_be_seen_is_taken_away_when_the_next_begins(running: Generator) -> None:
+    shown = (topics.PATH_MARKERS, topics.PATH_NOMINAL, topics.PATH_CORRECTED)
+    markers, nominal, corrected = (running.hear(t.type, t.name, t.requested) for t in shown)
+    running.generate()
+    running.wait(lambda: markers and nominal and corrected)
+    assert len(markers[-1].markers) == 5
+    running.generate("r2", found=False)
+    running.wait(lambda: len(markers) > 1 and len(nominal) > 1 and len(corrected) > 1)
+    assert [marker.action for marker in markers[-1].markers] == [Marker.DELETEALL]
+    assert not nominal[-1].poses
+    assert not corrected[-1].poses
+    running.generate("r3")
+    running.wait(lambda: len(markers[-1].markers) == 5)
 
 
 def test_without_them_a_late_joiner_gets_the_latest_robot_one_frame_a_message(

@@ -179,28 +179,32 @@ def _document(door):
 
 
 @st.composite
-def doors(draw):
-    """A recipe document and a placement (y, z [m], rotation [rad])."""
-    door = {
+def _sizes(draw):
+    return {
         "height_mm": draw(whole_range(1000.0, 3000.0)),
         "width_mm": draw(whole_range(190.0, 1350.0)),
         "thickness_mm": draw(whole_range(30.0, 100.0)),
     }
+
+
+@st.composite
+def _placements(draw):
+    edge = st.one_of(st.sampled_from([-1.0, 0.0, 1.0]), st.floats(-1.0, 1.0))
+    return 0.010 * draw(edge), 0.010 * draw(edge), math.radians(2.0) * draw(edge)
+
+
+@st.composite
+def doors(draw):
+    """A recipe document and a placement (y, z [m], rotation [rad])."""
+    door = draw(_sizes())
     document = {**_document(door), "features": draw(_features(door))}
-    corner = st.sampled_from([-1.0, 0.0, 1.0])
-    edge = st.one_of(corner, st.floats(-1.0, 1.0))
-    placement = (0.010 * draw(edge), 0.010 * draw(edge), math.radians(2.0) * draw(edge))
-    return document, placement
+    return document, draw(_placements())
 
 
 @st.composite
 def thesis_doors(draw):
     """Any door that the thesis' Path_20 can mill, and a placement; see `doors`."""
-    door = {
-        "height_mm": draw(whole_range(1000.0, 3000.0)),
-        "width_mm": draw(whole_range(190.0, 1350.0)),
-        "thickness_mm": draw(whole_range(30.0, 100.0)),
-    }
+    door = draw(_sizes())
     features = []
     for k in range(2):
         width, depth = draw(mm(20.5, 38.0)), draw(mm(1.0, 12.0))
@@ -220,8 +224,7 @@ def thesis_doors(draw):
         hinge |= draw(_work(OBLONG, "mill_19", depth))
         features.append(hinge | {"passes": {"depth_step_mm": depth}, "direction": "climb"})
     document = {**_document(door), "program": "path_20", "features": features}
-    edge = st.floats(-1.0, 1.0)
-    return document, (0.010 * draw(edge), 0.010 * draw(edge), math.radians(2.0) * draw(edge))
+    return document, draw(_placements())
 
 
 def door_with(kind, height, width, thickness):

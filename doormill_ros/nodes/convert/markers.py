@@ -41,6 +41,11 @@ def _door_marker(header: Header, T_base_door: np.ndarray, door: Recipe) -> Marke
     )
 
 
+def no_markers(header: Header) -> MarkerArray:
+    """What takes the markers of an earlier program away."""
+    return MarkerArray(markers=[Marker(header=header, action=Marker.DELETEALL)])
+
+
 def program_markers(
     program: MillingProgram, door: Recipe, T_base_door: np.ndarray, header: Header
 ) -> MarkerArray:
@@ -52,7 +57,6 @@ def program_markers(
         T_base_door: Where the door was found, shape (4, 4).
         header: Frame base_link and the stamp of the picture.
     """
-    clear = Marker(header=header, action=Marker.DELETEALL)
     nominal = _marker(header, "nominal path", Marker.LINE_STRIP, THIN, NOMINAL)
     corrected = _marker(header, "corrected path", Marker.LINE_STRIP, THICK, CORRECTED)
     corrections = _marker(header, "correction x 100", Marker.LINE_LIST, THICK, CORRECTION)
@@ -65,4 +69,4 @@ def program_markers(
             corrections.points.append(_point(p_nominal))
             corrections.points.append(_point(p_nominal + EXAGGERATION * (p_corrected - p_nominal)))
     body = _door_marker(header, T_base_door, door)
-    return MarkerArray(markers=[clear, body, nominal, corrected, corrections])
+    return MarkerArray(markers=[*no_markers(header).markers, body, nominal, corrected, corrections])
