@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import threading
 import time
@@ -283,11 +284,11 @@ def test_a_slow_controller_ends_in_a_timeout(server: RwsServer) -> None:
 class Silent:
     """Accepts connections and says what it is told, byte by byte, or nothing."""
 
-    def __init__(self, answer: bytes = b"", pause: float = 0.0) -> None:
+    def __init__(self, answer: bytes = b"", pause: float = 0.0, silent: int = 0) -> None:
         self.socket = socket.create_server(("127.0.0.1", 0))
         self.url = f"http://127.0.0.1:{self.socket.getsockname()[1]}"
         self.connections: list[socket.socket] = []
-        self.answer, self.pause = answer, pause
+        self.answer, self.pause, self.silent = answer, pause, silent
         threading.Thread(target=self.run, daemon=True).start()
 
     def run(self) -> None:
@@ -295,6 +296,8 @@ class Silent:
             try:
                 connection, _ = self.socket.accept()
                 self.connections.append(connection)
+                if len(self.connections) <= self.silent:
+                    continue
                 if self.answer:
                     connection.recv(65536)
                 for i in range(len(self.answer)):
@@ -323,6 +326,25 @@ def test_an_answer_that_trickles_in_is_cut_off(total: float) -> None:
     with pytest.raises(WriteTimeoutError):
         link.set_ready(True)
     assert time.monotonic() - begin < 60.0
+    server.close()
+    link.close()
+
+
+def test_a_call_that_hangs_is_ended_and_does_not_hold_up_the_next() -> None:
+    """The first connection says nothing for longer than this test lasts."""
+    server = Silent(b"HTTP/1.1 201 Created\r\nContent-Length: 0\r\n\r\n", silent=1)
+    patient = LinkTimeouts(read=600.0, total=0.5)
+    link = connect_rws1(server.url, LOGIN, timeouts=patient, subscribe=False)
+    with pytest.raises(ReadTimeoutError, match="longer than"):
+        link.read_ready()
+
+    def written() -> bool:
+        with contextlib.suppress(LinkError):  # a busy machine may take longer than the limit
+            link.write_file("Hei2.txt", b"x")
+            return True
+        return False
+
+    until(written)
     server.close()
     link.close()
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import socket
 import ssl
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 _LOG = logging.getLogger(__name__)
 _BUSY_FIRST = 0.05
 _BUSY_LAST = 1.0
+_CLOSE_LIMIT = 1.0
 
 
 @dataclass(frozen=True)
@@ -136,6 +138,8 @@ class RwsHttp:
         self._digest = digest
         self._headers = headers
         self._cookies = httpx.Cookies()
+        self._stream: Any = None  # what the worker's connection runs over
+        self._spent: list[httpx.Client] = []
         self._client = self._new_client()
         self._worker = BoundedCaller("rws-http")
         self._logged_in = False
@@ -176,7 +180,6 @@ class RwsHttp:
         try:
             return self._worker.call(send, self._timeouts.total)
         except CallTimeout:
-            # Closing the sockets ends the call that hangs; the session's cookies live on.
             self._renew_client()
             leaf = ReadTimeoutError if method == "GET" else WriteTimeoutError
             raise leaf(
@@ -191,12 +194,16 @@ class RwsHttp:
             with contextlib.suppress(LinkError):
                 logout()
         self._logged_in = False
+        self._cut()
+        self._spent.append(self._client)
+        with contextlib.suppress(CallTimeout):
+            self._worker.call(self._close_spent, _CLOSE_LIMIT)
         self._worker.close()
-        self._client.close()
 
     def _send(
         self, method: str, path: str, content: Any, headers: dict[str, str], repeat: bool, deadline: float
     ) -> httpx.Response:
+        self._close_spent()
         logins, losses, backoff = 0, 0, Backoff(time.monotonic, _BUSY_FIRST, _BUSY_LAST)
         while True:
             try:
@@ -241,11 +248,18 @@ class RwsHttp:
             auth = httpx.BasicAuth(self._credentials.user, password())
         doing = f"{method} {path} at {self.url}"
         try:
-            return self._client.request(method, self.url + path, content=content, headers=headers, auth=auth)
+            return self._client.request(
+                method,
+                self.url + path,
+                content=content,
+                headers=headers,
+                auth=auth,
+                extensions={"trace": self._note_stream},
+            )
         except httpx.HTTPError as error:
             raise map_http_error(error, doing) from None
         except (RuntimeError, OSError, ValueError) as error:
-            # What the libraries raise when another thread closed the connection to end a call that hung.
+            # What the libraries raise when another thread cut the connection to end a call that hung.
             raise ConnectionLostError(
                 f"{doing}: the connection was given up ({type(error).__name__}); check the network"
             ) from None
@@ -265,11 +279,32 @@ class RwsHttp:
         )
 
     def _renew_client(self) -> None:
-        old = self._client
-        self._cookies = httpx.Cookies(old.cookies)
+        """End the call that hangs and begin anew; the session's cookies live on."""
+        self._cut()
+        self._spent.append(self._client)
+        self._cookies = httpx.Cookies(self._client.cookies)
         self._client = self._new_client()
-        with contextlib.suppress(Exception):
-            old.close()
+
+    def _note_stream(self, event: str, info: Mapping[str, Any]) -> None:
+        if event.endswith((".connect_tcp.complete", ".start_tls.complete")):
+            self._stream = info["return_value"]
+
+    def _cut(self) -> None:
+        """Let whoever reads or writes the connection find it ended.
+
+        Closed it is by the worker alone, once it is out of the call: a socket closed under a
+        reader gives its number to the next one opened, whose bytes the reader would then take.
+        """
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            with contextlib.suppress(OSError):
+                # Of the socket beneath: the one with TLS would drop the state that the worker uses.
+                socket.socket.shutdown(stream.get_extra_info("socket"), socket.SHUT_RDWR)
+
+    def _close_spent(self) -> None:
+        while self._spent:
+            with contextlib.suppress(Exception):
+                self._spent.pop().close()
 
 
 def map_http_error(error: httpx.HTTPError, doing: str) -> LinkError:
