@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page, expect, sync_playwright
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = [
@@ -70,6 +70,7 @@ def open_page(url: str, **context: object) -> Iterator[tuple[Page, list[str]]]:
             page.on("pageerror", lambda e: errors.append(str(e)))
             # A loaded machine must not turn a good page into a failed one.
             page.set_default_timeout(PAGE_LIMIT)
+            expect.set_options(timeout=PAGE_LIMIT)
             page.goto(url)
             yield page, errors
         finally:

@@ -130,6 +130,7 @@ def test_orders_need_the_token(controlled: Any) -> None:
 def test_doors_of_the_database_are_offered(controlled: Any) -> None:
     with open_page(controlled.url, **TABLET) as (page, errors):
         offered = page.locator("#doors option")
+        expect(page.locator("#wanted")).to_be_visible(timeout=LIMIT)  # what is hidden takes no focus
         page.locator("#wanted").focus()
         expect(offered).to_have_count(3, timeout=LIMIT)
         page.locator("#wanted").fill("oak_")
