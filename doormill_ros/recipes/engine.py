@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import sqlite3
+import time
 from pathlib import Path
 
 import sqlalchemy as sa
@@ -12,6 +14,7 @@ from doormill_ros.recipes.errors import DatabaseUnreachable
 
 ENVIRONMENT = "DOORMILL_DATABASE"
 BUSY_SECONDS = 30  #: how long a SQLite writer waits for another
+_SWITCH_PAUSE = 0.01  # s
 POSTGRESQL_ARGUMENTS = {"connect_timeout": 5}  # s
 WRITE = "doormill_write"  #: execution option of a connection that is going to write
 READ = "doormill_read"  #: execution option of a connection on which each statement stands alone
@@ -67,6 +70,23 @@ def make_reader(engine: sa.Engine) -> sa.Engine:
     return engine.execution_options(**{READ: True})
 
 
+def _write_ahead(connection: sqlite3.Connection) -> None:
+    """Switch a SQLite file to its write-ahead log, which lets readers and a writer in at once.
+
+    For this switch alone SQLite does not wait for others by itself: cells that open a new file at
+    the same moment have to try again.
+    """
+    deadline = time.monotonic() + BUSY_SECONDS
+    while True:
+        try:
+            connection.execute("PRAGMA journal_mode = WAL")
+            return
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error) or time.monotonic() > deadline:
+                raise
+            time.sleep(_SWITCH_PAUSE)
+
+
 def _sqlite(url: sa.URL) -> sa.Engine:
     arguments = {"timeout": BUSY_SECONDS, "check_same_thread": False}
     if url.database in (None, "", ":memory:"):
@@ -87,7 +107,7 @@ def _sqlite(url: sa.URL) -> sa.Engine:
         connection.isolation_level = None
         connection.execute(f"PRAGMA busy_timeout = {BUSY_SECONDS * 1000}")
         connection.execute("PRAGMA foreign_keys = ON")
-        connection.execute("PRAGMA journal_mode = WAL")
+        _write_ahead(connection)
 
     @sa.event.listens_for(engine, "begin")
     def begin(connection: sa.Connection) -> None:

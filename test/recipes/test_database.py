@@ -371,6 +371,18 @@ def test_many_cells_may_open_a_new_database_at_once(url):
         assert {r.version for r in database.list()} == {1}
 
 
+def test_a_new_file_is_switched_to_its_log_by_many_at_once(tmp_path):
+    """Without trying again one round in ten fails."""
+
+    def connect(start, engine):
+        start.wait()
+        engine.connect().close()
+
+    for number in range(100):
+        url = f"sqlite:///{tmp_path / str(number)}.sqlite"
+        at_once(8, lambda start, url=url: connect(start, make_engine(url)))
+
+
 def raw(url):
     return make_engine(url)
 
