@@ -22,7 +22,7 @@ STAGES = ("request_to_ready", "picture_to_pose", "pose_to_targets", "targets_to_
 def run() -> list[Entry]:
     """Mill each door again and again; its first run, in which everything is loaded, does not count."""
     os.environ["ROS_DOMAIN_ID"] = str(20 + os.getpid() % 80)  # nobody else's nodes
-    from cell_processes import CellProcesses
+    from support.cell_processes import CellProcesses
 
     times: dict[tuple[str, str], list[float]] = {}
     with tempfile.TemporaryDirectory() as folder:

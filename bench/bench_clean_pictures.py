@@ -11,19 +11,20 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parent.parent)]
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 
 # ruff: noqa: E402
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
-from doormill_ros.simulation.picture import expected_picture
-from doormill_ros.simulation.picture_bound import cramer_rao_deviations
-from doormill_ros.simulation.picture_optics import expose
-from doormill_ros.simulation.picture_scene import PictureScene, Sensor
+from doormill_ros.simulation.picture.optics import expose
+from doormill_ros.simulation.picture.picture import expected_picture
+from doormill_ros.simulation.picture.scene import PictureScene, Sensor
 from doormill_ros.units import MM
 from harness import Entry, limit
+from support.pictures.bound import cramer_rao_deviations
 
 COUNT, SEED = 200, 2018  # pictures of a set; the spread of 200 is known to 5 %
 ALLOWED = 1.5

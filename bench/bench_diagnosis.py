@@ -11,15 +11,15 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import least_squares
 
-from doormill_ros.diagnosis.causes.cause import Cause
-from doormill_ros.diagnosis.causes.registry import candidates
-from doormill_ros.diagnosis.diagnosis import diagnose_set
-from doormill_ros.diagnosis.measurement_set import MeasurementSet, read_measurement_set
-from doormill_ros.diagnosis.patterns import unnamed_patterns
-from doormill_ros.diagnosis.problem import Problem
+from doormill_ros.diagnosis.loading.diagnosis import diagnose_set
+from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
+from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.measurements.measurement_set import MeasurementSet, read_measurement_set
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.truth.loading_test import draw_plan, write_loading_test
+from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.robot_model.elastic.causes.registry import candidates
 from harness import Entry, entry
+from support.truth.loading_test import draw_plan, write_loading_test
 
 HIDDEN = {"cause": "joint_backlash", "where": "joint 1", "parameters": {"gap": 6e-5, "crossing": 60.0}}
 

@@ -10,7 +10,7 @@ from doormill_ros.milling.forces import THESIS_FORCES
 from doormill_ros.robot.branch import choose_branch
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.stiffness.joint_springs import JointSpringModel
+from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from harness import Entry, compare, entry
 
 TARGETS = 200

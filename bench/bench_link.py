@@ -9,23 +9,23 @@ from pathlib import Path
 
 from abb_robot_client.rws import RWS
 
-from bench.fault_parts.world import make_file
 from doormill_ros.abb import signals
 from doormill_ros.abb.credentials import Credentials
-from doormill_ros.abb.handover_check import check_handover
-from doormill_ros.abb.handshake import Handshake
-from doormill_ros.abb.handshake_state import HandshakeState
+from doormill_ros.abb.handshake.handshake import Handshake
+from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.abb.target_file.handover_check import check_handover
 from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports.rws1 import connect_rws1
 from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
-from doormill_ros.simulation.rws_server.cabinet import (
+from doormill_ros.simulation.controller.rws_server.cabinet import (
     AccessLevel,
     Cabinet,
     SimulatedSignal,
     default_signals,
 )
-from doormill_ros.simulation.rws_server.server import RwsServer
+from doormill_ros.simulation.controller.rws_server.server import RwsServer
 from harness import Entry, entry
+from support.faults.world import make_file
 
 _N = 41
 #: The public client addresses signals by network and device.

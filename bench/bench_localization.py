@@ -15,7 +15,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parent.parent)]
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
 
 # ruff: noqa: E402
 from localization_peers import Strips, canny_hough, segments
@@ -26,10 +27,10 @@ from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize, prepare
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.localization.view import face_view
-from doormill_ros.simulation.picture import render_picture
-from doormill_ros.simulation.picture_corpus import corpus
+from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.units import DEG, MM
 from harness import Entry, entry
+from support.pictures.corpus import corpus
 
 COUNT, SEED = 300, 2018
 THESIS_TIME = 0.8  # s, thesis table 4.7

@@ -7,17 +7,17 @@ import tempfile
 import time
 from pathlib import Path
 
-from doormill_ros.abb.rapid.parser import parse_module
-from doormill_ros.abb.target_file import read_target_file, render_target_file
+from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller import OWN_MODULES, VirtualController
-from doormill_ros.simulation.controller_arm import ControllerArm
-from doormill_ros.simulation.controller_process import module_process
-from doormill_ros.simulation.truth_robot import TruthRobot
-from doormill_ros.stiffness.joint_springs import JointSpringModel
+from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
+from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.controller import OWN_MODULES, VirtualController
+from doormill_ros.simulation.controller.process import module_process
+from doormill_ros.simulation.controller.rapid.parser import parse_module
+from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram
 from harness import Entry, entry

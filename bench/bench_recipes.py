@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import random
 import sqlite3
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -20,6 +18,7 @@ from doormill_ros.recipes.database import RecipeDatabase
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.stored import content_of, rules, seal
 from harness import Entry, entry
+from support import postgres
 
 RECIPES = 100_000
 LOOKUPS = 2000
@@ -121,9 +120,4 @@ def run() -> list[Entry]:
 
 def _server():
     """The tests' PostgreSQL on loopback."""
-    path = Path(__file__).resolve().parent.parent / "test" / "postgres.py"
-    spec = importlib.util.spec_from_file_location("doormill_test_postgres", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module.running_server()
+    return postgres.running_server()

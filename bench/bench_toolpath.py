@@ -13,12 +13,12 @@ from doormill_ros.frames import apply_twist, inverse, twist_between
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot.pinocchio_model import PinocchioKinematics
-from doormill_ros.simulation.executed_path import ExecutedPath
+from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.milled_part import inspect
-from doormill_ros.stiffness.joint_springs import JointSpringModel
 from doormill_ros.toolpath.generate import generate_program
 from harness import Entry, compare
+from support.pinocchio_model import PinocchioKinematics
 
 OUTLINE_SAMPLES = 4000
 

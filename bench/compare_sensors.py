@@ -13,19 +13,19 @@ import cv2
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT)]
+sys.path[:0] = [str(ROOT), str(ROOT / "test")]
 
 from doormill_ros.cell.layout import CellLayout, DoorOffset, load_layout  # noqa: E402
 from doormill_ros.frames import apply, apply_twist, twist_between  # noqa: E402
 from doormill_ros.localization.errors import LocalizationError  # noqa: E402
 from doormill_ros.localization.sensors.registry import SENSORS  # noqa: E402
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize  # noqa: E402
-from doormill_ros.simulation.picture import render_picture  # noqa: E402
-from doormill_ros.simulation.picture_scene import Edges, PictureScene  # noqa: E402
-from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig  # noqa: E402
-from doormill_ros.simulation.sensors.photoelectric import PhotoelectricRig  # noqa: E402
-from doormill_ros.simulation.sensors.touch_probe import TouchProbeRig  # noqa: E402
+from doormill_ros.simulation.picture.picture import render_picture  # noqa: E402
+from doormill_ros.simulation.picture.scene import Edges, PictureScene  # noqa: E402
 from doormill_ros.units import DEG, MM  # noqa: E402
+from support.sensors.axis_vision import AxisVisionRig  # noqa: E402
+from support.sensors.photoelectric import PhotoelectricRig  # noqa: E402
+from support.sensors.touch_probe import TouchProbeRig  # noqa: E402
 
 PAGE = ROOT / "docs" / "sensors.md"
 FIGURE = ROOT / "docs" / "images" / "sensors.svg"

@@ -19,19 +19,20 @@ import numpy as np
 from scipy.stats import chi2
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 
-from doormill_ros.diagnosis.diagnosis import Diagnosis, diagnose_set
-from doormill_ros.diagnosis.document import parameters_of
-from doormill_ros.diagnosis.measurement_set import read_measurement_set
+from doormill_ros.diagnosis.loading.diagnosis import Diagnosis, diagnose_set
+from doormill_ros.diagnosis.loading.document import parameters_of
+from doormill_ros.measurements.measurement_set import read_measurement_set
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.truth.hidden_effects import (
+from support.truth.hidden_effects import (
     FOREIGN_CAUSES,
     LIBRARY_CAUSES,
     draw_effect,
     effect_rms,
     scale_effect,
 )
-from doormill_ros.simulation.truth.loading_test import (
+from support.truth.loading_test import (
     STYLES,
     Spoil,
     draw_plan,

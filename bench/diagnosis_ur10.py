@@ -15,16 +15,15 @@ from pathlib import Path
 
 import numpy as np
 
-from doormill_ros.diagnosis.pose.causes.joint_sag import JointSag
-from doormill_ros.diagnosis.pose.causes.link_geometry import LinkGeometry
-from doormill_ros.diagnosis.pose.chain import residual
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
 from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.model import PoseModel
 from doormill_ros.diagnosis.pose.placement import fit_placement
-from doormill_ros.diagnosis.pose.pose_set import PoseSet, read_pose_set
 from doormill_ros.diagnosis.pose.run import check_set
-from doormill_ros.diagnosis.pose.view import make_view
+from doormill_ros.measurements.pose_set import PoseSet, read_pose_set
+from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
+from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
+from doormill_ros.robot_model.pose.chain import residual
+from doormill_ros.robot_model.pose.model import PoseModel
 
 NAMES = ("grid", "joint-configurations", "random-poses")
 #: A prediction this far off is a gross error of the row [um].
@@ -40,7 +39,7 @@ def part_of(data: PoseSet, rows: np.ndarray) -> PoseSet:
 def predict(diagnosis: PoseDiagnosis, series: int, data: PoseSet) -> np.ndarray:
     """Residuals of rows of a series that was diagnosed without them; its placement comes from the rest."""
     placement = diagnosis.extended.problem.placements[series]
-    return residual(diagnosis.model.frames(make_view(data)), placement, data.position, data.rotation)
+    return residual(diagnosis.model.frames(data.view), placement, data.position, data.rotation)
 
 
 def figures(errors: np.ndarray) -> str:
@@ -98,7 +97,7 @@ def plain_calibration(sets: list[PoseSet], data: PoseSet) -> float:
     )
     problem = fitted.problem
     model = PoseModel(data.robot, data.dh, problem.views[0].links, problem.layout.causes, problem.x)
-    T, marked = model.frames(make_view(data)), data.placement
+    T, marked = model.frames(data.view), data.placement
     placement = fit_placement(T[marked], data.position[marked], data.rotation[marked], problem.sigma)
     error = residual(T, placement, data.position, data.rotation)[~marked, :3]
     return float(np.sqrt(np.mean(np.sum(error**2, axis=1))))

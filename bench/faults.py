@@ -16,13 +16,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 
 from rich.console import Console
 from rich.table import Table
 
-from bench.fault_parts.judge import Verdict
-from bench.fault_parts.run import run
-from bench.fault_parts.scenario import KINDS, Scenario, draw
+from support.faults.judge import Verdict
+from support.faults.run import run
+from support.faults.scenario import KINDS, Scenario, draw
 
 
 def campaign(scenarios: list[Scenario], workers: int) -> list[tuple[Scenario, Verdict]]:

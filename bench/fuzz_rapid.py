@@ -10,13 +10,14 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 
 import atheris
 
 with atheris.instrument_imports(include=["doormill_ros.abb"]):
     from doormill_ros.abb.errors import AbbError
-    from doormill_ros.abb.rapid.parser import parse_module
-    from doormill_ros.abb.target_file import read_target_file
+    from doormill_ros.abb.target_file.target_file import read_target_file
+    from doormill_ros.simulation.controller.rapid.parser import parse_module
 
 
 def read(data: bytes) -> None:

@@ -5,7 +5,7 @@
     |-- 200..299  LocalizationError   doormill_ros.localization.errors
     |-- 300..399  PathError           doormill_ros.toolpath.errors (reach, limits, correction)
     |-- 400..499  AbbError            doormill_ros.abb.errors (target file, handshake, transport, RAPID)
-    |-- 500..599  DataSetError        doormill_ros.diagnosis.errors (measurement and pose sets)
+    |-- 500..599  DataSetError        doormill_ros.measurements.errors (measurement and pose sets)
     |-- 600..699  BagError            doormill_ros.recording.errors
     |-- 700..799  RobotError          doormill_ros.robot.errors (description, kinematics)
     `-- 800..899  CellError           doormill_ros.cell.errors (the run as a whole)
@@ -33,3 +33,9 @@ class DoormillError(Exception):
         super().__init__(message)
         self.message = message
         self.data = data
+
+
+class DataSetError(DoormillError):
+    """Measured data, or a model made from it, that cannot be used."""
+
+    code = 500

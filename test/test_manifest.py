@@ -11,7 +11,7 @@ from importlib.metadata import packages_distributions
 from pathlib import Path
 
 from doormill_ros import __version__
-from source_tree import ROOT, SOURCES, imports_of
+from support.source_tree import ROOT, SOURCES, imports_of
 
 OWN = {"doormill_ros", "test", "harness"}
 WITHOUT_DISTRIBUTION = {"pinocchio": "pin"}

@@ -1,7 +1,7 @@
 """The seam to the controller: signals and files, every operation bounded by a timeout.
 
 A transport moves bits and bytes and decides nothing; the order of operations that keeps the robot
-from executing a wrong file is the handshake's (`doormill_ros.abb.handshake`).
+from executing a wrong file is the handshake's (`doormill_ros.abb.handshake.handshake`).
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.correction.compensate import Compensation, compensate
-from doormill_ros.stiffness.compliance import ComplianceModel
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.measurements.raw_files import Recording
+from doormill_ros.measurements.sensor import MOUNTING_ROTATION, rotation_about_z, sensor_to_flange
 from doormill_ros.milling.errors import SegmentError
 from doormill_ros.milling.payload import Payload
-from doormill_ros.stiffness.identification.raw_files import Recording
-from doormill_ros.stiffness.identification.sensor import MOUNTING_ROTATION, rotation_about_z, sensor_to_flange
 
 #: Fewest samples of a segment that make a mean.
 FEWEST_SAMPLES = 5

@@ -12,11 +12,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Bool, String
 
 from doormill_interfaces.msg import AbbStatus, TargetArray
-from doormill_ros.abb.handover_check import check_handover
-from doormill_ros.abb.handshake import Handshake
-from doormill_ros.abb.handshake_loop import HandshakeLoop
-from doormill_ros.abb.handshake_state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
-from doormill_ros.abb.target_file import render_target_file
+from doormill_ros.abb.handshake.handshake import Handshake
+from doormill_ros.abb.handshake.loop import HandshakeLoop
+from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
+from doormill_ros.abb.target_file.handover_check import check_handover
+from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.abb.transports.registry import TransportOptions, open_transport
 from doormill_ros.errors import DoormillError
 from doormill_ros.nodes import topics

@@ -20,8 +20,8 @@ from doormill_ros.nodes.convert.picture import picture_message
 from doormill_ros.nodes.convert.recipe import recipe_of
 from doormill_ros.nodes.managed_node import OK, ManagedNode, Parameter
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.picture import render_picture
-from doormill_ros.simulation.picture_scene import PictureScene, SceneCamera, Sensor
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera, Sensor
 
 RETRY_PERIOD = 2.0  # s
 UNSET = 999.0

@@ -19,7 +19,7 @@ from doormill_ros.nodes.convert.program import program_of
 from doormill_ros.nodes.convert.recipe import recipe_of
 from doormill_ros.nodes.managed_node import OK, ManagedNode, Parameter
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller_arm import ControllerArm
+from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun, load_effects
 

@@ -27,13 +27,13 @@ from doormill_ros.recipes.database import RecipeDatabase
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.replay.answer import Answer
 from doormill_ros.recording.replay.offline import LAST_REPLAYED
-from doormill_ros.recording.replay.recorded_controller import (
+from doormill_ros.recording.replay.recorded_run import RecordedRun
+from doormill_ros.simulation.recorded_controller import (
     ControllerEvent,
     RecordedController,
     controller_events,
     with_end,
 )
-from doormill_ros.recording.replay.recorded_run import RecordedRun
 
 #: Targets follow from a pose found anew, whose own tolerance is that of a lever of some metres.
 SLACK = 50.0

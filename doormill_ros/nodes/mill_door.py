@@ -16,7 +16,7 @@ from rclpy.callback_groups import CallbackGroup
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunResult, StageTimes, TargetArray
 from doormill_interfaces.srv import GetRecipe
-from doormill_ros.abb.handshake_state import HandshakeState
+from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefusedError
 from doormill_ros.cell.run import Run, StageLimits, new_run_id

@@ -14,7 +14,6 @@ from std_msgs.msg import Header, String
 
 from doormill_interfaces.msg import DoorRecipe, TargetArray
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.diagnosis.extended_model import load_model_of
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.nodes import topics
@@ -28,6 +27,7 @@ from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
+from doormill_ros.robot_model.extended_model import load_model_of
 from doormill_ros.toolpath.door_checks import check_door
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram

@@ -20,7 +20,7 @@ _CLEARING = Step(
     "wait", "Wait until the link to the controller is clear. If this lasts, see the state below."
 )
 
-#: By state of the handshake, for a run in hand; see doormill_ros.abb.handshake_state.
+#: By state of the handshake, for a run in hand; see doormill_ros.abb.handshake.state.
 _WITH_RUN = {
     "clearing": _CLEARING,
     "idle": Step(

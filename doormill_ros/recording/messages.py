@@ -13,7 +13,8 @@ import numpy as np
 from doormill_ros.frames import from_xyzw
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
+from doormill_ros.robot.configuration import ConfData
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
 CHANNELS = {"mono8": 1, "8UC1": 1, "rgb8": 3, "bgr8": 3}
 GREY = {"rgb8": np.array([0.299, 0.587, 0.114]), "bgr8": np.array([0.114, 0.587, 0.299])}

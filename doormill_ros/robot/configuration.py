@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import dataclass
 
 import numpy as np
 
 from doormill_ros.robot.chain import chain_frames, cross, dot
 from doormill_ros.robot.description import Robot, load_robot
-from doormill_ros.toolpath.program import ConfData
 
 DEFAULT_ROBOT = "irb6600_175_255"
 _QUARTER = np.pi / 2.0
 _SLACK = 1e-9  # rad or m: rounding noise below a border counts as on it
+
+
+@dataclass(frozen=True)
+class ConfData:
+    """RAPID robot configuration of a target: quarter turns of axes 1, 4 and 6, and cfx 0..7."""
+
+    cf1: int
+    cf4: int
+    cf6: int
+    cfx: int
 
 
 def conf_data(q: np.ndarray, robot: Robot | None = None) -> ConfData:
@@ -26,10 +36,14 @@ def conf_data(q: np.ndarray, robot: Robot | None = None) -> ConfData:
         q: Joint angles.
         robot: Whose lengths decide cfx; None for the IRB 6600-175/2.55.
     """
-    q = np.asarray(q, dtype=float)
-    quarters = np.floor((q[[0, 3, 5]] + _SLACK) / _QUARTER).astype(int)
-    cfx = configuration_index(robot or _default_robot(), q[None])[0]
-    return ConfData(int(quarters[0]), int(quarters[1]), int(quarters[2]), int(cfx))
+    return configurations(robot or _default_robot(), np.asarray(q, dtype=float)[None])[0]
+
+
+def configurations(robot: Robot, q: np.ndarray) -> list[ConfData]:
+    """The same of many joint angles, shape (n, 6) [rad]."""
+    quarters = np.floor((q[:, [0, 3, 5]] + _SLACK) / _QUARTER).astype(int)
+    index = configuration_index(robot, q)
+    return [ConfData(*row, cfx) for row, cfx in zip(quarters.tolist(), index.tolist(), strict=True)]
 
 
 def configuration_index(robot: Robot, q: np.ndarray) -> np.ndarray:

@@ -24,7 +24,7 @@ import shapely
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
 
 LAYERS = (0.05, 0.275, 0.5, 0.725, 0.95)  #: fractions of the depth at which walls are measured
 CONTOUR_STEP = 2.5e-4  #: distance of measured points along an outline [m]

@@ -10,15 +10,15 @@ import yaml
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.errors import RapidStoppedError
-from doormill_ros.abb.io_port import FolderIo, MemoryIo
-from doormill_ros.abb.rapid.machine import Move
 from doormill_ros.frames import quaternion_wxyz
-from doormill_ros.simulation.controller import VirtualController
-from doormill_ros.simulation.controller_arm import ControllerArm
-from doormill_ros.simulation.controller_process import listed_process, module_process
+from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.controller import VirtualController
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.io_port import FolderIo, MemoryIo
+from doormill_ros.simulation.controller.process import listed_process, module_process
+from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.errors import EffectsFileError
-from doormill_ros.simulation.executed_path import ExecutedPath
-from doormill_ros.simulation.truth_robot import TruthRobot
+from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.program import MillingProgram, Target
 from doormill_ros.units import m_to_mm
 

@@ -11,10 +11,10 @@ from doormill_ros.cell.layout import CellLayout
 from doormill_ros.correction.load import Bench
 from doormill_ros.frames import check_transform
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.robot.configuration import configuration_index
+from doormill_ros.robot.configuration import configurations
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.stiffness.compliance import ComplianceModel
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.toolpath.adapt import DIRECTION_ROUNDS, adapted, straightened
 from doormill_ros.toolpath.arcs import check_arcs, unfollowable
 from doormill_ros.toolpath.assemble import Itinerary, decisive, itinerary, shift_along
@@ -24,7 +24,7 @@ from doormill_ros.toolpath.joint_speed import followable
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.plan import Plan, Step
-from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.route import check_size, route
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.stations import Stations, directions, stations_of
@@ -116,7 +116,7 @@ def _program(
     share = 1.0 / np.bincount(owner)[owner]
     mean_wrench = np.zeros((len(route.stops), 6))
     np.add.at(mean_wrench, owner, wrench * share[:, None])
-    conf = _configurations(robot, found.q)
+    conf = configurations(robot, found.q)
     targets = tuple(
         Target(stop.name, *arrays)
         for stop, *arrays in zip(
@@ -141,13 +141,6 @@ def _motion(step: Step, end: int, via: int, wrench: np.ndarray) -> Motion:
         wrench=wrench if step.cutting else np.zeros(6),
         spindle_speed=step.spindle_speed,
     )
-
-
-def _configurations(robot: Robot, q: np.ndarray) -> list[ConfData]:
-    """RAPID configurations of many joint angles, shape (n, 6) [rad]."""
-    quarters = np.floor((q[:, [0, 3, 5]] + _ROUNDING) / (np.pi / 2.0)).astype(int)
-    index = configuration_index(robot, q)
-    return [ConfData(*row, cfx) for row, cfx in zip(quarters.tolist(), index.tolist(), strict=True)]
 
 
 def _check_correction(

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
-from doormill_ros.diagnosis.extended_model import load_model_of
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import load_robot
+from doormill_ros.robot_model.extended_model import load_model_of
 from doormill_ros.toolpath.door_checks import DoorCheck, check_door
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram

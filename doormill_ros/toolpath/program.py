@@ -7,15 +7,7 @@ from enum import Enum
 
 import numpy as np
 
-
-@dataclass(frozen=True)
-class ConfData:
-    """RAPID robot configuration of a target: quarter turns of axes 1, 4 and 6, and cfx 0..7."""
-
-    cf1: int
-    cf4: int
-    cf6: int
-    cfx: int
+from doormill_ros.robot.configuration import ConfData
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Command lines: parse, call one function of the domain, print."""

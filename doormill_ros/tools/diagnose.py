@@ -13,15 +13,15 @@ from pathlib import Path
 
 from rich.console import Console
 
-from doormill_ros.diagnosis.errors import SetMixError
-from doormill_ros.diagnosis.set_document import SetDocument
 from doormill_ros.errors import DoormillError
+from doormill_ros.measurements.errors import SetMixError
+from doormill_ros.measurements.set_document import SetDocument
 
 Runner = Callable[[list[Path], list[Path], Path, Callable[[str], None]], str]
 
 
 def _measurement_sets(data: list[Path], check: list[Path], out: Path, progress: Callable[[str], None]) -> str:
-    from doormill_ros.diagnosis.run import run_measurement_sets
+    from doormill_ros.diagnosis.loading.run import run_measurement_sets
 
     return run_measurement_sets(data, check, out, progress)
 
@@ -82,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 status.update(line)
 
             if chosen.thesis:
-                from doormill_ros.diagnosis.thesis_run import run_thesis
+                from doormill_ros.thesis.run import run_thesis
 
                 verdict = run_thesis(chosen.out)
             else:

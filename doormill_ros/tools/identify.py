@@ -16,7 +16,7 @@ from typing import NoReturn
 import numpy as np
 
 from doormill_ros.errors import DoormillError
-from doormill_ros.stiffness.identification.outcome import Outcome, add_preload, outcome_of_loadings
+from doormill_ros.identification.outcome import Outcome, add_preload, outcome_of_loadings
 
 
 class _Parser(argparse.ArgumentParser):
@@ -70,13 +70,13 @@ def from_measurement_set(folder: Path) -> Outcome:
     Raises:
         DataSetError: The set cannot be read or tells no joint.
     """
-    from doormill_ros.diagnosis.measurement_set import read_measurement_set
+    from doormill_ros.identification.joint_by_joint import identify_joint_by_joint
+    from doormill_ros.identification.outliers import fit_without_outliers
+    from doormill_ros.identification.weighted import fit_by_preload
+    from doormill_ros.measurements.measured import loadings_of_set
+    from doormill_ros.measurements.measurement_set import read_measurement_set
     from doormill_ros.robot.description import load_robot
     from doormill_ros.robot.kinematics import Kinematics
-    from doormill_ros.stiffness.identification.joint_by_joint import identify_joint_by_joint
-    from doormill_ros.stiffness.identification.measured import loadings_of_set
-    from doormill_ros.stiffness.identification.outliers import fit_without_outliers
-    from doormill_ros.stiffness.identification.weighted import fit_by_preload
 
     measurements = read_measurement_set(folder)
     robot = load_robot(measurements.robot)
@@ -100,11 +100,11 @@ def from_raw(folder: Path) -> Outcome:
     Raises:
         DataSetError: A file cannot be read, a recording is not steady, or no joint is told.
     """
+    from doormill_ros.identification.joint_by_joint import identify_joint_by_joint
+    from doormill_ros.identification.weighted import fit_stiffness
+    from doormill_ros.measurements.raw_set import read_raw_set
     from doormill_ros.robot.kinematics import Kinematics
-    from doormill_ros.stiffness.identification.joint_by_joint import identify_joint_by_joint
-    from doormill_ros.stiffness.identification.raw_set import read_raw_set
-    from doormill_ros.stiffness.identification.thesis_procedure import thesis_stiffness
-    from doormill_ros.stiffness.identification.weighted import fit_stiffness
+    from doormill_ros.thesis.procedure import thesis_stiffness
 
     raw = read_raw_set(folder)
     kinematics = Kinematics(raw.robot)
@@ -133,8 +133,8 @@ def from_raw(folder: Path) -> Outcome:
 
 def from_thesis() -> Outcome:
     """Identify from the tests that the thesis prints."""
-    from doormill_ros.stiffness.identification.thesis_outcome import outcome_of_thesis
-    from doormill_ros.stiffness.identification.thesis_tests import load_thesis_data
+    from doormill_ros.thesis.loading_tests import load_thesis_data
+    from doormill_ros.thesis.outcome import outcome_of_thesis
 
     return outcome_of_thesis(load_thesis_data())
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from doormill_ros.robot.chain import JOINTS, ChainFrames, chain_frames, dot, jacobian_columns
 from doormill_ros.robot.description import Robot
-from doormill_ros.stiffness.batch import complementary, joint_torque, solve_springs, twist
+from doormill_ros.robot_model.elastic.batch import complementary, joint_torque, solve_springs, twist
 from doormill_ros.units import rad_to_deg
 from doormill_ros.workspace.conditioning import characteristic_length, inverse_condition_number
 from doormill_ros.workspace.grid import JointGrid

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from bench.fault_parts.judge import Verdict, judge
-from bench.fault_parts.scenario import KINDS, Scenario, draw
-from bench.fault_parts.world import World, digest, make_file
 from bench.faults import campaign
-from doormill_ros.abb.target_file import read_target_file
+from doormill_ros.abb.target_file.target_file import read_target_file
+from support.faults.judge import Verdict, judge
+from support.faults.scenario import KINDS, Scenario, draw
+from support.faults.world import World, digest, make_file
 
 SEED = 2026
 SAMPLE = (

@@ -9,11 +9,11 @@ from hypothesis import HealthCheck, settings
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from doormill_ros.abb import signals
-from doormill_ros.abb.handshake import Handshake
-from doormill_ros.abb.handshake_state import CLEARED, HandshakeTimeouts
-from doormill_ros.abb.handshake_state import HandshakeState as State
+from doormill_ros.abb.handshake.handshake import Handshake
+from doormill_ros.abb.handshake.state import CLEARED, HandshakeTimeouts
+from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import ConnectionLostError, LinkError, UploadError
-from doormill_ros.abb.transports.memory import MemoryTransport
+from support.memory_transport import MemoryTransport
 
 LIMITS = HandshakeTimeouts(submission=8.0, acknowledge=4.0, milling=20.0, link_loss=0.5, watch=0.2)
 DOUBT = 2.0

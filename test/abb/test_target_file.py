@@ -13,15 +13,6 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.abb.atomic_file import write_atomically
-from doormill_ros.abb.checksum import (
-    CODES,
-    FACTOR_A,
-    FACTOR_B,
-    LARGEST_EXACT,
-    MODULUS_A,
-    MODULUS_B,
-    checksum,
-)
 from doormill_ros.abb.errors import (
     AbbError,
     StaleRunError,
@@ -33,10 +24,20 @@ from doormill_ros.abb.errors import (
     TargetValueError,
     WrongDoorError,
 )
-from doormill_ros.abb.target_file import read_target_file, render_target_file
-from doormill_ros.abb.target_line import format_line, parse_line
+from doormill_ros.abb.target_file.checksum import (
+    CODES,
+    FACTOR_A,
+    FACTOR_B,
+    LARGEST_EXACT,
+    MODULUS_A,
+    MODULUS_B,
+    checksum,
+)
+from doormill_ros.abb.target_file.line import format_line, parse_line
+from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.frames import transform
-from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
+from doormill_ros.robot.configuration import ConfData
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.units import RPM
 
 LINE = re.compile(r"(-?\d+\.\d+;){7}(-?\d;){4}")

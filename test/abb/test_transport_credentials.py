@@ -29,9 +29,9 @@ from doormill_ros.abb.link_errors import (
 )
 from doormill_ros.abb.transports.rws1 import connect_rws1
 from doormill_ros.abb.transports.rws2 import connect_rws2
-from doormill_ros.simulation.rws_server.app import Behaviour
-from doormill_ros.simulation.rws_server.cabinet import Cabinet
-from doormill_ros.simulation.rws_server.server import RwsServer
+from doormill_ros.simulation.controller.rws_server.app import Behaviour
+from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
+from doormill_ros.simulation.controller.rws_server.server import RwsServer
 
 SECRET = "qu8-Zebra!wagon"
 

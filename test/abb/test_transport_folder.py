@@ -15,7 +15,6 @@ from types import SimpleNamespace
 import pytest
 
 from doormill_ros.abb import signals
-from doormill_ros.abb.io_port import FolderIo
 from doormill_ros.abb.link_errors import (
     DownloadError,
     FileMissingError,
@@ -33,6 +32,7 @@ from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports import shared_folder
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
+from doormill_ros.simulation.controller.io_port import FolderIo
 
 
 @pytest.fixture

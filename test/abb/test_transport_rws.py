@@ -13,8 +13,8 @@ import pytest
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.credentials import Credentials
-from doormill_ros.abb.handshake import Handshake
-from doormill_ros.abb.handshake_state import HandshakeState as State
+from doormill_ros.abb.handshake.handshake import Handshake
+from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import (
     CertificateError,
     ConnectError,
@@ -38,15 +38,15 @@ from doormill_ros.abb.transports.rws1 import connect_rws1
 from doormill_ros.abb.transports.rws2 import connect_rws2
 from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2
 from doormill_ros.abb.transports.rws_http import LinkTimeouts, map_http_error, tls_context
-from doormill_ros.simulation.rws_server.cabinet import (
+from doormill_ros.simulation.controller.rws_server.cabinet import (
     AccessLevel,
     Cabinet,
     SimulatedSignal,
     default_signals,
 )
-from doormill_ros.simulation.rws_server.certificate import write_certificate
-from doormill_ros.simulation.rws_server.reply import CODE_BAD_REQUEST, RefusalError
-from doormill_ros.simulation.rws_server.server import RwsServer
+from doormill_ros.simulation.controller.rws_server.certificate import write_certificate
+from doormill_ros.simulation.controller.rws_server.reply import CODE_BAD_REQUEST, RefusalError
+from doormill_ros.simulation.controller.rws_server.server import RwsServer
 
 LOGIN = Credentials("Default User", "robotics")
 #: A loaded machine must not turn an answer into a timeout.

@@ -10,7 +10,7 @@ from doormill_ros.correction.compensate import MAX_ITERATIONS, compensate
 from doormill_ros.correction.load import Bench
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.stiffness.joint_springs import JointSpringModel
+from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 
 # Bottom and top hinge of the thesis' table 4.6, and poses between and beside them; degrees.
 POSTURES = np.radians(

@@ -1,6 +1,5 @@
 """From a loading test to the milled door: a hidden backlash costs less once the diagnosis is in the path."""
 
-import importlib.util
 import json
 import re
 from pathlib import Path
@@ -10,20 +9,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
-from doormill_ros.diagnosis.extended_model import load_compliance_model
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.simulation.milled_part import inspect
-from doormill_ros.simulation.truth_robot import TruthRobot
+from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.tools.diagnose import main
-
-_spec = importlib.util.spec_from_file_location(
-    "execute_program", Path(__file__).parents[1] / "toolpath" / "execute.py"
-)
-_execute = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(_execute)
+from support import execute as _execute
 
 BACKLASH = {"cause": "joint_backlash", "where": "joint 1", "parameters": {"gap": 1e-4, "crossing": 20.0}}
 
@@ -44,7 +38,7 @@ class Reality:
 @pytest.fixture(scope="module")
 def milled(tmp_path_factory, dh):
     """Deviations on the part, millimetres: with joint springs alone, and with the diagnosed model."""
-    from doormill_ros.simulation.truth.loading_test import draw_plan, write_loading_test
+    from support.truth.loading_test import draw_plan, write_loading_test
 
     folder = tmp_path_factory.mktemp("gain")
     layout = load_layout()

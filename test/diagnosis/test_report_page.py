@@ -2,10 +2,10 @@
 
 import pytest
 
-from browser import open_page
-from doormill_ros.diagnosis.causes.registry import build_cause
 from doormill_ros.diagnosis.report.wording import MICRO, micrometres, spoken, with_deviation
+from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.tools.diagnose import main
+from support.browser import open_page
 
 BACKLASH = {"cause": "joint_backlash", "where": "joint 1", "parameters": {"gap": 8e-5, "crossing": 20.0}}
 RIPPLE = {"cause": "joint_ripple", "where": "joint 2", "parameters": {"amplitude": 3e-7, "order": 5}}

@@ -16,8 +16,8 @@ from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.localization.view import HINGE, FaceView
 from doormill_ros.resources import resource
-from doormill_ros.simulation.picture_optics import rays
-from doormill_ros.simulation.picture_scene import SceneCamera
+from doormill_ros.simulation.picture.optics import rays
+from doormill_ros.simulation.picture.scene import SceneCamera
 from doormill_ros.units import DEG, MM
 
 CORNERS_MM_DEG = [(y, z, r) for y in (-10, 10) for z in (-10, 10) for r in (-2, 0, 2)]
@@ -113,7 +113,7 @@ def test_a_broken_camera_file_is_refused(path, value, tmp_path):
 def test_simulator_and_localiser_share_no_code():
     root = Path(__file__).resolve().parents[2] / "doormill_ros"
     for folder, pattern, foreign in (
-        ("simulation", "picture*.py", "doormill_ros.localization"),
+        ("simulation/picture", "*.py", "doormill_ros.localization"),
         ("localization", "*.py", "doormill_ros.simulation"),
     ):
         files = sorted((root / folder).glob(pattern))

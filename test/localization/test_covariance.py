@@ -10,8 +10,8 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.localization.view import face_view
-from doormill_ros.simulation.picture import render_picture
-from doormill_ros.simulation.picture_scene import Edges, PictureScene, Surface
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.simulation.picture.scene import Edges, PictureScene, Surface
 from doormill_ros.units import DEG, MM
 
 WIDTH = 0.8

@@ -7,8 +7,8 @@ from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.overlay import draw_overlay
-from doormill_ros.simulation.picture import render_picture
-from doormill_ros.simulation.picture_scene import Edges, PictureScene, Surface
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.simulation.picture.scene import Edges, PictureScene, Surface
 from doormill_ros.units import DEG, MM
 
 

@@ -6,8 +6,8 @@ import pytest
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.overlay import draw_overlay
-from doormill_ros.simulation.picture import render_picture
-from doormill_ros.simulation.picture_scene import Chip, Edges, PictureScene
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.simulation.picture.scene import Chip, Edges, PictureScene
 from doormill_ros.units import MM
 
 

@@ -8,8 +8,8 @@ import pytest
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization import errors
 from doormill_ros.localization.localizer import localize
-from doormill_ros.simulation.picture import render_picture
-from doormill_ros.simulation.picture_scene import BackEdge, Edges, Light, PictureScene, Sensor, Surface
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.simulation.picture.scene import BackEdge, Edges, Light, PictureScene, Sensor, Surface
 from doormill_ros.units import DEG, MM
 
 WIDTH, THICKNESS = 0.9, 0.05

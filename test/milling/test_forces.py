@@ -9,6 +9,7 @@ import pytest
 import yaml
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.measurements.raw_files import read_force_log
 from doormill_ros.milling.errors import PayloadError, SegmentError
 from doormill_ros.milling.forces import (
     THESIS_FORCES,
@@ -17,7 +18,6 @@ from doormill_ros.milling.forces import (
     segment_forces,
 )
 from doormill_ros.milling.payload import Payload, identify_payload
-from doormill_ros.stiffness.identification.raw_files import read_force_log
 
 ANGLE = math.atan2(219.25, 226.66)
 # Sensor axes in flange axes, written out here again so that the sign is checked against this file.

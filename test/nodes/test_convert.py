@@ -17,7 +17,8 @@ from doormill_ros.nodes.convert.geometry import path_message, transform_of
 from doormill_ros.nodes.convert.markers import program_markers
 from doormill_ros.nodes.convert.program import program_into, program_of
 from doormill_ros.recipes.documents import shipped_recipes
-from doormill_ros.toolpath.program import ConfData, MillingProgram, Motion, MotionKind, Target
+from doormill_ros.robot.configuration import ConfData
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
 
 def pose(rng: np.random.Generator) -> np.ndarray:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from doormill_ros.abb.handshake_state import HandshakeSnapshot, HandshakeState
+from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
 from doormill_ros.nodes.abb_bridge import level_of
 from doormill_ros.nodes.cell import CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag

@@ -11,11 +11,11 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
-from cell_processes import CellProcesses
-from doormill_ros.abb.target_file import read_target_file
+from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.nodes import topics
 from doormill_ros.recipes.documents import shipped_recipes
+from support.cell_processes import CellProcesses
 
 DOORS = sorted(shipped_recipes())
 THESIS_TARGETS = 14  # figure 3.40

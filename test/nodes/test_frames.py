@@ -32,7 +32,7 @@ from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
-from source_tree import ROOT
+from support.source_tree import ROOT
 
 LIMIT = 60.0  # s
 BUILD_LIMIT = RUN_LIMIT = 300.0  # s

@@ -11,7 +11,7 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from rcl_interfaces.srv import DescribeParameters, ListParameters
 
-from cell_processes import MANAGED, NODES, STOP_LIMIT, CellProcesses
+from support.cell_processes import MANAGED, NODES, STOP_LIMIT, CellProcesses
 
 GOOD_DOOR = "thesis_190_0deg"
 REACHED = {

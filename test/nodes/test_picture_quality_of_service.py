@@ -9,14 +9,14 @@ from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
-from cell_processes import CellProcesses
 from doormill_interfaces.srv import GetRecipe
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
 from doormill_ros.recipes.documents import shipped_recipes
-from doormill_ros.simulation.picture import render_picture
-from doormill_ros.simulation.picture_scene import PictureScene
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.simulation.picture.scene import PictureScene
+from support.cell_processes import CellProcesses
 
 
 @pytest.mark.parametrize(

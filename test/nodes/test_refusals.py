@@ -13,10 +13,10 @@ import yaml
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
-from cell_processes import PATIENT, CellProcesses
 from doormill_interfaces.srv import ImportRecipes
 from doormill_ros.nodes import topics
 from doormill_ros.recipes.documents import shipped_recipes
+from support.cell_processes import PATIENT, CellProcesses
 
 GOOD_DOOR = "thesis_190_0deg"
 UNSET = 999.0

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from browser import open_page
-from cell_processes import executable
+from support.browser import open_page
+from support.cell_processes import executable
 
 DOOR = "thesis_190_0deg"
 LIMIT = 120.0  # s

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from browser import open_page
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.operator.state import EndedRun
+from support.browser import open_page
 
 TABLET = {"viewport": {"width": 1024, "height": 768}, "has_touch": True}
 REASON = "door oak: no edge was found in the picture; clean the lens & check the lamp"

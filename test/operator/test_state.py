@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from doormill_ros.abb.handshake_state import HandshakeState
+from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.operator.advice import next_step
 from doormill_ros.operator.state import HISTORY, LONGEST_TEXT, CellView, EndedRun, ViewStore
 

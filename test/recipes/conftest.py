@@ -1,26 +1,15 @@
 import copy
-import importlib.util
-import sys
-from pathlib import Path
 
 import pytest
 
 from doormill_ros.recipes.database import RecipeDatabase
-
-
-def _load(name):
-    path = Path(__file__).resolve().parent.parent / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(f"doormill_test_{name}", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+from support import postgres as server_of_the_tests
 
 
 @pytest.fixture(scope="session")
 def postgres():
     """One server a test process; it starts when the first test asks for it."""
-    module = _load("postgres")
+    module = server_of_the_tests
     try:
         module.find_binaries()
     except RuntimeError as error:

@@ -1,8 +1,5 @@
 """Every exchange format gives back what was written, for recipes over the whole range."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
 from hypothesis import HealthCheck, given, settings
 
@@ -11,10 +8,7 @@ from doormill_ros.recipes.exchange.csv_file import format_csv, parse_csv
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.exchange.thesis_text import format_thesis_text, parse_thesis_text
 from doormill_ros.recipes.recipe import Recipe
-
-_spec = importlib.util.spec_from_file_location("recipe_strategies", Path(__file__).with_name("strategies.py"))
-strategies = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(strategies)
+from support import recipe_strategies as strategies
 
 CHECKS = [HealthCheck.too_slow, HealthCheck.function_scoped_fixture, HealthCheck.data_too_large]
 

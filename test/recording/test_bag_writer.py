@@ -16,10 +16,10 @@ from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from bags.repack import repack_bag
 from doormill_ros.recording.bag_reader import bag_files, is_broken_off, read_bag, topics_of
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.errors import BagExistsError, UnreadableBagError
-from doormill_ros.recording.repack import repack_bag
 
 QOS = [
     {

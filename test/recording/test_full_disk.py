@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 from doormill_ros.recording.bag_reader import read_bag
-from source_tree import ROOT
+from support.source_tree import ROOT
 
 LIMIT = 180  # s
 FILE_SIZE = 950_000  # bytes that one file may have

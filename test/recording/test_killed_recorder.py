@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
+from bags.repack import repack_bag
+from bags.timeline import load_timeline, violations
 from doormill_ros.recording.bag_reader import is_broken_off, read_bag
-from doormill_ros.recording.repack import repack_bag
 from doormill_ros.recording.replay.replay import replay_bag
-from doormill_ros.recording.timeline import load_timeline, violations
-from source_tree import ROOT
+from support.source_tree import ROOT
 
 LIMIT = 180.0  # s
 DOOR = "thesis_190_0deg"

@@ -16,7 +16,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from doormill_interfaces.action import MillDoor
 from doormill_ros.recording.errors import UnknownTypeError
 from doormill_ros.recording.schema import load_schema
-from source_tree import ROOT
+from support.source_tree import ROOT
 
 LIMIT = 60.0  # s
 FEEDBACK = "doormill_interfaces/action/MillDoor_FeedbackMessage"

@@ -15,7 +15,7 @@ from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME, TOOL_FRAME
 from doormill_ros.nodes import topics
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
-from source_tree import ROOT
+from support.source_tree import ROOT
 
 BAG = ROOT / "bags" / "thesis_190_0deg"
 #: Titles of panels in Foxglove and in Lichtblick 1.28, the open viewer made from its sources.

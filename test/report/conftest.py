@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, sync_playwright
 
-from browser import ARGUMENTS, browser_path
+from support.browser import ARGUMENTS, browser_path
 
 
 @pytest.fixture(scope="module")

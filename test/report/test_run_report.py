@@ -18,7 +18,7 @@ from doormill_ros.report.figures import picture_url
 from doormill_ros.report.run_record import read_run
 from doormill_ros.report.run_report import render_report, write_report
 from doormill_ros.tools.report import main
-from source_tree import ROOT
+from support.source_tree import ROOT
 
 BAGS = ROOT / "bags"
 GOOD = ("thesis_190_0deg", "standard_door")

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.robot.configuration import conf_data, configuration_index
-from doormill_ros.toolpath.program import ConfData
+from doormill_ros.robot.configuration import ConfData, conf_data, configuration_index
 
 RAD = np.pi / 180
 

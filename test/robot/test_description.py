@@ -10,7 +10,7 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import GeometryError, RobotDescriptionError
 from doormill_ros.robot.inverse import inverse
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot.pinocchio_model import PinocchioKinematics
+from support.pinocchio_model import PinocchioKinematics
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot.pinocchio_model import PinocchioKinematics
+from support.pinocchio_model import PinocchioKinematics
 
 POINT = np.array([0.11, -0.07, 0.25])
 

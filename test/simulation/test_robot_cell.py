@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from bench.fault_parts.world import make_file
 from doormill_ros.abb import signals
-from doormill_ros.abb.io_port import FolderIo
 from doormill_ros.robot.description import load_robot
-from doormill_ros.simulation.controller_arm import ControllerArm
+from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.io_port import FolderIo
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun
+from support.faults.world import make_file
 
 DOOR = "door_a"
 LIMIT = 120.0  # s

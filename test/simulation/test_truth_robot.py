@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.simulation.truth.elasticity import cantilever
-from doormill_ros.simulation.truth_robot import TruthRobot
+from doormill_ros.simulation.truth.robot import TruthRobot
 
 HALF = np.pi / 2
 DH = np.array(

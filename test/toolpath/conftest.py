@@ -1,6 +1,3 @@
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -8,12 +5,9 @@ from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.stiffness.joint_springs import JointSpringModel
+from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.toolpath.generate import generate_program
-
-_spec = importlib.util.spec_from_file_location("toolpath_execute", Path(__file__).with_name("execute.py"))
-_execute = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(_execute)
+from support import execute as _execute
 
 THESIS_DOORS = ["thesis_190_0deg", "thesis_190_2deg", "thesis_1350_0deg", "thesis_1350_2deg"]
 

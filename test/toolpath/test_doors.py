@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.extended_model import load_compliance_model
+from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.toolpath.door_checks import check_door, require_cycle, text_table
 from doormill_ros.toolpath.drawing import draw_program, save_png

@@ -1,11 +1,9 @@
 """Any valid door: a program whose milled result is right, or a sentence that says why not."""
 
-import importlib.util
 import itertools
 import math
 import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,16 +22,9 @@ from doormill_ros.toolpath.errors import (
     ProgramSizeError,
 )
 from doormill_ros.toolpath.settings import load_settings
+from support import doors
+from support import recipe_strategies as recipes
 
-
-def _load(path):
-    spec = importlib.util.spec_from_file_location(f"strategies_of_{path.parent.name}", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-doors = _load(Path(__file__).with_name("doors.py"))
 # A campaign over other doors each time: DOORMILL_DOORS=500 pytest ...
 CAMPAIGN = os.environ.get("DOORMILL_DOORS")
 EXAMPLES = int(CAMPAIGN or "24")
@@ -188,9 +179,6 @@ def test_every_kind_of_feature_at_every_limit_of_size(cell, height, width, thick
         assert cause_is_there(cell, recipe, T_base_door, refusal), refusal.message
         return
     judged(cell, recipe, T_base_door, program, LIMIT)
-
-
-recipes = _load(Path(__file__).resolve().parents[1] / "recipes" / "strategies.py")
 
 
 @settings(

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.abb import target_trailer
+from doormill_ros.abb.target_file import trailer as target_trailer
 from doormill_ros.recipes.cutting import Cutting
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
-from doormill_ros.stiffness.joint_springs import JointSpringModel
+from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.toolpath import errors
 from doormill_ros.toolpath.arcs import check_arcs
 from doormill_ros.toolpath.clearance import check_air

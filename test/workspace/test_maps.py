@@ -5,10 +5,10 @@ import pytest
 
 from doormill_ros.robot.chain import chain_frames, jacobian_columns
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot.pinocchio_model import PinocchioKinematics
 from doormill_ros.workspace.conditioning import characteristic_length, inverse_condition_number
 from doormill_ros.workspace.grid import thesis_grid
 from doormill_ros.workspace.maps import WRENCH_SCRIPT, WRENCH_TEXT, compute_maps, save_maps
+from support.pinocchio_model import PinocchioKinematics
 
 POINT = np.array([0.02, 0.05, 0.25])
 

@@ -7,19 +7,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.diagnosis.errors import SetMixError
-from doormill_ros.diagnosis.pose.causes.cause import PoseCause, number
-from doormill_ros.diagnosis.pose.causes.hints import JOINTS, Hints
-from doormill_ros.diagnosis.pose.causes.joint_periodic_error import dense_orders
-from doormill_ros.diagnosis.pose.causes.registry import candidates
-from doormill_ros.diagnosis.pose.causes.session_step import find_step
 from doormill_ros.diagnosis.pose.fit import Fitted, deviation, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.model import PoseModel
 from doormill_ros.diagnosis.pose.orders import find_orders
-from doormill_ros.diagnosis.pose.pose_set import PoseSet
 from doormill_ros.diagnosis.pose.selection import REAL, Score, eliminate, explained_cost, scores
 from doormill_ros.diagnosis.pose.solve import add_up
 from doormill_ros.diagnosis.pose.validation import Validation, by_block
+from doormill_ros.measurements.errors import SetMixError
+from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.robot_model.pose.causes.cause import PoseCause, number
+from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
+from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orders
+from doormill_ros.robot_model.pose.causes.registry import candidates
+from doormill_ros.robot_model.pose.causes.session_step import find_step
+from doormill_ros.robot_model.pose.model import PoseModel
 
 #: Fall of the sum of squares that makes a step worth a trial.
 STEP = 60.0
@@ -150,8 +150,9 @@ def diagnose_poses(
 
 def _search(sets: Sequence[PoseSet], baseline: Fitted, progress: Callable[[str], None]) -> Fitted:
     """Fit of everything that may act: first without, then with hints from the residual."""
-    dense = dense_orders(sets)
-    library = candidates(Hints(sets, dict.fromkeys(JOINTS, dense), drift=False))
+    views = [data.view for data in sets]
+    dense = dense_orders(views)
+    library = candidates(Hints(views, dict.fromkeys(JOINTS, dense), drift=False))
     progress(f"{len(library)} causes to try")
     first = fit_causes(sets, library, baseline.problem.placements, 2, progress)
     orders = {where: dense + find_orders(first, number(where), dense[-1]) for where in JOINTS}
@@ -164,7 +165,7 @@ def _search(sets: Sequence[PoseSet], baseline: Fitted, progress: Callable[[str],
         if fall > STEP:
             steps[index] = int(data.row[at])
     return fit_causes(
-        sets, candidates(Hints(sets, orders, steps)), first.problem.placements, 2, progress, first
+        sets, candidates(Hints(views, orders, steps)), first.problem.placements, 2, progress, first
     )
 
 

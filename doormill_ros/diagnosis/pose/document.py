@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.document import MODEL_FILE, SCHEMA
-from doormill_ros.diagnosis.pose.causes.joint_waves import JointWaves
-from doormill_ros.diagnosis.pose.causes.session_step import SessionStep
+from doormill_ros.diagnosis.loading.document import MODEL_FILE, SCHEMA
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, distinct_share, rmse
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
+from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
+from doormill_ros.robot_model.pose.causes.session_step import SessionStep
 
 #: Why a cause that helps on blocks left out is not one of the robot.
 WITHIN = (ONE_SERIES, NOT_CARRIED)

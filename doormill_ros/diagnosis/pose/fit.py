@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.diagnosis.pose.causes.cause import PoseCause
-from doormill_ros.diagnosis.pose.chain import Placement, frames, residual
 from doormill_ros.diagnosis.pose.placement import fit_placement
-from doormill_ros.diagnosis.pose.pose_set import PoseSet
 from doormill_ros.diagnosis.pose.problem import Block, Problem
 from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
-from doormill_ros.diagnosis.pose.view import make_view
+from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.chain import Placement, frames, residual
 
 #: Contiguous blocks of a series, the units of cross-validation.
 BLOCKS = 10
@@ -51,7 +50,7 @@ def place_nominally(sets: Sequence[PoseSet]) -> list[Placement]:
     """Placement of every series under the nominal model."""
     found = []
     for data in sets:
-        view = make_view(data)
+        view = data.view
         found.append(fit_placement(frames(view.transforms), data.position, data.rotation, (3e-4, 5e-4)))
     return found
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.pose.chain import derivatives, direction, frames
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.document import BINS, covered
-from doormill_ros.diagnosis.pose.model import view_of
-from doormill_ros.diagnosis.pose.problem import design, frame_twists
+from doormill_ros.robot_model.pose.chain import derivatives, direction, frames
+from doormill_ros.robot_model.pose.layout import design, frame_twists
+from doormill_ros.robot_model.pose.model import view_of
 from doormill_ros.units import rad_to_deg
 
 #: Poses for a degree of an unvisited range that give the highest listed orders three samples a wave.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.diagnosis.pose.causes.joint_periodic_error import JointPeriodicError
-from doormill_ros.diagnosis.pose.chain import derivatives, joint_turn
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
+from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
+from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
 from doormill_ros.units import rad_to_deg
 
 UM = 1e6  #: micrometres in a metre

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.diagnosis.pose.chain import Placement, derivatives, residual
-from doormill_ros.diagnosis.pose.errors import PosePlacementError
+from doormill_ros.measurements.errors import PosePlacementError
+from doormill_ros.robot_model.pose.chain import Placement, derivatives, residual
 
 #: A residual this many robust standard deviations large loses weight (Huber).
 HUBER = 2.5

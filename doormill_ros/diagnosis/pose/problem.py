@@ -11,82 +11,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.diagnosis.pose.causes.cause import PoseCause
-from doormill_ros.diagnosis.pose.chain import (
-    DIRECTIONS,
-    FRAMES,
+from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.chain import (
     Placement,
     derivatives,
     direction,
     frames,
     residual,
 )
-from doormill_ros.diagnosis.pose.pose_set import PoseSet
-from doormill_ros.diagnosis.pose.view import SetView, make_view
+from doormill_ros.robot_model.pose.layout import design, frame_twists, lay_out
 
 #: Numbers of a placement: twist of the base, twist of the flange.
 PLACEMENT = 12
-
-
-@dataclass(frozen=True, eq=False)
-class Layout:
-    """Where the coefficients of every cause stand in the vector of all.
-
-    Attributes:
-        causes: All causes.
-        start: First index of every cause, and the total at the end, shape (len(causes) + 1,).
-        group: Group of every coefficient, shape (m,).
-        typical: Largest plausible size, shape (m,).
-    """
-
-    causes: tuple[PoseCause, ...]
-    start: np.ndarray
-    group: np.ndarray
-    typical: np.ndarray
-
-    @property
-    def size(self) -> int:
-        """Number of coefficients."""
-        return int(self.start[-1])
-
-    def part(self, index: int) -> slice:
-        """Coefficients of a cause."""
-        return slice(int(self.start[index]), int(self.start[index + 1]))
-
-
-def lay_out(causes: Sequence[PoseCause]) -> Layout:
-    """Put the coefficients of all causes in a row."""
-    every = [cause.coefficients for cause in causes]
-    flat = [coefficient for part in every for coefficient in part]
-    names: dict[str, int] = {}
-    return Layout(
-        tuple(causes),
-        np.concatenate([[0], np.cumsum([len(part) for part in every], dtype=int)]).astype(int),
-        np.array([names.setdefault(c.group, len(names)) for c in flat], dtype=int),
-        np.array([c.typical for c in flat], dtype=float),
-    )
-
-
-def design(view: SetView, layout: Layout) -> dict[int, tuple[np.ndarray, np.ndarray]]:
-    """Index of the coefficients (k,) and basis (n, k) by direction, for one series."""
-    found: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
-    for index, cause in enumerate(layout.causes):
-        for columns in cause.columns(view):
-            first = int(layout.start[index]) + columns.first
-            ids = np.arange(first, first + columns.basis.shape[1])
-            found.setdefault(columns.direction, []).append((ids, columns.basis))
-    return {
-        key: (np.concatenate([i for i, _ in parts]), np.concatenate([b for _, b in parts], axis=1))
-        for key, parts in found.items()
-    }
-
-
-def frame_twists(bases: dict[int, tuple[np.ndarray, np.ndarray]], x: np.ndarray, n: int) -> np.ndarray:
-    """Twists of all frames, shape (n, 7, 6)."""
-    twists = np.zeros((n, DIRECTIONS))
-    for key, (ids, basis) in bases.items():
-        twists[:, key] = basis @ x[ids]
-    return twists.reshape(n, FRAMES, 6)
 
 
 @dataclass(eq=False)
@@ -129,7 +66,7 @@ class Problem:
     ) -> None:
         """Prepare, without any cause acting."""
         self.sets = tuple(sets)
-        self.views = [make_view(one) for one in sets]
+        self.views = [one.view for one in sets]
         self.layout = lay_out(causes)
         self.bases = [design(view, self.layout) for view in self.views]
         self.x = np.zeros(self.layout.size)

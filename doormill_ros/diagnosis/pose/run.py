@@ -8,17 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.document import write_diagnosis
-from doormill_ros.diagnosis.pose.chain import frames, residual
+from doormill_ros.diagnosis.loading.document import write_diagnosis
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, check_together, diagnose_poses, rmse
 from doormill_ros.diagnosis.pose.document import BINS, bin_of, covered, pose_document
 from doormill_ros.diagnosis.pose.fit import deviation
-from doormill_ros.diagnosis.pose.model import model_document
 from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
 from doormill_ros.diagnosis.pose.placement import fit_placement
-from doormill_ros.diagnosis.pose.pose_set import PoseSet, read_pose_set
 from doormill_ros.diagnosis.pose.report import render_report
-from doormill_ros.diagnosis.pose.view import make_view
+from doormill_ros.measurements.pose_set import PoseSet, read_pose_set
+from doormill_ros.robot_model.pose.chain import frames, residual
+from doormill_ros.robot_model.pose.model import model_document
 
 #: A checked row this many expected deviations off counts as a gross error.
 _GROSS = 7.0
@@ -79,7 +78,7 @@ def check_set(diagnosis: PoseDiagnosis, other: PoseSet) -> dict[str, Any]:
     Raises:
         PosePlacementError: Too few marked rows.
     """
-    view = make_view(other)
+    view = other.view
     sigma = diagnosis.extended.problem.sigma
     marked, rest = other.placement, ~other.placement
     rest = rest if rest.any() else np.ones(len(other), dtype=bool)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.diagnosis.pose.causes.cause import PoseCause
 from doormill_ros.diagnosis.pose.validation import AXES_OF_POSITION, Validation, by_block
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
 
 #: A cause earns its place when taking it away raises the held-out cost of the blocks by this many standard errors
 #: and by this much altogether (a squared standard deviation is 1; tried causes are a few dozen).

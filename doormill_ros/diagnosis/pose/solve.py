@@ -9,7 +9,8 @@ from itertools import groupby
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri
 
-from doormill_ros.diagnosis.pose.problem import Block, Layout
+from doormill_ros.diagnosis.pose.problem import Block
+from doormill_ros.robot_model.pose.layout import Layout
 
 
 def add_up(blocks: Iterable[Block], size: int) -> tuple[np.ndarray, np.ndarray]:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from doormill_ros.diagnosis.pose.chain import DIRECTIONS, derivatives, direction
 from doormill_ros.diagnosis.pose.fit import BLOCKS, Fitted
 from doormill_ros.diagnosis.pose.problem import PLACEMENT
 from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
+from doormill_ros.robot_model.pose.chain import DIRECTIONS, derivatives, direction
 
 #: Every so many-th block of each series is left out together.
 FOLDS = 5

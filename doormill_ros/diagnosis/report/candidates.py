@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from html import escape
 
-from doormill_ros.diagnosis.diagnosis import Diagnosis
-from doormill_ros.diagnosis.finding import rmse
-from doormill_ros.diagnosis.fit import Fit
+from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
+from doormill_ros.diagnosis.loading.finding import rmse
+from doormill_ros.diagnosis.loading.fit import Fit
+from doormill_ros.diagnosis.loading.search import ENTRY
 from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER
 from doormill_ros.diagnosis.report.wording import micrometres, spoken
-from doormill_ros.diagnosis.search import ENTRY
 
 ROWS = 12  #: models that are listed
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.diagnosis import Diagnosis
-from doormill_ros.diagnosis.document import parameters_of
-from doormill_ros.diagnosis.next_measurement import DECIDED, NextMeasurement
-from doormill_ros.diagnosis.path_shift import PathShift
+from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
+from doormill_ros.diagnosis.loading.document import parameters_of
+from doormill_ros.diagnosis.loading.next_measurement import DECIDED, NextMeasurement
+from doormill_ros.diagnosis.loading.path_shift import PathShift
 from doormill_ros.diagnosis.report import pictures
 from doormill_ros.diagnosis.report.candidates import candidates_table
 from doormill_ros.diagnosis.report.html import charts, notes, page, section, tiles

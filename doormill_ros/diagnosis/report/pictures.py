@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.diagnosis.causes.cause import Cause
-from doormill_ros.diagnosis.diagnosis import Diagnosis
-from doormill_ros.diagnosis.finding import Finding, rmse
-from doormill_ros.diagnosis.fit import Fit
-from doormill_ros.diagnosis.problem import Problem
+from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
+from doormill_ros.diagnosis.loading.finding import Finding, rmse
+from doormill_ros.diagnosis.loading.fit import Fit
+from doormill_ros.diagnosis.loading.problem import Problem
 from doormill_ros.diagnosis.report.pairs import Pairs
 from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, OTHER, Scatter
 from doormill_ros.diagnosis.report.wording import MICRO, spoken
+from doormill_ros.robot_model.elastic.causes.cause import Cause
 
 UM = 1e6  #: micrometres in a metre
 HALF, WIDE = 560, 1132  #: widths of charts beside each other and alone, as on the page

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from doormill_ros.diagnosis.causes.cause import Cause
+from doormill_ros.robot_model.elastic.causes.cause import Cause
 
 MICRO = "\N{MICRO SIGN}"
 #: Prefixes for units that stand alone, by power of ten.

@@ -9,7 +9,7 @@ from doormill_interfaces.msg import DoorPlacement, FeatureDeviation, MilledDoor
 from doormill_interfaces.msg import ExecutedPath as ExecutedPathMessage
 from doormill_ros.nodes.convert.geometry import pose_message, wrench_message
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.simulation.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.milled_part import MilledPart
 
 

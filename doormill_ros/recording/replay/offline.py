@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-from doormill_ros.abb.target_file import render_target_file
+from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.diagnosis.extended_model import load_model_of
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError, StalePicture
@@ -30,6 +29,7 @@ from doormill_ros.recording.replay.answer import (
 )
 from doormill_ros.recording.replay.recorded_run import RecordedRun, result_answer
 from doormill_ros.robot.description import load_robot
+from doormill_ros.robot_model.extended_model import load_model_of
 from doormill_ros.toolpath.door_checks import check_door
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.pose.causes import registry
-from doormill_ros.diagnosis.pose.causes.cause import Coefficient, PoseCause
-from doormill_ros.diagnosis.pose.causes.hints import JOINTS, Hints
-from doormill_ros.diagnosis.pose.pose_set import read_pose_set
+from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.robot_model.pose.causes import registry
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, PoseCause
+from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
 
 
 @pytest.fixture
 def hints(tmp_path, write_pose_sets, faults):
     folders = write_pose_sets(tmp_path, faults(names=["one", "two"]), 40, 51)
     sets = [read_pose_set(folder) for folder in folders]
-    return Hints(sets, dict.fromkeys(JOINTS, (1, 2, 7)), {1: 20})
+    return Hints([data.view for data in sets], dict.fromkeys(JOINTS, (1, 2, 7)), {1: 20})
 
 
 def test_every_cause_of_the_robot_comes_back_from_its_settings(hints):

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.pose.causes.joint_periodic_error import JointPeriodicError
-from doormill_ros.diagnosis.pose.causes.joint_sag import JointSag
-from doormill_ros.diagnosis.pose.causes.joint_wobble import JointWobble
-from doormill_ros.diagnosis.pose.causes.link_geometry import LinkGeometry
-from doormill_ros.diagnosis.pose.causes.thermal_drift import ThermalDrift
 from doormill_ros.diagnosis.pose.diagnosis import distinct_share
 from doormill_ros.diagnosis.pose.fit import Fitted, contiguous, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.pose_set import read_pose_set
 from doormill_ros.diagnosis.pose.problem import Problem
 from doormill_ros.diagnosis.pose.solve import add_up, solve
 from doormill_ros.diagnosis.pose.validation import Validation, without
+from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
+from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
+from doormill_ros.robot_model.pose.causes.joint_wobble import JointWobble
+from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
+from doormill_ros.robot_model.pose.causes.thermal_drift import ThermalDrift
 
 
 @pytest.fixture

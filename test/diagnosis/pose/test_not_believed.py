@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.diagnosis.pose.causes.joint_backlash import JointBacklash
-from doormill_ros.diagnosis.pose.causes.joint_periodic_error import BROAD, JointPeriodicError
-from doormill_ros.diagnosis.pose.causes.joint_sag import JointSag
-from doormill_ros.diagnosis.pose.causes.joint_waves import harmonics
 from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.pose_set import read_pose_set
 from doormill_ros.diagnosis.pose.selection import CONTRADICTED, REAL, scores
 from doormill_ros.diagnosis.pose.validation import Validation
+from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.robot_model.pose.causes.joint_backlash import JointBacklash
+from doormill_ros.robot_model.pose.causes.joint_periodic_error import BROAD, JointPeriodicError
+from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
+from doormill_ros.robot_model.pose.causes.joint_waves import harmonics
 
 SPECTRUM = tuple(range(1, BROAD + 1))
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.diagnosis.pose.chain import Placement, exp_twist, frames, link_transforms
-from doormill_ros.diagnosis.pose.errors import PosePlacementError
 from doormill_ros.diagnosis.pose.placement import fit_placement
+from doormill_ros.measurements.errors import PosePlacementError
+from doormill_ros.robot_model.pose.chain import Placement, exp_twist, frames, link_transforms
 
 
 @pytest.fixture

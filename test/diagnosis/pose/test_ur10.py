@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses, rmse
-from doormill_ros.diagnosis.pose.pose_set import read_pose_set
+from doormill_ros.measurements.pose_set import read_pose_set
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data" / "ur10"
 NAMES = ("grid", "joint-configurations", "random-poses")

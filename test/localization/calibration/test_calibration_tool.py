@@ -4,15 +4,15 @@ import cv2
 import numpy as np
 import pytest
 import yaml
-from localization.calibration.board_pictures import CAMERA, SIZE, TRUE_K, views
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.calibration.main import main
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.settings import load_settings
-from doormill_ros.simulation.picture_scene import Sensor
-from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
-from doormill_ros.simulation.sensors.chessboard import render_chessboard
+from doormill_ros.simulation.picture.scene import Sensor
+from support.board_pictures import CAMERA, SIZE, TRUE_K, views
+from support.sensors.axis_vision import AxisVisionRig
+from support.sensors.chessboard import render_chessboard
 
 
 def test_chessboards_become_a_camera_file(tmp_path, capsys):

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from localization.sensors.door_cases import assert_honest
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import apply_twist, transform, twist_between
@@ -12,7 +11,8 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.sensors.corner_edges import PictureQuality
 from doormill_ros.localization.sensors.sensor import DoorSize
 from doormill_ros.resources import resource
-from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
+from support.door_cases import assert_honest
+from support.sensors.axis_vision import AxisVisionRig
 
 QUALITY = PictureQuality(2.0, 25.0)
 MOVES = [

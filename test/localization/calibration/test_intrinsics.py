@@ -3,7 +3,12 @@
 import cv2
 import numpy as np
 import pytest
-from localization.calibration.board_pictures import (
+
+from doormill_ros.localization.calibration.chessboard import Chessboard, find_corners
+from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
+from doormill_ros.localization.calibration.intrinsics import calibrate_intrinsics
+from doormill_ros.simulation.picture.scene import Sensor
+from support.board_pictures import (
     BOARD,
     CAMERA,
     SIZE,
@@ -12,12 +17,7 @@ from localization.calibration.board_pictures import (
     noisy_corners,
     views,
 )
-
-from doormill_ros.localization.calibration.chessboard import Chessboard, find_corners
-from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
-from doormill_ros.localization.calibration.intrinsics import calibrate_intrinsics
-from doormill_ros.simulation.picture_scene import Sensor
-from doormill_ros.simulation.sensors.chessboard import render_chessboard
+from support.sensors.chessboard import render_chessboard
 
 TRUE = np.array([TRUE_K[0, 0], TRUE_K[1, 1], TRUE_K[0, 2], TRUE_K[1, 2], *TRUE_DISTORTION[:4]])
 BENT = 4

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from localization.sensors.door_cases import SIZES, assert_honest, error, mahalanobis, true_pose
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import apply_twist
@@ -10,8 +9,9 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.sensors.axis_vision import load_axis_vision
 from doormill_ros.localization.sensors.edge_rays import EDGES, depth, miss, seen
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, EdgeNotFound, SensorError
-from doormill_ros.simulation.picture_scene import Sensor
-from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
+from doormill_ros.simulation.picture.scene import Sensor
+from support.door_cases import SIZES, assert_honest, error, mahalanobis, true_pose
+from support.sensors.axis_vision import AxisVisionRig
 
 TRIALS = 18
 

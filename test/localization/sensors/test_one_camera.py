@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from localization.sensors.door_cases import SIZES, assert_honest, error, mahalanobis
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.sensors.errors import BadSensorFile
 from doormill_ros.localization.sensors.one_camera import load_one_camera
-from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
+from support.door_cases import SIZES, assert_honest, error, mahalanobis
+from support.sensors.axis_vision import AxisVisionRig
 
 TRIALS = 12
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 import yaml
-from localization.sensors.door_cases import SIZES, assert_honest, error, mahalanobis, true_pose
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, BeamMissed, PoseOutOfRange
 from doormill_ros.localization.sensors.photoelectric import load_photoelectric
 from doormill_ros.resources import resource
-from doormill_ros.simulation.sensors.photoelectric import PhotoelectricRig
+from support.door_cases import SIZES, assert_honest, error, mahalanobis, true_pose
+from support.sensors.photoelectric import PhotoelectricRig
 
 
 @pytest.fixture(scope="module")

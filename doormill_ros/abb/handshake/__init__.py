@@ -1,0 +1,1 @@
+"""The handshake with the controller: request, clear, write, verify, ready, acknowledged, done."""

@@ -1,0 +1,115 @@
+"""What other threads ask of the handshake: files to hand over and orders to give up."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+
+from doormill_ros.abb import signals
+from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
+from doormill_ros.abb.link_errors import (
+    EmptyTargetFileError,
+    HandshakeBusyError,
+    NoRequestError,
+    RepeatedRunError,
+    RunAbortedError,
+    StaleSubmissionError,
+)
+
+_RUNS_REMEMBERED = 10_000
+
+
+@dataclass(frozen=True)
+class Submission:
+    """A complete target file and what it belongs to."""
+
+    run_id: str
+    door_id: str
+    data: bytes
+    request_number: int
+
+    def check_request(self, present: int) -> None:
+        """Refuse a file that was made for an earlier request.
+
+        Raises:
+            StaleSubmissionError: It was.
+        """
+        if self.request_number != present:
+            raise StaleSubmissionError(
+                f"run {self.run_id} was made for request {self.request_number}, the present one is "
+                f"{present}; take a new picture of the door",
+                run_id=self.run_id,
+                request_number=self.request_number,
+            )
+
+
+class Inbox:
+    """Holds at most one submission and one order to abort; safe to call from any thread."""
+
+    def __init__(self) -> None:
+        self._mutex = threading.Lock()
+        self._submission: Submission | None = None
+        self._abort_reason: str | None = None
+        self._run_ids: dict[str, None] = {}
+
+    def put(self, submission: Submission, now: HandshakeSnapshot) -> None:
+        """Accept the submission or say why not; see `Handshake.submit`."""
+        run_id, door_id = submission.run_id, submission.door_id
+        if not (submission.data and run_id and door_id):
+            raise EmptyTargetFileError(
+                f"submitted file has {len(submission.data)} bytes, run id {run_id!r} and door id "
+                f"{door_id!r}; all three must have content: generate the file again",
+                run_id=run_id,
+                door_id=door_id,
+            )
+        with self._mutex:
+            if run_id in self._run_ids:
+                raise RepeatedRunError(
+                    f"run id {run_id!r} was submitted before; each attempt needs a new one", run_id=run_id
+                )
+            if not now.request and now.state is not HandshakeState.CLEARING:
+                raise NoRequestError(
+                    f"run {run_id} for door {door_id} came without a request of the controller (state "
+                    f"{now.state.value}); clamp the door and let the robot raise {signals.REQUEST} first",
+                    run_id=run_id,
+                    state=now.state.value,
+                )
+            if self._submission is not None or not now.accepts_submission:
+                raise HandshakeBusyError(
+                    f"run {run_id} cannot be taken in state {now.state.value} ({now.reason}); "
+                    "wait for the state 'requested'",
+                    run_id=run_id,
+                    state=now.state.value,
+                )
+            submission.check_request(now.request_number)
+            self._submission = submission
+            self._run_ids[run_id] = None
+            if len(self._run_ids) > _RUNS_REMEMBERED:
+                del self._run_ids[next(iter(self._run_ids))]
+
+    def take(self) -> Submission | None:
+        """Remove and return the submission."""
+        with self._mutex:
+            submission, self._submission = self._submission, None
+            return submission
+
+    def order_abort(self, reason: str) -> None:
+        """Remember why the present run shall be given up."""
+        with self._mutex:
+            self._abort_reason = reason
+
+    def forget_abort(self) -> None:
+        """Drop an order that came when there was nothing to give up."""
+        with self._mutex:
+            self._abort_reason = None
+
+    def raise_if_aborted(self) -> None:
+        """Turn the order into an error, once.
+
+        Raises:
+            RunAbortedError: The run was given up.
+        """
+        with self._mutex:
+            reason, self._abort_reason = self._abort_reason, None
+        if reason is not None:
+            raise RunAbortedError(reason)

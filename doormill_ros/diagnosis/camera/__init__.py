@@ -1,0 +1,1 @@
+"""Diagnosis of the camera from the residuals of localized pictures."""

@@ -1,0 +1,80 @@
+"""Which other causes would do as well as a named one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.diagnosis.loading.fit import Fit, score_without
+from doormill_ros.diagnosis.loading.search import EQUAL, Search
+from doormill_ros.diagnosis.loading.stability import beaten
+from doormill_ros.robot_model.elastic.causes.cause import Cause
+
+#: Fall of the score with one more number that chance reaches once in ten sets.
+LEANING = 2.7
+_NEAR = 40.0  #: score within which a model is worth another look at its kinked numbers
+_TRIED = 6  #: pairs of causes that are fitted in place of one
+
+
+def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[tuple[Cause, Fit]]:
+    """Causes that do as well in the place of one member, with the models that hold them; the best first.
+
+    Args:
+        search: All models.
+        best: The best of them.
+        cause: One of its members.
+        structure: Whether something remains unexplained; small differences then mean little.
+    """
+    good = best.weights > 0.0
+    remains = structure or not all(member.named for member in best.members)
+    excess = float(np.mean(best.prediction.cost[good])) / search.problem.components
+    limit = EQUAL * max(3.0, excess) if remains else EQUAL
+    found: dict[tuple[str, str], tuple[Cause, Fit]] = {}
+    for other, model in search.rivals(best, cause):
+        nested = other.where == cause.where and cause.name in (other.generalises, other.name)
+        if nested and other.name != cause.name:
+            # A law that contains this one counts as another only if the data lean towards it, or if
+            # what it adds can stand for all of this one.
+            leans = model.score < best.score - LEANING
+            nested = not (leans or _instead(search, best, model, other))
+        if other.named and model.held_out_score < best.held_out_score + limit + _NEAR:
+            model = search.polished(model)
+        close = model.held_out_score < best.held_out_score + limit
+        as_good = close or (remains and not beaten(search.problem, best, model))
+        if other.named and other.key != cause.key and not nested and as_good:
+            found.setdefault(other.key, (other, model))
+    for model in _pairs_with_fewer_numbers(search, best, cause):
+        for other in model.members:
+            if all(other is not member for member in best.members):
+                found.setdefault(other.key, (other, model))
+    return list(found.values())
+
+
+def _instead(search: Search, best: Fit, model: Fit, other: Cause) -> bool:
+    """Whether a law fits as well without its first number, which it shares with the law it contains."""
+    part = model.part(other)
+    starts = []
+    for start in other.starts(search.problem.case):
+        theta = model.theta.copy()
+        theta[part] = start
+        starts.append(theta)
+    return score_without(search.problem, model.members, starts, part.start) < best.score + EQUAL
+
+
+def _pairs_with_fewer_numbers(search: Search, best: Fit, cause: Cause) -> list[Fit]:
+    """Models in which two causes of one number each stand for one of three numbers, and fit as well.
+
+    One cause is simpler than two, yet three numbers are more than two: nothing then speaks for either.
+    """
+    if cause.size < 3:
+        return []
+    rest = search.without(best, cause)
+    equal, tried = [], 0
+    for one, two, gain in search.pairs(rest):
+        if tried == _TRIED or rest.held_out_score - 2.0 * gain > best.held_out_score:
+            break
+        if one.named and two.named and one.size + two.size < cause.size:
+            tried += 1
+            model = search.add(search.add(rest, one), two)
+            if search.total(model) < search.total(best):
+                equal.append(model)
+    return equal

@@ -1,0 +1,86 @@
+"""Writes a diagnosis: diagnosis.json, model.yaml and report.html, all or none."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
+from doormill_ros.diagnosis.loading.finding import Finding
+from doormill_ros.robot_model.extended_model import SizedCause, model_document
+
+SCHEMA = "doormill/diagnosis/1"
+MODEL_FILE = "model.yaml"
+
+
+def diagnosis_document(diagnosis: Diagnosis, next_measurement: str, **more: Any) -> dict[str, Any]:
+    """The content of diagnosis.json."""
+    return {
+        "schema": SCHEMA,
+        "verdict": diagnosis.verdict,
+        "noise_floor": diagnosis.problem.noise_floor,
+        "baseline": {"train_rmse": diagnosis.train_rmse[0], "holdout_rmse": diagnosis.holdout_rmse[0]},
+        "extended": {"train_rmse": diagnosis.train_rmse[1], "holdout_rmse": diagnosis.holdout_rmse[1]},
+        "gain": {"holdout_rmse_ratio": diagnosis.ratio, "ci95": list(diagnosis.ratio_ci)},
+        "causes": [_cause(finding) for finding in diagnosis.findings],
+        "outliers": list(diagnosis.outliers),
+        "next_measurement": next_measurement,
+        "extended_model": MODEL_FILE,
+        "remarks": list(diagnosis.remarks),
+        **more,
+    }
+
+
+def _cause(finding: Finding) -> dict[str, Any]:
+    return {
+        "cause": finding.cause.name,
+        "where": finding.cause.where,
+        "parameters": parameters_of(finding),
+        "holdout_rmse_without": finding.without,
+        "confusable_with": [{"cause": c.name, "where": c.where} for c in finding.confusable],
+    }
+
+
+def parameters_of(finding: Finding) -> dict[str, dict[str, Any]]:
+    """Value, standard deviation and unit by name; lists for vectors."""
+    named: dict[str, dict[str, Any]] = {}
+    at = 0
+    for parameter in finding.cause.parameters:
+        value = [float(v) for v in finding.values[at : at + parameter.size]]
+        std = [float(v) for v in finding.std[at : at + parameter.size]]
+        at += parameter.size
+        single = parameter.size == 1
+        named[parameter.name] = {
+            "value": value[0] if single else value,
+            "std": std[0] if single else std,
+            "unit": parameter.unit,
+        }
+    return named
+
+
+def write_diagnosis(out: Path, document: dict[str, Any], model: dict[str, Any], report: str) -> None:
+    """Write the three files; each appears complete or not at all."""
+    out.mkdir(parents=True, exist_ok=True)
+    contents = {
+        MODEL_FILE: yaml.safe_dump(model, sort_keys=False),
+        "report.html": report,
+        "diagnosis.json": json.dumps(document, indent=2, allow_nan=False) + "\n",
+    }
+    for name, text in contents.items():
+        part = out / f".{name}.part"
+        part.write_text(text, encoding="utf-8")
+        part.replace(out / name)
+
+
+def extended_model_document(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The content of model.yaml."""
+    data = diagnosis.problem.data
+    return model_document(
+        data.robot,
+        data.joint_stiffness,
+        [SizedCause(finding.cause, finding.values) for finding in diagnosis.findings],
+        f"diagnosis of {data.path.name}, verdict {diagnosis.verdict}",
+    )

@@ -1,0 +1,151 @@
+"""One established cause: its size, how sure that is, and what would do as well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.diagnosis.loading.confusable import equals
+from doormill_ros.diagnosis.loading.fit import Fit, bounds, normal_equations
+from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.diagnosis.loading.search import Search
+from doormill_ros.robot_model.elastic.causes.cause import Cause
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """One established cause.
+
+    Attributes:
+        cause: The cause.
+        values, std: Reported parameters and their standard deviations, in a row.
+        confusable: Other causes that would do as well.
+        without: Held-out RMSE of the extended model less this cause [m].
+        rivals: All alternatives in its place with their held-out scores, the best first.
+    """
+
+    cause: Cause
+    values: np.ndarray
+    std: np.ndarray
+    confusable: tuple[Cause, ...]
+    without: float
+    rivals: tuple[tuple[Cause, float], ...]
+
+
+def rmse(residual: np.ndarray, kept: np.ndarray, components: int = 3) -> float:
+    """Root mean square over all measured components of the trials that count [m]."""
+    return float(np.sqrt(np.sum(residual[kept] ** 2) / (components * max(int(kept.sum()), 1))))
+
+
+def make_findings(
+    search: Search, best: Fit, extended: Fit, established: Sequence[Cause], structure: bool, kept: np.ndarray
+) -> tuple[Finding, ...]:
+    """All established causes, each sized also in the models where equals stand for the others."""
+    doubles = [equals(search, best, cause, structure) for cause in established]
+    findings = []
+    for i, cause in enumerate(established):
+        alternatives = [
+            model
+            for j, others in enumerate(doubles)
+            for _, model in others
+            if j != i and any(member is cause for member in model.members)
+        ]
+        findings.append(
+            _make_finding(search, best, extended, cause, structure, kept, doubles[i], alternatives)
+        )
+    return tuple(findings)
+
+
+def _make_finding(
+    search: Search,
+    best: Fit,
+    extended: Fit,
+    cause: Cause,
+    structure: bool,
+    kept: np.ndarray,
+    confusable: Sequence[tuple[Cause, Fit]],
+    alternatives: Sequence[Fit],
+) -> Finding:
+    """Size a cause of the best model, its uncertainty and what could stand in its place.
+
+    Args:
+        search: All models.
+        best: The best of them.
+        extended: The model of established causes.
+        cause: The member to report.
+        structure: Whether something remains unexplained; uncertainties then grow with it.
+        kept: Trials that count, shape (n,).
+        confusable: What would do as well in its place, and the models that say so.
+        alternatives: Models that hold this cause beside an equal of another one.
+    """
+    problem = search.problem
+    part = best.part(cause)
+    theta = best.theta[part]
+    covariance = best.covariance[part, part]
+    if structure:
+        good = best.weights > 0.0
+        covariance = covariance * float(np.mean(best.prediction.cost[good])) / problem.components
+    values = cause.values(theta, problem.case)
+    slope = np.zeros((len(values), cause.size))
+    for i in range(cause.size):
+        step = 1e-6 * max(abs(theta[i]), cause.scale[i])
+        moved = theta.copy()
+        moved[i] += step
+        slope[:, i] = (cause.values(moved, problem.case) - values) / step
+    std = np.sqrt(np.clip(np.diag(slope @ covariance @ slope.T), 0.0, None))
+    for i in cause.kinked:
+        std[i] = abs(slope[i, i]) * profile_std(problem, best, part.start + i)
+    for model in alternatives:
+        # Which of two equal models holds is a toss-up: its own value counts half.
+        away = cause.values(model.theta[model.part(cause)], problem.case) - values
+        std = np.sqrt(std**2 + 0.5 * away**2)
+    return Finding(
+        cause=cause,
+        values=values,
+        std=std,
+        confusable=tuple(other for other, _ in confusable),
+        without=rmse(search.without(extended, cause).held_out, kept, problem.components),
+        rivals=tuple((other, found.held_out_score) for other, found in search.rivals(best, cause)),
+    )
+
+
+def profile_std(problem: Problem, found: Fit, index: int) -> float:
+    """Standard deviation of one number from how far it can move until the cost has risen by 4.
+
+    The others follow to first order. For numbers in which the cost has kinks, or that sit on
+    zero, where the curvature says nothing.
+    """
+    lower, upper = bounds(found.members)
+    others = found.free.copy()
+    others[index] = False
+    weights = found.weights
+
+    def cost(value: float) -> float:
+        theta = found.theta.copy()
+        theta[index] = value
+        for _ in range(2):
+            prediction = problem.predict(found.members, theta, derivative=True)
+            if not others.any():
+                break
+            matrix, descent = normal_equations(prediction, weights)
+            matrix = matrix[np.ix_(others, others)] + 1e-12 * np.eye(int(others.sum()))
+            theta[others] += np.linalg.solve(matrix, descent[others])
+            theta = np.clip(theta, lower, upper)
+        return float(weights @ problem.predict(found.members, theta).cost)
+
+    start = float(found.theta[index])
+    least = float(weights @ found.prediction.cost)
+    reach = []
+    for end in (lower[index], upper[index]):
+        before = (0.0, 0.0)
+        reach.append(abs(end - start))
+        for value in start + (end - start) * np.geomspace(1e-3, 1.0, 25):
+            rise = cost(value) - least
+            if rise > 4.0:
+                share = (4.0 - before[1]) / max(rise - before[1], 1e-9)
+                reach[-1] = before[0] + share * (abs(value - start) - before[0])
+                break
+            before = (abs(value - start), max(rise, 0.0))
+    return max(reach) / 2.0

@@ -1,0 +1,97 @@
+"""What candidates may gain, to first order: which of them are worth a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from doormill_ros.diagnosis.loading.fit import Fit, trial_weights
+from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.robot_model.elastic.causes.cause import Cause
+
+_ALIKE = 1e-6  #: squared sine of the angle between two effects below which they are one
+
+
+class Preview:
+    """Derivatives of all candidates at all their starts, computed once for a set."""
+
+    def __init__(self, problem: Problem, candidates: Sequence[Cause]) -> None:
+        """Derive every candidate, whitened."""
+        self.problem, self.candidates = problem, candidates
+        blocks, self._owner = [], []
+        for index, cause in enumerate(candidates):
+            for start in cause.starts(problem.case):
+                blocks.append(problem.slope(cause, start).reshape(-1, cause.size))
+                self._owner.append(index)
+        self._columns = np.hstack(blocks)
+        ends = np.cumsum([0, *(block.shape[1] for block in blocks)])
+        self._blocks = [slice(a, b) for a, b in pairwise(ends)]
+        sizes = np.diff(ends)
+        self._by_size = {int(size): np.flatnonzero(sizes == size) for size in np.unique(sizes)}
+
+    def _left(self, found: Fit) -> tuple[np.ndarray, np.ndarray]:
+        """Residual (3n,) and derivatives (3n, m) less what the members can take over themselves."""
+        white, own = found.prediction.white, found.prediction.jacobian
+        # Trials set aside by the smaller model may be just those that a new cause explains.
+        weights = np.sqrt(trial_weights(np.sum(white**2, axis=1), False, self.problem.components))
+        target = (white * weights[:, None]).ravel()
+        columns = self._columns * np.repeat(weights, 3)[:, None]
+        if own is not None and found.size:
+            base, _ = np.linalg.qr((own * weights[:, None, None]).reshape(len(target), -1))
+            target = target - base @ (base.T @ target)
+            columns = columns - base @ (base.T @ columns)
+        return target, columns
+
+    def gains(self, found: Fit) -> np.ndarray:
+        """By how much the score may fall when each candidate joins, at its best start, shape (candidates,)."""
+        return self._gains(*self._left(found))[0]
+
+    def _gains(self, target: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The gains and the number of the block that gave each."""
+        pull = columns.T @ target
+        of_block = np.zeros(len(self._blocks))
+        for size, numbers in self._by_size.items():
+            at = np.array([self._blocks[i].start for i in numbers])[:, None] + np.arange(size)
+            part = columns[:, at]
+            gram = np.einsum("nbi,nbj->bij", part, part)
+            gram += 1e-9 * (1.0 + np.einsum("bii->b", gram))[:, None, None] * np.eye(size)
+            of_block[numbers] = np.einsum(
+                "bi,bi->b", pull[at], np.linalg.solve(gram, pull[at][:, :, None])[:, :, 0]
+            )
+        gains = np.zeros(len(self.candidates))
+        chosen = np.zeros(len(self.candidates), dtype=int)
+        for number, (index, gain) in enumerate(zip(self._owner, of_block, strict=True)):
+            if gain >= gains[index]:
+                gains[index], chosen[index] = gain, number
+        return gains, chosen
+
+    def pairs(self, found: Fit) -> tuple[np.ndarray, np.ndarray]:
+        """By how much the score may fall when two candidates join together.
+
+        Two effects that hide each other show in no single candidate, so a search that adds one at a
+        time walks past them.
+
+        Returns:
+            Numbers of the two candidates, shape (m, 2), and gains, shape (m,); the best first.
+        """
+        target, columns = self._left(found)
+        _, chosen = self._gains(target, columns)
+        count = len(self.candidates)
+        widest = max(cause.size for cause in self.candidates)
+        bases = np.zeros((len(target), count, widest))
+        for index in range(count):
+            basis, size, _ = np.linalg.svd(columns[:, self._blocks[chosen[index]]], full_matrices=False)
+            firm = size > 1e-5 * max(float(size[0]), 1e-30)
+            bases[:, index, : firm.sum()] = basis[:, firm]
+        flat = bases.reshape(len(target), -1)
+        pull = (flat.T @ target).reshape(count, widest)
+        first, second = np.triu_indices(count, 1)
+        cross = (flat.T @ flat).reshape(count, widest, count, widest).transpose(0, 2, 1, 3)[first, second]
+        rest = pull[second] - np.einsum("mij,mi->mj", cross, pull[first])
+        gram = np.eye(widest) * (1.0 + _ALIKE) - np.einsum("mij,mik->mjk", cross, cross)
+        more = np.einsum("mi,mi->m", rest, np.linalg.solve(gram, rest[:, :, None])[:, :, 0])
+        gains = np.sum(pull[first] ** 2, axis=1) + more
+        order = np.argsort(-gains)
+        return np.stack([first, second], axis=1)[order], gains[order]

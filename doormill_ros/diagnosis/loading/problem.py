@@ -1,0 +1,303 @@
+"""One measurement set made ready for fitting: geometry, noise, folds, and what any set of causes predicts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.diagnosis.loading.hidden_states import (
+    HiddenEffect,
+    hidden_effect,
+    read_states,
+    total,
+    undecided,
+)
+from doormill_ros.measurements.measurement_set import MeasurementSet
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup
+from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
+
+FOLDS = 10  #: at most; a fold is one or several whole configurations
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What a model says about every trial.
+
+    Attributes:
+        residual: Measured minus predicted, shape (n, 3) [m].
+        white: The same in standard deviations, shape (n, 3).
+        cost: -2 log likelihood of each trial (squared distance when nothing is hidden), shape (n,).
+        jacobian: Derivative of the whitened prediction by theta, shape (n, 3, p), or None.
+        spread: Whitened pseudo-rows for undecided hidden states, shape (n, 3), and their derivative.
+    """
+
+    residual: np.ndarray
+    white: np.ndarray
+    cost: np.ndarray
+    jacobian: np.ndarray | None = None
+    spread: tuple[np.ndarray, np.ndarray] | None = None
+
+
+class Problem:
+    """Predicts the trials of one set from any list of causes.
+
+    Attributes:
+        data: The set.
+        case: Loads and geometry without any cause.
+        folds: Fold of each trial, shape (n,).
+        whiten: Inverse Cholesky factors of the noise covariance, shape (n, 3, 3).
+        noise_floor: Root mean square of the propagated noise over all components [m].
+        curvature: What finite joint angles would add to the springs, shape (n, 3) [m].
+    """
+
+    def __init__(
+        self,
+        data: MeasurementSet,
+        finite: bool = False,
+        sight: np.ndarray | None = None,
+        groups: np.ndarray | None = None,
+    ) -> None:
+        """Compute geometry and the noise of every trial.
+
+        Args:
+            data: The set.
+            finite: Whether the springs turn the joints by finite angles instead of to first order.
+            sight: Unit vectors along which alone displacement was measured, shape (n, 3); None for all
+                three components.
+            groups: What is left out together, shape (n,); None for configurations.
+        """
+        self.data, self.finite, self.sight = data, finite, sight
+        self.components = 3 if sight is None else 1
+        self.kinematics = Kinematics(data.dh)
+        self._position, self._link = data.reflector_position, data.reflector_link
+        self.case = self._build(Setup(), None)
+        covariance = self._noise()
+        if sight is None:
+            self.whiten = np.linalg.inv(np.linalg.cholesky(covariance))
+            variance = np.trace(covariance, axis1=1, axis2=2) / 3.0
+        else:
+            variance = np.einsum("ni,nij,nj->n", sight, covariance, sight)
+            self.whiten = np.zeros((len(data), 3, 3))
+            self.whiten[:, 0] = sight / np.sqrt(variance)[:, None]
+        self.noise_floor = float(np.sqrt(variance.mean()))
+        self.configuration = data.configuration if groups is None else np.asarray(groups)
+        self.folds = make_folds(self.configuration)
+        self.curvature = self.case.curvature()
+
+    def __len__(self) -> int:
+        return len(self.data)
+
+    def _build(self, setup: Setup, largest_torque: np.ndarray | None) -> LoadCase:
+        data, position = self.data, self._position
+        if setup.reflector_offset:
+            position = position.copy()
+            for name, offset in setup.reflector_offset.items():
+                position[data.reflector == name] += offset
+        return build_load_case(
+            self.kinematics,
+            data.q + setup.joint_offset,
+            data.wrench * setup.wrench_gain,
+            data.load_point,
+            wrench_rotation=data.wrench_frame_rotation + setup.wrench_angle,
+            points=position,
+            links=self._link,
+            direction=data.direction,
+            joint_stiffness=data.joint_stiffness,
+            noise=(data.noise.force, data.noise.torque),
+            largest_torque=largest_torque,
+        )
+
+    def _noise(self) -> np.ndarray:
+        """Covariance of each displacement, shape (n, 3, 3): tracker, and force sensor through the springs."""
+        case, noise = self.case, self.data.noise
+        load = case.origin[:, 6] + case.axes[:, 6] @ self.data.load_point
+        by_force = np.zeros((len(case), 3, 3))
+        by_moment = np.zeros((len(case), 3, 3))
+        for k in range(6):
+            lever = case.joint_twist(k)[:, :3] / case.joint_stiffness[k]
+            arm = np.cross(case.axis(k), load - case.origin[:, k])
+            by_force += lever[:, :, None] * arm[:, None]
+            by_moment += lever[:, :, None] * case.axis(k)[:, None]
+        return (
+            noise.displacement**2 * np.eye(3)
+            + noise.force**2 * by_force @ by_force.transpose(0, 2, 1)
+            + noise.torque**2 * by_moment @ by_moment.transpose(0, 2, 1)
+        )
+
+    def measured_part(self, white: np.ndarray) -> np.ndarray:
+        """Residual in metres, shape (n, 3), of a whitened one; along the sight where there is one."""
+        if self.sight is None:
+            return np.linalg.solve(self.whiten, white[:, :, None])[:, :, 0]
+        size = white[:, 0] / np.linalg.norm(self.whiten[:, 0], axis=1)
+        return size[:, None] * self.sight
+
+    def case_of(self, members: Sequence[Cause], theta: np.ndarray) -> LoadCase:
+        """Geometry and loads after the causes that act before the elasticity."""
+        parts = split(members, theta)
+        if not any(cause.stage == "setup" for cause in members):
+            return self.case
+        setup = Setup()
+        for cause, part in parts:
+            cause.setup(setup, part)
+        return self._build(setup, self.case.largest_torque)
+
+    def _elastic(
+        self, members: Sequence[Cause], theta: np.ndarray, case: LoadCase
+    ) -> tuple[np.ndarray, list[HiddenEffect]]:
+        """Certain displacement (n, 3), and what each hidden cause adds where it acts."""
+        total = case.springs()[:, :3]
+        if self.finite:
+            total = total + case.curvature()
+        hidden = []
+        for cause, part in split(members, theta):
+            if cause.stage != "robot":
+                continue
+            twist = cause.twist(case, part)[:, :3]
+            chance = cause.hidden_state(case)
+            if chance is None:
+                total = total + twist
+            else:
+                hidden.append(hidden_effect(chance, twist, cause.hidden_sign(case)))
+        return total, hidden
+
+    def _observe(self, members: Sequence[Cause], theta: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+        for cause, part in _trackers(members, theta):
+            displacement = cause.observe(displacement, self.data.dt, part)
+        return displacement
+
+    def predict(self, members: Sequence[Cause], theta: np.ndarray, derivative: bool = False) -> Prediction:
+        """Residuals, likelihood and derivatives of a model.
+
+        Args:
+            members: Causes that act.
+            theta: Their fitted numbers in a row, shape (p,).
+            derivative: Whether the Jacobian is wanted.
+        """
+        case = self.case_of(members, theta)
+        certain, hidden = self._elastic(members, theta, case)
+        read_states(
+            hidden,
+            lambda others: self.data.displacement - self._observe(members, theta, certain + others),
+            self.whiten,
+        )
+        inner = certain + total(hidden, len(self))
+        residual = self.data.displacement - self._observe(members, theta, inner)
+        white = np.einsum("nij,nj->ni", self.whiten, residual)
+        cost = np.sum(white**2, axis=1)
+        for h in hidden:
+            cost = cost + undecided(h, self.whiten)
+        if not derivative:
+            return Prediction(residual, white, cost)
+        jacobian, spread = self._derivative(members, theta, case, inner, hidden)
+        return Prediction(residual, white, cost, jacobian, spread)
+
+    def slope(self, cause: Cause, theta: np.ndarray) -> np.ndarray:
+        """Whitened derivative of the prediction by one cause alone, shape (n, 3, p)."""
+        if cause.stage == "robot" and cause.hidden_state(self.case) is None:
+            return self.whiten @ cause.derivative(self.case, theta)[:, :3]
+        return self.predict([cause], theta, derivative=True).jacobian
+
+    def _derivative(
+        self,
+        members: Sequence[Cause],
+        theta: np.ndarray,
+        case: LoadCase,
+        inner: np.ndarray,
+        hidden: list[HiddenEffect],
+    ) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
+        n, dt = len(self), self.data.dt
+        columns = np.zeros((n, 3, len(theta)))
+        spread: tuple[np.ndarray, np.ndarray] | None = None
+        trackers = _trackers(members, theta)
+        at, h = 0, 0
+        for cause, part in split(members, theta):
+            block = slice(at, at + cause.size)
+            at += cause.size
+            if cause.stage == "robot":
+                slope = cause.derivative(case, part)[:, :3]
+                if cause.hidden_state(case) is not None:
+                    state, effect = hidden[h].state, hidden[h].effect
+                    slope = hidden[h].sign[:, None, None] * slope
+                    h += 1
+                    width = np.sqrt(np.clip(state * (1.0 - state), 0.0, None))
+                    if np.any(width > 1e-6):
+                        rows = np.zeros((n, 3, len(theta)))
+                        rows[:, :, block] = width[:, None, None] * slope
+                        pair = (-width[:, None] * effect, rows)
+                        spread = pair if spread is None else (spread[0] + pair[0], spread[1] + pair[1])
+                    slope = state[:, None, None] * slope
+                columns[:, :, block] = self._carry(trackers, slope)
+            elif cause.stage == "tracker":
+                before, place = inner, [c is cause for c, _ in trackers].index(True)
+                for earlier, its_part in trackers[:place]:
+                    before = earlier.observe(before, dt, its_part)
+                slope = cause.observe_derivative(before, dt, part)
+                columns[:, :, block] = self._carry(trackers[place + 1 :], slope)
+            else:
+                columns[:, :, block] = self._setup_slope(members, theta, block, hidden, inner)
+        jacobian = self.whiten @ columns
+        if spread is not None:
+            spread = (np.einsum("nij,nj->ni", self.whiten, spread[0]), self.whiten @ spread[1])
+        return jacobian, spread
+
+    def _carry(self, trackers: list[tuple[Cause, np.ndarray]], slope: np.ndarray) -> np.ndarray:
+        """A small displacement as the tracker reports it."""
+        for cause, part in trackers:
+            still = np.zeros(len(self))
+            slope = np.stack(
+                [cause.observe(slope[:, :, i], still, part) for i in range(slope.shape[2])], axis=2
+            )
+        return slope
+
+    def _setup_slope(
+        self,
+        members: Sequence[Cause],
+        theta: np.ndarray,
+        block: slice,
+        hidden: list[HiddenEffect],
+        inner: np.ndarray,
+    ) -> np.ndarray:
+        """One forward difference a number: the posture enters through the whole chain."""
+        before = self._observe(members, theta, inner)
+        slopes = []
+        for i in range(block.start, block.stop):
+            step = 1e-5
+            moved = theta.copy()
+            moved[i] += step
+            after, again = self._elastic(members, moved, self.case_of(members, moved))
+            for old, new in zip(hidden, again, strict=True):
+                after = after + (old.state * old.sign)[:, None] * new.effect
+            slopes.append((self._observe(members, moved, after) - before) / step)
+        return np.stack(slopes, axis=2)
+
+
+def split(members: Sequence[Cause], theta: np.ndarray) -> list[tuple[Cause, np.ndarray]]:
+    """Each cause with its part of theta."""
+    parts, at = [], 0
+    for cause in members:
+        parts.append((cause, theta[at : at + cause.size]))
+        at += cause.size
+    return parts
+
+
+def _trackers(members: Sequence[Cause], theta: np.ndarray) -> list[tuple[Cause, np.ndarray]]:
+    """Causes in the tracker, in the order in which they act: a drift is added to what is reported."""
+    found = [(cause, part) for cause, part in split(members, theta) if cause.stage == "tracker"]
+    return sorted(found, key=lambda pair: pair[0].name == "thermal_drift")
+
+
+def make_folds(configuration: np.ndarray, folds: int = FOLDS) -> np.ndarray:
+    """Deal whole configurations to folds of similar size, shape (n,); lone trials when there is one only."""
+    numbers, counts = np.unique(configuration, return_counts=True)
+    if len(numbers) == 1:
+        return np.arange(len(configuration)) % min(folds, len(configuration))
+    load = np.zeros(min(folds, len(numbers)), dtype=int)
+    fold_of = {}
+    for i in np.argsort(-counts, kind="stable"):
+        fold = int(np.argmin(load))
+        fold_of[numbers[i]] = fold
+        load[fold] += counts[i]
+    return np.array([fold_of[c] for c in configuration])

@@ -1,0 +1,205 @@
+"""Finds which causes earn their place: a beam search over sets of causes, scored on what was held out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from doormill_ros.diagnosis.loading.fit import Fit, fit, polish
+from doormill_ros.diagnosis.loading.preview import Preview
+from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.robot_model.elastic.causes.cause import Cause
+
+#: Score by which a cause must improve the held-out prediction. A pattern of pure noise reaches
+#: this with a chance of 1e-5; times a hundred candidates that is one false alarm in a thousand.
+ENTRY = 20.0
+#: What an unnamed pattern must be better by than a cause that does the same.
+PATTERN_PENALTY = 2.0
+#: Score within which two models count as equally good: odds of e^5, about 150 to 1.
+EQUAL = 10.0
+BEAM = 5  #: models kept at every size
+LARGEST = 4  #: causes in one model, at most
+_SCREEN = 10  #: candidates that are fitted in full after the linear preview
+_PAIRS = 8  #: pairs of candidates that are
+
+
+@dataclass(eq=False)
+class Search:
+    """All models that were fitted, and the way to more of them.
+
+    Attributes:
+        problem: The set.
+        candidates: Causes and patterns that may enter.
+        fits: Fitted models by the identities of their members.
+        progress: Called with one line a step.
+    """
+
+    problem: Problem
+    candidates: Sequence[Cause]
+    fits: dict[frozenset, Fit] = field(default_factory=dict)
+    progress: Callable[[str], None] = lambda line: None
+    _polished: set[tuple[frozenset, frozenset]] = field(default_factory=set)
+    _walked: set[frozenset] = field(default_factory=set)
+
+    def fit(self, members: Iterable[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
+        """Fit a model once."""
+        members = tuple(members)
+        key = frozenset(cause.identity for cause in members)
+        if key not in self.fits:
+            self.fits[key] = fit(self.problem, members, starts)
+        return self.fits[key]
+
+    def total(self, found: Fit) -> float:
+        """Held-out score plus what its numbers and unnamed patterns cost; smaller is better."""
+        each = max(np.log(self.problem.components * len(self.problem)) - 2.0, 1.0)
+        # Numbers on a bound do nothing and cost nothing; every model pays for those that it uses.
+        return (
+            found.held_out_score
+            + each * found.size
+            + PATTERN_PENALTY * sum(not cause.named for cause in found.members)
+        )
+
+    def extensions(self, found: Fit) -> list[tuple[Cause, float]]:
+        """Candidates that may join a model and by how much, to first order; the most promising first."""
+        gains = self._preview.gains(found)
+        allowed = [
+            (cause, gain)
+            for cause, gain in zip(self.candidates, gains, strict=True)
+            if may_join(found.members, cause)
+        ]
+        allowed.sort(key=lambda pair: -pair[1])
+        return [pair for i, pair in enumerate(allowed) if pair[1] > 0.5 * ENTRY or i < 3][:_SCREEN]
+
+    @cached_property
+    def _preview(self) -> Preview:
+        return Preview(self.problem, self.candidates)
+
+    def _grow_by_pairs(self, found: Fit, best: Fit) -> list[Fit]:
+        """Models with two members more than one of a smaller size, for effects that only show together."""
+        freedom = self.problem.components * len(self.problem)
+        if best.held_out_score < freedom + 3.0 * np.sqrt(2.0 * freedom):
+            return []  # nothing is left for a pair to gain
+        grown: list[Fit] = []
+        for one, two, gain in self.pairs(found):
+            if len(grown) == _PAIRS or found.held_out_score - 2.0 * gain > best.held_out_score:
+                break
+            grown.append(self.add(self.add(found, one), two))
+        return grown
+
+    def pairs(self, found: Fit) -> Iterator[tuple[Cause, Cause, float]]:
+        """Pairs that may join a model and by how much, to first order; the most promising first."""
+        numbers, gains = self._preview.pairs(found)
+        for (i, j), gain in zip(numbers, gains, strict=True):
+            one, two = self.candidates[i], self.candidates[j]
+            if may_join(found.members, one) and may_join((*found.members, one), two):
+                yield one, two, float(gain)
+
+    def run(self) -> Fit:
+        """The best model."""
+        empty = self.fit(())
+        beam = [empty]
+        best = smaller = empty
+        for size in range(1, LARGEST + 1):
+            grown: dict[frozenset, Fit] = {}
+            for parent in beam:
+                for cause, gain in self.extensions(parent):
+                    # The preview is to first order: leave it a factor of two.
+                    if parent is not beam[0] and self.total(parent) - 2.0 * gain > self.total(best):
+                        continue
+                    child = self.add(parent, cause)
+                    grown[child.identity] = child
+            if size > 1:
+                grown |= {child.identity: child for child in self._grow_by_pairs(smaller, best)}
+            smaller = beam[0]
+            ranked = sorted(grown.values(), key=self.total)
+            if not ranked:
+                break
+            names = " + ".join(map(repr, ranked[0].members))
+            self.progress(f"models of {size}: {len(self.fits)} tried so far, best {names}")
+            if self.total(ranked[0]) > self.total(best) - ENTRY:
+                break
+            best = ranked[0]
+            beam = ranked[:BEAM]
+        return self.polished(self._simplify(self._settle(self._prune(best))))
+
+    def polished(self, found: Fit) -> Fit:
+        """The model with its kinked numbers at their best; equals must be compared that way."""
+        if any(cause.kinked for cause in found.members) and found.identity not in self._walked:
+            self._walked.add(found.identity)
+            self.fits[found.identity] = polish(self.problem, found)
+        return self.fits[found.identity]
+
+    def _settle(self, best: Fit) -> Fit:
+        """Swap members as long as that helps: the order in which they came must not matter."""
+        for _ in range(LARGEST):
+            for cause in best.members:
+                rivals = self.rivals(best, cause)
+                if rivals and self.total(rivals[0][1]) < self.total(best) - 1e-6:
+                    best = rivals[0][1]
+                    break
+            else:
+                return best
+        return best
+
+    def _simplify(self, best: Fit) -> Fit:
+        """Put a simpler law for one of another name that contains it, unless that is clearly better.
+
+        One more number in a law is one more cause in all but name: where both count as equally good, the name that
+        claims more is not earned. It is listed beside the simpler one then.
+        """
+        for cause in best.members:
+            for other, found in self.rivals(best, cause):
+                simpler = other.where == cause.where and other.name == cause.generalises != cause.name
+                if simpler and self.total(found) < self.total(best) + EQUAL:
+                    return self._simplify(found)
+        return best
+
+    def add(self, parent: Fit, cause: Cause) -> Fit:
+        """A model with one more member, started from what is known of the others."""
+        starts = [np.concatenate([parent.theta, start]) for start in cause.starts(self.problem.case)]
+        return self.fit((*parent.members, cause), starts)
+
+    def _prune(self, best: Fit) -> Fit:
+        """Drop members without which the model is as good."""
+        for cause in best.members:
+            smaller = self.without(best, cause)
+            if self.total(smaller) < self.total(best) + ENTRY / 2.0:
+                return self._prune(smaller)
+        return best
+
+    def without(self, found: Fit, cause: Cause) -> Fit:
+        """The same model less one member, fitted anew, also from where the others stand now."""
+        rest = tuple(c for c in found.members if c is not cause)
+        smaller = self.fit(rest)
+        tried = (found.identity, smaller.identity)
+        if rest and tried not in self._polished:
+            self._polished.add(tried)
+            theta = np.concatenate([found.theta[found.part(c)] for c in rest])
+            again = fit(self.problem, rest, [theta])
+            if again.score < smaller.score - 1e-6:
+                self.fits[again.identity] = smaller = again
+        return smaller
+
+    def rivals(self, found: Fit, cause: Cause) -> list[tuple[Cause, Fit]]:
+        """Every candidate in the place of one member, the best first."""
+        rest = self.without(found, cause)
+        swapped = []
+        for other, _ in self.extensions(rest):
+            if other.identity != cause.identity:
+                swapped.append((other, self.add(rest, other)))
+        return sorted(swapped, key=lambda pair: self.total(pair[1]))
+
+
+def may_join(members: Sequence[Cause], cause: Cause) -> bool:
+    """Whether a cause is new to a model, and no member at its place is a law that contains it or is contained in it."""
+    return not any(
+        cause.key == member.key
+        or (
+            cause.where == member.where
+            and (cause.generalises == member.name or member.generalises == cause.name)
+        )
+        for member in members
+    )

@@ -1,0 +1,170 @@
+"""Does a cause say the same in every part of the data? A wrong one that only resembles the truth does not."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import chi2, wilcoxon
+
+from doormill_ros.diagnosis.loading.fit import Fit
+from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.robot_model.elastic.causes.cause import Cause
+
+#: Chance with which honest gross errors sit together, or turn one joint, as much.
+CLUSTERED = 1e-3
+#: Chance with which an equal model loses in as many configurations.
+BEATEN = 0.05
+_SAME = 0.1  #: difference of the cost of a configuration below which it speaks for neither model
+
+
+def halves(problem: Problem) -> dict[str, np.ndarray]:
+    """Ways to cut the trials in two, each a mask of shape (n,)."""
+    data, case = problem.data, problem.case
+    force = np.linalg.norm(case.force, axis=1)
+    cuts = {
+        "load": force > np.median(force),
+        "time": data.time > np.median(data.time),
+        "load up or down": case.force[:, 2] > 0.0,
+        "load left or right": case.force[:, 1] > 0.0,
+    }
+    for k in range(6):
+        size = np.abs(case.torque[:, k])
+        cuts[f"torque of joint {k + 1}"] = size > np.median(size)
+        cuts[f"sign of the torque of joint {k + 1}"] = case.torque[:, k] > 0.0
+        cuts[f"angle of joint {k + 1}"] = data.q[:, k] > np.median(data.q[:, k])
+    for name in data.reflectors:
+        cuts[f"reflector {name}"] = data.reflector == name
+    share = {name: mask.mean() for name, mask in cuts.items()}
+    return {name: mask for name, mask in cuts.items() if 0.1 <= share[name] <= 0.9}
+
+
+def instability(problem: Problem, found: Fit, cause: Cause) -> tuple[float, str, float]:
+    """Smallest probability, over all cuts, that both halves hold the same cause of the same size.
+
+    The residual's own size is the yardstick, so that structure left by something else does not
+    condemn a cause by itself. The probability is corrected for the number of cuts.
+
+    Returns:
+        Probability, the cut that gave it, and how far the halves are apart there as a share of the cause.
+    """
+    part = found.part(cause)
+    prediction, weights = found.prediction, np.sqrt(found.weights)[:, None]
+    target = (prediction.white * weights).ravel()
+    base = prediction.jacobian * weights[:, :, None]
+    kept = float((found.weights > 0.0).sum())
+    freedom = max(problem.components * kept - found.size, 1.0)
+    left = float(target @ target)
+    cuts = halves(problem)
+    size = max(float(np.linalg.norm(found.theta[part])), 1e-30)
+    worst, where, apart = 1.0, "", 0.0
+    for name, mask in cuts.items():
+        own = base[:, :, part] * mask[:, None, None]
+        block = np.concatenate([base, own], axis=2).reshape(len(target), -1)
+        solution, _, rank, _ = np.linalg.lstsq(block, target, rcond=1e-9)
+        gain = left - float(np.sum((target - block @ solution) ** 2))
+        after = max(freedom - (rank - found.size), 1.0)
+        scale = max((left - gain) / after, 1.0)
+        probability = float(chi2.sf(max(gain, 0.0) / scale, max(rank - found.size, 1)))
+        if probability < worst:
+            worst, where = probability, name
+            apart = float(np.linalg.norm(solution[found.size :])) / size
+    return min(1.0, worst * len(cuts)), where, apart
+
+
+def clustered(problem: Problem, gross: np.ndarray, seed: int = 0) -> bool:
+    """Whether gross errors sit together in few configurations or on one reflector.
+
+    Slips of the hand fall anywhere; an unknown effect that shows in a few postures only does not.
+
+    Args:
+        problem: The set.
+        gross: The trials in question, shape (n,).
+        seed: Of the 2000 shuffles they are compared with.
+    """
+    if gross.sum() < 3:
+        return False
+    rng = np.random.default_rng(seed)
+    shuffles = np.stack([rng.permutation(gross) for _ in range(2000)])
+    for groups in (problem.configuration, problem.data.reflector):
+        _, number = np.unique(groups, return_inverse=True)
+        member = np.eye(number.max() + 1)[number]
+        together = float(np.sum((gross @ member) ** 2))
+        if np.mean(np.sum((shuffles @ member) ** 2, axis=1) >= together) < CLUSTERED:
+            return True
+    return False
+
+
+def turned_joint(problem: Problem, residual: np.ndarray, gross: np.ndarray) -> str:
+    """The joint that gross errors all point along as if it had turned too far; empty for none.
+
+    The cosine of a random direction with a given one is uniform, so 1 - |cos| is a chance; Fisher's
+    sum joins those of all gross errors. A slip of the hand does not know where the axes are.
+
+    Args:
+        problem: The set.
+        residual: Whitened, shape (n, 3).
+        gross: The trials in question, shape (n,).
+    """
+    if problem.components != 3 or not gross.any():
+        return ""
+    away = residual[gross]
+    chances = np.ones(6)
+    for k in range(6):
+        turn = np.einsum("nij,nj->ni", problem.whiten[gross], problem.case.joint_twist(k)[gross, :3])
+        size = np.linalg.norm(turn, axis=1) * np.linalg.norm(away, axis=1)
+        moved = size > 0.0
+        if not moved.any():
+            continue
+        cosine = np.abs(np.sum(turn * away, axis=1)[moved]) / size[moved]
+        joined = -2.0 * np.sum(np.log(np.maximum(1.0 - cosine, 1e-6)))
+        chances[k] = chi2.sf(joined, 2 * int(moved.sum()))
+    return f"joint {chances.argmin() + 1}" if 6.0 * chances.min() < CLUSTERED else ""
+
+
+def unevenness(problem: Problem, found: Fit, cause: Cause, weights: np.ndarray) -> tuple[float, float]:
+    """Chance that a cause of one size leaves as much scatter between the configurations, and that scatter.
+
+    Every configuration may hold its own amount of the cause. A spring that changes from posture to
+    posture averages to the same value in any two halves of the data, and is found out here.
+
+    Args:
+        problem: The set.
+        found: A model.
+        cause: One of its members.
+        weights: Of the trials, shape (n,).
+
+    Returns:
+        Probability, and the weighted standard deviation of the amounts as a share of the cause.
+    """
+    part = found.part(cause)
+    prediction, root = found.prediction, np.sqrt(weights)
+    target = (prediction.white * root[:, None]).ravel()
+    base = (prediction.jacobian * root[:, None, None]).reshape(len(target), -1)
+    amount = (prediction.jacobian[:, :, part] @ found.theta[part]) * root[:, None]
+    numbers, group = np.unique(problem.configuration, return_inverse=True)
+    if len(numbers) < 2:
+        return 1.0, 0.0
+    own = (amount[:, :, None] * np.eye(len(numbers))[group][:, None]).reshape(len(target), -1)
+    plain = target - base @ np.linalg.lstsq(base, target, rcond=1e-9)[0]
+    both = np.concatenate([base, own], axis=1)
+    solution, _, rank, _ = np.linalg.lstsq(both, target, rcond=1e-9)
+    rest = target - both @ solution
+    gain = float(plain @ plain - rest @ rest)
+    more = max(rank - np.linalg.matrix_rank(base, rtol=1e-9), 1)
+    freedom = max(problem.components * float((weights > 0.0).sum()) - rank, 1.0)
+    scale = max(float(rest @ rest) / freedom, 1.0)
+    shares, power = solution[found.size :], np.sum(own**2, axis=0)
+    power = power / max(float(power.sum()), 1e-30)
+    scatter = float(np.sqrt(power @ (shares - power @ shares) ** 2))
+    return float(chi2.sf(max(gain, 0.0) / scale, more)), scatter
+
+
+def beaten(problem: Problem, best: Fit, other: Fit) -> bool:
+    """Whether a model predicts worse in most configurations, not only in a few that decide the sum.
+
+    What no cause explains is the same within a posture and differs between them, so postures are
+    what counts: Wilcoxon's signed ranks of the differences of their held-out cost.
+    """
+    difference = other.held_out_cost - best.held_out_cost
+    sums = np.bincount(np.unique(problem.configuration, return_inverse=True)[1], weights=difference)
+    sums = sums[np.abs(sums) > _SAME]
+    return len(sums) > 0 and float(wilcoxon(sums, alternative="greater").pvalue) < BEATEN

@@ -1,0 +1,1 @@
+"""Diagnosis from the inspection of milled parts."""

@@ -1,0 +1,1 @@
+"""Joint stiffness from loading tests."""

@@ -1,0 +1,1 @@
+"""What was measured, read from files: loading tests, poses, raw recordings, pictures."""

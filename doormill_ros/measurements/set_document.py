@@ -1,0 +1,123 @@
+"""A YAML document that can say on which line a value stands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from doormill_ros.measurements.errors import DataFileError, SetDescriptionError
+
+
+def read_text(path: Path) -> str:
+    """Text of a file of a set.
+
+    Raises:
+        DataFileError: Missing, unreadable or not UTF-8.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise DataFileError(
+            f"{path}: line 1, column 1: cannot be opened ({error.strerror}), a set needs it",
+            path=str(path),
+        ) from error
+    except UnicodeDecodeError as error:
+        raise DataFileError(
+            f"{path}: line 1, column 1: is no UTF-8 text ({error.reason})", path=str(path)
+        ) from error
+
+
+class SetDocument:
+    """Typed access to a YAML mapping; every complaint names file, line and column.
+
+    Attributes:
+        path: The file.
+        data: The plain document.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Parse the file.
+
+        Raises:
+            DataFileError: The file cannot be read.
+            SetDescriptionError: It is not YAML or no mapping.
+        """
+        self.path = path
+        text = read_text(path)
+        try:
+            self._root = yaml.compose(text, Loader=yaml.SafeLoader)
+            self.data: Any = yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            mark = getattr(error, "problem_mark", None)
+            line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+            problem = getattr(error, "problem", None) or "syntax error"
+            raise SetDescriptionError(f"{path}: line {line}, column {column}: not YAML: {problem}") from error
+        if not isinstance(self.data, dict):
+            raise SetDescriptionError(f"{path}: line 1, column 1: holds no mapping of keys to values")
+
+    def fail(self, keys: tuple[str, ...], problem: str) -> SetDescriptionError:
+        """The error for the value at a path of keys, placed where that value (or its parent) stands."""
+        node = self._root
+        for key in keys:
+            values = node.value if isinstance(node, yaml.MappingNode) else []
+            found = [value for name, value in values if name.value == key]
+            if not found:
+                break
+            node = found[0]
+        mark = node.start_mark
+        return SetDescriptionError(
+            f"{self.path}: line {mark.line + 1}, column {mark.column + 1}: {'.'.join(keys)} {problem}",
+            path=str(self.path),
+            key=".".join(keys),
+        )
+
+    def get(self, *keys: str) -> Any:
+        """The value at a path of keys.
+
+        Raises:
+            SetDescriptionError: A key is missing.
+        """
+        value: Any = self.data
+        for key in keys:
+            named = {str(name): item for name, item in value.items()} if isinstance(value, dict) else {}
+            if key not in named:
+                raise self.fail(keys, "is missing")
+            value = named[key]
+        return value
+
+    def vector(self, size: int, *keys: str) -> np.ndarray:
+        """Finite numbers, shape (size,).
+
+        Raises:
+            SetDescriptionError: Missing, wrong length or not finite numbers.
+        """
+        value = self.get(*keys)
+        if not isinstance(value, list) or len(value) != size or not all(map(_is_number, value)):
+            raise self.fail(keys, f"is {value!r}, allowed are {size} finite numbers")
+        return np.array(value, dtype=float)
+
+    def number(self, *keys: str, positive: bool = False) -> float:
+        """One finite number.
+
+        Raises:
+            SetDescriptionError: Missing, no finite number, or not positive where it has to be.
+        """
+        value = self.get(*keys)
+        if not _is_number(value):
+            raise self.fail(keys, f"is {value!r}, allowed is a finite number")
+        if positive and not float(value) > 0.0:
+            raise self.fail(keys, f"is {value!r}, allowed is a positive number")
+        return float(value)
+
+
+def _is_number(value: Any) -> bool:
+    # YAML 1.1 reads 8e-6 (no dot) as a string; people write it, so take it as the number it is.
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return False
+    try:
+        return bool(np.isfinite(float(value)))
+    except ValueError:
+        return False

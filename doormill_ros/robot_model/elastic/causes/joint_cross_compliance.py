@@ -1,0 +1,38 @@
+"""A joint bearing that tilts about the two axes across the joint axis."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter, number
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+_SCALE = 1e-7  #: theta 1 is this compliance [rad / (N m)]
+
+
+class JointCrossCompliance(LinearTwist):
+    """Everything behind the joint tilts about the joint's origin by compliance times transverse moment."""
+
+    name = "joint_cross_compliance"
+    parameters = (Parameter("compliance", "rad / (N m)", 0.0, 1e-4),)
+    scale = np.array([3.0])
+    lower = np.array([0.0])
+    upper = np.array([1000.0])
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return f"everything behind {self.where} tilts across its axis, in proportion to the moment there"
+
+    def unit(self, case: LoadCase) -> np.ndarray:
+        """Tilt by the transverse moment."""
+        k = number(self.where)
+        moment = case.moment[:, k] - case.torque[:, k, None] * case.axis(k)
+        return case.rotate(_SCALE * moment, k, k + 1)[:, :, None]
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Compliance."""
+        return theta * _SCALE
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the compliance."""
+        return np.asarray(values) / _SCALE

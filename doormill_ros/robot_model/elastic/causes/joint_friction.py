@@ -1,0 +1,59 @@
+"""A joint whose friction carries part of the load when it is pre-loaded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, number
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+
+class JointFriction(Cause):
+    """Theta is the friction torque over the largest torque of the test.
+
+    After a motion against the load friction already points along it and must turn round before
+    the spring feels anything; after a motion along the load it is used up.
+    """
+
+    name = "joint_friction"
+    parameters = (Parameter("torque", "N m", 0.0, 1e3),)
+    scale = np.array([0.2])
+    lower = np.array([0.0])
+    upper = np.array([1.0])
+    kinked = (0,)
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return f"{self.where} gives way less than its spring when pre-loaded, by a part that does not grow"
+
+    def starts(self, case: LoadCase) -> list[np.ndarray]:
+        """Small and large."""
+        return [np.array([0.05]), np.array([0.4])]
+
+    def hidden_state(self, case: LoadCase) -> np.ndarray | None:
+        """Unknown directions; a torque too small to tell its sign moves nothing anyway."""
+        k = number(self.where)
+        direction = case.direction[:, k]
+        return np.where(direction == 0.0, 0.5, np.where(direction * case.torque[:, k] < 0.0, 1.0, 0.0))
+
+    def twist(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+        """Minus the part of the spring that friction holds."""
+        k = number(self.where)
+        limit = theta[0] * case.largest_torque[k]
+        held = np.clip(case.torque[:, k], -limit, limit)
+        return -(held / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
+
+    def derivative(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+        """Only trials beyond the friction torque know its size."""
+        k = number(self.where)
+        beyond = np.abs(case.torque[:, k]) > theta[0] * case.largest_torque[k]
+        slope = -np.where(beyond, np.sign(case.torque[:, k]), 0.0) * case.largest_torque[k]
+        return ((slope / case.joint_stiffness[k])[:, None] * case.joint_twist(k))[:, :, None]
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Friction torque."""
+        return theta * case.largest_torque[number(self.where)]
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the friction torque."""
+        return np.asarray(values) / case.largest_torque[number(self.where)]

@@ -1,0 +1,35 @@
+"""A joint whose true angle differs from the commanded one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup, number
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+
+class JointOffset(Cause):
+    """The posture in which load and springs act has this angle added to one joint."""
+
+    name = "joint_offset"
+    parameters = (Parameter("angle", "rad", -0.3, 0.3),)
+    scale = np.array([0.02])
+    lower = np.array([-0.5])
+    upper = np.array([0.5])
+    stage = "setup"
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return f"residuals are those of an arm that stands slightly differently from {self.where} on"
+
+    def setup(self, setup: Setup, theta: np.ndarray) -> None:
+        """Turn the joint."""
+        setup.joint_offset[number(self.where)] += float(theta[0])
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Angle."""
+        return np.array(theta)
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the angle."""
+        return np.array(values)

@@ -1,0 +1,35 @@
+"""A joint that is softer or stiffer than the model has it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter, number
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+
+class JointStiffness(LinearTwist):
+    """K0 / K - 1 is fitted: the joint turns by (1 + theta) torque / K0."""
+
+    name = "joint_stiffness"
+    parameters = (Parameter("stiffness", "N m / rad", 1e3, 1e8),)
+    scale = np.array([0.3])
+    lower = np.array([-0.9])
+    upper = np.array([30.0])
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return f"the residual of {self.where} grows in proportion to its torque, whatever came before"
+
+    def unit(self, case: LoadCase) -> np.ndarray:
+        """Give of the model's own spring."""
+        k = number(self.where)
+        return (case.torque[:, k, None] / case.joint_stiffness[k] * case.joint_twist(k))[:, :, None]
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Stiffness."""
+        return case.joint_stiffness[number(self.where)] / (1.0 + theta)
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the stiffness."""
+        return case.joint_stiffness[number(self.where)] / np.asarray(values) - 1.0

@@ -1,0 +1,51 @@
+"""A link that bends like a straight beam between its two joints."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter, number
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+_SCALE = 1e-6  #: theta 1 is an EI of a million N m^2
+
+
+class LinkBending(LinearTwist):
+    """1 / EI is fitted; the link is clamped at its joint and loaded at its far end (Euler-Bernoulli).
+
+    The line of the beam runs from the origin of frame k-1 to that of frame k. Displacement of the
+    far end F L^3 / 3 EI + M L^2 / 2 EI, rotation F L^2 / 2 EI + M L / EI, across the line only.
+    """
+
+    name = "link_bending"
+    parameters = (Parameter("EI", "N m^2", 1e3, 1e9),)
+    scale = np.array([1.0])
+    lower = np.array([0.0])
+    upper = np.array([1000.0])
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return f"everything from the far end of {self.where} on sinks and tilts with the load across the link"
+
+    def unit(self, case: LoadCase) -> np.ndarray:
+        """Motion of the far end, carried to the points."""
+        k = number(self.where)
+        line = case.origin[:, k + 1] - case.origin[:, k]
+        length = np.linalg.norm(line, axis=1, keepdims=True)
+        axis = line / np.where(length > 1e-9, length, 1.0)
+        force = case.force - np.sum(case.force * axis, axis=1, keepdims=True) * axis
+        moment = case.moment[:, k + 1]
+        moment = moment - np.sum(moment * axis, axis=1, keepdims=True) * axis
+        rotation = length**2 / 2.0 * np.cross(axis, force) + length * moment
+        shift = length**3 / 3.0 * force + length**2 / 2.0 * np.cross(moment, axis)
+        twist = case.rotate(_SCALE * rotation, k + 1, k + 1)
+        twist[:, :3] += np.where(case.link[:, None] > k, _SCALE * shift, 0.0)
+        return twist[:, :, None]
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """EI."""
+        return 1.0 / (_SCALE * np.maximum(theta, 1e-12))
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From EI."""
+        return 1.0 / (_SCALE * np.asarray(values))

@@ -1,0 +1,36 @@
+"""A reflector that sits elsewhere on its link than stated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+
+class ReflectorPosition(Cause):
+    """The true position is the stated one plus the offset, in the frame of the link."""
+
+    name = "reflector_position"
+    parameters = (Parameter("offset", "m", -0.2, 0.2, 3),)
+    scale = np.full(3, 0.02)
+    lower = np.full(3, -0.5)
+    upper = np.full(3, 0.5)
+    stage = "setup"
+    of_robot = False
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return f"only reflector {self.where} disagrees, by the rotation of its link times a constant lever"
+
+    def setup(self, setup: Setup, theta: np.ndarray) -> None:
+        """Move the reflector."""
+        setup.reflector_offset[self.where] = setup.reflector_offset.get(self.where, np.zeros(3)) + theta
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Offset."""
+        return np.array(theta)
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the offset."""
+        return np.array(values)

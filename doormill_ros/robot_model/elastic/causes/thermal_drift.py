@@ -1,0 +1,42 @@
+"""Something in the cell that creeps while a trial lasts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+_SPEED = 1e-7  #: theta 1 [m / s]
+
+
+class ThermalDrift(Cause):
+    """Reported displacement = true displacement + velocity times dt."""
+
+    name = "thermal_drift"
+    parameters = (Parameter("velocity", "m / s", -1e-5, 1e-5, 3),)
+    scale = np.ones(3)
+    lower = np.full(3, -1000.0)
+    upper = np.full(3, 1000.0)
+    stage = "tracker"
+    of_robot = False
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return "the residual points one way in the room and grows with the time between the two measurements"
+
+    def observe(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+        """Add the drift."""
+        return displacement + _SPEED * dt[:, None] * theta
+
+    def observe_derivative(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+        """Elapsed time along each axis."""
+        return _SPEED * dt[:, None, None] * np.eye(3)
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Velocity."""
+        return _SPEED * theta
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the velocity."""
+        return np.asarray(values) / _SPEED

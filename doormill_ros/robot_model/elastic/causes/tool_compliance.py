@@ -1,0 +1,18 @@
+"""A tool mount that tilts on the flange."""
+
+from __future__ import annotations
+
+from doormill_ros.robot_model.elastic.causes.tilting_mount import TiltingMount
+
+
+class ToolCompliance(TiltingMount):
+    """Everything on the flange tilts about x and y of the flange frame, at its origin."""
+
+    name = "tool_compliance"
+    frame = 6
+    first_link = 6
+    unit_compliance = 1e-6
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return "the tool tilts with the moment at the flange while the arm behind it stays as simulated"

@@ -1,0 +1,42 @@
+"""A tracker whose frame is turned against the robot's base frame."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+
+class TrackerFrameRotation(Cause):
+    """Reported displacement = R(rotation vector) times true displacement."""
+
+    name = "tracker_frame_rotation"
+    parameters = (Parameter("rotation_vector", "rad", -0.5, 0.5, 3),)
+    scale = np.full(3, 0.02)
+    lower = np.full(3, -0.7)
+    upper = np.full(3, 0.7)
+    stage = "tracker"
+    of_robot = False
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return "every residual stands at right angles to the displacement, about one axis fixed in the room"
+
+    def observe(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+        """Turn."""
+        return displacement @ Rotation.from_rotvec(theta).as_matrix().T
+
+    def observe_derivative(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+        """Of the small turn that follows: exact at zero, a fine descent direction elsewhere."""
+        turned = self.observe(displacement, dt, theta)
+        return np.stack([np.cross(axis, turned) for axis in np.eye(3)], axis=2)
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Rotation vector."""
+        return np.array(theta)
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the rotation vector."""
+        return np.array(values)

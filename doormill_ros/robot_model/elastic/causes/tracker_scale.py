@@ -1,0 +1,40 @@
+"""A tracker that reports lengths too long or too short."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+
+class TrackerScale(Cause):
+    """Reported displacement = factor times true displacement."""
+
+    name = "tracker_scale"
+    parameters = (Parameter("factor", "1", 0.5, 2.0),)
+    scale = np.array([0.1])
+    lower = np.array([-0.5])
+    upper = np.array([1.0])
+    stage = "tracker"
+    of_robot = False
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return "every reported displacement is off by the same share"
+
+    def observe(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+        """Scale."""
+        return displacement * (1.0 + theta[0])
+
+    def observe_derivative(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+        """The displacement itself."""
+        return displacement[:, :, None]
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Factor."""
+        return 1.0 + theta
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the factor."""
+        return np.asarray(values) - 1.0

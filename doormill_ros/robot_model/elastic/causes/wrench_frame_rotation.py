@@ -1,0 +1,38 @@
+"""A force sensor that is mounted at another angle than stated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+
+class WrenchFrameRotation(Cause):
+    """The true rotation from sensor to flange axes is the stated one plus this angle."""
+
+    name = "wrench_frame_rotation"
+    parameters = (Parameter("angle", "rad", -np.pi, np.pi),)
+    scale = np.array([0.05])
+    lower = np.array([-np.pi])
+    upper = np.array([np.pi])
+    stage = "setup"
+    of_robot = False
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return (
+            "residuals turn with the flange: the load seems to come from a direction rotated about its axis"
+        )
+
+    def setup(self, setup: Setup, theta: np.ndarray) -> None:
+        """Turn the wrench."""
+        setup.wrench_angle += float(theta[0])
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Angle to add to the stated one."""
+        return np.array(theta)
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the angle."""
+        return np.array(values)

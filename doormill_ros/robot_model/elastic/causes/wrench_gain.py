@@ -1,0 +1,36 @@
+"""A force sensor that reads too little or too much."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+
+class WrenchGain(Cause):
+    """The true wrench is the recorded one times the factor."""
+
+    name = "wrench_gain"
+    parameters = (Parameter("factor", "1", 0.2, 5.0),)
+    scale = np.array([0.1])
+    lower = np.array([-0.8])
+    upper = np.array([4.0])
+    stage = "setup"
+    of_robot = False
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return "every displacement is off by the same share, in every posture and direction"
+
+    def setup(self, setup: Setup, theta: np.ndarray) -> None:
+        """Scale the wrench."""
+        setup.wrench_gain *= 1.0 + float(theta[0])
+
+    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+        """Factor."""
+        return 1.0 + theta
+
+    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+        """From the factor."""
+        return np.asarray(values) - 1.0

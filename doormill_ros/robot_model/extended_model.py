@@ -1,0 +1,204 @@
+"""The robot model that a diagnosis leaves behind: joint springs plus the causes it established."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from doormill_ros.robot.description import Robot, load_robot
+from doormill_ros.robot.errors import RobotError
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup
+from doormill_ros.robot_model.elastic.causes.registry import build_cause
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel
+from doormill_ros.robot_model.elastic.load_case import build_load_case
+from doormill_ros.robot_model.errors import ExtendedModelError
+from doormill_ros.robot_model.pose.compliance import PoseErrorCompliance, load_pose_compliance
+from doormill_ros.robot_model.pose.model import SCHEMA as POSE_SCHEMA
+
+SCHEMA = "doormill/extended-model/1"
+
+
+@dataclass(frozen=True, eq=False)
+class SizedCause:
+    """A cause and the values of its parameters in a row, SI units."""
+
+    cause: Cause
+    values: np.ndarray
+
+
+class ExtendedComplianceModel:
+    """Joint springs and established causes as a `ComplianceModel`.
+
+    Attributes:
+        robot: Name of the robot.
+        joint_stiffness: Springs of the model that was questioned, shape (6,) [N m / rad].
+        causes: What was established; those that are not of the robot are kept for the record only.
+    """
+
+    def __init__(
+        self, robot: str, dh: np.ndarray, joint_stiffness: np.ndarray, causes: Sequence[SizedCause]
+    ) -> None:
+        """Keep robot, springs and causes."""
+        self.robot = robot
+        self.joint_stiffness = np.array(joint_stiffness, dtype=float)
+        self.causes = tuple(causes)
+        self._kinematics = Kinematics(dh)
+
+    def deflection(
+        self,
+        q: np.ndarray,
+        wrench: np.ndarray,
+        load_point: np.ndarray,
+        direction: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Twist of the loaded tool, as `ComplianceModel.deflection`.
+
+        A joint whose last motion is unknown (0) gets half of its backlash: the expected value.
+        """
+        q = np.atleast_2d(np.asarray(q, dtype=float))
+        wrench = np.broadcast_to(np.asarray(wrench, dtype=float), (len(q), 6))
+        setup = Setup()
+        acting = [sized for sized in self.causes if sized.cause.of_robot]
+        for sized in acting:
+            if sized.cause.stage == "setup":
+                sized.cause.setup(setup, sized.values)
+        case = build_load_case(
+            self._kinematics,
+            q + setup.joint_offset,
+            wrench,
+            np.asarray(load_point, dtype=float),
+            direction=None if direction is None else np.broadcast_to(direction, q.shape),
+            joint_stiffness=self.joint_stiffness,
+        )
+        twist = case.springs()
+        for sized in acting:
+            if sized.cause.stage != "robot":
+                continue
+            share = sized.cause.hidden_state(case)
+            part = sized.cause.twist(case, sized.cause.from_values(sized.values, case))
+            twist = twist + (part if share is None else share[:, None] * part)
+        return twist
+
+
+def model_document(
+    robot: str, joint_stiffness: np.ndarray, causes: Sequence[SizedCause], source: str
+) -> dict[str, Any]:
+    """The content of model.yaml."""
+    return {
+        "schema": SCHEMA,
+        "robot": robot,
+        "source": source,
+        "joint_stiffness": [float(k) for k in joint_stiffness],
+        "causes": [
+            {
+                "cause": sized.cause.name,
+                "where": sized.cause.where,
+                **({"variant": sized.cause.variant} if sized.cause.variant else {}),
+                "parameters": _named(sized),
+            }
+            for sized in causes
+        ],
+    }
+
+
+def _named(sized: SizedCause) -> dict[str, float | list[float]]:
+    named: dict[str, float | list[float]] = {}
+    at = 0
+    for parameter in sized.cause.parameters:
+        part = sized.values[at : at + parameter.size]
+        named[parameter.name] = float(part[0]) if parameter.size == 1 else [float(v) for v in part]
+        at += parameter.size
+    return named
+
+
+def load_compliance_model(path_or_name: str | Path) -> ExtendedComplianceModel | PoseErrorCompliance:
+    """A compliance model from a diagnosis' model.yaml (or its folder), or a robot's own joint springs.
+
+    The model of a pose diagnosis is taken with the joint springs of the robot it names.
+
+    Args:
+        path_or_name: model.yaml, a folder that holds one, or the name of a robot.
+
+    Raises:
+        ExtendedModelError: No such file or robot, or the file cannot be used.
+        PoseModelError: The same of a pose diagnosis, or its robot has no description here.
+    """
+    path = Path(path_or_name)
+    if path.is_dir() and (path / "model.yaml").is_file():
+        path = path / "model.yaml"
+    if not path.is_file():
+        try:
+            robot = load_robot(path_or_name)
+        except RobotError as error:
+            raise ExtendedModelError(
+                f"{path_or_name} is neither a model.yaml nor a robot: {error.message}", path=str(path_or_name)
+            ) from error
+        return _own_springs(robot)
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ExtendedModelError(f"{path} cannot be read: {error}", path=str(path)) from error
+    if isinstance(document, dict) and document.get("schema") == POSE_SCHEMA:
+        return load_pose_compliance(path)
+    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+        found = document.get("schema") if isinstance(document, dict) else type(document).__name__
+        raise ExtendedModelError(f"{path} has schema {found}, allowed is {SCHEMA}", path=str(path))
+    try:
+        robot = load_robot(str(document["robot"]))
+        stiffness = np.array(document["joint_stiffness"], dtype=float)
+        causes = [_sized(entry) for entry in document["causes"]]
+    except (KeyError, TypeError, ValueError, RobotError) as error:
+        raise ExtendedModelError(
+            f"{path} cannot be used: {error}; write it anew with diagnose", path=str(path)
+        ) from error
+    if stiffness.shape != (6,) or not np.all(stiffness > 0.0):
+        raise ExtendedModelError(
+            f"{path} has joint_stiffness {document['joint_stiffness']}, allowed are 6 positive numbers [N m / rad]",
+            path=str(path),
+        )
+    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes)
+
+
+def load_model_of(robot: Robot, path_or_name: str | Path = "") -> ComplianceModel:
+    """A compliance model of the robot that mills: what `load_compliance_model` finds, if it is of that robot.
+
+    Args:
+        robot: The robot in the cell.
+        path_or_name: As for `load_compliance_model`; empty: the robot's own joint springs.
+
+    Raises:
+        ExtendedModelError: As `load_compliance_model`, or the model is of a robot with other lengths.
+        PoseModelError: As `load_compliance_model`.
+    """
+    if not path_or_name or str(path_or_name) == robot.name:
+        return _own_springs(robot)
+    model = load_compliance_model(path_or_name)
+    if model.robot != robot.name and not np.allclose(load_robot(model.robot).dh, robot.dh):
+        raise ExtendedModelError(
+            f"{path_or_name} is a model of {model.robot}, the cell mills with {robot.name}; give a diagnosis of this "
+            "robot, or correct the robot in config/cell.yaml",
+            path=str(path_or_name),
+        )
+    return model
+
+
+def _own_springs(robot: Robot) -> ExtendedComplianceModel:
+    """What a robot's description says of it, nothing added."""
+    return ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, ())
+
+
+def _sized(entry: dict[str, Any]) -> SizedCause:
+    cause = build_cause(entry["cause"], entry["where"], entry.get("variant", ""))
+    values = []
+    for parameter in cause.parameters:
+        part = np.atleast_1d(np.asarray(entry["parameters"][parameter.name], dtype=float))
+        if part.shape != (parameter.size,) or not np.all(np.isfinite(part)):
+            raise ValueError(f"{parameter.name} of {cause!r} needs {parameter.size} finite numbers")
+        values.append(part)
+    return SizedCause(cause, np.concatenate(values))

@@ -1,0 +1,112 @@
+"""What every cause of pose errors has to say about itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
+from doormill_ros.robot_model.pose.view import SetView
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """How some coefficients of a cause displace a frame.
+
+    Attributes:
+        direction: Component of a frame twist, see `chain.direction`.
+        first: Index of the first coefficient within the cause.
+        basis: Displacement for a unit of every coefficient, shape (n, k).
+    """
+
+    direction: int
+    first: int
+    basis: np.ndarray
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """One fitted number.
+
+    Attributes:
+        name: Key under the cause's parameters.
+        unit: SI unit.
+        group: Coefficients of a group share a typical size that is learnt from the data.
+        typical: Largest size that is plausible at all; where learning of the typical size begins.
+    """
+
+    name: str
+    unit: str
+    group: str
+    typical: float
+
+
+class PoseCause:
+    """One way in which a real robot's poses can differ from the nominal ones, linear in its coefficients.
+
+    Attributes:
+        name: Fixed name of the cause.
+        where: Place.
+        transfers: Whether it belongs to the robot and so holds for other series too.
+    """
+
+    name: str = ""
+    where: str = ""
+    transfers: bool = True
+
+    def __init__(self, where: str) -> None:
+        """Put the cause at its place."""
+        self.where = where
+
+    @classmethod
+    def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
+        """This cause wherever it may act; a joint each unless a cause says otherwise."""
+        return [cls(where) for where in JOINTS]
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What a model's file has to state besides the place."""
+        return {}
+
+    @classmethod
+    def build(cls, where: str, settings: Mapping[str, Any], dh: np.ndarray) -> PoseCause:
+        """The cause of a model's file.
+
+        Args:
+            where: Place.
+            settings: Holds at least those of `settings`.
+            dh: The model's table, shape (6, 4).
+
+        Raises:
+            KeyError: A setting is missing.
+        """
+        return cls(where)
+
+    @property
+    def coefficients(self) -> tuple[Coefficient, ...]:
+        """All fitted numbers."""
+        raise NotImplementedError
+
+    def columns(self, view: SetView) -> list[Columns]:
+        """Effect on the frames of a series; empty where the cause does not act."""
+        raise NotImplementedError
+
+    def pattern(self) -> str:
+        """One sentence: what the cause leaves in the data."""
+        raise NotImplementedError
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Name and place."""
+        return self.name, self.where
+
+    def __repr__(self) -> str:
+        return f"{self.name} at {self.where}"
+
+
+def number(where: str) -> int:
+    """Number of 'joint 3' or 'link 3'."""
+    return int(where.split()[1])

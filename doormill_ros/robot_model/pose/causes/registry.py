@@ -1,0 +1,46 @@
+"""The library of causes of pose errors: one line a cause."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.causes.hints import Hints
+from doormill_ros.robot_model.pose.causes.joint_backlash import JointBacklash
+from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
+from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
+from doormill_ros.robot_model.pose.causes.joint_wobble import JointWobble
+from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
+from doormill_ros.robot_model.pose.causes.session_step import SessionStep
+from doormill_ros.robot_model.pose.causes.thermal_drift import ThermalDrift
+
+LIBRARY: tuple[type[PoseCause], ...] = (
+    LinkGeometry,
+    JointSag,
+    JointPeriodicError,
+    JointWobble,
+    JointBacklash,
+    ThermalDrift,
+    SessionStep,
+)
+
+
+def candidates(hints: Hints) -> list[PoseCause]:
+    """Every cause at every place where it may act."""
+    return [cause for kind in LIBRARY for cause in kind.candidates(hints)]
+
+
+def build_cause(name: str, where: str, settings: Mapping[str, Any], dh: np.ndarray) -> PoseCause:
+    """The cause of a model's file.
+
+    Raises:
+        KeyError: A setting is missing.
+        ValueError: The library has no such cause of the robot itself.
+    """
+    for kind in LIBRARY:
+        if kind.name == name and kind.transfers:
+            return kind.build(where, settings, dh)
+    raise ValueError(f"{name!r} is no cause of a robot's poses")

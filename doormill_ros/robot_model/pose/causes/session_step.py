@@ -1,0 +1,78 @@
+"""A cell that jumped once while a series was recorded: somebody leant on the tracker, the robot was bolted anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
+from doormill_ros.robot_model.pose.causes.hints import Hints
+from doormill_ros.robot_model.pose.chain import direction
+from doormill_ros.robot_model.pose.view import SetView
+
+
+class SessionStep(PoseCause):
+    """Displacement of the robot's base from one row of a series on."""
+
+    name = "session_step"
+    transfers = False
+
+    def __init__(self, where: str, row: int) -> None:
+        """Put it on a series ('set NAME'), at the first row after the step."""
+        super().__init__(where)
+        self.row = row
+
+    @classmethod
+    def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
+        """On every series in which one is suspected."""
+        return [cls(f"set {hints.sets[index].name}", row) for index, row in hints.steps.items()]
+
+    @property
+    def coefficients(self) -> tuple[Coefficient, ...]:
+        """The step: three displacements, three turns."""
+        names = [("step_x", "m"), ("step_y", "m"), ("step_z", "m")]
+        names += [("turn_x", "rad"), ("turn_y", "rad"), ("turn_z", "rad")]
+        return tuple(
+            Coefficient(name, unit, f"step {self.where} {self.row} {unit}", 1e-3) for name, unit in names
+        )
+
+    def columns(self, view: SetView) -> list[Columns]:
+        """Displacement of the base after the step, in base axes."""
+        if f"set {view.name}" != self.where:
+            return []
+        after = (view.row >= self.row).astype(float)[:, None]
+        return [Columns(direction(0, axis), axis, after) for axis in range(6)]
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return f"from row {self.row} on the residual of all poses has jumped together"
+
+
+def find_step(
+    error: np.ndarray, scale: np.ndarray, weight: np.ndarray, margin: int = 20
+) -> tuple[int, float]:
+    """Where a constant shift of the base explains most, and by how much.
+
+    Args:
+        error: Residuals in the axes of the base, shape (n, 6).
+        scale: One over their standard deviations, shape (6,).
+        weight: Of the rows, shape (n,).
+        margin: Rows at either end in which no step is looked for.
+
+    Returns:
+        Index of the first row after the step, and the fall of the sum of squares.
+    """
+    n = len(error)
+    if n < 2 * margin + 2:
+        return 0, 0.0
+    y = error[:, :3] * scale[:3]
+    w = weight[:, None]
+    before, total = np.cumsum(w * y, axis=0), np.sum(w * y, axis=0)
+    count, everything = np.cumsum(w, axis=0), np.sum(w)
+    mean = before / np.maximum(count, 1e-9)
+    rest = (total - before) / np.maximum(everything - count, 1e-9)
+    fall = np.sum((mean - rest) ** 2, axis=1) * (count * (everything - count) / everything)[:, 0]
+    inside = slice(margin - 1, n - margin - 1)
+    best = int(np.argmax(fall[inside])) + margin - 1
+    return best + 1, float(fall[best])

@@ -1,0 +1,72 @@
+"""A diagnosis of poses in the hands of the path generator: pose error and joint springs together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from doormill_ros.robot.description import load_robot
+from doormill_ros.robot.errors import RobotError
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel
+from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
+from doormill_ros.robot_model.errors import PoseModelError
+from doormill_ros.robot_model.pose.chain import frames, link_transforms
+from doormill_ros.robot_model.pose.model import PoseModel, load_pose_model
+
+
+class PoseErrorCompliance:
+    """How far the tool of a loaded robot stands from where the nominal kinematics put it.
+
+    Unlike joint springs it displaces the unloaded robot too. The zero of joint 1, the height of the base and
+    the flange frame are those of the nominal model: what a displaced robot or tool would imitate belongs to the
+    calibration of the cell (`not_distinguishable_from_placement` of the diagnosis).
+
+    Attributes:
+        robot: Name of the robot.
+        pose_model: Pose error without load.
+        springs: What the load adds.
+    """
+
+    def __init__(self, pose_model: PoseModel, springs: ComplianceModel) -> None:
+        """Keep both."""
+        self.pose_model = pose_model
+        self.springs = springs
+        self.robot = pose_model.robot
+
+    def deflection(
+        self,
+        q: np.ndarray,
+        wrench: np.ndarray,
+        load_point: np.ndarray,
+        direction: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Twist of the loaded tool against the nominal pose, as `ComplianceModel.deflection`."""
+        q = np.atleast_2d(np.asarray(q, dtype=float))
+        nominal = frames(link_transforms(self.pose_model.dh, q))[:, -1]
+        actual = self.pose_model.flange(q, direction)
+        point = np.append(np.asarray(load_point, dtype=float), 1.0)
+        shift = ((actual - nominal) @ point)[:, :3]
+        turn = Rotation.from_matrix(actual[:, :3, :3] @ np.swapaxes(nominal[:, :3, :3], 1, 2)).as_rotvec()
+        return np.concatenate([shift, turn], axis=1) + self.springs.deflection(
+            q, wrench, load_point, direction
+        )
+
+
+def load_pose_compliance(path: Path) -> PoseErrorCompliance:
+    """A pose diagnosis' model.yaml with the joint springs of the robot it names.
+
+    Raises:
+        PoseModelError: The file cannot be used, or the project has no description of its robot.
+    """
+    model = load_pose_model(path)
+    try:
+        robot = load_robot(model.robot)
+    except RobotError as error:
+        raise PoseModelError(
+            f"{path} corrects the unloaded poses of robot {model.robot!r}, whose joint springs are not described: "
+            f"add config/robots/{model.robot}, or use load_pose_model to predict poses without load",
+            path=str(path),
+        ) from error
+    return PoseErrorCompliance(model, JointSpringModel(robot))

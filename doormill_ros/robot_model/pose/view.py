@@ -1,0 +1,123 @@
+"""What causes look at in one series: angles, last motions, gravity torques, the course of the recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from doormill_ros.robot_model.pose.chain import frames, link_transforms
+
+GRAVITY = 9.81  #: m / s^2, along base -z
+#: Motion that turns a play from one flank to the other [rad]: shorter moves are taken in proportion.
+CROSSING = 2e-3
+
+
+@dataclass(frozen=True, eq=False)
+class LinkMass:
+    """Mass [kg] and centre of mass [m], shape (3,), in the DH frame of the link."""
+
+    mass: float
+    com: np.ndarray
+
+
+#: Published masses [kg] and centres of mass [m] in DH frames, for sets that do not state them. UR10:
+#: Universal Robots, "DH parameters for calculations of kinematics and dynamics".
+KNOWN_LINKS: dict[str, tuple[LinkMass, ...]] = {
+    "ur10": tuple(
+        LinkMass(mass, np.array(com))
+        for mass, com in (
+            (7.1, (0.021, 0.0, 0.027)),
+            (12.7, (0.38, 0.0, 0.158)),
+            (4.27, (0.24, 0.0, 0.068)),
+            (2.0, (0.0, 0.007, 0.018)),
+            (2.0, (0.0, 0.007, 0.018)),
+            (0.365, (0.0, 0.0, -0.026)),
+        )
+    )
+}
+
+
+@dataclass(frozen=True, eq=False)
+class SetView:
+    """Postures of one robot, in the order in which it took them.
+
+    Attributes:
+        name: Name of the series; empty for postures that nobody measured.
+        dh: Nominal table, shape (6, 4): theta_offset, d, a, alpha.
+        links: Masses of the links, empty where not known.
+        q: Joint angles, shape (n, 6) [rad].
+        row: Row numbers in the order of recording, shape (n,).
+        motion: Last motion of every joint, -1 ... +1, where it is known better than from the rows, shape (n, 6).
+    """
+
+    name: str
+    dh: np.ndarray
+    links: tuple[LinkMass, ...]
+    q: np.ndarray
+    row: np.ndarray
+    motion: np.ndarray | None = None
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    @cached_property
+    def order(self) -> np.ndarray:
+        """Place of every row in the recording, 0 at its start and 1 at its end, shape (n,)."""
+        return (self.row - self.row[0]) / max(float(self.row[-1] - self.row[0]), 1.0)
+
+    @cached_property
+    def transforms(self) -> np.ndarray:
+        """Nominal A_1 ... A_6, shape (n, 6, 4, 4)."""
+        return link_transforms(self.dh, self.q)
+
+    @cached_property
+    def last_motion(self) -> np.ndarray:
+        """Flank on which every joint arrived, -1 ... +1, 0 where the row before is missing, shape (n, 6)."""
+        return last_motion(self.q, self.row) if self.motion is None else self.motion
+
+    @cached_property
+    def gravity_moment(self) -> np.ndarray:
+        """Moment of the weight of all links beyond frame k about its origin, frame axes, (n, 6, 3) [N m]."""
+        return gravity_moment(frames(self.transforms), self.links)
+
+
+def last_motion(q: np.ndarray, row: np.ndarray, crossing: float = CROSSING) -> np.ndarray:
+    """State of a play in every joint: follows the motion between rows and stops at the flanks.
+
+    Args:
+        q: Joint angles in the order of recording, shape (n, 6) [rad].
+        row: Row numbers; after a gap nothing is known until the joint has moved enough.
+        crossing: Motion from one flank to the other [rad].
+    """
+    state = np.zeros(q.shape)
+    step = np.zeros(q.shape)
+    step[1:] = np.diff(q, axis=0) * (2.0 / crossing)
+    step[1:][np.diff(row) != 1] = 0.0
+    gap = np.zeros(len(q), dtype=bool)
+    gap[1:] = np.diff(row) != 1
+    now = np.zeros(q.shape[1])
+    for i in range(len(q)):
+        if gap[i]:
+            now = np.zeros(q.shape[1])
+        now = np.clip(now + step[i], -1.0, 1.0)
+        state[i] = now
+    return state
+
+
+def gravity_moment(T_base_frames: np.ndarray, links: Sequence[LinkMass]) -> np.ndarray:
+    """Moment about the origins of frames 0..5 of the weight of the links beyond, in frame axes, (n, 6, 3) [N m]."""
+    n = len(T_base_frames)
+    out = np.zeros((n, 6, 3))
+    weight_moment, mass = np.zeros((n, 3)), 0.0
+    for k in range(5, -1, -1):
+        if links:
+            link, T = links[k], T_base_frames[:, k + 1]
+            weight_moment = weight_moment + link.mass * (T[:, :3, 3] + T[:, :3, :3] @ link.com)
+            mass += link.mass
+        arm = weight_moment - mass * T_base_frames[:, k, :3, 3]
+        torque = GRAVITY * np.stack([-arm[:, 1], arm[:, 0], np.zeros(n)], axis=1)  # arm x (0, 0, -g)
+        out[:, k] = np.einsum("nji,nj->ni", T_base_frames[:, k, :3, :3], torque)
+    return out

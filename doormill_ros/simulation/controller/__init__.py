@@ -1,0 +1,1 @@
+"""A robot controller in software: RAPID interpreter, signals, web services, arm, motions and process."""

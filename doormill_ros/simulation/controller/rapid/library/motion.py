@@ -1,0 +1,156 @@
+"""Motion instructions and what is asked about the robot."""
+
+from __future__ import annotations
+
+from doormill_ros.simulation.controller.rapid.faults import RapidFault
+from doormill_ros.simulation.controller.rapid.library.registry import predefined
+from doormill_ros.simulation.controller.rapid.machine import Move
+from doormill_ros.simulation.controller.rapid.scope import Context
+from doormill_ros.simulation.controller.rapid.types import Value, copy
+
+#: What MoveL and its kin take after the target.
+_TAIL = (
+    "speeddata Speed \\num V | num T, zonedata Zone \\num Z, "
+    "PERS tooldata Tool \\PERS wobjdata WObj \\switch Corr"
+)
+#: wobj0: the work object of the base frame.
+_WOBJ0 = [False, True, "", [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]]
+
+Place = tuple[list, int]
+
+
+def _move(
+    context: Context,
+    kind: str,
+    target: Value,
+    via: Value | None,
+    speed: Value,
+    v: float | None,
+    t: float | None,
+    zone: Value,
+    z: float | None,
+    tool: Place,
+    wobj: Place | None,
+    corr: bool,
+) -> None:
+    if corr:
+        raise RapidFault("ERR_ARGVALERR", f"{kind} \\Corr: path corrections are not simulated")
+    if v is not None:
+        speed = [v, *speed[1:]]
+    if z is not None:
+        zone = [False, z, *zone[2:]]
+    context.machine.move(
+        Move(
+            kind,
+            copy(target),
+            copy(via),
+            copy(speed),
+            copy(zone),
+            copy(tool[0][tool[1]]),
+            copy(wobj[0][wobj[1]] if wobj is not None else _WOBJ0),
+            t,
+            context.file,
+            context.line,
+        )
+    )
+
+
+@predefined(f"PROC MoveJ(robtarget ToPoint, {_TAIL})")
+def move_j(context: Context, target, speed, v, t, zone, z, tool, wobj, corr) -> None:
+    """Move the joints together to a target."""
+    _move(context, "MoveJ", target, None, speed, v, t, zone, z, tool, wobj, corr)
+
+
+@predefined(f"PROC MoveL(robtarget ToPoint, {_TAIL})")
+def move_l(context: Context, target, speed, v, t, zone, z, tool, wobj, corr) -> None:
+    """Move the tool on a straight line."""
+    _move(context, "MoveL", target, None, speed, v, t, zone, z, tool, wobj, corr)
+
+
+@predefined(f"PROC MoveC(robtarget CirPoint, robtarget ToPoint, {_TAIL})")
+def move_c(context: Context, via, target, speed, v, t, zone, z, tool, wobj, corr) -> None:
+    """Move the tool on an arc through the circle point."""
+    _move(context, "MoveC", target, via, speed, v, t, zone, z, tool, wobj, corr)
+
+
+@predefined(f"PROC MoveAbsJ(jointtarget ToJointPos \\switch NoEOffs, {_TAIL})")
+def move_abs_j(context: Context, target, _no_offsets, speed, v, t, zone, z, tool, wobj, corr) -> None:
+    """Move the joints to given angles."""
+    _move(context, "MoveAbsJ", target, None, speed, v, t, zone, z, tool, wobj, corr)
+
+
+@predefined("PROC WaitRob(\\switch InPos | switch ZeroSpeed)")
+def wait_rob(context: Context, _in_position: bool, _zero_speed: bool) -> None:
+    """Wait until the robot stands still."""
+    context.machine.wait_in_position()
+
+
+@predefined("PROC StopMove(\\switch Quick)")
+def stop_move(context: Context, _quick: bool) -> None:
+    """Stop the robot on its path."""
+    context.machine.stop_motion(clear=False)
+
+
+@predefined("PROC ClearPath()")
+def clear_path(context: Context) -> None:
+    """Forget the motions that are left."""
+    context.machine.stop_motion(clear=True)
+
+
+@predefined("PROC StartMove()")
+def start_move(context: Context) -> None:
+    """Go on after StopMove."""
+    context.machine.restart_motion()
+
+
+@predefined("PROC ConfL(\\switch On | switch Off)")
+def conf_l(context: Context, _on: bool, off: bool) -> None:
+    """Supervise the configuration of linear motions."""
+    context.machine.supervise_configuration(linear=True, on=not off)
+
+
+@predefined("PROC ConfJ(\\switch On | switch Off)")
+def conf_j(context: Context, _on: bool, off: bool) -> None:
+    """Use the configuration of joint motions."""
+    context.machine.supervise_configuration(linear=False, on=not off)
+
+
+@predefined("PROC SingArea(\\switch Wrist | switch Off)")
+def sing_area(_context: Context, wrist: bool, _off: bool) -> None:
+    """Interpolation near singularities; only the exact one is simulated."""
+    if wrist:
+        raise RapidFault("ERR_ARGVALERR", "SingArea \\Wrist is not simulated")
+
+
+@predefined("PROC AccSet(num Acc, num Ramp)")
+def acc_set(_context: Context, _acceleration: float, _ramp: float) -> None:
+    """Accelerations are not simulated."""
+
+
+@predefined("PROC VelSet(num Override, num Max)")
+def vel_set(context: Context, override: float, largest: float) -> None:
+    """Speed override is not simulated unless it is the default."""
+    if override != 100.0:
+        context.machine.log(
+            "warning", "VelSet", f"override {override:g} % and limit {largest:g} are not simulated"
+        )
+
+
+@predefined("PROC GripLoad(PERS loaddata Load)")
+def grip_load(_context: Context, _load: Place) -> None:
+    """The load is known to the simulated robot by other means."""
+
+
+@predefined("FUNC robtarget CRobT(\\PERS tooldata Tool \\PERS wobjdata WObj)")
+def c_rob_t(context: Context, tool: Place | None, wobj: Place | None) -> Value:
+    """Where the robot stands, once it does."""
+    if tool is None:
+        raise RapidFault("ERR_ARGVALERR", "CRobT without \\Tool is not simulated: name the tool")
+    context.machine.wait_in_position()
+    return context.machine.current_target(tool[0][tool[1]], wobj[0][wobj[1]] if wobj is not None else _WOBJ0)
+
+
+@predefined("FUNC jointtarget CJointT()")
+def c_joint_t(context: Context) -> Value:
+    """Joint angles where the robot stands."""
+    return [list(context.machine.current_joints()), [9e9] * 6]

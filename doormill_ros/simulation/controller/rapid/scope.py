@@ -1,0 +1,147 @@
+"""Names of a RAPID program and what they stand for, and the state of a running one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from doormill_ros.abb.errors import RapidProgramError
+from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.machine import Machine
+from doormill_ros.simulation.controller.rapid.types import AnyType, ArrayType, Type, Value
+
+#: The arguments and local data of one call; slot 0 is the first parameter.
+Frame = list[Any]
+#: Compiled code that works on a frame.
+Run = Callable[[Frame], Any]
+#: Where a piece of data is: a list and an index into it.
+Reference = tuple[list, int]
+
+
+class _Absent:
+    """Stands in a slot whose optional argument was not given."""
+
+    def __repr__(self) -> str:
+        return "ABSENT"
+
+
+ABSENT = _Absent()
+
+
+@dataclass(frozen=True, eq=False)
+class Symbol:
+    """One name of data.
+
+    Attributes:
+        name: As declared.
+        type: Its data type.
+        storage: "VAR", "PERS", "CONST", "IN" (parameter), "LOOP" or "SIGNAL".
+        store: List of one that holds the data, None for what lives in the frame.
+        slot: Index into the frame.
+        by_reference: The slot holds a `Reference`.
+        optional: The slot may hold ABSENT.
+    """
+
+    name: str
+    type: AnyType
+    storage: str
+    store: list | None = None
+    slot: int = 0
+    by_reference: bool = False
+    optional: bool = False
+
+
+@dataclass(frozen=True)
+class ParameterInfo:
+    """A parameter with its type resolved."""
+
+    name: str
+    type: AnyType
+    mode: str
+    optional: bool
+    alternatives: tuple[str, ...]
+
+
+@dataclass(eq=False)
+class RoutineInfo:
+    """A routine that can be called; `run` takes the argument slots and gives the result."""
+
+    name: str
+    type: AnyType | None
+    parameters: tuple[ParameterInfo, ...]
+    run: Callable[[Frame], Value]
+    predefined: bool = False
+
+
+class Names:
+    """A dictionary of names that ignores the case of letters, and asks an outer one next."""
+
+    def __init__(self, outer: Names | None = None) -> None:
+        """Start empty inside `outer`."""
+        self._outer = outer
+        self._items: dict[str, Any] = {}
+
+    def find(self, name: str) -> Any | None:
+        """What the name stands for here or further out, or None."""
+        found = self._items.get(name.lower())
+        if found is None and self._outer is not None:
+            return self._outer.find(name)
+        return found
+
+    def has_here(self, name: str) -> bool:
+        """True when the name is declared in this very scope."""
+        return name.lower() in self._items
+
+    def add(self, name: str, item: Any) -> None:
+        """Declare a name."""
+        self._items[name.lower()] = item
+
+    def __iter__(self) -> Iterator[tuple[str, Any]]:
+        """Names in lower case and what they stand for, of this scope alone."""
+        return iter(self._items.items())
+
+
+@dataclass(eq=False)
+class Context:
+    """State of a running program that is not its data."""
+
+    machine: Machine
+    file: str = ""
+    line: int = 0
+    depth: int = 0
+    #: ERRNO, as the list of one that the symbol refers to.
+    errno: list[float] = field(default_factory=lambda: [0.0])
+    #: Error numbers handed out by BookErrNo; the controller's own begin far above.
+    booked_errors: int = 0
+    #: Open files, to be closed when the program ends.
+    devices: list[Any] = field(default_factory=list)
+
+
+def program_error(file: str, line: int, problem: str, **data: Any) -> RapidProgramError:
+    """An error that keeps a module from being loaded."""
+    return RapidProgramError(f"{file}, line {line}: {problem}", file=file, line=line, **data)
+
+
+def resolve_type(types: Names, name: str, file: str, line: int) -> Type:
+    """The type of a name."""
+    found = types.find(name)
+    if not isinstance(found, Type):
+        raise program_error(
+            file,
+            line,
+            f"data type {name!r} is not known: declare a RECORD or correct the name",
+            name=name,
+        )
+    return found
+
+
+def describe_parameters(routine: s.Routine, types: Names, file: str) -> tuple[ParameterInfo, ...]:
+    """Parameters of a routine with their types."""
+    infos = []
+    for p in routine.parameters:
+        kind: AnyType = resolve_type(types, p.type_name, file, p.line)
+        if p.open_dimensions:
+            kind = ArrayType(kind, (None,) * p.open_dimensions)
+        infos.append(ParameterInfo(p.name, kind, p.mode, p.optional, p.alternatives))
+    return tuple(infos)

@@ -1,0 +1,261 @@
+"""Compile the statements and error handlers of a routine."""
+
+from __future__ import annotations
+
+from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.calls import CallCompiler
+from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
+from doormill_ros.simulation.controller.rapid.operators import num
+from doormill_ros.simulation.controller.rapid.scope import Frame, Names, Run, Symbol
+from doormill_ros.simulation.controller.rapid.types import BOOL, NUM, AnyType, copy, is_composite, is_value
+
+#: What a statement hands to the block around it; None means go on with the next one.
+RETURN, RETRY, TRYNEXT, RERAISE = "RETURN", "RETRY", "TRYNEXT", "RERAISE"
+#: How often RETRY may repeat one statement, as the controller is delivered.
+RETRY_LIMIT = 4
+
+
+class StatementCompiler(CallCompiler):
+    """Compiles the body of one routine; `result` is the type a function returns."""
+
+    result: AnyType | None = None
+    slots: int = 0
+    _in_handler: bool = False
+    _handler: Run | None = None
+
+    def compile_body(self, body: s.Block, handler: s.Block | None) -> Run:
+        """Code of a routine: gives ("RETURN", value) or None at its end."""
+        if handler is not None:
+            self._in_handler = True
+            self._handler = self.block(handler)
+            self._in_handler = False
+        return self.block(body)
+
+    def block(self, statements: s.Block) -> Run:
+        """Code of a block; with an error handler it catches what its own statements raise."""
+        compiled = [(node.line, self._statement(node)) for node in statements]
+        context = self._context
+        machine, file = context.machine, self._file
+
+        def plain(frame: Frame) -> tuple | None:
+            for line, run in compiled:
+                context.line = line
+                machine.statement(file, line)
+                outcome = run(frame)
+                if outcome is not None:
+                    return outcome
+            return None
+
+        if self._handler is None or self._in_handler:
+            return plain
+        handler = self._handler
+
+        def guarded(frame: Frame) -> tuple | None:
+            for line, run in compiled:
+                attempts = 0
+                while True:
+                    context.line = line
+                    machine.statement(file, line)
+                    try:
+                        outcome = run(frame)
+                        break
+                    except RapidFault as fault:
+                        if getattr(fault, "escaped", None) is frame:
+                            raise
+                        decision = self._handle(handler, frame, fault)
+                    if decision == TRYNEXT:
+                        outcome = None
+                        break
+                    if decision != RETRY:
+                        return decision
+                    attempts += 1
+                    if attempts > RETRY_LIMIT:
+                        raise RapidStop(f"RETRY repeated line {line} {RETRY_LIMIT} times without success")
+                if outcome is not None:
+                    return outcome
+            return None
+
+        return guarded
+
+    def _handle(self, handler: Run, frame: Frame, fault: RapidFault) -> str | tuple:
+        """Run the ERROR clause; a fault that leaves it is marked, so that it reaches the caller."""
+        context = self._context
+        if not fault.file:
+            fault.file, fault.line = context.file, context.line
+        context.errno[0] = float(fault.number)
+        try:
+            outcome = handler(frame)
+        except RapidFault as further:
+            further.escaped = frame
+            raise
+        if outcome is None:
+            return (RETURN, None)
+        if outcome[0] == RERAISE:
+            fault.escaped = frame
+            raise fault
+        return outcome if outcome[0] == RETURN else outcome[0]
+
+    def _statement(self, node: s.Statement) -> Run:
+        match node:
+            case s.Assign():
+                return self._assign(node)
+            case s.Call():
+                call = self.procedure(node)
+
+                def run_call(frame: Frame) -> None:
+                    call(frame)
+
+                return run_call
+            case s.If():
+                return self._if(node)
+            case s.For():
+                return self._for(node)
+            case s.While():
+                return self._while(node)
+            case s.Test():
+                return self._test(node)
+            case s.Return():
+                return self._return(node)
+            case s.Raise():
+                return self._raise(node)
+            case s.Retry() | s.TryNext():
+                word = RETRY if isinstance(node, s.Retry) else TRYNEXT
+                if not self._in_handler:
+                    self.fail(node, f"{word} stands outside an ERROR clause: move it there")
+                outcome = (word,)
+                return lambda frame: outcome
+            case s.Exit():
+                return _exit
+        raise TypeError(f"no statement: {node!r}")
+
+    def _assign(self, node: s.Assign) -> Run:
+        kind, reference, symbol = self.reference(node.target)
+        if symbol.storage in ("CONST", "LOOP", "SIGNAL"):
+            what = {"CONST": "a constant", "LOOP": "a loop variable", "SIGNAL": "a signal"}[symbol.storage]
+            self.fail(node, f"{symbol.name} is {what}, allowed on the left of := is VAR or PERS")
+        if not is_value(kind):
+            self.fail(node, f"{symbol.name} is {kind.name}, data of that type cannot be assigned")
+        value = self.typed(node.value, kind, "the value")
+        if is_composite(kind):
+
+            def assign_copy(frame: Frame) -> None:
+                new = copy(value(frame))
+                container, index = reference(frame)
+                container[index] = new
+
+            return assign_copy
+
+        def assign(frame: Frame) -> None:
+            new = value(frame)
+            container, index = reference(frame)
+            container[index] = new
+
+        return assign
+
+    def _condition(self, node: s.Expression) -> Run:
+        return self.typed(node, BOOL, "the condition")
+
+    def _if(self, node: s.If) -> Run:
+        branches = [(self._condition(condition), self.block(block)) for condition, block in node.branches]
+        otherwise = self.block(node.otherwise)
+
+        def run(frame: Frame) -> tuple | None:
+            for condition, block in branches:
+                if condition(frame):
+                    return block(frame)
+            return otherwise(frame)
+
+        return run
+
+    def _while(self, node: s.While) -> Run:
+        condition, body = self._condition(node.condition), self.block(node.body)
+        context, file, line = self._context, self._file, node.line
+
+        def run(frame: Frame) -> tuple | None:
+            while condition(frame):
+                outcome = body(frame)
+                if outcome is not None:
+                    return outcome
+                context.line = line
+                context.machine.statement(file, line)
+            return None
+
+        return run
+
+    def _for(self, node: s.For) -> Run:
+        first = self.typed(node.first, NUM, "the first value")
+        last = self.typed(node.last, NUM, "the last value")
+        step = self.typed(node.step, NUM, "the step") if node.step is not None else None
+        outer, slot = self._names, self.slots
+        self.slots += 1
+        self._names = Names(outer)
+        self._names.add(node.name, Symbol(node.name, NUM, "LOOP", slot=slot))
+        body = self.block(node.body)
+        self._names = outer
+        context, file, line = self._context, self._file, node.line
+
+        def run(frame: Frame) -> tuple | None:
+            value, end = first(frame), last(frame)
+            # Without STEP the loop counts down when it has to: FROM 1 TO 0 runs twice.
+            stride = step(frame) if step is not None else (1.0 if value <= end else -1.0)
+            if stride == 0.0:
+                raise RapidFault("ERR_ARGVALERR", "STEP 0 would never end")
+            while value <= end if stride > 0.0 else value >= end:
+                frame[slot] = value
+                outcome = body(frame)
+                if outcome is not None:
+                    return outcome
+                value = num(value + stride)
+                context.line = line
+                context.machine.statement(file, line)
+            return None
+
+        return run
+
+    def _test(self, node: s.Test) -> Run:
+        value = self.value(node.value)
+        if not is_value(value.type):
+            self.fail(node, f"TEST takes no {value.type.name}: use IF")
+        cases = [
+            ([self.typed(item, value.type, "the CASE") for item in items], self.block(block))
+            for items, block in node.cases
+        ]
+        default, find = self.block(node.default), value.run
+
+        def run(frame: Frame) -> tuple | None:
+            found = find(frame)
+            for items, block in cases:
+                if any(item(frame) == found for item in items):
+                    return block(frame)
+            return default(frame)
+
+        return run
+
+    def _return(self, node: s.Return) -> Run:
+        if (node.value is None) != (self.result is None):
+            allowed = "no value in a procedure" if self.result is None else f"a {self.result.name}"
+            self.fail(node, f"RETURN has the wrong form, allowed is {allowed}: correct it")
+        if node.value is None:
+            nothing = (RETURN, None)
+            return lambda frame: nothing
+        value = self.typed(node.value, self.result, "the returned value")
+        if is_composite(self.result):
+            return lambda frame: (RETURN, copy(value(frame)))
+        return lambda frame: (RETURN, value(frame))
+
+    def _raise(self, node: s.Raise) -> Run:
+        if node.value is None:
+            if not self._in_handler:
+                self.fail(node, "RAISE without a number stands outside an ERROR clause: name the error")
+            outcome = (RERAISE,)
+            return lambda frame: outcome
+        value = self.typed(node.value, NUM, "the error number")
+
+        def run(frame: Frame) -> None:
+            raise RapidFault(int(value(frame)), "raised by the program")
+
+        return run
+
+
+def _exit(_frame: Frame) -> None:
+    raise RapidStop("the program ended itself with EXIT", by_program=True)

@@ -1,0 +1,76 @@
+"""From what the controller commanded to what the compliant robot did."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import numpy as np
+
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.controller.motion import Recording
+from doormill_ros.simulation.controller.process import WrenchOf
+from doormill_ros.simulation.truth.robot import TruthRobot
+
+#: Joint motions below this are standing still [rad].
+STILL = 1e-9
+
+
+def build_executed_path(
+    recording: Recording, truth: TruthRobot | None, T_flange_tool: np.ndarray, wrench_of: WrenchOf
+) -> ExecutedPath:
+    """Apply the process wrench to every cutting sample and let the robot give way.
+
+    Args:
+        recording: Commanded samples.
+        truth: The robot as it is; None for a rigid one that is as the controller believes.
+        T_flange_tool: The tool, shape (4, 4).
+        wrench_of: Wrench on the tool of samples that cut.
+
+    Raises:
+        ValueError: The recording is empty.
+    """
+    if not recording.time:
+        raise ValueError("nothing was executed, so there is no path")
+    poses, q = np.array(recording.poses), np.array(recording.q)
+    wrench = np.zeros((len(q), 6))
+    travel = _travel(poses)
+    start = 0
+    for context, group in groupby(recording.context):
+        end = start + sum(1 for _ in group)
+        if context.cutting:
+            wrench[start:end] = wrench_of(context, poses[start:end], travel[start:end])
+        start = end
+    actual = poses
+    if truth is not None:
+        actual = truth.deflected(q, wrench, T_flange_tool[:3, 3], last_directions(q)) @ T_flange_tool
+    return ExecutedPath(
+        time=np.array(recording.time),
+        T_base_tool=actual,
+        T_base_tool_commanded=poses,
+        q=q,
+        motion=np.array([c.index for c in recording.context]),
+        cutting=np.array([c.cutting for c in recording.context]),
+        feature=np.array([c.feature for c in recording.context], dtype=str),
+        wrench=wrench,
+    )
+
+
+def last_directions(q: np.ndarray) -> np.ndarray:
+    """Direction of each joint's last motion, -1 or +1, 0 before its first; shape (n, 6)."""
+    signs = np.zeros_like(q)
+    steps = np.diff(q, axis=0)
+    signs[1:] = np.sign(np.where(np.abs(steps) > STILL, steps, 0.0))
+    # Where a joint stands still its last motion counts: index of the last sample that moved.
+    moved = np.where(signs != 0.0, np.arange(len(q))[:, None], 0)
+    last = np.maximum.accumulate(moved, axis=0)
+    return np.take_along_axis(signs, last, axis=0)
+
+
+def _travel(poses: np.ndarray) -> np.ndarray:
+    """Unit direction in which the tool travels at each sample, zero where it stands; shape (n, 3)."""
+    if len(poses) < 2:
+        return np.zeros((len(poses), 3))
+    steps = np.diff(poses[:, :3, 3], axis=0)
+    steps = np.concatenate([steps, steps[-1:]])
+    length = np.linalg.norm(steps, axis=1, keepdims=True)
+    return np.divide(steps, length, out=np.zeros_like(steps), where=length > 1e-12)

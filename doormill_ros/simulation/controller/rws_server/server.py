@@ -1,0 +1,134 @@
+"""Run the simulated web services on loopback, from a thread or as a process of their own."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import tempfile
+import threading
+from pathlib import Path
+
+import uvicorn
+
+from doormill_ros.simulation.controller.rws_server.app import Behaviour, WebServices
+from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
+from doormill_ros.simulation.controller.rws_server.certificate import write_certificate
+
+_START_LIMIT = 20.0
+
+
+class RwsServer:
+    """A simulated controller's web services; a context manager that runs them in a thread."""
+
+    def __init__(
+        self,
+        cabinet: Cabinet,
+        version: int = 1,
+        port: int = 0,
+        behaviour: Behaviour | None = None,
+        ping_interval: float = 30.0,
+    ) -> None:
+        """Bind the port; nothing is answered before `start`.
+
+        Args:
+            cabinet: HOME folder, signals and data it gives access to.
+            version: 1 (http, digest) or 2 (https, basic).
+            port: TCP port on 127.0.0.1, 0 for any free one.
+            behaviour: Limits and account.
+            ping_interval: Time between pings on event streams [s].
+        """
+        # With the protocol named, asyncio turns Nagle's algorithm off; else each answer waits 40 ms.
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self._socket.bind(("127.0.0.1", port))
+        self.port = self._socket.getsockname()[1]
+        self.url = f"{'http' if version == 1 else 'https'}://127.0.0.1:{self.port}"
+        self.cabinet = cabinet
+        self.services = WebServices(cabinet, version, f"{self.url}/", behaviour or Behaviour())
+        self.certificate: Path | None = None
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        options = {}
+        if version == 2:
+            self._folder = tempfile.TemporaryDirectory(prefix="simulated-controller-")
+            self.certificate, key = write_certificate(Path(self._folder.name))
+            options = {"ssl_certfile": str(self.certificate), "ssl_keyfile": str(key)}
+        config = uvicorn.Config(
+            self.services,
+            log_level="critical",
+            lifespan="off",
+            ws="websockets-sansio",
+            ws_ping_interval=ping_interval,
+            timeout_keep_alive=60,
+            timeout_graceful_shutdown=1,
+            server_header=False,
+            **options,
+        )
+        self._server = uvicorn.Server(config)
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._thread = threading.Thread(target=self.serve, name="rws-server", daemon=True)
+        self._listening = threading.Event()
+
+    def serve(self) -> None:
+        """Answer requests until `stop`, in the calling thread."""
+        asyncio.run(self._serve())
+
+    def start(self) -> RwsServer:
+        """Answer requests from a thread; returns when the port listens."""
+        self._thread.start()
+        if not self._listening.wait(_START_LIMIT):
+            raise RuntimeError(f"simulated controller on port {self.port} did not start")
+        return self
+
+    def stop(self) -> None:
+        """End all connections and the thread."""
+        self._server.should_exit = True
+        self._server.force_exit = True
+        if self._thread.is_alive():
+            self._thread.join(_START_LIMIT)
+        self._socket.close()
+        if self._folder is not None:
+            self._folder.cleanup()
+
+    def drop_streams(self) -> None:
+        """Break every event stream."""
+        self._in_loop(self.services.subscriptions.drop_streams)
+
+    def expire_sessions(self) -> None:
+        """End every session and challenge, as after a restart of the web server."""
+
+        def expire() -> None:
+            self.services.sessions.end_all()
+            self.services.digest.forget()
+
+        self._in_loop(expire)
+
+    def __enter__(self) -> RwsServer:
+        return self.start()
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def _in_loop(self, action: object) -> None:
+        done = threading.Event()
+
+        def run() -> None:
+            action()
+            done.set()
+
+        self._loop.call_soon_threadsafe(run)
+        done.wait(_START_LIMIT)
+
+    async def _serve(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        watch = asyncio.ensure_future(self.services.subscriptions.watch())
+        listening = asyncio.ensure_future(self._announce())
+        try:
+            await self._server.serve(sockets=[self._socket])
+        finally:
+            watch.cancel()
+            listening.cancel()
+
+    async def _announce(self) -> None:
+        while not self._server.started:
+            await asyncio.sleep(0.002)
+        self._listening.set()

@@ -1,0 +1,1 @@
+"""The true picture that a camera would take of a door."""

@@ -1,0 +1,117 @@
+"""The controller of a recorded run, played to the bridge: when it asked, that it read the file, how it ended."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from doormill_ros.abb import signals
+from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.simulation.controller.io_port import FolderIo
+
+POLL = 0.005  # s
+ENDS = {HandshakeState.DONE.value: signals.DONE, HandshakeState.FAILED.value: signals.FAULT}
+
+
+@dataclass(frozen=True)
+class ControllerEvent:
+    """A signal that the controller set.
+
+    Attributes:
+        signal: One of `doormill_ros.abb.signals`.
+        value: High or low.
+        delay: Time since the event before [s]; since the ready signal rose when it waited for that.
+        ready: Level of the ready signal that it waits for: high to acknowledge a file, low to end milling
+            it; None for either.
+    """
+
+    signal: str
+    value: bool
+    delay: float
+    ready: bool | None = None
+
+
+def controller_events(
+    begun_ns: int, requests: Sequence[tuple[int, bool]], states: Sequence[tuple[int, str]]
+) -> list[ControllerEvent]:
+    """What the controller did in a run until milling ended, from what the bridge published of it.
+
+    Args:
+        begun_ns: When the run's recipe was recorded [ns].
+        requests: The request as abb/status tells it, with the time of recording [ns].
+        states: State of abb/status with the time of recording [ns].
+    """
+    # What is told in one message: the state comes first, as a controller may answer the ready signal before
+    # the bridge has told that it is high.
+    course = [(t, 0, v) for t, v in states] + [(t, 1, v) for t, v in requests]
+    events: list[ControllerEvent] = []
+    high, ready_ns, milling, before_ns = False, None, False, begun_ns
+    for stamp_ns, is_request, value in sorted(course):
+        if not is_request:
+            ready_ns = stamp_ns if value == HandshakeState.READY.value else ready_ns
+            milling = milling or value == HandshakeState.MILLING.value
+            if not (milling and value in ENDS):
+                continue
+            events.append(ControllerEvent(ENDS[value], True, max(0, stamp_ns - before_ns) * 1e-9, False))
+            break
+        if value == high:
+            continue
+        high = bool(value)
+        answers = not high and ready_ns is not None
+        since = ready_ns if answers else before_ns
+        delay = max(0, stamp_ns - since) * 1e-9
+        events.append(ControllerEvent(signals.REQUEST, high, delay, True if answers else None))
+        before_ns = stamp_ns
+        if answers:
+            ready_ns = None
+    return events
+
+
+def with_end(events: list[ControllerEvent], signal: str) -> list[ControllerEvent]:
+    """The events, ended by `signal` when the recording stopped before the bridge told of the end."""
+    if events and events[-1].signal in ENDS.values():
+        return events
+    return [*events, ControllerEvent(signal, True, 0.0, False)]
+
+
+class RecordedController:
+    """Plays events on the signals in a folder, from a thread; a context manager.
+
+    Args:
+        home: The controller's HOME, as the bridge's shared folder.
+        events: What to play.
+        rate: Times the recorded speed; infinite for without pauses.
+    """
+
+    def __init__(self, home: Path, events: Sequence[ControllerEvent], rate: float) -> None:
+        self._io = FolderIo(home)
+        self._events = events
+        self._rate = rate
+        self._begun = threading.Event()
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._play, name="recorded controller", daemon=True)
+
+    def begin(self) -> None:
+        """The run's recipe is there: its times count from now."""
+        self._begun.set()
+
+    def __enter__(self) -> RecordedController:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stopped.set()
+        self._begun.set()
+        self._thread.join()
+
+    def _play(self) -> None:
+        self._begun.wait()
+        for event in self._events:
+            while event.ready not in (None, bool(self._io.read(signals.READY))):
+                if self._stopped.wait(POLL):
+                    return
+            if self._stopped.wait(event.delay / self._rate):
+                return
+            self._io.write(event.signal, int(event.value))

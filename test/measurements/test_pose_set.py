@@ -1,0 +1,97 @@
+"""Reading: every fault in a set is named with file, line and column, and nothing is written."""
+
+import numpy as np
+import pytest
+
+from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.tools.diagnose import main
+
+
+@pytest.fixture
+def folder(tmp_path, write_pose_sets, faults):
+    return write_pose_sets(tmp_path, faults(names=["one"]), 12, 1)[0]
+
+
+def edit(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+def cell(folder, line, column, value):
+    lines = (folder / "poses.csv").read_text().splitlines()
+    cells = lines[line - 1].split(",")
+    cells[lines[0].split(",").index(column)] = value
+    lines[line - 1] = ",".join(cells)
+    (folder / "poses.csv").write_text("\n".join(lines) + "\n")
+
+
+def test_a_good_set_is_read(folder, invented):
+    data = read_pose_set(folder)
+    assert (data.robot, data.name, len(data)) == ("invented", "one", 12)
+    np.testing.assert_array_equal(data.dh, invented["dh"])
+    assert data.noise == invented["noise"]
+    np.testing.assert_allclose(data.rotation @ np.swapaxes(data.rotation, 1, 2), [np.eye(3)] * 12, atol=1e-12)
+    assert np.all(np.isnan(data.temperature))
+    assert data.placement.sum() == 1
+
+
+@pytest.mark.parametrize(
+    ("line", "column", "value", "problem"),
+    [
+        (3, "q4", "abc", "no number"),
+        (5, "x", "nan", "not finite"),
+        (5, "z", "", "no number"),
+        (4, "qw", "3.0", "norm"),
+        (6, "placement", "2", "allowed are 0 and 1"),
+        (7, "row", "2", "ascend"),
+        (7, "row", "2.5", "whole"),
+    ],
+)
+def test_a_bad_cell_is_named(folder, tmp_path, capsys, line, column, value, problem):
+    cell(folder, line, column, value)
+    code = main(["--data", str(folder), "--out", str(tmp_path / "out")])
+    message = capsys.readouterr().err.strip().splitlines()[-1]
+    assert code == 2
+    assert f"poses.csv: line {line}, column {column}" in message
+    assert problem in message
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "where"),
+    [
+        ("poses.csv", "temperature", "warmth", "column temperature"),
+        ("set.yaml", "position: 1.5e-05", "position: -1", "noise.position"),
+        ("set.yaml", "placement: fitted", "placement: known", "placement"),
+        ("set.yaml", "mass: 13.0", "mass: heavy", "model.links"),
+        ("set.yaml", "- 0.13", "- high", "model.dh"),
+    ],
+)
+def test_a_bad_description_is_named(folder, tmp_path, capsys, file, old, new, where):
+    edit(folder / file, old, new)
+    code = main(["--data", str(folder), "--out", str(tmp_path / "out")])
+    message = capsys.readouterr().err.strip().splitlines()[-1]
+    assert code == 2
+    assert file in message
+    assert "line " in message
+    assert where in message
+    assert not (tmp_path / "out").exists()
+
+
+def test_sets_of_different_robots_are_refused(folder, tmp_path, write_pose_sets, faults, capsys):
+    other = write_pose_sets(tmp_path / "b", faults(names=["two"]), 12, 2)[0]
+    edit(other / "set.yaml", "robot: invented", "robot: another")
+    arguments = ["--data", str(folder), "--data", str(other), "--out", str(tmp_path / "out")]
+    assert main(arguments) == 2
+    assert "robot is not the one" in capsys.readouterr().err
+
+
+def test_a_set_to_check_without_marked_rows_is_refused(folder, tmp_path, write_pose_sets, faults, capsys):
+    good = write_pose_sets(tmp_path / "b", faults(names=["two"]), 150, 2)[0]
+    for line in range(2, 14):
+        cell(folder, line, "placement", "0")
+    code = main(["--data", str(good), "--check", str(folder), "--out", str(tmp_path / "out")])
+    assert code == 2
+    assert "placement 1" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

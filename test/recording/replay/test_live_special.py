@@ -1,0 +1,52 @@
+"""Live replay of runs that no reference bag holds: a stale picture, a run that somebody canceled."""
+
+from __future__ import annotations
+
+import math
+
+from doormill_ros.cell.errors import RunCanceledError, StageTimeoutError
+from doormill_ros.localization.errors import StalePicture
+from doormill_ros.nodes.live_replay import LiveOptions, repeats_the_end, replay_live
+from doormill_ros.recording.replay.answer import LOCALIZATION, RECIPE, RESULT, TARGET_FILE, TARGETS
+from doormill_ros.recording.replay.offline import replay_offline
+from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
+from support.source_tree import ROOT
+
+FAST = LiveOptions(rate=math.inf)
+AGE = 30_000_000_000  # ns
+
+
+def recorded(scenario: str) -> RecordedRun:
+    (run,) = read_runs(ROOT / "bags" / scenario)
+    return run
+
+
+def test_a_stale_picture_is_stale_again() -> None:
+    run = recorded("outside_y")
+    ((recorded_ns, message),) = run.localizations
+    message.error_code = StalePicture.code
+    run.localizations = [(recorded_ns + AGE, message)]
+    run.result.error_code = StageTimeoutError.code
+    live = {a.topic: a for a in replay_live(run, FAST)}
+    offline = {a.topic: a for a in replay_offline(run)}
+    assert live.keys() == {RECIPE, LOCALIZATION, RESULT}
+    for found in (live[LOCALIZATION], offline[LOCALIZATION]):
+        assert found.values["error_code"] == StalePicture.code
+        assert "30" in found.values["reason"]
+    assert live[RESULT].not_compared
+
+
+def test_a_canceled_run_is_repeated_as_far_as_it_goes() -> None:
+    run = recorded("thesis_190_0deg")
+    run.result.success, run.result.error_code = False, RunCanceledError.code
+    assert not repeats_the_end(run)
+    found = replay_live(run, FAST)
+    assert [a.topic for a in found] == [RECIPE, LOCALIZATION, TARGETS, TARGET_FILE, RESULT]
+    assert [bool(a.not_compared) for a in found] == [False, False, False, False, True]
+    assert str(RunCanceledError.code) in found[-1].not_compared
+
+
+def test_a_recording_that_stopped_before_the_end_has_no_result() -> None:
+    run = recorded("thesis_190_0deg")
+    run.result = None
+    assert [a.topic for a in replay_live(run, FAST)] == [RECIPE, LOCALIZATION, TARGETS]

@@ -1,0 +1,3 @@
+"""Fixtures of these tests; they stand in `support`, where several folders find them."""
+
+from support.pose_sets import faults, invented, write_pose_sets  # noqa: F401

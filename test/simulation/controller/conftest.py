@@ -1,0 +1,13 @@
+"""Fixtures of these tests; they stand in `support`, where several folders find them."""
+
+from support.rapid_bench import (  # noqa: F401
+    answer,
+    arm,
+    controller,
+    door,
+    load,
+    machine,
+    say,
+    thesis_listings,
+    thesis_module,
+)

@@ -1,0 +1,207 @@
+"""One run: start the processes, let things go wrong, wait for the end, ask the judge."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import random
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
+from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from support.faults.bridge import bridge_process
+from support.faults.judge import Verdict, judge
+from support.faults.proxy import Relay
+from support.faults.robot import robot_process
+from support.faults.scenario import Scenario
+from support.faults.world import World
+
+_FAULT_TIME = 1.5  # how long network and server misbehave
+_RUN_LIMIT = 240.0
+_context = multiprocessing.get_context("forkserver")
+_context.set_forkserver_preload(["support.faults.bridge", "support.faults.robot"])
+
+
+class Process:
+    """A process that is started again whenever it died."""
+
+    def __init__(self, entry: object, world: World, scenario: Scenario, *more: object) -> None:
+        self._entry = entry
+        self._arguments = (world, scenario)
+        self._more = more
+        self.life = 0
+        self._start()
+
+    def _start(self) -> None:
+        arguments = (*self._arguments, self.life, *self._more)
+        self._process = _context.Process(target=self._entry, args=arguments, daemon=True)
+        self._process.start()
+
+    def kill(self) -> None:
+        """Kill -9; whatever it was doing stays as it is."""
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self._process.pid, signal.SIGKILL)
+        self._process.join()
+
+    def revive(self) -> None:
+        """Start it again if it died."""
+        if not self._process.is_alive():
+            self._process.join()
+            self.life += 1
+            self._start()
+
+
+def run(scenario: Scenario) -> Verdict:
+    """Play one scenario."""
+    with contextlib.ExitStack() as stack:
+        root = Path(stack.enter_context(_folder(scenario)))
+        world = World.create(root / "run")
+        if scenario.kind == "full disk":
+            stack.enter_context(_small_disk(world.home))
+        link, server, relay = {}, None, None
+        if scenario.transport != "folder":
+            server = stack.enter_context(
+                RwsServer(Cabinet.create(world.home), 1 if scenario.transport == "rws1" else 2)
+            )
+            relay = Relay(server.port, scenario)
+            stack.callback(relay.close)
+            link = {
+                "url": f"{server.url.rsplit(':', 1)[0]}:{relay.port}",
+                "certificate": str(server.certificate),
+            }
+        early = "early" in scenario.kind
+        robot = Process(robot_process, world, scenario) if early else None
+        if early:
+            time.sleep(0.3)
+        bridge = Process(bridge_process, world, scenario, link)
+        robot = robot or Process(robot_process, world, scenario)
+        try:
+            return _play(scenario, world, bridge, robot, server, relay)
+        finally:
+            bridge.kill()
+            robot.kill()
+
+
+def _play(
+    scenario: Scenario,
+    world: World,
+    bridge: Process,
+    robot: Process,
+    server: RwsServer | None,
+    relay: Relay | None,
+) -> Verdict:
+    chance = random.Random(f"run/{scenario.seed}")
+    begin = time.monotonic()
+    pending = _harness_faults(scenario, chance)
+    calm_since = None
+    while time.monotonic() - begin < _RUN_LIMIT:
+        time.sleep(0.01)
+        elapsed = time.monotonic() - begin
+        while pending and elapsed >= pending[0]:
+            pending.pop(0)
+            _strike(scenario, world, bridge, robot, server)
+        if relay is not None and elapsed > _FAULT_TIME:
+            relay.active = False
+        if "full disk" in scenario.kind:
+            _fill(world, full=elapsed < _FAULT_TIME)
+        bridge.revive()
+        robot.revive()
+        quiet = not pending and elapsed > _FAULT_TIME
+        if "kill" in scenario.kind and "state" not in scenario.kind:
+            quiet = quiet and (bridge.life > 0 or robot.life > 0 or elapsed > 6.0)
+        if quiet and calm_since is None:
+            calm_since = time.monotonic()
+        if calm_since is not None and _milled_since(world, calm_since):
+            break
+    verdict = judge(world)
+    verdict.recovered = calm_since is not None and _milled_since(world, calm_since)
+    verdict.faults += relay.hits if relay is not None else 0
+    return verdict
+
+
+def _harness_faults(scenario: Scenario, chance: random.Random) -> list[float]:
+    """Times at which the harness strikes from outside [s]."""
+    outside = ("kill -9 any time", "kill -9 of", "session", "event streams", "full disk")
+    if not any(word in scenario.kind for word in outside):
+        return []
+    first = 0.2 + scenario.options["when"]
+    return sorted(first + chance.uniform(0.0, 1.0) * i for i in range(scenario.faults))
+
+
+def _strike(
+    scenario: Scenario, world: World, bridge: Process, robot: Process, server: RwsServer | None
+) -> None:
+    kind = scenario.kind
+    world.log("faults", what=kind)
+    if "of both" in kind:
+        bridge.kill()
+        robot.kill()
+    elif "robot program" in kind:
+        robot.kill()
+    elif "any time" in kind:
+        bridge.kill()
+    elif "503" in kind and server is not None:
+        server.services.sessions.limit = 1 if server.services.sessions.limit > 1 else 70
+        server.services.sessions.end_all()
+        thief = server.services.sessions.create()
+        server.services.sessions.idle_expiry = 0.3 if thief else 300.0
+    elif "401" in kind and server is not None:
+        server.expire_sessions()
+    elif "streams" in kind and server is not None:
+        server.drop_streams()
+
+
+def _milled_since(world: World, since: float) -> bool:
+    """A door was requested and milled after that moment."""
+    requested = set()
+    for entry in world.entries("robot"):
+        if entry["t"] < since:
+            continue
+        if entry["event"] == "request":
+            requested.add(entry["placement"])
+        elif entry["event"] == "milled" and entry["placement"] in requested:
+            return True
+    return False
+
+
+def _folder(scenario: Scenario) -> tempfile.TemporaryDirectory[str]:
+    base = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
+    return tempfile.TemporaryDirectory(prefix="faults-", dir=base, ignore_cleanup_errors=True)
+
+
+@contextlib.contextmanager
+def _small_disk(home: Path) -> Iterator[None]:
+    """A file system of 64 kB for HOME, where the user may mount one; else HOME stays on its disk."""
+    mount = shutil.which("mount")
+    done = mount is not None and os.geteuid() == 0
+    if done:
+        options = ["-t", "tmpfs", "-o", "size=64k", "tmpfs", str(home)]
+        done = subprocess.run([mount, *options], check=False, capture_output=True).returncode == 0
+    if done:
+        (home / "io").mkdir()
+    try:
+        yield
+    finally:
+        if done:
+            subprocess.run(["umount", "-l", str(home)], check=False, capture_output=True)
+
+
+def _fill(world: World, full: bool) -> None:
+    """Leave no byte free, or give the space back."""
+    ballast = world.home / "ballast"
+    if not full:
+        ballast.unlink(missing_ok=True)
+        return
+    if not os.path.ismount(world.home):
+        return
+    with contextlib.suppress(OSError), ballast.open("ab") as file:
+        while True:
+            file.write(b"x" * 512)
+            file.flush()

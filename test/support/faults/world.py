@@ -1,0 +1,99 @@
+"""What all processes of a run share: the door in the cell, and what was planned and milled."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.abb.target_file.target_file import render_target_file
+from doormill_ros.robot.configuration import ConfData
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+
+DOORS = ("door_a", "door_b")
+#: Somewhere in front of the robot, near its home position, so that the real program can go there.
+_FIRST = np.array([1.35, 0.4, 1.3])
+
+
+def height(placement: int) -> float:
+    """Height of the targets for a placement [m]: each has its own."""
+    return float(_FIRST[2]) + 0.001 * (placement % 50)
+
+
+@dataclass(frozen=True)
+class World:
+    """The folders of one run."""
+
+    root: Path
+
+    @classmethod
+    def create(cls, root: Path) -> World:
+        """Make the folders."""
+        world = cls(root)
+        world.home.mkdir(parents=True)
+        (world.home / "io").mkdir()
+        world.clamp(0, DOORS[0])
+        return world
+
+    @property
+    def home(self) -> Path:
+        """The controller's HOME folder."""
+        return self.root / "home"
+
+    def clamp(self, placement: int, door_id: str) -> None:
+        """A door is put into the cell, each time a little differently: a new placement."""
+        self.replace("placement", f"{placement} {door_id}")
+
+    def replace(self, name: str, text: str) -> None:
+        """Write a small file in one step: a process killed in between leaves the old one."""
+        beside = self.root / f"{name}.{os.getpid()}"
+        beside.write_text(text)
+        os.replace(beside, self.root / name)
+
+    def door(self) -> tuple[int, str]:
+        """The present placement and door, as a picture would show them."""
+        number, door_id = (self.root / "placement").read_text().split()
+        return int(number), door_id
+
+    def log(self, name: str, **entry: Any) -> None:
+        """Append a line; what a killed process logged before stays."""
+        line = json.dumps({"t": time.monotonic(), **entry}) + "\n"
+        with (self.root / f"{name}.jsonl").open("a") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            file.write(line)
+
+    def entries(self, name: str) -> list[dict[str, Any]]:
+        """All lines of a log."""
+        try:
+            text = (self.root / f"{name}.jsonl").read_text()
+        except FileNotFoundError:
+            return []
+        return [json.loads(line) for line in text.splitlines()]
+
+
+def digest(data: bytes) -> str:
+    """Name of a file's content."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def make_file(placement: int, door_id: str, run_id: str) -> bytes:
+    """A real target file of 14 targets; the placement is in its recipe version and its poses."""
+    conf = ConfData(0, 0, -1, 1)
+    targets, zeros = [], np.zeros(6)
+    for i in range(14):
+        T_base_tool = np.eye(4)
+        T_base_tool[:3, :3] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
+        T_base_tool[:3, 3] = [_FIRST[0], _FIRST[1] + 0.004 * i, height(placement)]
+        targets.append(Target(str(i), T_base_tool, T_base_tool, zeros, conf, zeros, zeros))
+    kinds = [MotionKind.JOINT, *[MotionKind.LINEAR] * 13]
+    motions = tuple(
+        Motion(kind, i, None, 0.5, "z0" if i < 13 else "fine", "", False) for i, kind in enumerate(kinds)
+    )
+    return render_target_file(MillingProgram(door_id, placement, tuple(targets), motions), run_id)
