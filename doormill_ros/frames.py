@@ -18,6 +18,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
+
 BASE_FRAME = "base_link"
 DOOR_FRAME = "door"
 CAMERA_FRAME = "camera_optical_frame"
@@ -25,7 +27,7 @@ FLANGE_FRAME = "flange"
 TOOL_FRAME = "tool"
 
 
-def check_transform(T_a_b: np.ndarray, name: str = "transform", tolerance: float = 1e-6) -> np.ndarray:
+def check_transform(T_a_b: FloatArray, name: str = "transform", tolerance: float = 1e-6) -> FloatArray:
     """Return a copied, read-only (4, 4) float64 matrix, or say what is wrong with it.
 
     Args:
@@ -51,7 +53,7 @@ def check_transform(T_a_b: np.ndarray, name: str = "transform", tolerance: float
     return matrix
 
 
-def are_transforms(T_a_b: Sequence[np.ndarray], tolerance: float = 1e-6) -> bool:
+def are_transforms(T_a_b: Sequence[FloatArray], tolerance: float = 1e-6) -> bool:
     """True when `check_transform` would let each of many matrices pass."""
     try:
         matrices = np.array(T_a_b, dtype=float)
@@ -65,7 +67,7 @@ def are_transforms(T_a_b: Sequence[np.ndarray], tolerance: float = 1e-6) -> bool
     return bool(last_rows and np.all(error <= tolerance) and np.all(np.linalg.det(rotations) > 0.0))
 
 
-def transform(rotation: np.ndarray | None = None, translation: np.ndarray | None = None) -> np.ndarray:
+def transform(rotation: FloatArray | None = None, translation: FloatArray | None = None) -> FloatArray:
     """Build T_a_b, shape (4, 4), from R_a_b, shape (3, 3), and p_a_b, shape (3,) [m]."""
     T_a_b = np.eye(4)
     if rotation is not None:
@@ -75,7 +77,7 @@ def transform(rotation: np.ndarray | None = None, translation: np.ndarray | None
     return T_a_b
 
 
-def inverse(T_a_b: np.ndarray) -> np.ndarray:
+def inverse(T_a_b: FloatArray) -> FloatArray:
     """T_b_a of T_a_b; shapes (..., 4, 4)."""
     T_a_b = np.asarray(T_a_b, dtype=float)
     R_b_a = np.swapaxes(T_a_b[..., :3, :3], -1, -2)
@@ -86,22 +88,22 @@ def inverse(T_a_b: np.ndarray) -> np.ndarray:
     return T_b_a
 
 
-def apply(T_a_b: np.ndarray, p_b: np.ndarray) -> np.ndarray:
+def apply(T_a_b: FloatArray, p_b: FloatArray) -> FloatArray:
     """Map points p_b, shape (..., 3) [m], into frame a."""
     return np.asarray(p_b) @ T_a_b[:3, :3].T + T_a_b[:3, 3]
 
 
-def quaternion_xyzw(T_a_b: np.ndarray) -> np.ndarray:
+def quaternion_xyzw(T_a_b: FloatArray) -> FloatArray:
     """Unit quaternion (x, y, z, w) of R_a_b with w >= 0; shape (..., 4). ROS order."""
     return Rotation.from_matrix(np.asarray(T_a_b)[..., :3, :3]).as_quat(canonical=True)
 
 
-def quaternion_wxyz(T_a_b: np.ndarray) -> np.ndarray:
+def quaternion_wxyz(T_a_b: FloatArray) -> FloatArray:
     """Unit quaternion (w, x, y, z) of R_a_b with w >= 0; shape (..., 4). RAPID order."""
     return quaternion_xyzw(T_a_b)[..., [3, 0, 1, 2]]
 
 
-def from_xyzw(position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+def from_xyzw(position: FloatArray, quaternion: FloatArray) -> FloatArray:
     """T_a_b from position and orientation.
 
     Args:
@@ -116,17 +118,17 @@ def from_xyzw(position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
     return T_a_b
 
 
-def from_wxyz(position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+def from_wxyz(position: FloatArray, quaternion: FloatArray) -> FloatArray:
     """As `from_xyzw` from a quaternion (w, x, y, z)."""
     return from_xyzw(position, np.asarray(quaternion)[..., [1, 2, 3, 0]])
 
 
-def rotation_x(angle: float) -> np.ndarray:
+def rotation_x(angle: float) -> FloatArray:
     """R_a_b for a turn of b by `angle` [rad] about the x axis of a; shape (3, 3)."""
     return Rotation.from_euler("x", angle).as_matrix()
 
 
-def apply_twist(T_a_b: np.ndarray, twist: np.ndarray) -> np.ndarray:
+def apply_twist(T_a_b: FloatArray, twist: FloatArray) -> FloatArray:
     """Move frame b by a small twist given in the axes of frame a, taken at the origin of b.
 
     Args:
@@ -141,7 +143,7 @@ def apply_twist(T_a_b: np.ndarray, twist: np.ndarray) -> np.ndarray:
     return transform(rotation, T_a_b[:3, 3] + twist[:3])
 
 
-def twist_between(T_a_b: np.ndarray, T_a_c: np.ndarray) -> np.ndarray:
+def twist_between(T_a_b: FloatArray, T_a_c: FloatArray) -> FloatArray:
     """The twist, shape (6,) [m, rad], axes of a, that `apply_twist` needs to move b onto c."""
     rotvec = Rotation.from_matrix(T_a_c[:3, :3] @ T_a_b[:3, :3].T).as_rotvec()
     return np.concatenate([T_a_c[:3, 3] - T_a_b[:3, 3], rotvec])

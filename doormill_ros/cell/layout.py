@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import rotation_x, transform
 from doormill_ros.resources import resource
 
@@ -54,9 +55,9 @@ class CellLayout:
     centre_y: float
     bottom_z: float
     limits: PlacementLimits
-    T_flange_tool: np.ndarray
+    T_flange_tool: FloatArray
 
-    def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> np.ndarray:
+    def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> FloatArray:
         """Door frame in the base frame, shape (4, 4).
 
         Args:
@@ -72,7 +73,7 @@ class CellLayout:
         ]
         return transform(rotation_x(offset.rotation), origin)
 
-    def offset_of(self, T_base_door: np.ndarray, width: float) -> DoorOffset:
+    def offset_of(self, T_base_door: FloatArray, width: float) -> DoorOffset:
         """The three free degrees of freedom of a door pose; inverse of `T_base_door`."""
         return DoorOffset(
             y=float(T_base_door[1, 3] - (self.centre_y - width / 2.0)),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.correction.poses import displace, twist_to
 
 MAX_ITERATIONS = 25
@@ -27,24 +28,24 @@ class Compensation:
         iterations: Steps taken until the last target had settled.
     """
 
-    T_base_tool: np.ndarray
-    q: np.ndarray
-    deflection: np.ndarray
-    residual: np.ndarray
+    T_base_tool: FloatArray
+    q: FloatArray
+    deflection: FloatArray
+    residual: FloatArray
     iterations: int
 
     @property
-    def translation(self) -> np.ndarray:
+    def translation(self) -> FloatArray:
         """Length of the predicted deflection at the tool centre point, shape (n,) [m]."""
         return np.linalg.norm(self.deflection[:, :3], axis=1)
 
 
 def compensate(
-    T_base_tool: np.ndarray,
-    q: np.ndarray,
-    deflect: Callable[[np.ndarray], np.ndarray],
+    T_base_tool: FloatArray,
+    q: FloatArray,
+    deflect: Callable[[FloatArray], FloatArray],
     kinematics,
-    T_flange_tool: np.ndarray,
+    T_flange_tool: FloatArray,
     tolerance: float = 1e-6,
 ) -> Compensation:
     """Iterate joint angles until the loaded tool is back on the nominal poses.

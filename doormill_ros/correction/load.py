@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.correction.compensate import Compensation, compensate
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 
@@ -23,19 +24,19 @@ class Bench:
 
     kinematics: object
     model: ComplianceModel
-    T_flange_tool: np.ndarray
+    T_flange_tool: FloatArray
     tolerance: float = 1e-6
 
     @property
-    def load_point(self) -> np.ndarray:
+    def load_point(self) -> FloatArray:
         """Tool centre point in the flange frame, shape (3,) [m]."""
         return self.T_flange_tool[:3, 3]
 
-    def deflection(self, q: np.ndarray, wrench: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    def deflection(self, q: FloatArray, wrench: FloatArray, direction: FloatArray) -> FloatArray:
         """Twist of the loaded tool, base axes; shapes (n, 6) each [rad], [N, N m], [-] -> [m, rad]."""
         return self.model.deflection(q, wrench, self.load_point, direction)
 
-    def posture(self, T_base_tool: np.ndarray, q: np.ndarray) -> np.ndarray:
+    def posture(self, T_base_tool: FloatArray, q: FloatArray) -> FloatArray:
         """Joint angles that reach nominal poses unloaded, from angles near them.
 
         Args:
@@ -50,7 +51,7 @@ class Bench:
         return found.q
 
     def corrected(
-        self, T_base_tool: np.ndarray, q: np.ndarray, wrench: np.ndarray, direction: np.ndarray
+        self, T_base_tool: FloatArray, q: FloatArray, wrench: FloatArray, direction: FloatArray
     ) -> Compensation:
         """Corrected poses of n stations, each under one load.
 
@@ -65,11 +66,11 @@ class Bench:
 
     def corrected_for_all(
         self,
-        T_base_tool: np.ndarray,
-        q: np.ndarray,
-        owner: np.ndarray,
-        wrench: np.ndarray,
-        direction: np.ndarray,
+        T_base_tool: FloatArray,
+        q: FloatArray,
+        owner: FloatArray,
+        wrench: FloatArray,
+        direction: FloatArray,
     ) -> Compensation:
         """Corrected poses of n targets, each for the mean of the deflections under its loads.
 
@@ -85,7 +86,7 @@ class Bench:
         """
         share = 1.0 / np.bincount(owner, minlength=len(q))[owner]
 
-        def deflect(angles: np.ndarray) -> np.ndarray:
+        def deflect(angles: FloatArray) -> FloatArray:
             each = self.deflection(angles[owner], wrench, direction) * share[:, None]
             mean = np.zeros((len(angles), 6))
             np.add.at(mean, owner, each)

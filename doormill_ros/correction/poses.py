@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 
-def rotation_from_vector(rotvec: np.ndarray) -> np.ndarray:
+
+def rotation_from_vector(rotvec: FloatArray) -> FloatArray:
     """Rotation matrices of rotation vectors (Rodrigues' formula).
 
     Args:
@@ -26,7 +28,7 @@ def rotation_from_vector(rotvec: np.ndarray) -> np.ndarray:
     return np.eye(3) + first * cross + second * (cross @ cross)
 
 
-def vector_from_rotation(R_a_b: np.ndarray) -> np.ndarray:
+def vector_from_rotation(R_a_b: FloatArray) -> FloatArray:
     """Rotation vectors of rotations by less than half a turn.
 
     Args:
@@ -51,7 +53,7 @@ def vector_from_rotation(R_a_b: np.ndarray) -> np.ndarray:
     return skew * scale[:, None]
 
 
-def displace(T_a_b: np.ndarray, twist: np.ndarray) -> np.ndarray:
+def displace(T_a_b: FloatArray, twist: FloatArray) -> FloatArray:
     """Move frames b by twists in the axes of a, taken at the origin of b.
 
     Args:
@@ -67,7 +69,7 @@ def displace(T_a_b: np.ndarray, twist: np.ndarray) -> np.ndarray:
     return moved
 
 
-def undisplace(T_a_b: np.ndarray, twist: np.ndarray) -> np.ndarray:
+def undisplace(T_a_b: FloatArray, twist: FloatArray) -> FloatArray:
     """Poses that `displace` with the same twists moves onto `T_a_b`; shapes as there."""
     moved = T_a_b.copy()
     moved[:, :3, :3] = np.swapaxes(rotation_from_vector(twist[:, 3:]), -1, -2) @ T_a_b[:, :3, :3]
@@ -75,7 +77,7 @@ def undisplace(T_a_b: np.ndarray, twist: np.ndarray) -> np.ndarray:
     return moved
 
 
-def twist_to(T_a_b: np.ndarray, T_a_c: np.ndarray) -> np.ndarray:
+def twist_to(T_a_b: FloatArray, T_a_c: FloatArray) -> FloatArray:
     """Twists, shape (n, 6) [m, rad], with which `displace` moves `T_a_b` onto `T_a_c`."""
     turned = T_a_c[:, :3, :3] @ np.swapaxes(T_a_b[:, :3, :3], -1, -2)
     return np.concatenate([T_a_c[:, :3, 3] - T_a_b[:, :3, 3], vector_from_rotation(turned)], axis=-1)

@@ -18,8 +18,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 
-def moved(wrench: np.ndarray, arm: np.ndarray) -> np.ndarray:
+
+def moved(wrench: FloatArray, arm: FloatArray) -> FloatArray:
     """The same load, stated at another point.
 
     Args:
@@ -34,7 +36,7 @@ def moved(wrench: np.ndarray, arm: np.ndarray) -> np.ndarray:
     return np.concatenate([wrench[..., :3], moment], axis=-1)
 
 
-def turned(R_a_b: np.ndarray, wrench_b: np.ndarray) -> np.ndarray:
+def turned(R_a_b: FloatArray, wrench_b: FloatArray) -> FloatArray:
     """Wrenches in the axes of b written in the axes of a.
 
     Args:
@@ -50,7 +52,7 @@ def turned(R_a_b: np.ndarray, wrench_b: np.ndarray) -> np.ndarray:
     return np.concatenate([force, moment], axis=-1)
 
 
-def lever_arm(wrenches: np.ndarray) -> float:
+def lever_arm(wrenches: FloatArray) -> float:
     """Distance along z between a sensor and the point where pure forces explain its moments.
 
     Least squares over Mx = -a Fy and My = a Fx.

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.loading import Loadings, displacement_per_compliance
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.kinematics import Kinematics
@@ -49,7 +50,7 @@ class JointStep:
 
 
 def identify_joint_by_joint(
-    kinematics: Kinematics, loadings: Loadings, reference: np.ndarray
+    kinematics: Kinematics, loadings: Loadings, reference: FloatArray
 ) -> list[JointStep]:
     """Apply the thesis' formulas to the best isolated trials, the best isolated joint first.
 
@@ -85,7 +86,7 @@ def identify_joint_by_joint(
 
 
 def _step(
-    A: np.ndarray, loadings: Loadings, joint: int, rows: np.ndarray, known: dict[int, float], isolation: float
+    A: FloatArray, loadings: Loadings, joint: int, rows: FloatArray, known: dict[int, float], isolation: float
 ) -> JointStep:
     subtracted = tuple(sorted(j + 1 for j in known))
     if not rows.size:

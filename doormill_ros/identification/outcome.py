@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.identification.joint_by_joint import JointStep
 from doormill_ros.identification.weighted import StiffnessFit
 from doormill_ros.robot.chain import JOINTS
@@ -41,8 +42,8 @@ class Outcome:
 
     robot: Robot
     source: str
-    stiffness: np.ndarray
-    std: np.ndarray
+    stiffness: FloatArray
+    std: FloatArray
     lines: list[str]
     document: dict[str, Any] = field(default_factory=dict)
 
@@ -165,7 +166,7 @@ def plain(value: Any) -> Any:
     return float(value) if math.isfinite(value) else None
 
 
-def _degrees(angles: np.ndarray) -> list[float]:
+def _degrees(angles: FloatArray) -> list[float]:
     return rad_to_deg(angles).round(9).tolist()
 
 

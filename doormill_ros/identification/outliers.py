@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.identification.weighted import StiffnessFit, fit_stiffness
 from doormill_ros.measurements.loading import Loadings
 from doormill_ros.robot.kinematics import Kinematics
@@ -36,8 +37,8 @@ class RobustFit:
     """
 
     fit: StiffnessFit
-    kept: np.ndarray
-    outliers: np.ndarray
+    kept: FloatArray
+    outliers: FloatArray
 
 
 def fit_without_outliers(kinematics: Kinematics, loadings: Loadings) -> RobustFit:
@@ -63,7 +64,7 @@ def fit_without_outliers(kinematics: Kinematics, loadings: Loadings) -> RobustFi
     return RobustFit(fit_stiffness(kinematics, loadings.pick(kept)), kept, outliers)
 
 
-def _distance(fit: StiffnessFit, displacement_std: np.ndarray) -> np.ndarray:
+def _distance(fit: StiffnessFit, displacement_std: FloatArray) -> FloatArray:
     """Length of each loading's residual, 1 being usual for the set or for its declared noise, whichever is more."""
     length = np.linalg.norm(fit.residual / displacement_std, axis=1) / _MEDIAN_LENGTH
     return length / max(1.0, float(np.median(length)))

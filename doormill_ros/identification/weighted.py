@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.loading import (
     Loadings,
     displacement_per_compliance,
@@ -42,18 +43,18 @@ class StiffnessFit:
         rounds: Reweighted fits that were needed.
     """
 
-    stiffness: np.ndarray
-    std: np.ndarray
-    compliance: np.ndarray
-    compliance_covariance: np.ndarray
-    residual: np.ndarray
+    stiffness: FloatArray
+    std: FloatArray
+    compliance: FloatArray
+    compliance_covariance: FloatArray
+    residual: FloatArray
     rmse: float
     chi_square: float
     degrees_of_freedom: int
     rounds: int
 
     @property
-    def identified(self) -> np.ndarray:
+    def identified(self) -> FloatArray:
         """Which joints the loadings tell, shape (6,) bool."""
         return np.isfinite(self.stiffness)
 
@@ -71,7 +72,7 @@ def fit_stiffness(kinematics: Kinematics, loadings: Loadings) -> StiffnessFit:
     return _fit_columns(A, gain, loadings)
 
 
-def fit_by_preload(kinematics: Kinematics, loadings: Loadings, direction: np.ndarray) -> StiffnessFit:
+def fit_by_preload(kinematics: Kinematics, loadings: Loadings, direction: FloatArray) -> StiffnessFit:
     """Stiffness of each joint when pre-loaded and when not (thesis section 3.3, table 4.3).
 
     A joint is pre-loaded when its last motion went against the direction in which the load turns it; then its
@@ -96,14 +97,14 @@ def fit_by_preload(kinematics: Kinematics, loadings: Loadings, direction: np.nda
     return _fit_columns(A, gain, loadings)
 
 
-def _design(kinematics: Kinematics, loadings: Loadings) -> tuple[np.ndarray, np.ndarray]:
+def _design(kinematics: Kinematics, loadings: Loadings) -> tuple[FloatArray, FloatArray]:
     """Displacement per compliance (n, 3, 6), and per wrench component and compliance (n, 3, 6, 6)."""
     A = displacement_per_compliance(kinematics, loadings)
     lever = reflector_jacobian(kinematics, loadings)[:, :3]
     return A, np.einsum("nik,nwk->niwk", lever, load_jacobian(kinematics, loadings))
 
 
-def _fit_columns(A: np.ndarray, gain: np.ndarray, loadings: Loadings) -> StiffnessFit:
+def _fit_columns(A: FloatArray, gain: FloatArray, loadings: Loadings) -> StiffnessFit:
     """Fit every compliance that moves a reflector, and report those that come out certain enough.
 
     The others stay in the fit: leaving a joint out would call it rigid and push its share onto the rest.
@@ -120,8 +121,8 @@ def _fit_columns(A: np.ndarray, gain: np.ndarray, loadings: Loadings) -> Stiffne
 
 
 def _reweighted(
-    A: np.ndarray, gain: np.ndarray, loadings: Loadings, joints: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, int, int]:
+    A: FloatArray, gain: FloatArray, loadings: Loadings, joints: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, int, int]:
     """Compliances of the joints, their covariance, 1 / deviation of each component, rank and rounds."""
     design = A[:, :, joints].reshape(-1, joints.size)
     target = loadings.displacement.reshape(-1)
@@ -140,7 +141,7 @@ def _reweighted(
     return compliance, covariance, inverse_std, rank, rounds
 
 
-def _solve(design: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+def _solve(design: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray, int]:
     """Least squares with columns scaled to one, since compliances differ by a factor of 50.
 
     Returns:
@@ -160,12 +161,12 @@ def _solve(design: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _report(
-    A: np.ndarray,
+    A: FloatArray,
     loadings: Loadings,
-    joints: np.ndarray,
-    found: np.ndarray,
-    covariance: np.ndarray,
-    inverse_std: np.ndarray,
+    joints: FloatArray,
+    found: FloatArray,
+    covariance: FloatArray,
+    inverse_std: FloatArray,
     rank: int,
     rounds: int,
 ) -> StiffnessFit:

@@ -12,6 +12,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.robust import column_medians
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 
@@ -31,10 +32,10 @@ class Band:
         map_v: Row in the reduced picture, float32, shape (n, a).
     """
 
-    across: np.ndarray
-    along: np.ndarray
-    map_u: np.ndarray
-    map_v: np.ndarray
+    across: FloatArray
+    along: FloatArray
+    map_u: FloatArray
+    map_v: FloatArray
 
     @property
     def step(self) -> float:
@@ -72,19 +73,19 @@ def band(view: FaceView, edge: str, reach: float, inside: float) -> Band:
 _NODES = 0.5 - 0.5 * np.cos(np.pi * (np.arange(7) + 0.5) / 7)  # Chebyshev's, between 0 and 1
 
 
-def _stretch(samples: np.ndarray) -> np.ndarray:
+def _stretch(samples: FloatArray) -> FloatArray:
     """The nodes between the first and the last sample."""
     return samples[0] + _NODES * (samples[-1] - samples[0])
 
 
 @lru_cache(maxsize=64)
-def _lagrange(count: int) -> np.ndarray:
+def _lagrange(count: int) -> FloatArray:
     """Weights (count, 7) that carry values at the nodes to `count` even samples."""
     powers = np.vander(np.linspace(0.0, 1.0, count), _NODES.size)
     return powers @ np.linalg.inv(np.vander(_NODES))
 
 
-def reduced(picture: np.ndarray) -> dict[str, np.ndarray]:
+def reduced(picture: FloatArray) -> dict[str, FloatArray]:
     """The picture averaged down for each edge, by halvings, which the library does fast."""
     height, width = picture.shape
     half = cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
@@ -114,14 +115,14 @@ class Steps:
     """
 
     where: Band
-    rows: np.ndarray
-    segments: np.ndarray
-    centres: np.ndarray
+    rows: FloatArray
+    segments: FloatArray
+    centres: FloatArray
     middle: float
-    tilts: np.ndarray
-    scores: np.ndarray
-    texture: np.ndarray
-    brightness: np.ndarray
+    tilts: FloatArray
+    scores: FloatArray
+    texture: FloatArray
+    brightness: FloatArray
 
     def along_line(
         self, across: float, tilt: float, start: float, stop: float, quantile: float = 0.5
@@ -137,7 +138,7 @@ class Steps:
         return float(found[int(quantile * (found.size - 1) + 0.5)])
 
 
-def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float, reach: float) -> Steps:
+def find_steps(small: FloatArray, where: Band, tilts: FloatArray, free: float, reach: float) -> Steps:
     """Steps of a reduced picture in a band.
 
     The median over pieces lets chips, dust, screws and clamps cover almost half of the edge.
@@ -165,7 +166,7 @@ def find_steps(small: np.ndarray, where: Band, tilts: np.ndarray, free: float, r
     centres = where.along[used].reshape(pieces, per).mean(axis=1)
     middle = float(centres.mean())
 
-    def scores(columns: np.ndarray, tilts: np.ndarray) -> np.ndarray:
+    def scores(columns: FloatArray, tilts: FloatArray) -> FloatArray:
         shift = np.rint(np.outer(tilts, centres - middle) / where.step).astype(np.intp)  # (k, pieces)
         rim = max(int(np.abs(shift).max()), 1)
         padded = np.empty((count + 2 * rim, pieces), dtype=segments.dtype)  # lines may leave the band

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import ndtr
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.profiles import Profiles
 from doormill_ros.localization.texture import PIXEL_VARIANCE, Surface, covariance_function, step_design
 
@@ -31,19 +32,19 @@ class Spread:
     blur: float
     misfit: float
     level: float
-    mean: np.ndarray
-    error: np.ndarray
+    mean: FloatArray
+    error: FloatArray
 
 
 @lru_cache(maxsize=16)
-def _templates(half: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _templates(half: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Blurred steps (b, m, 3), projectors (b, m, m) onto what they leave unexplained; bin centres (m,)."""
     place = np.arange(-half + 0.5, half - 0.5 + 1e-9, 1 / _FINE)
     design = np.stack([step_design(place, blur) for blur in _BLURS])
     return design, np.eye(place.size) - design @ np.linalg.pinv(design), place
 
 
-def _lay_over(shape: np.ndarray, index: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
+def _lay_over(shape: FloatArray, index: FloatArray, size: int) -> tuple[FloatArray, FloatArray]:
     """Mean and its standard error (size,) of `shape` in the bins `index`; index `size` is nowhere."""
     index = index.ravel()
     count = np.bincount(index, minlength=size + 1)[:size]
@@ -57,7 +58,7 @@ def _lay_over(shape: np.ndarray, index: np.ndarray, size: int) -> tuple[np.ndarr
     return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many)
 
 
-def edge_spread(profiles: Profiles, shift: np.ndarray, near: np.ndarray) -> Spread:
+def edge_spread(profiles: Profiles, shift: FloatArray, near: FloatArray) -> Spread:
     """Blur and singleness of an edge.
 
     Args:
@@ -81,13 +82,13 @@ def edge_spread(profiles: Profiles, shift: np.ndarray, near: np.ndarray) -> Spre
     return Spread(_lowest(_left_over(projector, mean)), float(misfit), level, mean, error)
 
 
-def _left_over(projector: np.ndarray, mean: np.ndarray) -> np.ndarray:
+def _left_over(projector: FloatArray, mean: FloatArray) -> FloatArray:
     """Mean square (b,) of what each blur leaves of a profile unexplained."""
     left = projector @ mean
     return np.einsum("bm,bm->b", left, left) / mean.size
 
 
-def _lowest(costs: np.ndarray) -> float:
+def _lowest(costs: FloatArray) -> float:
     """The blur with the lowest cost, between those tried [px]."""
     i = min(max(int(np.argmin(costs)), 1), len(_BLURS) - 2)
     a, b, c = (float(v) for v in costs[i - 1 : i + 2])
@@ -131,5 +132,5 @@ def textured_blur(spread: Spread, step: float, inside: Surface, outside: Surface
 
 
 @lru_cache(maxsize=4)
-def _lags(size: int) -> np.ndarray:
+def _lags(size: int) -> FloatArray:
     return np.abs(np.arange(size)[:, None] - np.arange(size))

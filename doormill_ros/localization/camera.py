@@ -10,6 +10,7 @@ import numpy as np
 import yaml
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import transform
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.resources import resource
@@ -21,7 +22,7 @@ R_BASE_CAMERA_NOMINAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0,
 _UNDISTORT_STOP = (cv2.TERM_CRITERIA_COUNT, 6, 0.0)
 
 
-def _frozen(values: object, shape: tuple[int, ...], name: str) -> np.ndarray:
+def _frozen(values: object, shape: tuple[int, ...], name: str) -> FloatArray:
     array = np.array(values, dtype=float)
     if array.shape != shape or not np.all(np.isfinite(array)):
         raise BadCameraFile(
@@ -44,11 +45,11 @@ class CameraModel:
         rotation_vector: Turn from the nominal viewing directions, camera axes [rad], shape (3,).
     """
 
-    k: np.ndarray
-    distortion: np.ndarray
+    k: FloatArray
+    distortion: FloatArray
     size: tuple[int, int]
-    position: np.ndarray
-    rotation_vector: np.ndarray
+    position: FloatArray
+    rotation_vector: FloatArray
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays.
@@ -71,16 +72,16 @@ class CameraModel:
                 "allowed are positive numbers; calibrate it again",
             )
 
-    def with_intrinsics(self, k: np.ndarray, distortion: np.ndarray, size: tuple[int, int]) -> CameraModel:
+    def with_intrinsics(self, k: FloatArray, distortion: FloatArray, size: tuple[int, int]) -> CameraModel:
         """This camera with intrinsics from elsewhere, for example those sent with a picture."""
         return replace(self, k=k, distortion=distortion, size=size)
 
-    def T_base_camera(self, width: float) -> np.ndarray:
+    def T_base_camera(self, width: float) -> FloatArray:
         """Camera frame in base for a door of `width` [m], shape (4, 4): the slider follows the hinge edge."""
         rotation = R_BASE_CAMERA_NOMINAL @ Rotation.from_rotvec(self.rotation_vector.copy()).as_matrix()
         return transform(rotation, self.position - [0.0, width / 2.0, 0.0])
 
-    def distort(self, rays: np.ndarray) -> np.ndarray:
+    def distort(self, rays: FloatArray) -> FloatArray:
         """Pixels (..., 2) of ideal rays x/z, y/z (..., 2); Brown's model."""
         k1, k2, p1, p2, k3 = self.distortion
         x, y = rays[..., 0], rays[..., 1]
@@ -94,7 +95,7 @@ class CameraModel:
         pixels[..., 1] = k[1, 1] * yd + k[1, 2]
         return pixels
 
-    def undistort(self, pixels: np.ndarray) -> np.ndarray:
+    def undistort(self, pixels: FloatArray) -> FloatArray:
         """Ideal rays x/z, y/z (n, 2) of pixels (n, 2); inverse of `distort`."""
         pixels = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 1, 2)
         if hasattr(
@@ -105,13 +106,13 @@ class CameraModel:
             )[:, 0]
         return cv2.undistortPoints(pixels, self.k, self.distortion, criteria=_UNDISTORT_STOP)[:, 0]
 
-    def project(self, points: np.ndarray, width: float) -> np.ndarray:
+    def project(self, points: FloatArray, width: float) -> FloatArray:
         """Pixels (..., 2) of points in base (..., 3) [m], the slider standing at `width`."""
         T_base_camera = self.T_base_camera(width)
         seen = (np.asarray(points) - T_base_camera[:3, 3]) @ T_base_camera[:3, :3]
         return self.distort(seen[..., :2] / seen[..., 2:])
 
-    def on_plane(self, rays: np.ndarray, width: float, x: float) -> np.ndarray:
+    def on_plane(self, rays: FloatArray, width: float, x: float) -> FloatArray:
         """Base y, z (n, 2) [m] where rays (n, 2) meet the plane base x = `x` [m]."""
         T_base_camera = self.T_base_camera(width)
         directions = rays @ T_base_camera[:3, :2].T + T_base_camera[:3, 2]

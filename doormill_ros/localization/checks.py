@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset, PlacementLimits
 from doormill_ros.localization.blur import Spread
 from doormill_ros.localization.camera import CameraModel
@@ -36,7 +37,7 @@ _DOUBLE, _DOUBLE_SCATTER, _DOUBLE_STREAKS = 0.02, 3.5, 2.0
 
 
 def check_input(
-    picture: np.ndarray, camera: CameraModel | None, age: float, settings: LocalizerSettings
+    picture: FloatArray, camera: CameraModel | None, age: float, settings: LocalizerSettings
 ) -> None:
     """Whether the picture is one, is new and belongs to the camera info.
 
@@ -64,7 +65,7 @@ def check_input(
         )
 
 
-def check_exposure(picture: np.ndarray, strict: bool = False) -> None:
+def check_exposure(picture: FloatArray, strict: bool = False) -> None:
     """Whether the picture is neither black nor white; `strict` when no edge was found in it.
 
     Raises:
@@ -206,7 +207,7 @@ def check_range(offset: DoorOffset, limits: PlacementLimits) -> None:
 
 
 def check_certainty(
-    covariance: np.ndarray, hinge: LineFit, bottom: LineFit, settings: LocalizerSettings
+    covariance: FloatArray, hinge: LineFit, bottom: LineFit, settings: LocalizerSettings
 ) -> None:
     """Whether the pose is known well enough.
 

@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find_steps, reduced
 from doormill_ros.localization.errors import NoEdge, WrongEdge
 from doormill_ros.localization.robust import median
@@ -70,7 +71,7 @@ def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
 
 
 @lru_cache(maxsize=256)
-def _distant_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+def _distant_pairs(count: int) -> tuple[FloatArray, FloatArray]:
     """Numbers i < j of the pairs of `count` pieces that are at least a quarter of them apart."""
     return np.triu_indices(count, max(count // 4, 1))
 
@@ -107,14 +108,14 @@ def refine(steps: Steps, line: Line) -> Line:
     return Line(float(at), float(slope), line.step)
 
 
-def meet(hinge: Line, bottom: Line) -> np.ndarray:
+def meet(hinge: Line, bottom: Line) -> FloatArray:
     """Pose (y, z, rotation) of the corner of two lines; the rotation is the mean of theirs."""
     # Hinge: y = a + p z, bottom: z = b + q y; a turn by r tilts them by -r and +r.
     y = (hinge.across + hinge.tilt * bottom.across) / (1 - hinge.tilt * bottom.tilt)
     return np.array([y, bottom.across + bottom.tilt * y, np.arctan((bottom.tilt - hinge.tilt) / 2)])
 
 
-def _ends_at_corner(steps: dict[str, Steps], hinge: Line, bottom: Line, corner: np.ndarray) -> bool:
+def _ends_at_corner(steps: dict[str, Steps], hinge: Line, bottom: Line, corner: FloatArray) -> bool:
     """Whether both edges are there near the corner and at least one of them ends in it."""
     beyond, close = [], []
     for edge, line, at in ((HINGE, hinge, corner[1]), (BOTTOM, bottom, corner[0])):
@@ -145,7 +146,7 @@ def search_bands(view: FaceView, limit: float, rotation: float) -> dict[str, Ban
     return out
 
 
-def search(picture: np.ndarray, view: FaceView, limit: float, rotation: float) -> np.ndarray:
+def search(picture: FloatArray, view: FaceView, limit: float, rotation: float) -> FloatArray:
     """Rough pose of the corner of the door's face: y, z [m] and rotation [rad], shape (3,).
 
     Args:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.robust import median
 
 _PIECE = 6.0e-3  # length over which deviations are averaged [m]; a sawn edge wanders over 2 mm
@@ -45,8 +46,8 @@ class LineFit:
     middle: float
     place_variance: float
     slope_variance: float
-    residuals: np.ndarray
-    inliers: np.ndarray
+    residuals: FloatArray
+    inliers: FloatArray
     scatter: float
     variance: float
     freedom: float
@@ -60,7 +61,7 @@ class LineFit:
         )
 
 
-def _weighted_line(along: np.ndarray, across: np.ndarray, weight: np.ndarray) -> tuple[float, float, float]:
+def _weighted_line(along: FloatArray, across: FloatArray, weight: FloatArray) -> tuple[float, float, float]:
     total = weight.sum()
     middle, place = (weight @ along) / total, (weight @ across) / total
     lever = along - middle
@@ -70,7 +71,7 @@ def _weighted_line(along: np.ndarray, across: np.ndarray, weight: np.ndarray) ->
 
 
 def fit_line(
-    along: np.ndarray, across: np.ndarray, usable: np.ndarray, guess: tuple[float, float], rounds: int = 4
+    along: FloatArray, across: FloatArray, usable: FloatArray, guess: tuple[float, float], rounds: int = 4
 ) -> LineFit:
     """Robust line through edge points.
 
@@ -119,7 +120,7 @@ def fit_line(
     )
 
 
-def _unchipped(along: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> np.ndarray:
+def _unchipped(along: FloatArray, residual: FloatArray, weight: FloatArray) -> FloatArray:
     """Weights (n,) that leave out chips too shallow to be told from noise point by point."""
     half = max(round(0.5 * _CHIP * (along.size - 1) / abs(along[-1] - along[0])), 1)
     weight = np.maximum(weight, _DOUBTED)
@@ -136,7 +137,7 @@ def _unchipped(along: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> n
     return np.minimum(np.maximum(2 - 2 * average / limit, 0.0), 1.0)
 
 
-def _point_variance(along: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
+def _point_variance(along: FloatArray, residual: FloatArray, weight: FloatArray) -> tuple[float, float]:
     """Variance that independent points would need to make a line as uncertain as it is [m^2], and its freedom."""
     third = ((along - along.min()) * (3 / _PIECE)).astype(np.intp)
     # Pieces overlap by two thirds: half as many degrees of freedom more than those side by side have.
@@ -181,8 +182,8 @@ class PoseFit:
         square_deviation: Standard deviation of `out_of_square` on a true door [rad].
     """
 
-    pose: np.ndarray
-    covariance: np.ndarray
+    pose: FloatArray
+    covariance: FloatArray
     out_of_square: float
     square_deviation: float
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
@@ -19,7 +20,7 @@ _WIDE = 2.5  # factor on the limits when looking for a door that stands out of r
 
 
 def localize(
-    picture: np.ndarray,
+    picture: FloatArray,
     camera: CameraModel | None,
     layout: CellLayout,
     width: float,
@@ -74,7 +75,7 @@ def prepare(camera: CameraModel, layout: CellLayout, width: float, thickness: fl
     search_bands(view, max(layout.limits.y, layout.limits.z), layout.limits.rotation)
 
 
-def _rough_pose(picture: np.ndarray, view: FaceView, layout: CellLayout) -> np.ndarray:
+def _rough_pose(picture: FloatArray, view: FaceView, layout: CellLayout) -> FloatArray:
     """Pose to about a pixel; when there is none, the most telling reason."""
     limit, rotation = max(layout.limits.y, layout.limits.z), layout.limits.rotation
     try:
@@ -89,7 +90,7 @@ def _rough_pose(picture: np.ndarray, view: FaceView, layout: CellLayout) -> np.n
         raise
 
 
-def _covariance(fit: PoseFit, view: FaceView, settings: LocalizerSettings) -> np.ndarray:
+def _covariance(fit: PoseFit, view: FaceView, settings: LocalizerSettings) -> FloatArray:
     """Covariance of the pose with what the picture cannot tell."""
     sight = np.array([*view.sight(fit.pose[:2]), 0.0])  # shift of the corner per distance of the face
     return (
@@ -99,7 +100,7 @@ def _covariance(fit: PoseFit, view: FaceView, settings: LocalizerSettings) -> np
     )
 
 
-def _quality(traces: dict[str, Trace], covariance: np.ndarray, settings: LocalizerSettings) -> float:
+def _quality(traces: dict[str, Trace], covariance: FloatArray, settings: LocalizerSettings) -> float:
     """Smallest distance from a limit of refusal, 0..1."""
     share = min(float(t.line.inliers.mean()) for t in traces.values())
     blur = max(t.spread.blur for t in traces.values())

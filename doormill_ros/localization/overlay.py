@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.result import Localization
 from doormill_ros.units import m_to_mm, rad_to_deg
 
@@ -15,11 +16,11 @@ _ENLARGED = 20  # the ellipse of uncertainty is drawn that much too large
 _SIGMAS = 2.0
 
 
-def _fixed(pixels: np.ndarray) -> np.ndarray:
+def _fixed(pixels: FloatArray) -> FloatArray:
     return np.rint(np.asarray(pixels) * 2**_BITS).astype(np.int32)
 
 
-def _write(out: np.ndarray, lines: list[str]) -> None:
+def _write(out: FloatArray, lines: list[str]) -> None:
     """Text on a darkened panel in the upper left corner."""
     pitch, width = 36, 760
     panel = out[20 : 40 + pitch * len(lines), 20:width]
@@ -28,7 +29,7 @@ def _write(out: np.ndarray, lines: list[str]) -> None:
         cv2.putText(out, text, (36, 58 + pitch * i), cv2.FONT_HERSHEY_SIMPLEX, 0.9, _WHITE, 1, cv2.LINE_AA)
 
 
-def _ellipse(localization: Localization) -> np.ndarray:
+def _ellipse(localization: Localization) -> FloatArray:
     """Outline of the corner's uncertainty, enlarged; pixels (60, 2). Picture u is -y, v is -z."""
     values, axes = np.linalg.eigh(localization.covariance[:2, :2])
     angle = np.linspace(0, 2 * np.pi, 60)
@@ -36,7 +37,7 @@ def _ellipse(localization: Localization) -> np.ndarray:
     return localization.corner - (axes @ circle).T * (_SIGMAS * _ENLARGED / localization.pixel)
 
 
-def draw_overlay(picture: np.ndarray, localization: Localization) -> np.ndarray:
+def draw_overlay(picture: FloatArray, localization: Localization) -> FloatArray:
     """The picture with edge points, lines, pose and uncertainty.
 
     Points that agree with their line are green rings, the others red; the lines are yellow; the

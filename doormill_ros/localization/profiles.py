@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.robust import median
 from doormill_ros.localization.texture import PHASES, phase_places, step_design
 from doormill_ros.localization.view import HINGE, FaceView
@@ -38,15 +39,15 @@ class Profiles:
     """
 
     edge: str
-    lines: np.ndarray
-    centre: np.ndarray
-    values: np.ndarray
-    place: np.ndarray
-    pixels: np.ndarray
-    level: np.ndarray
-    contrast: np.ndarray
-    clipped: np.ndarray
-    edge_like: np.ndarray
+    lines: FloatArray
+    centre: FloatArray
+    values: FloatArray
+    place: FloatArray
+    pixels: FloatArray
+    level: FloatArray
+    contrast: FloatArray
+    clipped: FloatArray
+    edge_like: FloatArray
 
     @property
     def step(self) -> float:
@@ -55,14 +56,14 @@ class Profiles:
 
 
 @lru_cache(maxsize=64)
-def plain_weights(half: int, blur: float) -> np.ndarray:
+def plain_weights(half: int, blur: float) -> FloatArray:
     """Least squares weights (PHASES, 3, w) of level, step and shift x step on untextured surfaces."""
     return np.linalg.pinv(step_design(phase_places(half), blur)).astype(np.float32)
 
 
 def gather(
-    picture: np.ndarray, edge: str, lines: np.ndarray, centre: np.ndarray, span: np.ndarray
-) -> np.ndarray:
+    picture: FloatArray, edge: str, lines: FloatArray, centre: FloatArray, span: FloatArray
+) -> FloatArray:
     """Pixels at `centre + span` of each of `lines`, rows for the hinge edge, columns for the bottom edge."""
     height, width = picture.shape
     last, run, step = (width - 1, width, 1) if edge == HINGE else (height - 1, 1, width)
@@ -75,8 +76,8 @@ def gather(
 
 
 def crossing(
-    view: FaceView, edge: str, pose: np.ndarray, half: int, start: float
-) -> tuple[np.ndarray, np.ndarray]:
+    view: FaceView, edge: str, pose: FloatArray, half: int, start: float
+) -> tuple[FloatArray, FloatArray]:
     """Rows that cross the predicted edge and the columns where they do (bottom edge: the other way)."""
     along = start + _ALONG * (view.length(edge) + 0.025 - start)
     pixels = view.pixels(view.line(edge, pose, along))
@@ -92,11 +93,11 @@ def crossing(
 
 
 def measure(
-    picture: np.ndarray,
+    picture: FloatArray,
     view: FaceView,
     edge: str,
-    pose: np.ndarray,
-    weights: np.ndarray,
+    pose: FloatArray,
+    weights: FloatArray,
     every: int = 1,
     start: float = 0.8e-3,
 ) -> Profiles:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset
 
 
@@ -24,9 +25,9 @@ class EdgeTrace:
     """
 
     name: str
-    pixels: np.ndarray
-    inlier: np.ndarray
-    line: np.ndarray
+    pixels: FloatArray
+    inlier: FloatArray
+    line: FloatArray
     residual: float
     contrast: float
     blur: float
@@ -48,17 +49,17 @@ class Localization:
         edges: The hinge edge and the bottom edge.
     """
 
-    T_base_door: np.ndarray
+    T_base_door: FloatArray
     offset: DoorOffset
-    covariance: np.ndarray
+    covariance: FloatArray
     residual: float
     inlier_share: float
     quality: float
-    corner: np.ndarray
+    corner: FloatArray
     pixel: float
     edges: tuple[EdgeTrace, EdgeTrace]
 
     @property
-    def deviations(self) -> np.ndarray:
+    def deviations(self) -> FloatArray:
         """Standard deviations of y, z [m] and rotation [rad], shape (3,)."""
         return np.sqrt(np.diag(self.covariance))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 
-def median(values: np.ndarray) -> float:
+
+def median(values: FloatArray) -> float:
     """Upper median of values of any shape, at least one."""
     flat = values.flatten()
     middle = flat.size // 2
@@ -13,12 +15,12 @@ def median(values: np.ndarray) -> float:
     return float(flat[middle])
 
 
-def share(chosen: np.ndarray) -> float:
+def share(chosen: FloatArray) -> float:
     """Share of the elements of an array, bool and not empty, that are true."""
     return float(np.count_nonzero(chosen) / chosen.size)
 
 
-def column_medians(values: np.ndarray) -> np.ndarray:
+def column_medians(values: FloatArray) -> FloatArray:
     """Upper median of each column of (n, m), shape (m,)."""
     middle = len(values) // 2
     rows = np.ascontiguousarray(values.T)

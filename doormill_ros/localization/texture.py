@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import ndtr
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.robust import median
 
 PHASES = 4  # sub-pixel phases for which weights are kept
@@ -29,14 +30,14 @@ _STIFFNESS = 0.003  # share of white noise assumed beside the texture; keeps the
 _LEAST_NOISE = 1.0e-3  # and its least variance [grey levels^2]
 
 
-def step_design(place: np.ndarray, blur: float) -> np.ndarray:
+def step_design(place: FloatArray, blur: float) -> FloatArray:
     """Level, step and shift x step at distances `place` (..., w) [px] from the edge; (..., w, 3)."""
     sigma = np.sqrt(blur**2 + PIXEL_VARIANCE)
     slope = np.exp(-0.5 * (place / sigma) ** 2) / (np.sqrt(2 * np.pi) * sigma)
     return np.stack([np.ones_like(place), ndtr(place / sigma), -slope], axis=-1)
 
 
-def phase_places(half: int) -> np.ndarray:
+def phase_places(half: int) -> FloatArray:
     """Distances of a window's pixels from the edge [px], for each sub-pixel phase, (PHASES, 2 half + 1)."""
     return np.arange(-half, half + 1)[None] - ((np.arange(PHASES) + 0.5) / PHASES - 0.5)[:, None]
 
@@ -50,8 +51,8 @@ class Surface:
         lasting: Of what rows far apart have in common: streaks along the edge.
     """
 
-    rows: np.ndarray
-    lasting: np.ndarray
+    rows: FloatArray
+    lasting: FloatArray
 
     @property
     def plain(self) -> bool:
@@ -59,7 +60,7 @@ class Surface:
         return bool(self.lasting.max() < self.rows.max() / _AVERAGED)
 
 
-def surface(strip: np.ndarray, lags: int, apart: int, most: float) -> Surface:
+def surface(strip: FloatArray, lags: int, apart: int, most: float) -> Surface:
     """Learn the texture of rows of pixels (n, m); where lag >= m the last value is kept.
 
     Args:
@@ -89,7 +90,7 @@ def surface(strip: np.ndarray, lags: int, apart: int, most: float) -> Surface:
     )
 
 
-def _variogram(products: np.ndarray) -> np.ndarray:
+def _variogram(products: FloatArray) -> FloatArray:
     """E[(v_i - v_j)^2] / 2 by lag, of E[v_i v_j]."""
     power = products.diagonal()
     squares = power[:, None] + power - 2 * products
@@ -98,13 +99,13 @@ def _variogram(products: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=8)
-def _lags(size: int) -> tuple[np.ndarray, np.ndarray]:
+def _lags(size: int) -> tuple[FloatArray, FloatArray]:
     """Lag of each pair of pixels (size^2,), and how many pairs each lag has."""
     lag = np.abs(np.arange(size)[:, None] - np.arange(size)).ravel()
     return lag, np.bincount(lag)
 
 
-def covariance_function(gamma: np.ndarray, fine: int = 1) -> np.ndarray:
+def covariance_function(gamma: FloatArray, fine: int = 1) -> FloatArray:
     """Covariance at lags 0, 1 / fine .. n whose variogram is nearest to gamma(0..n).
 
     Its spectrum is made non-negative, for a variogram learned from a few rows need not be one.
@@ -116,7 +117,7 @@ def covariance_function(gamma: np.ndarray, fine: int = 1) -> np.ndarray:
     return fine * np.fft.irfft(spectrum, 2 * count * fine)[: count * fine + 1]
 
 
-def step_weights(half: int, blur: float, inside: Surface, outside: Surface) -> np.ndarray:
+def step_weights(half: int, blur: float, inside: Surface, outside: Surface) -> FloatArray:
     """Generalised least squares weights (PHASES, 3, w) of level, step and shift x step.
 
     Each side of the edge has its own texture, which ends there. Weights so one-sided would turn a
@@ -148,14 +149,14 @@ def step_weights(half: int, blur: float, inside: Surface, outside: Surface) -> n
     return weights[:, :3].astype(np.float32)
 
 
-def streaks(common: np.ndarray) -> float:
+def streaks(common: FloatArray) -> float:
     """Standard deviation of what all rows of a strip have in common (m,), a slope aside [grey levels]."""
     place = np.arange(common.size) - (common.size - 1) / 2
     common = common - common.mean()
     return float(np.std(common - place * (place @ common) / (place @ place)))
 
 
-def step_inside(common: np.ndarray, step: float) -> int | None:
+def step_inside(common: FloatArray, step: float) -> int | None:
     """Another step in the face beside an edge, as its distance from the strip's outer end [px], or None.
 
     Then what was taken for the edge of the face is that of something behind it: a rebate's lip
@@ -182,7 +183,7 @@ class Push:
     slope: float
 
 
-def push(strip: np.ndarray, along: np.ndarray, weights: np.ndarray, blur: float, step: float) -> Push:
+def push(strip: FloatArray, along: FloatArray, weights: FloatArray, blur: float, step: float) -> Push:
     """How far texture like that in `strip` pushes a line fitted to edge points.
 
     Args:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization import checks
 from doormill_ros.localization.blur import Spread, edge_spread, textured_blur
 from doormill_ros.localization.fit import LineFit, fit_line, pooled
@@ -47,7 +48,7 @@ class Trace:
     line: LineFit
 
 
-def _line(view: FaceView, profiles: Profiles, pose: np.ndarray, rounds: int) -> LineFit:
+def _line(view: FaceView, profiles: Profiles, pose: FloatArray, rounds: int) -> LineFit:
     """Line through an edge's points on the plane of the face."""
     y, z = view.points(profiles.pixels).T
     tilt = np.tan(pose[2])
@@ -56,7 +57,7 @@ def _line(view: FaceView, profiles: Profiles, pose: np.ndarray, rounds: int) -> 
     return fit_line(y, z, profiles.edge_like, (pose[1] - tilt * pose[0], tilt), rounds)
 
 
-def _poses(lines: dict[str, LineFit]) -> dict[str, np.ndarray]:
+def _poses(lines: dict[str, LineFit]) -> dict[str, FloatArray]:
     """Pose (y, z, rotation) as each line has it: one corner, but a rotation of its own.
 
     A right angle is not asked for yet, so that a wrong pair of lines shows as such in the end.
@@ -68,7 +69,7 @@ def _poses(lines: dict[str, LineFit]) -> dict[str, np.ndarray]:
     return {HINGE: np.array([y, z, -np.arctan(p)]), BOTTOM: np.array([y, z, np.arctan(q)])}
 
 
-def _moved(view: FaceView, before: dict[str, np.ndarray], after: dict[str, np.ndarray]) -> float:
+def _moved(view: FaceView, before: dict[str, FloatArray], after: dict[str, FloatArray]) -> float:
     """Largest movement of the edges' ends between two poses [px]."""
     most = 0.0
     for edge in EDGES:
@@ -92,14 +93,14 @@ class _Lens:
     """
 
     spread: Spread
-    weights: np.ndarray
-    face: np.ndarray
-    rows: np.ndarray
+    weights: FloatArray
+    face: FloatArray
+    rows: FloatArray
     streaks: float
     inner: float | None
 
 
-def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles, line: LineFit) -> _Lens:
+def _lens(picture: FloatArray, view: FaceView, pose: FloatArray, wide: Profiles, line: LineFit) -> _Lens:
     """Learn blur and texture along an edge that runs where `pose` says, from rows read about it and their line."""
     edge = wide.edge
     lines, at = crossing(view, edge, pose, 0, -5.0e-3)
@@ -132,8 +133,8 @@ def _lens(picture: np.ndarray, view: FaceView, pose: np.ndarray, wide: Profiles,
 
 
 def _focus(
-    picture: np.ndarray, view: FaceView, poses: dict[str, np.ndarray], settings: LocalizerSettings
-) -> tuple[dict[str, np.ndarray], dict[str, Profiles], dict[str, LineFit]]:
+    picture: FloatArray, view: FaceView, poses: dict[str, FloatArray], settings: LocalizerSettings
+) -> tuple[dict[str, FloatArray], dict[str, Profiles], dict[str, LineFit]]:
     """Poses to about half a pixel, with windows wide enough for what the search leaves open; rows and lines."""
     weights = plain_weights(_WIDE_HALF, _WIDE_BLUR)
     for _ in range(3):
@@ -149,7 +150,7 @@ def _focus(
 
 
 def trace_edges(
-    picture: np.ndarray, view: FaceView, pose: np.ndarray, settings: LocalizerSettings
+    picture: FloatArray, view: FaceView, pose: FloatArray, settings: LocalizerSettings
 ) -> dict[str, Trace]:
     """Read both edges.
 

@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.localization.camera import CameraModel
 
@@ -18,7 +19,7 @@ HINGE, BOTTOM = "hinge", "bottom"
 EDGES = (HINGE, BOTTOM)
 
 
-def directions(rotation: float) -> tuple[np.ndarray, np.ndarray]:
+def directions(rotation: float) -> tuple[FloatArray, FloatArray]:
     """Door y axis and door z axis in base (y, z), each shape (2,)."""
     c, s = np.cos(rotation), np.sin(rotation)
     return np.array([c, s]), np.array([-s, c])
@@ -42,12 +43,12 @@ class FaceView:
         self._plane_seen = rotation[1:3]
         self.pixel = (self._corner[0] - self._T_base_camera[0, 3]) / np.sqrt(camera.k[0, 0] * camera.k[1, 1])
 
-    def pixels(self, points: np.ndarray) -> np.ndarray:
+    def pixels(self, points: FloatArray) -> FloatArray:
         """Pixels u, v (..., 2) of face points (..., 2) [m]."""
         seen = self._corner_seen + np.asarray(points, dtype=float) @ self._plane_seen
         return self.camera.distort(seen[..., :2] / seen[..., 2:])
 
-    def points(self, pixels: np.ndarray) -> np.ndarray:
+    def points(self, pixels: FloatArray) -> FloatArray:
         """Face points (n, 2) [m] of pixels u, v (n, 2)."""
         rays = self.camera.undistort(pixels)
         rotation = self._T_base_camera[:3, :3]
@@ -55,7 +56,7 @@ class FaceView:
         reach = (self._corner[0] - self._T_base_camera[0, 3]) / ahead[:, :1]
         return self._T_base_camera[1:3, 3] - self._corner[1:] + reach * ahead[:, 1:]
 
-    def sight(self, point: np.ndarray) -> np.ndarray:
+    def sight(self, point: FloatArray) -> FloatArray:
         """Base y and z per x along the ray to a face point (2,) [m], shape (2,)."""
         start = self._T_base_camera[:3, 3]
         return (self._corner[1:] + point - start[1:]) / (self._corner[0] - start[0])
@@ -71,7 +72,7 @@ class FaceView:
         outside = np.flatnonzero((u < 0) | (v < 0) | (u > width - 1) | (v > height - 1))
         return float(along[outside[0] - 1]) if outside.size and outside[0] > 0 else 0.0
 
-    def line(self, edge: str, pose: np.ndarray, along: np.ndarray) -> np.ndarray:
+    def line(self, edge: str, pose: FloatArray, along: FloatArray) -> FloatArray:
         """Face points (n, 2) on an edge of a door at `pose` (3,), `along` (n,) [m] from its corner."""
         y_axis, z_axis = directions(pose[2])
         return pose[:2] + np.asarray(along)[:, None] * (z_axis if edge == HINGE else y_axis)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.kinematics import Kinematics
 
@@ -31,49 +32,49 @@ class Loadings:
         wrench_std: Standard deviation of the wrench components, shape (n, 6) [N, N m].
     """
 
-    q: np.ndarray
-    wrench: np.ndarray
-    load_link: np.ndarray
-    load_point: np.ndarray
-    reflector_link: np.ndarray
-    reflector: np.ndarray
-    displacement: np.ndarray
-    displacement_std: np.ndarray
-    wrench_std: np.ndarray
+    q: FloatArray
+    wrench: FloatArray
+    load_link: FloatArray
+    load_point: FloatArray
+    reflector_link: FloatArray
+    reflector: FloatArray
+    displacement: FloatArray
+    displacement_std: FloatArray
+    wrench_std: FloatArray
 
     def __len__(self) -> int:
         """Number of loadings."""
         return len(self.q)
 
-    def pick(self, rows: np.ndarray) -> Loadings:
+    def pick(self, rows: FloatArray) -> Loadings:
         """The given loadings alone."""
         return replace(self, **{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
-def joint_torques(kinematics: Kinematics, loadings: Loadings) -> np.ndarray:
+def joint_torques(kinematics: Kinematics, loadings: Loadings) -> FloatArray:
     """Torque of the load about each joint, shape (n, 6) [N m] (thesis eq. 2.34)."""
     return np.einsum("nik,ni->nk", load_jacobian(kinematics, loadings), loadings.wrench)
 
 
-def load_jacobian(kinematics: Kinematics, loadings: Loadings) -> np.ndarray:
+def load_jacobian(kinematics: Kinematics, loadings: Loadings) -> FloatArray:
     """Jacobian of each load point, shape (n, 6, 6)."""
     return _jacobian(kinematics, loadings.q, loadings.load_link, loadings.load_point)
 
 
-def reflector_jacobian(kinematics: Kinematics, loadings: Loadings) -> np.ndarray:
+def reflector_jacobian(kinematics: Kinematics, loadings: Loadings) -> FloatArray:
     """Jacobian of each reflector, shape (n, 6, 6)."""
     return _jacobian(kinematics, loadings.q, loadings.reflector_link, loadings.reflector)
 
 
-def displacement_per_compliance(kinematics: Kinematics, loadings: Loadings) -> np.ndarray:
+def displacement_per_compliance(kinematics: Kinematics, loadings: Loadings) -> FloatArray:
     """The matrix A of d = A c, shape (n, 3, 6) [m N m / rad]; column k is joint k alone."""
     lever = reflector_jacobian(kinematics, loadings)[:, :3]
     return lever * joint_torques(kinematics, loadings)[:, None, :]
 
 
 def predicted_displacement(
-    kinematics: Kinematics, loadings: Loadings, stiffness: np.ndarray, joints: tuple[int, ...] | None = None
-) -> np.ndarray:
+    kinematics: Kinematics, loadings: Loadings, stiffness: FloatArray, joints: tuple[int, ...] | None = None
+) -> FloatArray:
     """Reflector displacement with some or all joints giving way.
 
     Args:
@@ -93,7 +94,7 @@ def predicted_displacement(
     return displacement_per_compliance(kinematics, loadings) @ compliance
 
 
-def _jacobian(kinematics: Kinematics, q: np.ndarray, link: np.ndarray, point: np.ndarray) -> np.ndarray:
+def _jacobian(kinematics: Kinematics, q: FloatArray, link: FloatArray, point: FloatArray) -> FloatArray:
     """Jacobians of points on different links: one vectorised call for each distinct point."""
     keys = np.column_stack([np.asarray(link, dtype=float), point])
     distinct, group = np.unique(keys, axis=0, return_inverse=True)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.robot.description import load_robot
@@ -38,7 +39,7 @@ class Reflector:
     """A target on the robot: its link (0 is the base) and position in the link's DH frame, shape (3,) [m]."""
 
     link: int
-    position: np.ndarray
+    position: FloatArray
 
 
 @dataclass(frozen=True)
@@ -76,21 +77,21 @@ class MeasurementSet:
 
     path: Path
     robot: str
-    dh: np.ndarray
-    joint_stiffness: np.ndarray
+    dh: FloatArray
+    joint_stiffness: FloatArray
     noise: Noise
     wrench_frame_rotation: float
-    load_point: np.ndarray
+    load_point: FloatArray
     reflectors: dict[str, Reflector]
-    trial: np.ndarray
-    time: np.ndarray
-    dt: np.ndarray
-    temperature: np.ndarray
-    q: np.ndarray
-    direction: np.ndarray
-    wrench: np.ndarray
-    reflector: np.ndarray
-    displacement: np.ndarray
+    trial: FloatArray
+    time: FloatArray
+    dt: FloatArray
+    temperature: FloatArray
+    q: FloatArray
+    direction: FloatArray
+    wrench: FloatArray
+    reflector: FloatArray
+    displacement: FloatArray
 
     def __post_init__(self) -> None:
         """Make the arrays read-only."""
@@ -102,19 +103,19 @@ class MeasurementSet:
         return len(self.trial)
 
     @property
-    def configuration(self) -> np.ndarray:
+    def configuration(self) -> FloatArray:
         """Number of the posture of each trial, shape (n,), counted in order of appearance."""
         seen: dict[tuple[int, ...], int] = {}
         keys = np.round(self.q / SAME_ANGLE).astype(np.int64)
         return np.array([seen.setdefault(tuple(key), len(seen)) for key in keys])
 
     @property
-    def reflector_link(self) -> np.ndarray:
+    def reflector_link(self) -> FloatArray:
         """Link of each trial's reflector, shape (n,)."""
         return np.array([self.reflectors[name].link for name in self.reflector])
 
     @property
-    def reflector_position(self) -> np.ndarray:
+    def reflector_position(self) -> FloatArray:
         """Position of each trial's reflector in its link's frame, shape (n, 3) [m]."""
         return np.array([self.reflectors[name].position for name in self.reflector])
 
@@ -183,7 +184,7 @@ def _reflectors(document: SetDocument) -> dict[str, Reflector]:
     return reflectors
 
 
-def _trials(table: TrialTable, reflectors: dict[str, Reflector]) -> dict[str, np.ndarray]:
+def _trials(table: TrialTable, reflectors: dict[str, Reflector]) -> dict[str, FloatArray]:
     trial = table.integers("trial")
     for row in range(len(trial)):
         if trial[row] in trial[:row]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.result import Localization
@@ -40,8 +41,8 @@ class DoorReading:
         return float(corner[0, 3] - self.camera.T_base_camera(self.width)[0, 3])
 
     def derivative(
-        self, moved: np.ndarray, wrong: Callable[[CameraModel, float], CameraModel], step: float
-    ) -> np.ndarray:
+        self, moved: FloatArray, wrong: Callable[[CameraModel, float], CameraModel], step: float
+    ) -> FloatArray:
         """Change of the localisations per unit of an error, that of the nominal place taken off, shape (n, 3).
 
         Args:
@@ -54,7 +55,7 @@ class DoorReading:
         change = (more - less) / (2.0 * step)
         return change[:-1] - change[-1]
 
-    def _read(self, places: np.ndarray, believed: CameraModel) -> np.ndarray:
+    def _read(self, places: FloatArray, believed: CameraModel) -> FloatArray:
         true, view = self._view(self.camera), self._view(believed)
         found = np.zeros((len(places), 3))
         for i, place in enumerate(places):
@@ -88,15 +89,15 @@ class Localisations:
         reading: How the camera reads the door; None for a pinhole of which no more is known than its `centre`.
     """
 
-    moved: np.ndarray
-    located: np.ndarray
-    time: np.ndarray
-    std: np.ndarray
-    centre: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    moved: FloatArray
+    located: FloatArray
+    time: FloatArray
+    std: FloatArray
+    centre: FloatArray = field(default_factory=lambda: np.zeros(2))
     reading: DoorReading | None = None
 
     @property
-    def place(self) -> np.ndarray:
+    def place(self) -> FloatArray:
         """Position in the picture's field, from the optical axis, shape (n, 2) [m]."""
         return self.moved[:, :2] - self.centre
 
@@ -104,7 +105,7 @@ class Localisations:
 def localisations_of(
     found: Sequence[Localization],
     moved: Sequence[DoorOffset],
-    time: np.ndarray,
+    time: FloatArray,
     camera: CameraModel,
     layout: CellLayout,
     width: float,

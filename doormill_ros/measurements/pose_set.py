@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.errors import PoseTableError
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
@@ -50,16 +51,16 @@ class PoseSet:
     path: Path
     robot: str
     source: str
-    dh: np.ndarray
+    dh: FloatArray
     links: tuple[LinkMass, ...]
     noise: tuple[float, float]
-    row: np.ndarray
-    time: np.ndarray
-    temperature: np.ndarray
-    q: np.ndarray
-    position: np.ndarray
-    rotation: np.ndarray
-    placement: np.ndarray
+    row: FloatArray
+    time: FloatArray
+    temperature: FloatArray
+    q: FloatArray
+    position: FloatArray
+    rotation: FloatArray
+    placement: FloatArray
 
     def __len__(self) -> int:
         return len(self.row)
@@ -101,7 +102,7 @@ def read_pose_set(folder: Path) -> PoseSet:
     flag = table.integers("placement")
     for index in np.flatnonzero((flag != 0) & (flag != 1)):
         raise _fail(table, int(index), "placement", f"is {flag[index]}, allowed are 0 and 1")
-    arrays: dict[str, np.ndarray] = {
+    arrays: dict[str, FloatArray] = {
         "row": row,
         "time": table.numbers("t", may_be_empty=True),
         "temperature": table.numbers("temperature", may_be_empty=True),
@@ -133,7 +134,7 @@ def _fail(table: TrialTable, index: int, column: str, problem: str) -> PoseTable
     )
 
 
-def _dh(document: SetDocument) -> np.ndarray:
+def _dh(document: SetDocument) -> FloatArray:
     rows = document.get("model", "dh")
     try:
         dh = np.array(rows, dtype=float)

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.raw_errors import RawFileError
 
 TRACKER_COLUMNS = ("t", "x", "y", "z")
@@ -38,8 +39,8 @@ class Recording:
     """
 
     path: Path
-    time: np.ndarray
-    values: np.ndarray
+    time: FloatArray
+    values: FloatArray
 
 
 def read_tracker_file(path: str | Path) -> Recording:
@@ -94,7 +95,7 @@ class _Table:
     header: list[str] | None
     header_line: int
     lines: list[int]
-    numbers: np.ndarray
+    numbers: FloatArray
 
     @property
     def width(self) -> int:
@@ -178,7 +179,7 @@ def _header_order(table: _Table, wanted: tuple[str, ...]) -> dict[str, int] | No
     return {name: found[name] for name in wanted}
 
 
-def _time(path: Path, table: _Table, column: int) -> np.ndarray:
+def _time(path: Path, table: _Table, column: int) -> FloatArray:
     time = table.numbers[:, column]
     back = np.flatnonzero(np.diff(time) < 0.0)
     if back.size:
@@ -189,7 +190,7 @@ def _time(path: Path, table: _Table, column: int) -> np.ndarray:
 
 
 def _limit(
-    path: Path, table: _Table, values: np.ndarray, columns: list[int], limit: float, problem: str
+    path: Path, table: _Table, values: FloatArray, columns: list[int], limit: float, problem: str
 ) -> None:
     beyond = np.argwhere(np.abs(values) > limit)
     if beyond.size:

@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.loading import Loadings
 from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
 from doormill_ros.measurements.sensor import rotate_wrench, rotation_about_z
@@ -57,12 +58,12 @@ class RawTest:
     """
 
     name: str
-    q: np.ndarray
-    wrench: np.ndarray
+    q: FloatArray
+    wrench: FloatArray
     load_link: int
-    load_point: np.ndarray
-    unloaded: np.ndarray
-    loaded: np.ndarray
+    load_point: FloatArray
+    unloaded: FloatArray
+    loaded: FloatArray
     thesis: dict[str, Any]
 
 
@@ -177,7 +178,7 @@ class _Reader:
         )
         return rows
 
-    def _load(self, test: dict[str, Any], q: np.ndarray, where: str) -> dict[str, Any]:
+    def _load(self, test: dict[str, Any], q: FloatArray, where: str) -> dict[str, Any]:
         floor = np.array([self.noise["force"]] * 3 + [self.noise["torque"]] * 3)
         if ("load" in test) == ("force" in test):
             raise self._wrong(where, "needs either 'force' (sensor logs) or 'load' (a load past the sensor)")
@@ -224,7 +225,7 @@ class _Reader:
             raise self._wrong(where, f"has link {link!r}, allowed is 0 (base) to {JOINTS} (flange)")
         return link
 
-    def _vector(self, node: dict[str, Any], key: str, length: int, where: str) -> np.ndarray:
+    def _vector(self, node: dict[str, Any], key: str, length: int, where: str) -> FloatArray:
         try:
             vector = np.array(node.get(key), dtype=float)
         except (TypeError, ValueError):

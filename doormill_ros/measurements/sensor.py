@@ -6,17 +6,19 @@ import math
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 #: Rotation about the flange z from sensor axes to flange axes [rad] (appendices A.8 to A.13, A.16).
 MOUNTING_ROTATION = math.atan2(219.25, 226.66)
 
 
-def rotation_about_z(angle: float) -> np.ndarray:
+def rotation_about_z(angle: float) -> FloatArray:
     """R_flange_sensor, shape (3, 3), for a mounting angle [rad]."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def rotate_wrench(wrench: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+def rotate_wrench(wrench: FloatArray, rotation: FloatArray) -> FloatArray:
     """Write a wrench in other axes; the point it acts at stays.
 
     Args:
@@ -31,7 +33,7 @@ def rotate_wrench(wrench: np.ndarray, rotation: np.ndarray) -> np.ndarray:
     return rotated.reshape(*rotated.shape[:-2], 6)
 
 
-def shift_wrench(wrench: np.ndarray, lever: np.ndarray) -> np.ndarray:
+def shift_wrench(wrench: FloatArray, lever: FloatArray) -> FloatArray:
     """The same load seen at another point: m_new = m + lever x f.
 
     Args:
@@ -46,6 +48,6 @@ def shift_wrench(wrench: np.ndarray, lever: np.ndarray) -> np.ndarray:
     return shifted
 
 
-def sensor_to_flange(wrench: np.ndarray, angle: float = MOUNTING_ROTATION) -> np.ndarray:
+def sensor_to_flange(wrench: FloatArray, angle: float = MOUNTING_ROTATION) -> FloatArray:
     """Sensor readings, shape (..., 6) [N, N m], written in flange axes."""
     return rotate_wrench(wrench, rotation_about_z(angle))

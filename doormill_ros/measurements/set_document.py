@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.errors import DataFileError, SetDescriptionError
 
 
@@ -88,7 +89,7 @@ class SetDocument:
             value = named[key]
         return value
 
-    def vector(self, size: int, *keys: str) -> np.ndarray:
+    def vector(self, size: int, *keys: str) -> FloatArray:
         """Finite numbers, shape (size,).
 
         Raises:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.raw_errors import NotSteadyError
 from doormill_ros.measurements.raw_files import Recording
 
@@ -39,8 +40,8 @@ class SteadyWindow:
     start: int
     stop: int
     duration: float
-    mean: np.ndarray
-    standard_error: np.ndarray
+    mean: FloatArray
+    standard_error: FloatArray
 
 
 def steady_window(recording: Recording, shortest: float = SHORTEST) -> SteadyWindow:
@@ -83,7 +84,7 @@ def steady_window(recording: Recording, shortest: float = SHORTEST) -> SteadyWin
     )
 
 
-def _block_scatter(values: np.ndarray, means: np.ndarray, size: int) -> np.ndarray:
+def _block_scatter(values: FloatArray, means: FloatArray, size: int) -> FloatArray:
     """Standard deviation of one block mean, shape (columns,).
 
     From differences of neighbouring blocks about their median: a ramp shifts every difference alike
@@ -97,7 +98,7 @@ def _block_scatter(values: np.ndarray, means: np.ndarray, size: int) -> np.ndarr
     return np.maximum(np.maximum(between, white), rounding)
 
 
-def _longest_run(means: np.ndarray, scatter: np.ndarray) -> tuple[int, int]:
+def _longest_run(means: FloatArray, scatter: FloatArray) -> tuple[int, int]:
     """First block and the block behind the last of the longest run without outlier and without drift."""
     blocks = len(means)
     scaled = means / scatter

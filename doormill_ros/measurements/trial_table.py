@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.errors import TrialTableError
 from doormill_ros.measurements.set_document import read_text
 
@@ -80,7 +81,7 @@ class TrialTable:
         """Cells of a column."""
         return self._cells[column]
 
-    def numbers(self, column: str, may_be_empty: bool = False) -> np.ndarray:
+    def numbers(self, column: str, may_be_empty: bool = False) -> FloatArray:
         """A column as finite numbers, shape (n,); empty cells become NaN where allowed.
 
         Raises:
@@ -99,7 +100,7 @@ class TrialTable:
                 raise self.fail(row, column, f"{cell!r} is not finite")
         return values
 
-    def integers(self, column: str) -> np.ndarray:
+    def integers(self, column: str) -> FloatArray:
         """A column as integers, shape (n,).
 
         Raises:
@@ -110,6 +111,6 @@ class TrialTable:
             raise self.fail(int(row), column, f"{self._cells[column][row]!r} is no whole number")
         return values.astype(int)
 
-    def block(self, columns: Sequence[str]) -> np.ndarray:
+    def block(self, columns: Sequence[str]) -> FloatArray:
         """Several columns of numbers, shape (n, len(columns))."""
         return np.column_stack([self.numbers(column) for column in columns])

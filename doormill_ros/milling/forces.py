@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.raw_files import Recording
 from doormill_ros.measurements.sensor import MOUNTING_ROTATION, rotation_about_z, sensor_to_flange
 from doormill_ros.milling.errors import SegmentError
@@ -36,18 +37,18 @@ class SegmentForce:
     """
 
     name: str
-    wrench: np.ndarray
-    std: np.ndarray
-    standard_error: np.ndarray
+    wrench: FloatArray
+    std: FloatArray
+    standard_error: FloatArray
     samples: int
 
 
 def process_wrench(
-    readings: np.ndarray,
+    readings: FloatArray,
     rotation: float = MOUNTING_ROTATION,
     payload: Payload | None = None,
-    R_base_flange: np.ndarray | None = None,
-) -> np.ndarray:
+    R_base_flange: FloatArray | None = None,
+) -> FloatArray:
     """Sensor readings as process wrench in flange axes.
 
     Args:
@@ -77,7 +78,7 @@ def segment_forces(
     segments: Mapping[str, tuple[float, float]],
     rotation: float = MOUNTING_ROTATION,
     payload: Payload | None = None,
-    R_base_flange: np.ndarray | None = None,
+    R_base_flange: FloatArray | None = None,
     air: tuple[float, float] | None = None,
 ) -> list[SegmentForce]:
     """Mean wrench of every segment.
@@ -100,7 +101,7 @@ def segment_forces(
     return [_segment(name, wrench[_rows(log, name, span)]) for name, span in segments.items()]
 
 
-def labelled_forces(wrench: np.ndarray, labels: np.ndarray) -> list[SegmentForce]:
+def labelled_forces(wrench: FloatArray, labels: FloatArray) -> list[SegmentForce]:
     """Mean wrench of every label, in the order of first appearance; samples labelled "" are left out.
 
     Args:
@@ -139,7 +140,7 @@ def _enough(name: str, samples: int) -> None:
         )
 
 
-def _segment(name: str, wrench: np.ndarray) -> SegmentForce:
+def _segment(name: str, wrench: FloatArray) -> SegmentForce:
     n = len(wrench)
     std = wrench.std(axis=0, ddof=1)
     blocks = min(_BLOCKS, n // 2)

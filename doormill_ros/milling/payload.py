@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.milling.errors import PayloadError
 
 STANDARD_GRAVITY = 9.80665  #: m/s^2
@@ -34,10 +35,10 @@ class Payload:
     """
 
     mass: float
-    centre: np.ndarray
-    offset: np.ndarray
+    centre: FloatArray
+    offset: FloatArray
 
-    def wrench(self, R_base_sensor: np.ndarray) -> np.ndarray:
+    def wrench(self, R_base_sensor: FloatArray) -> FloatArray:
         """What the sensor reads at rest, sensor axes, shape (..., 6) [N, N m].
 
         Args:
@@ -47,12 +48,12 @@ class Payload:
         moment = np.cross(self.centre, weight)
         return np.concatenate([weight, moment], axis=-1) + self.offset
 
-    def remove(self, readings: np.ndarray, R_base_sensor: np.ndarray) -> np.ndarray:
+    def remove(self, readings: FloatArray, R_base_sensor: FloatArray) -> FloatArray:
         """Readings without weight and offset: the process wrench, sensor axes, shape (..., 6)."""
         return np.asarray(readings, dtype=float) - self.wrench(R_base_sensor)
 
 
-def identify_payload(readings: np.ndarray, R_base_sensor: np.ndarray) -> Payload:
+def identify_payload(readings: FloatArray, R_base_sensor: FloatArray) -> Payload:
     """Mass, centre of gravity and offset from readings at rest in several postures.
 
     Args:
@@ -88,12 +89,12 @@ def identify_payload(readings: np.ndarray, R_base_sensor: np.ndarray) -> Payload
     return Payload(float(mass), solution[:3], np.concatenate([force_offset, solution[3:]]))
 
 
-def _gravity_in_sensor(R_base_sensor: np.ndarray) -> np.ndarray:
+def _gravity_in_sensor(R_base_sensor: FloatArray) -> FloatArray:
     """Gravity written in sensor axes, shape (..., 3) [m/s^2]: minus g times the third row of R."""
     return -STANDARD_GRAVITY * np.asarray(R_base_sensor, dtype=float)[..., 2, :]
 
 
-def _solve(design: np.ndarray, target: np.ndarray) -> np.ndarray:
+def _solve(design: FloatArray, target: FloatArray) -> FloatArray:
     scale = np.linalg.norm(design, axis=0)
     if np.any(scale == 0.0) or np.linalg.cond(design / scale) > _WORST_CONDITION:
         raise PayloadError(

@@ -14,6 +14,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
@@ -126,7 +127,7 @@ class DoorLocalizer(ManagedNode):
         self.report(OK, "door found", door_id=recipe.door_id, residual=found.residual, quality=found.quality)
         self.later("show", lambda: self._show(message.header, picture, found, recipe.width))
 
-    def _show(self, header: Header, picture: np.ndarray, found: Localization, width: float) -> None:
+    def _show(self, header: Header, picture: FloatArray, found: Localization, width: float) -> None:
         """What people look at."""
         if self._frames is not None:
             T_base_camera = (self._camera or self._mounted).T_base_camera(width)

@@ -18,6 +18,7 @@ from sensor_msgs.msg import Image
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe, RunResult
 from doormill_interfaces.srv import ListRecipes
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.nodes import topics
@@ -116,7 +117,7 @@ class OperatorPage(ManagedNode):
         colours = np.asarray(overlay.data, dtype=np.uint8).reshape(overlay.height, overlay.width, 3)
         self._show(colours, f"Picture of {taken} with the door's edges as they were found")
 
-    def _show(self, picture: np.ndarray, caption: str) -> None:
+    def _show(self, picture: FloatArray, caption: str) -> None:
         data = encode_picture(picture)
         self.store.update(lambda view: view.with_picture(data, MEDIA_TYPE, caption))
 

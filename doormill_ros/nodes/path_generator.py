@@ -7,12 +7,12 @@ import time
 from contextlib import suppress
 from typing import Any
 
-import numpy as np
 from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
 
 from doormill_interfaces.msg import DoorRecipe, TargetArray
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
@@ -123,7 +123,7 @@ class PathGenerator(ManagedNode):
         self.report(OK, "path generated", door_id=recipe.door_id, targets=len(program.targets))
         self.later("show", lambda: self._show(answer.header, program, door, T_base_door))
 
-    def _show(self, header: Header, program: MillingProgram, door: Recipe, T_base_door: np.ndarray) -> None:
+    def _show(self, header: Header, program: MillingProgram, door: Recipe, T_base_door: FloatArray) -> None:
         targets = program.targets
         self._nominal.publish(path_message(header, [t.T_base_tool_nominal for t in targets]))
         self._corrected.publish(path_message(header, [t.T_base_tool_corrected for t in targets]))
@@ -136,7 +136,7 @@ class PathGenerator(ManagedNode):
         self._corrected.publish(path_message(header, []))
         self._markers.publish(no_markers(header))
 
-    def _show_robot(self, header: Header, q: np.ndarray) -> None:
+    def _show_robot(self, header: Header, q: FloatArray) -> None:
         """The robot in the posture of the program's first target."""
         urdf = self._robot.urdf
         # Joint states have no use for a frame, but viewers report an empty one as missing.

@@ -5,6 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 LONGEST_SIDE = 1280  # pixels
 MEDIA_TYPE = "image/jpeg"
 #: With colours at full resolution: an overlay's lines are one pixel wide and would turn grey.
@@ -16,7 +18,7 @@ _OPTIONS = [
 ]
 
 
-def encode_picture(picture: np.ndarray) -> bytes:
+def encode_picture(picture: FloatArray) -> bytes:
     """JPEG of a picture, made smaller where a tablet would not show more.
 
     Args:

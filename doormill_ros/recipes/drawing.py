@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.door import Side
 from doormill_ros.recipes.errors import UnreadableFile
@@ -46,11 +47,11 @@ class Panel:
         scale: Pixels per metre.
     """
 
-    axes: np.ndarray
+    axes: FloatArray
     origin: tuple[float, float]
     scale: float
 
-    def pixels(self, points_door: np.ndarray) -> np.ndarray:
+    def pixels(self, points_door: FloatArray) -> FloatArray:
         """Pixels, shape (n, 2), of points in the door frame, shape (n, 3) [m]."""
         points = np.asarray(points_door, dtype=float)
         flat = points @ self.axes[:, :3].T + self.axes[:, 3]
@@ -72,7 +73,7 @@ class DoorDrawing:
     def overlay(
         self,
         layer: str,
-        points_door: np.ndarray,
+        points_door: FloatArray,
         feature: str | None = None,
         colour: str = "#c00",
         width: float = 1.2,
@@ -105,8 +106,8 @@ class DoorDrawing:
     def overlay_exaggerated(
         self,
         layer: str,
-        nominal_door: np.ndarray,
-        shifted_door: np.ndarray,
+        nominal_door: FloatArray,
+        shifted_door: FloatArray,
         factor: float,
         feature: str | None = None,
         colour: str = "#06c",
@@ -251,7 +252,7 @@ class DoorDrawing:
         )
         self._text(MARGIN, 42, facts)
 
-    def _polygon(self, layer: str, css: str, pixels: np.ndarray) -> None:
+    def _polygon(self, layer: str, css: str, pixels: FloatArray) -> None:
         self.layers[layer].append(f'<polygon class="{css}" points="{_points(pixels)}"/>')
 
     def _text(self, x: float, y: float, text: str, anchor: str = "start", css: str = "") -> None:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from doormill_ros.arrays import FloatArray
+
 HALF_SQRT2 = math.sqrt(0.5)
 
 
@@ -52,7 +54,7 @@ class Segment:
         """Length along the segment [m]."""
         return abs(self.angle) * self.radius if self.is_arc else math.dist(self.start, self.end)
 
-    def points(self, fraction: np.ndarray) -> np.ndarray:
+    def points(self, fraction: FloatArray) -> FloatArray:
         """Points, shape (n, 2) [m], at the given fractions, shape (n,), of the length."""
         fraction = np.asarray(fraction, dtype=float)
         if not self.is_arc:
@@ -79,7 +81,7 @@ class Outline:
         """Length once round [m]."""
         return sum(segment.length for segment in self.segments)
 
-    def points(self, step: float = 1e-3, chord_error: float = 1e-5) -> np.ndarray:
+    def points(self, step: float = 1e-3, chord_error: float = 1e-5) -> FloatArray:
         """Points along the outline, first one not repeated, shape (n, 2) [m].
 
         Args:

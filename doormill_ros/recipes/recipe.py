@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any
 
-import numpy as np
-
+from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes import door as limits
 from doormill_ros.recipes.checks import check_geometry
 from doormill_ros.recipes.door import DoorSize, HingeSide, Material
@@ -134,7 +133,7 @@ class Recipe:
         """The feature with this identifier; raises KeyError when there is none."""
         return {feature.id: feature for feature in self.features}[feature_id]
 
-    def T_door_feature(self, feature: Feature) -> np.ndarray:
+    def T_door_feature(self, feature: Feature) -> FloatArray:
         """Feature frame in the door frame, shape (4, 4)."""
         return feature.T_door_feature(self.size)
 

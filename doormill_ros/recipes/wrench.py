@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.errors import MissingField, OutOfRange, UnknownField, WrongType
 from doormill_ros.recipes.fields import GRID_DECIMALS, Codec, as_mapping, join, number
 
@@ -31,7 +32,7 @@ class WrenchTable:
 
     rows: tuple[tuple[str, tuple[float, float, float, float, float, float]], ...]
 
-    def get(self, segment: str) -> np.ndarray:
+    def get(self, segment: str) -> FloatArray:
         """Wrench of a segment, or the default, shape (6,) [N, N m].
 
         Raises:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import from_xyzw
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.errors import BadPicture
@@ -27,13 +28,13 @@ def nanoseconds_of(stamp: Any) -> int:
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
-def transform_of(pose: Any) -> np.ndarray:
+def transform_of(pose: Any) -> FloatArray:
     """T_a_b, shape (4, 4), from a geometry_msgs/Pose of b in a."""
     p, q = pose.position, pose.orientation
     return from_xyzw(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
 
 
-def _transforms_of(poses: list[Any]) -> np.ndarray:
+def _transforms_of(poses: list[Any]) -> FloatArray:
     """T_a_b, shape (n, 4, 4), all at once: one by one the calls cost more than the arithmetic."""
     if not poses:
         return np.empty((0, 4, 4))
@@ -43,19 +44,19 @@ def _transforms_of(poses: list[Any]) -> np.ndarray:
     )
 
 
-def wrench_of(message: Any) -> np.ndarray:
+def wrench_of(message: Any) -> FloatArray:
     """Shape (6,), force first [N, N m], from a geometry_msgs/Wrench."""
     f, t = message.force, message.torque
     return np.array([f.x, f.y, f.z, t.x, t.y, t.z])
 
 
-def twist_of(message: Any) -> np.ndarray:
+def twist_of(message: Any) -> FloatArray:
     """Shape (6,), translation first [m, rad], from a geometry_msgs/Twist."""
     v, w = message.linear, message.angular
     return np.array([v.x, v.y, v.z, w.x, w.y, w.z])
 
 
-def picture_of(message: Any) -> np.ndarray:
+def picture_of(message: Any) -> FloatArray:
     """Grey picture, shape (height, width) uint8, from a sensor_msgs/Image.
 
     Raises:

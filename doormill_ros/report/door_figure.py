@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.drawing import draw_recipe
 from doormill_ros.recipes.recipe import Recipe
@@ -55,5 +56,5 @@ def door_figure(recipe: Any, targets: Any, pose: Any) -> str:
     )
 
 
-def _points(T_door_base: np.ndarray, poses: list[np.ndarray]) -> np.ndarray:
+def _points(T_door_base: FloatArray, poses: list[FloatArray]) -> FloatArray:
     return apply(T_door_base, np.array([T[:3, 3] for T in poses]))

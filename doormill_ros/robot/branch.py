@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.branch_rules import BranchRules, Rejected, check_reach, refusal, too_close
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot
@@ -27,14 +28,14 @@ _WRIST_ROLLS = (3, 5)  # joints that turn about one line where axis 5 is straigh
 
 def choose_branch(
     robot: Robot,
-    T_base_flange: np.ndarray,
+    T_base_flange: FloatArray,
     *,
     rules: BranchRules | None = None,
-    start: np.ndarray | None = None,
-    compliance: Callable[[np.ndarray], np.ndarray] | None = None,
-    segment: np.ndarray | None = None,
+    start: FloatArray | None = None,
+    compliance: Callable[[FloatArray], FloatArray] | None = None,
+    segment: FloatArray | None = None,
     branches: Iterable[int] = range(BRANCHES),
-) -> np.ndarray:
+) -> FloatArray:
     """Joint angles along a path in one configuration.
 
     A candidate is a branch, followed continuously along the path, with the whole turns of its
@@ -87,20 +88,20 @@ def choose_branch(
 
 def _piecewise(
     search: _Search,
-    solutions: np.ndarray,
+    solutions: FloatArray,
     allowed: tuple[int, ...],
     borders: list[int],
-    start: np.ndarray | None,
-) -> np.ndarray:
+    start: FloatArray | None,
+) -> FloatArray:
     """One configuration a segment.
 
     The wrist may flip between segments; the arm keeps its posture, because turning elbow or base
     over in front of a door sweeps the whole cell.
     """
-    found: list[tuple[float, np.ndarray]] = []
+    found: list[tuple[float, FloatArray]] = []
     refused: RobotError | None = None
     for arm in range(0, BRANCHES, 2):
-        parts: list[np.ndarray] = []
+        parts: list[FloatArray] = []
         softness = 0.0
         try:
             for first, last in itertools.pairwise(borders):
@@ -122,19 +123,19 @@ def _piecewise(
 class _Search:
     robot: Robot
     rules: BranchRules
-    compliance: Callable[[np.ndarray], np.ndarray]
+    compliance: Callable[[FloatArray], FloatArray]
 
     def best(
         self,
-        solutions: np.ndarray,
+        solutions: FloatArray,
         allowed: Iterable[int],
         borders: list[int],
-        start: np.ndarray | None,
+        start: FloatArray | None,
         first: int = 0,
-    ) -> tuple[float, np.ndarray]:
+    ) -> tuple[float, FloatArray]:
         """Largest compliance and joint angles of the best candidate; `first` numbers its first pose."""
         rejected = Rejected()
-        best: tuple[float, float, np.ndarray] | None = None
+        best: tuple[float, float, FloatArray] | None = None
         for branch in allowed:
             if np.isnan(solutions[:, branch]).any():
                 continue
@@ -157,7 +158,7 @@ class _Search:
             raise refusal(self.robot, rejected, self.rules, len(solutions), first)
         return best[0], best[2]
 
-    def _passable(self, path: np.ndarray, borders: list[int], rejected: Rejected, first: int) -> bool:
+    def _passable(self, path: FloatArray, borders: list[int], rejected: Rejected, first: int) -> bool:
         reason = too_close(clearance(self.robot, path), self.rules, first)
         if reason:
             rejected.singular.append(reason)
@@ -172,8 +173,8 @@ class _Search:
 
 
 def _turns(
-    robot: Robot, path: np.ndarray, rules: BranchRules, first: int
-) -> tuple[list[np.ndarray], tuple[float, int, int] | None]:
+    robot: Robot, path: FloatArray, rules: BranchRules, first: int
+) -> tuple[list[FloatArray], tuple[float, int, int] | None]:
     """The path shifted by whole turns of its joints so that all poses are within the limits.
 
     When there is no such shift: the deciding excess [rad], its joint and its pose.
@@ -199,7 +200,7 @@ def _turns(
     return [path + shift for shift in grid], None
 
 
-def _closeness(robot: Robot, path: np.ndarray, start: np.ndarray | None) -> float:
+def _closeness(robot: Robot, path: FloatArray, start: FloatArray | None) -> float:
     """Smaller is better: time to the first pose [s], or how far joints stray from mid-range [-]."""
     if start is not None:
         return float(np.max(np.abs(path[0] - start) / robot.max_velocity))
@@ -213,11 +214,11 @@ def _better(new: tuple[float, float], old: tuple[float, float], equal: float) ->
     return new[0] <= old[0] * equal and new[1] < old[1] - 1e-9
 
 
-def _flange_compliance(robot: Robot) -> Callable[[np.ndarray], np.ndarray]:
+def _flange_compliance(robot: Robot) -> Callable[[FloatArray], FloatArray]:
     """Root mean square translation of the flange per unit force, over all directions [m/N]."""
     kinematics = Kinematics(robot)
 
-    def compliance(q: np.ndarray) -> np.ndarray:
+    def compliance(q: FloatArray) -> FloatArray:
         J = kinematics.jacobian(q)[..., :3, :]
         C = np.einsum("...ij,j,...kj->...ik", J, 1.0 / robot.stiffness, J)
         return np.sqrt(np.einsum("...ij,...ij->...", C, C) / 3.0)

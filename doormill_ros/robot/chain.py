@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.denavit_hartenberg import ALPHA, THETA_OFFSET, A, D
 
 JOINTS = 6
@@ -26,12 +27,12 @@ class ChainFrames:
         origin: Origins, shape (7, 3, n) [m].
     """
 
-    x: np.ndarray
-    y: np.ndarray
-    z: np.ndarray
-    origin: np.ndarray
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    origin: FloatArray
 
-    def point(self, link: int, position: np.ndarray) -> np.ndarray:
+    def point(self, link: int, position: FloatArray) -> FloatArray:
         """Base coordinates, shape (3, n) [m], of a point of a link's frame, shape (3,) [m]."""
         result = self.origin[link]
         for axis, coordinate in zip((self.x, self.y, self.z), position, strict=True):
@@ -41,7 +42,7 @@ class ChainFrames:
 
 
 def chain_frames(
-    dh: np.ndarray, q: np.ndarray, sin_cos: tuple[np.ndarray, np.ndarray] | None = None
+    dh: FloatArray, q: FloatArray, sin_cos: tuple[FloatArray, FloatArray] | None = None
 ) -> ChainFrames:
     """Frames of every link (thesis eq. 2.1).
 
@@ -86,7 +87,7 @@ def chain_frames(
     return ChainFrames(x, y, z, origin)
 
 
-def jacobian_columns(frames: ChainFrames, point: np.ndarray, link: int = JOINTS) -> np.ndarray:
+def jacobian_columns(frames: ChainFrames, point: FloatArray, link: int = JOINTS) -> FloatArray:
     """Translational Jacobian of a point (thesis eq. 2.29, upper half).
 
     Args:
@@ -103,7 +104,7 @@ def jacobian_columns(frames: ChainFrames, point: np.ndarray, link: int = JOINTS)
     return columns
 
 
-def cross(a: np.ndarray, b: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
+def cross(a: FloatArray, b: FloatArray, out: FloatArray | None = None) -> FloatArray:
     """Vector product along the last but one axis; shapes (..., 3, n), broadcast."""
     if out is None:
         out = np.empty(np.broadcast_shapes(a.shape, b.shape))
@@ -113,7 +114,7 @@ def cross(a: np.ndarray, b: np.ndarray, out: np.ndarray | None = None) -> np.nda
     return out
 
 
-def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def dot(a: FloatArray, b: FloatArray) -> FloatArray:
     """Scalar product along the last but one axis; shapes (..., 3, n) to (..., n)."""
     result = a[..., 0, :] * b[..., 0, :]
     result += a[..., 1, :] * b[..., 1, :]
@@ -121,7 +122,7 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return result
 
 
-def _turned(sin_q: np.ndarray, cos_q: np.ndarray, offset: float) -> tuple[np.ndarray, np.ndarray]:
+def _turned(sin_q: FloatArray, cos_q: FloatArray, offset: float) -> tuple[FloatArray, FloatArray]:
     """Sine and cosine of q + offset, exact when the offset is whole quarter turns."""
     s, c = _exact_sin_cos(offset)
     if s == 0.0:

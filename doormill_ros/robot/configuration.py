@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import chain_frames, cross, dot
 from doormill_ros.robot.description import Robot, load_robot
 
@@ -25,7 +26,7 @@ class ConfData:
     cfx: int
 
 
-def conf_data(q: np.ndarray, robot: Robot | None = None) -> ConfData:
+def conf_data(q: FloatArray, robot: Robot | None = None) -> ConfData:
     """Configuration of joint angles q, shape (6,) [rad].
 
     cf1, cf4 and cf6 count the quarter turns of axes 1, 4 and 6: 0 for [0, 90) deg, -1 for
@@ -39,14 +40,14 @@ def conf_data(q: np.ndarray, robot: Robot | None = None) -> ConfData:
     return configurations(robot or _default_robot(), np.asarray(q, dtype=float)[None])[0]
 
 
-def configurations(robot: Robot, q: np.ndarray) -> list[ConfData]:
+def configurations(robot: Robot, q: FloatArray) -> list[ConfData]:
     """The same of many joint angles, shape (n, 6) [rad]."""
     quarters = np.floor((q[:, [0, 3, 5]] + _SLACK) / _QUARTER).astype(int)
     index = configuration_index(robot, q)
     return [ConfData(*row, cfx) for row, cfx in zip(quarters.tolist(), index.tolist(), strict=True)]
 
 
-def configuration_index(robot: Robot, q: np.ndarray) -> np.ndarray:
+def configuration_index(robot: Robot, q: FloatArray) -> FloatArray:
     """cfx, shape (n,), of joint angles q, shape (n, 6) [rad]."""
     frames = chain_frames(robot.dh, np.ascontiguousarray(np.asarray(q, dtype=float).T))
     shoulder, elbow, wrist = frames.origin[1], frames.origin[2], frames.origin[4]

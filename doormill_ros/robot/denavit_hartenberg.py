@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.errors import RobotDescriptionError
 from doormill_ros.robot.urdf import JOINTS, Chain
 
@@ -12,7 +13,7 @@ THETA_OFFSET, D, A, ALPHA = range(4)  #: columns of a table
 _TINY = 1e-9  # metres or sine of an angle: below it two axes meet or are parallel
 
 
-def table_of_chain(chain: Chain) -> np.ndarray:
+def table_of_chain(chain: Chain) -> FloatArray:
     """The table, shape (6, 4) [theta_offset rad, d m, a m, alpha rad], of a chain.
 
     The axes alone leave choices open; they are made so that the table of the IRB 6600 in the
@@ -43,7 +44,7 @@ def table_of_chain(chain: Chain) -> np.ndarray:
     return _clean(np.array(rows))
 
 
-def link_transform(row: np.ndarray, angle: float = 0.0) -> np.ndarray:
+def link_transform(row: FloatArray, angle: float = 0.0) -> FloatArray:
     """A_i, shape (4, 4), of one row, shape (4,), at joint angle [rad] (thesis 2.1.1)."""
     theta = angle + row[THETA_OFFSET]
     c, s = np.cos(theta), np.sin(theta)
@@ -58,7 +59,7 @@ def link_transform(row: np.ndarray, angle: float = 0.0) -> np.ndarray:
     )
 
 
-def _row(T: np.ndarray, axis: np.ndarray, point: np.ndarray) -> tuple[float, float, float, float]:
+def _row(T: FloatArray, axis: FloatArray, point: FloatArray) -> tuple[float, float, float, float]:
     """From frame i-1 (columns of T) to a frame with z along the next axis."""
     x, y, z, origin = T[:3, 0], T[:3, 1], T[:3, 2], T[:3, 3]
     cross = np.cross(z, axis)
@@ -82,7 +83,7 @@ def _row(T: np.ndarray, axis: np.ndarray, point: np.ndarray) -> tuple[float, flo
     return theta, float(d), float(a), alpha
 
 
-def _last_row(T: np.ndarray, T_base_flange: np.ndarray) -> tuple[float, float, float, float]:
+def _last_row(T: FloatArray, T_base_flange: FloatArray) -> tuple[float, float, float, float]:
     x, y, z = T[:3, 0], T[:3, 1], T[:3, 2]
     theta = float(np.arctan2(T_base_flange[:3, 0] @ y, T_base_flange[:3, 0] @ x))
     if theta < -np.pi + _TINY:
@@ -90,7 +91,7 @@ def _last_row(T: np.ndarray, T_base_flange: np.ndarray) -> tuple[float, float, f
     return theta, float((T_base_flange[:3, 3] - T[:3, 3]) @ z), 0.0, 0.0
 
 
-def _check_end(chain: Chain, joint: int, T: np.ndarray) -> None:
+def _check_end(chain: Chain, joint: int, T: FloatArray) -> None:
     to_point = chain.points[joint] - T[:3, 3]
     tilt = np.linalg.norm(chain.axes[joint] - T[:3, 2])
     distance = np.linalg.norm(to_point - (to_point @ T[:3, 2]) * T[:3, 2])
@@ -101,7 +102,7 @@ def _check_end(chain: Chain, joint: int, T: np.ndarray) -> None:
         )
 
 
-def _clean(table: np.ndarray) -> np.ndarray:
+def _clean(table: FloatArray) -> FloatArray:
     """Replace rounding noise: zero lengths, and angles at whole quarter turns."""
     lengths = table[:, [D, A]]
     lengths[np.abs(lengths) < 1e-12] = 0.0

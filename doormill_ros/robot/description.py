@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.resources import resource
 from doormill_ros.robot.denavit_hartenberg import table_of_chain
 from doormill_ros.robot.errors import RobotDescriptionError
@@ -54,11 +55,11 @@ class Robot:
     label: str
     urdf: Path
     flange_link: str
-    dh: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
-    max_velocity: np.ndarray
-    stiffness: np.ndarray
+    dh: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    max_velocity: FloatArray
+    stiffness: FloatArray
     payload: float
     reach: float
     provenance: dict[str, Provenance]
@@ -144,7 +145,7 @@ def _provenance(path: Path, figure: dict[str, Any], name: str) -> Provenance:
     return Provenance(str(source), measured)
 
 
-def _vector(path: Path, figure: dict[str, Any], name: str, key: str = "value") -> np.ndarray:
+def _vector(path: Path, figure: dict[str, Any], name: str, key: str = "value") -> FloatArray:
     try:
         vector = np.array(figure.get(key), dtype=float)
     except (TypeError, ValueError):
@@ -156,7 +157,7 @@ def _vector(path: Path, figure: dict[str, Any], name: str, key: str = "value") -
     return vector
 
 
-def _positive(path: Path, figure: dict[str, Any], name: str) -> np.ndarray:
+def _positive(path: Path, figure: dict[str, Any], name: str) -> FloatArray:
     vector = _vector(path, figure, name)
     if np.any(vector <= 0):
         raise RobotDescriptionError(f"{path}: '{name}' has {vector.tolist()}, allowed are positive numbers")
@@ -171,7 +172,7 @@ def _scalar(path: Path, figure: dict[str, Any], name: str) -> float:
 
 
 def _check_limits(
-    path: Path, lower: np.ndarray, upper: np.ndarray, urdf_lower: np.ndarray, urdf_upper: np.ndarray
+    path: Path, lower: FloatArray, upper: FloatArray, urdf_lower: FloatArray, urdf_upper: FloatArray
 ) -> None:
     for joint in range(JOINTS):
         low, high = lower[joint], upper[joint]
@@ -184,6 +185,6 @@ def _check_limits(
             )
 
 
-def _frozen(array: np.ndarray) -> np.ndarray:
+def _frozen(array: FloatArray) -> FloatArray:
     array.setflags(write=False)
     return array

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import py_opw_kinematics as opw
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import rotation_x
 from doormill_ros.robot.chain import JOINTS, chain_frames
 from doormill_ros.robot.description import Robot
@@ -39,12 +40,12 @@ class Solutions:
         branch: Branch 0..7 of each row, ascending within a pose, shape (m,).
     """
 
-    q: np.ndarray
-    pose: np.ndarray
-    branch: np.ndarray
+    q: FloatArray
+    pose: FloatArray
+    branch: FloatArray
 
 
-def inverse(robot: Robot, T_base_flange: np.ndarray) -> np.ndarray:
+def inverse(robot: Robot, T_base_flange: FloatArray) -> FloatArray:
     """All joint angles within the limits that reach one pose, shape (n, 6) [rad].
 
     Empty, shape (0, 6), when the pose is out of reach or beyond the limits. At a wrist
@@ -60,7 +61,7 @@ def inverse(robot: Robot, T_base_flange: np.ndarray) -> np.ndarray:
     return inverse_all(robot, np.asarray(T_base_flange, dtype=float)[None]).q
 
 
-def inverse_all(robot: Robot, T_base_flange: np.ndarray) -> Solutions:
+def inverse_all(robot: Robot, T_base_flange: FloatArray) -> Solutions:
     """All joint angles within the limits that reach each of many poses.
 
     Args:
@@ -78,7 +79,7 @@ def inverse_all(robot: Robot, T_base_flange: np.ndarray) -> Solutions:
     return Solutions(q, pose, branch)
 
 
-def inverse_branches(robot: Robot, T_base_flange: np.ndarray) -> np.ndarray:
+def inverse_branches(robot: Robot, T_base_flange: FloatArray) -> FloatArray:
     """The eight branches without regard to limits, each angle in (-pi, pi].
 
     Args:
@@ -110,12 +111,12 @@ def inverse_branches(robot: Robot, T_base_flange: np.ndarray) -> np.ndarray:
     return q
 
 
-def _library_branches(arm: OrthoParallel, T_base_flange: np.ndarray) -> np.ndarray:
+def _library_branches(arm: OrthoParallel, T_base_flange: FloatArray) -> FloatArray:
     poses = opw.RigidTransform.from_matrix(T_base_flange)
     return _solver(arm).reach(poses, _NO_LIMITS).joints[:, _SLOT_OF_BRANCH]
 
 
-def _turned_about_wrist(arm: OrthoParallel, T_base_flange: np.ndarray) -> np.ndarray:
+def _turned_about_wrist(arm: OrthoParallel, T_base_flange: FloatArray) -> FloatArray:
     turned = T_base_flange.copy()
     wrist = T_base_flange[:, :3, 3] - arm.c4 * T_base_flange[:, :3, 2]
     turned[:, :3, :3] = T_base_flange[:, :3, :3] @ rotation_x(_NUDGE)
@@ -129,8 +130,8 @@ def _solver(arm: OrthoParallel) -> opw.Robot:
 
 
 def _with_turns(
-    robot: Robot, joint: int, q: np.ndarray, pose: np.ndarray, branch: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    robot: Robot, joint: int, q: FloatArray, pose: FloatArray, branch: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Repeat the rows for each whole turn of a joint that lands within its limits."""
     low, high = robot.lower[joint] - _LIMIT_SLACK, robot.upper[joint] + _LIMIT_SLACK
     turns = np.arange(np.floor((low + np.pi) / _TURN), np.ceil((high - np.pi) / _TURN) + 1) * _TURN
@@ -142,7 +143,7 @@ def _with_turns(
     return q, pose[row], branch[row]
 
 
-def _exact_wrist(robot: Robot, q: np.ndarray, T_base_flange: np.ndarray, flip: np.ndarray) -> np.ndarray:
+def _exact_wrist(robot: Robot, q: FloatArray, T_base_flange: FloatArray, flip: FloatArray) -> FloatArray:
     """Axes 4 to 6 from the wrist rotation by arc tangents, exact where axis 5 is almost straight.
 
     Follows thesis eq. 2.24 to 2.27 with atan2 in place of the arc cosine. `flip` is 1 where axis 5 is

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS, chain_frames, cross, jacobian_columns
 from doormill_ros.robot.description import Robot
 
@@ -17,13 +18,13 @@ class Kinematics:
     hold the two together to 1e-12.
     """
 
-    def __init__(self, robot: Robot | np.ndarray) -> None:
+    def __init__(self, robot: Robot | FloatArray) -> None:
         """Take a robot, or a bare Denavit-Hartenberg table, shape (6, 4)."""
         self.dh = np.array(robot.dh if isinstance(robot, Robot) else robot, dtype=float)
         if self.dh.shape != (JOINTS, 4):
             raise ValueError(f"the Denavit-Hartenberg table has shape {self.dh.shape}, allowed is (6, 4)")
 
-    def forward(self, q: np.ndarray) -> np.ndarray:
+    def forward(self, q: FloatArray) -> FloatArray:
         """T_base_flange, shape (..., 4, 4), of joint angles q, shape (..., 6) [rad] (thesis eq. 2.1)."""
         columns, shape = _columns(q)
         frames = chain_frames(self.dh, columns)
@@ -33,7 +34,7 @@ class Kinematics:
         T[:, 3, 3] = 1.0
         return T.reshape(*shape, 4, 4)
 
-    def link_frames(self, q: np.ndarray) -> np.ndarray:
+    def link_frames(self, q: FloatArray) -> FloatArray:
         """T_base_i of the Denavit-Hartenberg frames i = 0..6, shape (..., 7, 4, 4).
 
         Frame i is fixed to moving link i; frame 0 is the base, frame 6 the flange.
@@ -47,8 +48,8 @@ class Kinematics:
         return T.reshape(*shape, JOINTS + 1, 4, 4)
 
     def jacobian(
-        self, q: np.ndarray, point_flange: np.ndarray | tuple[float, ...] = (0.0, 0.0, 0.0)
-    ) -> np.ndarray:
+        self, q: FloatArray, point_flange: FloatArray | tuple[float, ...] = (0.0, 0.0, 0.0)
+    ) -> FloatArray:
         """Geometric Jacobian of a point of the flange frame (thesis eq. 2.29 to 2.31).
 
         Args:
@@ -62,8 +63,8 @@ class Kinematics:
         return self.link_jacobian(q, JOINTS, point_flange)
 
     def link_jacobian(
-        self, q: np.ndarray, link: int, point: np.ndarray | tuple[float, ...] = (0.0, 0.0, 0.0)
-    ) -> np.ndarray:
+        self, q: FloatArray, link: int, point: FloatArray | tuple[float, ...] = (0.0, 0.0, 0.0)
+    ) -> FloatArray:
         """Geometric Jacobian of a point fixed to any link.
 
         Args:
@@ -88,8 +89,8 @@ class Kinematics:
         return J.reshape(*shape, 6, JOINTS)
 
     def hessian(
-        self, q: np.ndarray, point_flange: np.ndarray | tuple[float, ...] = (0.0, 0.0, 0.0)
-    ) -> np.ndarray:
+        self, q: FloatArray, point_flange: FloatArray | tuple[float, ...] = (0.0, 0.0, 0.0)
+    ) -> FloatArray:
         """Exact derivative of `jacobian`: H[..., i, j, k] = d J[..., i, j] / d q[k].
 
         A joint k at or before joint j carries the whole column round: z_k x column. A joint
@@ -116,7 +117,7 @@ class Kinematics:
         return H.reshape(*shape, 6, JOINTS, JOINTS)
 
 
-def _columns(q: np.ndarray) -> tuple[np.ndarray, tuple[int, ...]]:
+def _columns(q: FloatArray) -> tuple[FloatArray, tuple[int, ...]]:
     """Joint angles with the configurations last, shape (6, n), and the shape in front."""
     q = np.asarray(q, dtype=float)
     if q.shape[-1:] != (JOINTS,):

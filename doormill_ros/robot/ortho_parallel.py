@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.denavit_hartenberg import ALPHA, THETA_OFFSET, A, D
 from doormill_ros.robot.errors import GeometryError
 
@@ -32,7 +33,7 @@ class OrthoParallel:
     offsets: tuple[float, ...]
 
 
-def ortho_parallel(dh: np.ndarray, name: str = "the robot") -> OrthoParallel:
+def ortho_parallel(dh: FloatArray, name: str = "the robot") -> OrthoParallel:
     """Derive the arguments from a Denavit-Hartenberg table, shape (6, 4).
 
     With twists (-90, 0, -90, 90, -90, 0) deg axes 2 and 3 are parallel and across axis 1, and axes 4 to 6

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import chain_frames, cross, dot
 from doormill_ros.robot.description import Robot
 
@@ -20,12 +21,12 @@ class Clearance:
         shoulder: Distance of the wrist centre from axis 1 [m].
     """
 
-    wrist: np.ndarray
-    elbow: np.ndarray
-    shoulder: np.ndarray
+    wrist: FloatArray
+    elbow: FloatArray
+    shoulder: FloatArray
 
 
-def clearance(robot: Robot, q: np.ndarray) -> Clearance:
+def clearance(robot: Robot, q: FloatArray) -> Clearance:
     """Clearance of joint angles q, shape (n, 6) [rad]."""
     frames = chain_frames(robot.dh, np.ascontiguousarray(np.asarray(q, dtype=float).T))
     lower_arm = frames.origin[2] - frames.origin[1]
@@ -38,7 +39,7 @@ def clearance(robot: Robot, q: np.ndarray) -> Clearance:
     )
 
 
-def _line_angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _line_angle(a: FloatArray, b: FloatArray) -> FloatArray:
     """Angle between two lines, 0 to 90 degrees, shapes (3, n) to (n,)."""
     normal = cross(a, b)
     return np.arctan2(np.sqrt(dot(normal, normal)), np.abs(dot(a, b)))

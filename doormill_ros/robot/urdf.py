@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import transform
 from doormill_ros.robot.errors import RobotDescriptionError
 
@@ -31,11 +32,11 @@ class Chain:
 
     base: str
     flange: str
-    axes: np.ndarray
-    points: np.ndarray
-    T_base_flange: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
+    axes: FloatArray
+    points: FloatArray
+    T_base_flange: FloatArray
+    lower: FloatArray
+    upper: FloatArray
 
 
 def read_chain(path: Path) -> Chain:
@@ -57,10 +58,10 @@ class LinkPose:
 
     parent: str
     child: str
-    T_parent_child: np.ndarray
+    T_parent_child: FloatArray
 
 
-def link_poses(path: Path, q: np.ndarray) -> list[LinkPose]:
+def link_poses(path: Path, q: FloatArray) -> list[LinkPose]:
     """The chain's links from the base to the flange, under the names that the URDF gives them.
 
     Args:
@@ -146,7 +147,7 @@ def _zero_position(path: Path, base: str, flange: str, steps: list[ElementTree.E
     )
 
 
-def _axis(path: Path, joint: ElementTree.Element) -> np.ndarray:
+def _axis(path: Path, joint: ElementTree.Element) -> FloatArray:
     element = joint.find("axis")
     axis = _numbers(path, joint, "1 0 0" if element is None else element.get("xyz", "1 0 0"))
     norm = np.linalg.norm(axis)
@@ -155,7 +156,7 @@ def _axis(path: Path, joint: ElementTree.Element) -> np.ndarray:
     return axis / norm
 
 
-def _origin(path: Path, joint: ElementTree.Element) -> np.ndarray:
+def _origin(path: Path, joint: ElementTree.Element) -> FloatArray:
     element = joint.find("origin")
     if element is None:
         return np.eye(4)
@@ -163,7 +164,7 @@ def _origin(path: Path, joint: ElementTree.Element) -> np.ndarray:
     return transform(rotation, _numbers(path, joint, element.get("xyz", "0 0 0")))
 
 
-def _numbers(path: Path, joint: ElementTree.Element, text: str) -> np.ndarray:
+def _numbers(path: Path, joint: ElementTree.Element, text: str) -> FloatArray:
     try:
         values = np.array([float(word) for word in text.split()])
     except ValueError:

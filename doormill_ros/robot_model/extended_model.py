@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
@@ -29,7 +30,7 @@ class SizedCause:
     """A cause and the values of its parameters in a row, SI units."""
 
     cause: Cause
-    values: np.ndarray
+    values: FloatArray
 
 
 class ExtendedComplianceModel:
@@ -42,7 +43,7 @@ class ExtendedComplianceModel:
     """
 
     def __init__(
-        self, robot: str, dh: np.ndarray, joint_stiffness: np.ndarray, causes: Sequence[SizedCause]
+        self, robot: str, dh: FloatArray, joint_stiffness: FloatArray, causes: Sequence[SizedCause]
     ) -> None:
         """Keep robot, springs and causes."""
         self.robot = robot
@@ -52,11 +53,11 @@ class ExtendedComplianceModel:
 
     def deflection(
         self,
-        q: np.ndarray,
-        wrench: np.ndarray,
-        load_point: np.ndarray,
-        direction: np.ndarray | None = None,
-    ) -> np.ndarray:
+        q: FloatArray,
+        wrench: FloatArray,
+        load_point: FloatArray,
+        direction: FloatArray | None = None,
+    ) -> FloatArray:
         """Twist of the loaded tool, as `ComplianceModel.deflection`.
 
         A joint whose last motion is unknown (0) gets half of its backlash: the expected value.
@@ -87,7 +88,7 @@ class ExtendedComplianceModel:
 
 
 def model_document(
-    robot: str, joint_stiffness: np.ndarray, causes: Sequence[SizedCause], source: str
+    robot: str, joint_stiffness: FloatArray, causes: Sequence[SizedCause], source: str
 ) -> dict[str, Any]:
     """The content of model.yaml."""
     return {

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
@@ -58,11 +59,11 @@ class FeatureResult:
 
     feature: str
     milled: bool
-    station: np.ndarray
-    points: np.ndarray
-    deviation: np.ndarray
-    by_depth: np.ndarray
-    depths: np.ndarray
+    station: FloatArray
+    points: FloatArray
+    deviation: FloatArray
+    by_depth: FloatArray
+    depths: FloatArray
     floor: tuple[float, float]
     uncleared: float
     region: shapely.Geometry
@@ -91,10 +92,10 @@ class MilledPart:
 
 def inspect(
     recipe: Recipe,
-    T_base_door_true: np.ndarray,
+    T_base_door_true: FloatArray,
     executed: ExecutedPath,
     *,
-    others: Sequence[tuple[np.ndarray, ExecutedPath]] = (),
+    others: Sequence[tuple[FloatArray, ExecutedPath]] = (),
     only: Sequence[str] | None = None,
 ) -> MilledPart:
     """Compare the milled door with its recipe.
@@ -116,7 +117,7 @@ def inspect(
 
 
 def _measure(
-    recipe: Recipe, feature: Feature, paths: Sequence[tuple[np.ndarray, ExecutedPath]]
+    recipe: Recipe, feature: Feature, paths: Sequence[tuple[FloatArray, ExecutedPath]]
 ) -> FeatureResult:
     depth, radius = feature.cut_depth(recipe.size), feature.tool.radius
     points = feature.outline().points(step=CONTOUR_STEP, chord_error=1e-7)
@@ -150,7 +151,7 @@ def _measure(
 class _Way:
     """One robot's path in the frame of a feature."""
 
-    def __init__(self, T_feature_tool: np.ndarray, own: np.ndarray, cutting: np.ndarray) -> None:
+    def __init__(self, T_feature_tool: FloatArray, own: FloatArray, cutting: FloatArray) -> None:
         self.tip = T_feature_tool[:, :3, 3]
         self.axis = T_feature_tool[:, :3, 2]
         # The tool moved straight from sample to sample; both must be this feature's.
@@ -161,7 +162,7 @@ class _Way:
         # Stretches that mill a floor, shape (n - 1,).
         self.flat = along & self.joined & cutting[1:] & (self.tip[1:, 2] > 0.0)
 
-    def floor_tips(self) -> np.ndarray:
+    def floor_tips(self) -> FloatArray:
         """Tips along every stretch that mills a floor, at most TIP_STEP apart, shape (m, 3) [m]."""
         start, end = self.tip[:-1][self.flat], self.tip[1:][self.flat]
         parts = np.ceil(np.linalg.norm(end - start, axis=1) / TIP_STEP).astype(int)
@@ -171,7 +172,7 @@ class _Way:
         share = ((number + 1) / parts[stretch])[:, None]
         return start[stretch] + share * (end - start)[stretch]
 
-    def at_depth(self, z: float) -> np.ndarray:
+    def at_depth(self, z: float) -> FloatArray:
         """Stretches of the tool axis through the plane at depth z, shape (m, 2, 2) [m]."""
         if not self.joined.any():
             return np.zeros((0, 2, 2))
@@ -191,7 +192,7 @@ class _Way:
         return np.stack([start + enter * way, start + leave * way], axis=1)
 
 
-def _deviation(points: np.ndarray, stretches: np.ndarray, radius: float) -> np.ndarray:
+def _deviation(points: FloatArray, stretches: FloatArray, radius: float) -> FloatArray:
     """Tool radius less the distance of each point to the nearest stretch, shape (n,) [m]."""
     if not len(stretches):
         # Nothing was milled: the wood stands up to the middle of the feature.
@@ -203,7 +204,7 @@ def _deviation(points: np.ndarray, stretches: np.ndarray, radius: float) -> np.n
     return result
 
 
-def _swept(stretches: np.ndarray, radius: float) -> shapely.Geometry:
+def _swept(stretches: FloatArray, radius: float) -> shapely.Geometry:
     """Union of the tool's discs along the stretches."""
     if not len(stretches):
         return shapely.Polygon()
@@ -212,7 +213,7 @@ def _swept(stretches: np.ndarray, radius: float) -> shapely.Geometry:
     return shapely.buffer(shapely.simplify(lines, 1e-7), radius, quad_segs=DISC_SEGMENTS)
 
 
-def _floor(ways: Sequence[_Way], outline: np.ndarray, depth: float, radius: float) -> tuple[float, float]:
+def _floor(ways: Sequence[_Way], outline: FloatArray, depth: float, radius: float) -> tuple[float, float]:
     """Smallest and largest depth of the finished floor, less the recipe's [m].
 
     At a place of the floor the deepest tip counts that ever covered it. Only motions along the
@@ -233,7 +234,7 @@ def _floor(ways: Sequence[_Way], outline: np.ndarray, depth: float, radius: floa
     return float(found.min()), float(found.max())
 
 
-def _grid(outline: np.ndarray) -> np.ndarray:
+def _grid(outline: FloatArray) -> FloatArray:
     """Places on the floor, FLOOR_STEP apart, inside the outline less CLEARED, shape (n, 2) [m]."""
     inner = shapely.Polygon(outline).buffer(-CLEARED)
     low_x, low_y, high_x, high_y = inner.bounds

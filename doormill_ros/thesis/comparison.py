@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.loading import displacement_per_compliance, joint_torques
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.thesis.loading_tests import ThesisData
@@ -45,11 +46,11 @@ class TestComparison:
     joint: int
     measured: float
     simulated: float
-    simulated_components: np.ndarray | None
+    simulated_components: FloatArray | None
     predicted: float
-    predicted_vector: np.ndarray
+    predicted_vector: FloatArray
     own_joint: float
-    by_joint: np.ndarray
+    by_joint: FloatArray
     predicted_std: float
     nearest_joints: tuple[int, ...]
     nearest: float
@@ -57,7 +58,7 @@ class TestComparison:
 
 
 def compare_with_simulation(
-    data: ThesisData, recovery: Recovery, stiffness_std: np.ndarray, side_6: int = 1
+    data: ThesisData, recovery: Recovery, stiffness_std: FloatArray, side_6: int = 1
 ) -> list[TestComparison]:
     """Predict the six tests with the recovered stiffness.
 
@@ -108,7 +109,7 @@ def compare_with_simulation(
     return rows
 
 
-def _nearest_joints(by_joint: np.ndarray, length: float) -> tuple[tuple[int, ...], float]:
+def _nearest_joints(by_joint: FloatArray, length: float) -> tuple[tuple[int, ...], float]:
     """Joints (1..6) whose displacements, columns of (3, 6), add up to the length nearest to a given one.
 
     Joints that move the reflector by less than a hundredth of the length are left out of the search.

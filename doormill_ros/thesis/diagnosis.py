@@ -13,6 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 from doormill_ros.robot_model.elastic.causes.registry import candidates
@@ -135,7 +136,7 @@ def diagnose_thesis(data: ThesisData) -> ThesisDiagnosis:
     measured = np.array([test.measured for test in data.tests])
     use = np.array([test.joint in DECIDABLE for test in data.tests])
 
-    def misfit(cause: Cause | None, theta: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    def misfit(cause: Cause | None, theta: FloatArray, rows: FloatArray) -> FloatArray:
         return (_lengths(data, cases[1], cause, theta)[rows] - measured[rows]) / std
 
     library = [cause for cause in candidates(["ee"]) if cause.stage == "robot" and cause.size == 1]
@@ -193,7 +194,7 @@ LEFT_OUT = (
 )
 
 
-def _case(data: ThesisData, test: ThesisTest, stiffness: np.ndarray, side: int) -> LoadCase:
+def _case(data: ThesisData, test: ThesisTest, stiffness: FloatArray, side: int) -> LoadCase:
     kinematics = Kinematics(data.robot)
     reflector = test.reflector.copy()
     if test.joint == 6:
@@ -223,8 +224,8 @@ def _case(data: ThesisData, test: ThesisTest, stiffness: np.ndarray, side: int) 
 
 
 def _lengths(
-    data: ThesisData, cases: Sequence[LoadCase], cause: Cause | None, theta: np.ndarray
-) -> np.ndarray:
+    data: ThesisData, cases: Sequence[LoadCase], cause: Cause | None, theta: FloatArray
+) -> FloatArray:
     """Predicted length of each test, shape (6,) [m]; test 4 is the rotation of joint 4 times its radius."""
     lengths = []
     for case, test in zip(cases, data.tests, strict=True):
@@ -246,14 +247,14 @@ def _lengths(
     return np.array(lengths)
 
 
-def _own(data: ThesisData, case: LoadCase, test: ThesisTest, stiffness: np.ndarray) -> float:
+def _own(data: ThesisData, case: LoadCase, test: ThesisTest, stiffness: FloatArray) -> float:
     k = test.joint - 1
     angle = float(case.torque[0, k] / stiffness[k])
     lever = test.extra["radius"] if test.joint == 4 else float(np.linalg.norm(case.joint_twist(k)[0, :3]))
     return abs(angle) * lever
 
 
-def _fit(misfit, cause: Cause, rows: np.ndarray) -> tuple[np.ndarray, float, float]:
+def _fit(misfit, cause: Cause, rows: FloatArray) -> tuple[FloatArray, float, float]:
     """Theta, squared deviations, and squared slope of the deviations by theta."""
     best = least_squares(
         lambda theta: misfit(cause, theta, rows), 0.1 * cause.scale, bounds=(cause.lower - 1e-9, cause.upper)

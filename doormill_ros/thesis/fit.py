@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import least_squares
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.loading import displacement_per_compliance, joint_torques
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.kinematics import Kinematics
@@ -52,12 +53,12 @@ class ThesisFit:
         side_6: +1 when the reflector of test 6 is on the side of the load's arm, -1 on the other.
     """
 
-    stiffness: np.ndarray
-    std: np.ndarray
-    std_of_repetition: np.ndarray
-    target: np.ndarray
-    fitted: np.ndarray
-    sigma: np.ndarray
+    stiffness: FloatArray
+    std: FloatArray
+    std_of_repetition: FloatArray
+    target: FloatArray
+    fitted: FloatArray
+    sigma: FloatArray
     chi_square: float
     degrees_of_freedom: int
     side_6: int
@@ -81,7 +82,7 @@ class FigureModel:
         self.taken_off_6 = joint1_of_a13(self.kinematics, data, recovery)
         self._pucks = self._puck_geometry()
 
-    def target(self) -> np.ndarray:
+    def target(self) -> FloatArray:
         """The printed figures, shape (9,)."""
         k, tests = self.recovery.stiffness, self.data.tests
         three, five, six = tests[2], tests[4], tests[5]
@@ -95,14 +96,14 @@ class FigureModel:
             ]
         )
 
-    def sigma(self) -> np.ndarray:
+    def sigma(self) -> FloatArray:
         """Their standard deviations, shape (9,)."""
         one = repeatability(self.data)
         sigma = np.full(9, one)
         sigma[7] = np.sqrt(2.0) * one / _ANGLE_BASE
         return sigma
 
-    def predict(self, stiffness: np.ndarray) -> np.ndarray:
+    def predict(self, stiffness: FloatArray) -> FloatArray:
         """The nine figures of a robot with these joint stiffnesses."""
         d = self.A @ (1.0 / stiffness)  # (6, 3)
         lengths = np.linalg.norm(d, axis=1)
@@ -116,7 +117,7 @@ class FigureModel:
             ]
         )
 
-    def _puck_geometry(self) -> list[tuple[np.ndarray, np.ndarray]]:
+    def _puck_geometry(self) -> list[tuple[FloatArray, FloatArray]]:
         """Joint 2, joint 5 and the flange reflector in test 5: position and displacement per compliance."""
         test = self.data.test(5)
         pucks = []
@@ -126,13 +127,13 @@ class FigureModel:
             pucks.append((frame[:3, :3] @ position + frame[:3, 3], J * self.torque[4]))
         return pucks
 
-    def _angle_5(self, stiffness: np.ndarray) -> float:
+    def _angle_5(self, stiffness: FloatArray) -> float:
         rest = tuple(p for p, _ in self._pucks)
         bent = tuple(p + A @ (1.0 / stiffness) for p, A in self._pucks)
         return abs(joint5_rotation(rest, bent))
 
 
-def overall_std(recovery: Recovery, fit: ThesisFit) -> np.ndarray:
+def overall_std(recovery: Recovery, fit: ThesisFit) -> FloatArray:
     """Standard deviation to use with the thesis' stiffness, shape (6,) [N m/rad].
 
     What a repetition would scatter, and the distance between the thesis' one-by-one identification and the
@@ -175,7 +176,7 @@ def _fit(data: ThesisData, recovery: Recovery, side: int) -> ThesisFit:
     )
 
 
-def _joint2_of_a10(kinematics: Kinematics, data: ThesisData, recovery: Recovery) -> np.ndarray:
+def _joint2_of_a10(kinematics: Kinematics, data: ThesisData, recovery: Recovery) -> FloatArray:
     """What A.10 takes off: joint 2 at the load point under [0 0 -Fz 0 0 0]."""
     test = data.test(3)
     J = kinematics.jacobian(test.q, (0.0, 0.0, data.tool_z))
@@ -183,7 +184,7 @@ def _joint2_of_a10(kinematics: Kinematics, data: ThesisData, recovery: Recovery)
     return joint_displacement(J, wrench, 2, recovery.stiffness[1])
 
 
-def joint1_of_a13(kinematics: Kinematics, data: ThesisData, recovery: Recovery) -> np.ndarray:
+def joint1_of_a13(kinematics: Kinematics, data: ThesisData, recovery: Recovery) -> FloatArray:
     """What A.13 takes off: joint 1 under readings in flange axes, multiplied by a Jacobian in base axes."""
     test = data.test(6)
     J = kinematics.jacobian(test.q, (0.0, 0.0, data.tool_z))

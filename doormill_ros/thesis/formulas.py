@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 _NOTHING = np.zeros(3)
 
 
-def displacement_length(x: np.ndarray, x0: np.ndarray, known: np.ndarray = _NOTHING) -> float:
+def displacement_length(x: FloatArray, x0: FloatArray, known: FloatArray = _NOTHING) -> float:
     """L of equations 3.2 and 3.4; with a known joint's displacement taken off, 3.6 and 3.31.
 
     Args:
@@ -42,7 +44,7 @@ def stiffness_from_rotation(load: float, load_arm: float, rotation: float) -> fl
     return load * load_arm / rotation
 
 
-def joint_displacement(J: np.ndarray, wrench: np.ndarray, joint: int, stiffness: float) -> np.ndarray:
+def joint_displacement(J: FloatArray, wrench: FloatArray, joint: int, stiffness: float) -> FloatArray:
     """What one identified joint contributes (3.7 with 3.8, 3.32 with 3.33).
 
     Args:
@@ -59,8 +61,8 @@ def joint_displacement(J: np.ndarray, wrench: np.ndarray, joint: int, stiffness:
 
 
 def joint4_rotation(
-    unloaded: tuple[np.ndarray, np.ndarray],
-    loaded: tuple[np.ndarray, np.ndarray],
+    unloaded: tuple[FloatArray, FloatArray],
+    loaded: tuple[FloatArray, FloatArray],
     lever_L2: float,
     radius_R4: float,
 ) -> float:
@@ -81,7 +83,7 @@ def joint4_rotation(
 
 
 def joint5_rotation(
-    unloaded: tuple[np.ndarray, np.ndarray, np.ndarray], loaded: tuple[np.ndarray, np.ndarray, np.ndarray]
+    unloaded: tuple[FloatArray, FloatArray, FloatArray], loaded: tuple[FloatArray, FloatArray, FloatArray]
 ) -> float:
     """Rotation of joint 5 [rad] from reflectors A, B and C along the arm (3.18 to 3.28)."""
     before = _angle(unloaded[1] - unloaded[0], unloaded[2] - unloaded[1])  # (3.26)
@@ -89,6 +91,6 @@ def joint5_rotation(
     return after - before  # (3.28)
 
 
-def _angle(a: np.ndarray, b: np.ndarray) -> float:
+def _angle(a: FloatArray, b: FloatArray) -> float:
     """Angle between two vectors; the arc tangent keeps the digits that arccos of almost 1 loses."""
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))

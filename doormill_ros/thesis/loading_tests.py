@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.loading import Loadings
 from doormill_ros.measurements.raw_errors import LoadingTestError
 from doormill_ros.measurements.sensor import rotate_wrench, sensor_to_flange
@@ -44,18 +45,18 @@ class ThesisTest:
     """
 
     joint: int
-    q: np.ndarray
-    wrench_flange: np.ndarray | None
-    force_base: np.ndarray
-    moment_base: np.ndarray
+    q: FloatArray
+    wrench_flange: FloatArray | None
+    force_base: FloatArray
+    moment_base: FloatArray
     load_link: int
-    load_point: np.ndarray
+    load_point: FloatArray
     load_arm: float
     reflector_link: int
-    reflector: np.ndarray
+    reflector: FloatArray
     measured: float
     simulated: float
-    simulated_components: np.ndarray | None
+    simulated_components: FloatArray | None
     extra: dict[str, float]
 
 
@@ -75,9 +76,9 @@ class ThesisData:
 
     robot: Robot
     tests: tuple[ThesisTest, ...]
-    ratios: np.ndarray
-    table_4_2: dict[str, np.ndarray]
-    table_4_3: dict[str, np.ndarray]
+    ratios: FloatArray
+    table_4_2: dict[str, FloatArray]
+    table_4_3: dict[str, FloatArray]
     load_mass: float
     tool_z: float
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
+from doormill_ros.arrays import FloatArray
 from doormill_ros.identification.outcome import Outcome
 from doormill_ros.thesis.comparison import TestComparison, compare_with_simulation
 from doormill_ros.thesis.contradictions.search import find_contradictions
@@ -57,7 +56,7 @@ def outcome_of_thesis(data: ThesisData) -> Outcome:
     return Outcome(data.robot, SOURCE, recovery.stiffness, std, lines, document)
 
 
-def _stiffness_lines(data: ThesisData, recovery: Recovery, fit: ThesisFit, std: np.ndarray) -> list[str]:
+def _stiffness_lines(data: ThesisData, recovery: Recovery, fit: ThesisFit, std: FloatArray) -> list[str]:
     lines = [
         "stiffness in N m/rad: as the thesis found it (deviation from rounding), all joints at once, overall deviation",
         "joint  equation        one by one             all at once             overall",

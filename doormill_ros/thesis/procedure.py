@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.raw_errors import LoadingTestError
 from doormill_ros.measurements.raw_set import RawTest
 from doormill_ros.robot.kinematics import Kinematics
@@ -56,7 +57,7 @@ class FormulaResult:
 
 
 def thesis_stiffness(
-    kinematics: Kinematics, tests: list[RawTest], fallback: np.ndarray
+    kinematics: Kinematics, tests: list[RawTest], fallback: FloatArray
 ) -> list[FormulaResult]:
     """Apply the formula of each test that names a joint, joint 1 first.
 

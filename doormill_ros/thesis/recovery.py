@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.thesis.formulas import (
     stiffness_from_length,
@@ -38,8 +39,8 @@ class Recovery:
         equations: Where each joint comes from.
     """
 
-    stiffness: np.ndarray
-    printing_std: np.ndarray
+    stiffness: FloatArray
+    printing_std: FloatArray
     ratio_2_to_1: float
     ratio_2_to_1_std: float
     stiffness_4_from_rotation: float

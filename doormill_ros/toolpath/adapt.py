@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.correction.load import Bench
 from doormill_ros.toolpath.curve import Curve
 from doormill_ros.toolpath.plan import Plan, Step
@@ -22,8 +23,8 @@ ROUNDS = 5  #: play in a gear makes steps that no number of divisions would foll
 
 
 def adapted(
-    plan: Plan, q: np.ndarray, T_base_door: np.ndarray, bench: Bench, settings: Correction
-) -> tuple[Plan, Stations, np.ndarray]:
+    plan: Plan, q: FloatArray, T_base_door: FloatArray, bench: Bench, settings: Correction
+) -> tuple[Plan, Stations, FloatArray]:
     """The plan with its cuts divided where the correction asks for it.
 
     The first round spreads the changes of wrench and divides by the bend it sees; further rounds
@@ -69,8 +70,8 @@ def adapted(
 
 
 def straightened(
-    plan: Plan, q: np.ndarray, T_base_door: np.ndarray, bench: Bench, flat: Collection[int]
-) -> tuple[Plan, Stations, np.ndarray]:
+    plan: Plan, q: FloatArray, T_base_door: FloatArray, bench: Bench, flat: Collection[int]
+) -> tuple[Plan, Stations, FloatArray]:
     """The plan with some of its arcs replaced by their two chords, if they are flat enough for that.
 
     Args:
@@ -100,8 +101,8 @@ def straightened(
 
 
 def _divided(
-    plan: Plan, q: np.ndarray, division: Division, T_base_door: np.ndarray, bench: Bench
-) -> tuple[Plan, Stations, np.ndarray]:
+    plan: Plan, q: FloatArray, division: Division, T_base_door: FloatArray, bench: Bench
+) -> tuple[Plan, Stations, FloatArray]:
     plan = replace(plan, steps=division.steps)
     stations = stations_of(plan.steps, T_base_door)
     q = _between(q, division)
@@ -109,7 +110,7 @@ def _divided(
     return plan, stations, q
 
 
-def _between(q: np.ndarray, division: Division) -> np.ndarray:
+def _between(q: FloatArray, division: Division) -> FloatArray:
     """Joint angles of the parts, interpolated between the stations of their parents."""
     k = len(FRACTIONS)
     t = division.span[:, :1] + FRACTIONS * (division.span[:, 1:] - division.span[:, :1])  # (m, k)

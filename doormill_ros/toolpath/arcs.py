@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.toolpath.errors import ArcError
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.units import deg_to_rad, m_to_mm, rad_to_deg
@@ -43,7 +44,7 @@ def unfollowable(program: MillingProgram) -> dict[int, str]:
     return found
 
 
-def _angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
     """Angles between vectors, shapes (n, 3) -> (n,) [rad]."""
     return np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ni,ni->n", a, b))
 

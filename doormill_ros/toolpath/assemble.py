@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.stations import FRACTIONS, VIA
@@ -46,8 +47,8 @@ class Itinerary:
     """
 
     stops: tuple[Stop, ...]
-    end: np.ndarray
-    via: np.ndarray
+    end: FloatArray
+    via: FloatArray
 
 
 def itinerary(plan: Plan) -> Itinerary:
@@ -97,7 +98,7 @@ def decisive(stop: Stop, steps: Sequence[Step]) -> list[Visit]:
     return stop.visits[:1]
 
 
-def shift_along(route: Itinerary, shift: np.ndarray) -> np.ndarray:
+def shift_along(route: Itinerary, shift: FloatArray) -> FloatArray:
     """What is added at the targets, interpolated along every step.
 
     Args:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.door import DoorSize
@@ -55,7 +56,7 @@ def check_air(
     steps: Sequence[Step],
     path: JointPath,
     size: DoorSize,
-    T_base_door: np.ndarray,
+    T_base_door: FloatArray,
     robot: Robot,
     layout: CellLayout,
     approach: Approach,
@@ -95,7 +96,7 @@ def check_air(
         )
 
 
-def _postures(step: Step, index: int, path: JointPath) -> np.ndarray:
+def _postures(step: Step, index: int, path: JointPath) -> FloatArray:
     """Joint angles along a motion, shape (n, 6) [rad]."""
     if step.kind is not MotionKind.JOINT:
         return path.q[path.step == index]
@@ -104,13 +105,13 @@ def _postures(step: Step, index: int, path: JointPath) -> np.ndarray:
 
 
 def _gaps(
-    q: np.ndarray,
+    q: FloatArray,
     size: DoorSize,
-    T_base_door: np.ndarray,
+    T_base_door: FloatArray,
     robot: Robot,
     layout: CellLayout,
     approach: Approach,
-) -> np.ndarray:
+) -> FloatArray:
     """Distance between the door and mill or spindle, the nearer of them, shape (n,) [m].
 
     Round every point of the axis the cylinder is taken for a ball, which is never too small.

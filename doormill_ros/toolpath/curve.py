@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 
 @dataclass(frozen=True, eq=False)
 class Curve:
@@ -22,10 +24,10 @@ class Curve:
         sweep: Angle of an arc, positive [rad]; 0 for a line.
     """
 
-    start: np.ndarray
-    end: np.ndarray
-    centre: np.ndarray | None = None
-    across: np.ndarray | None = None
+    start: FloatArray
+    end: FloatArray
+    centre: FloatArray | None = None
+    across: FloatArray | None = None
     sweep: float = 0.0
 
     @property
@@ -43,7 +45,7 @@ class Curve:
         """Length along the curve [m]."""
         return self.sweep * self.radius if self.is_arc else math.dist(self.start, self.end)
 
-    def points(self, fractions: np.ndarray | Sequence[float]) -> np.ndarray:
+    def points(self, fractions: FloatArray | Sequence[float]) -> FloatArray:
         """Points at fractions 0..1 of the length, shape (k,) -> (k, 3) [m]."""
         t = np.asarray(fractions, dtype=float)[:, None]
         if not self.is_arc:
@@ -64,7 +66,7 @@ class Curve:
         across = np.cos(angle) * self.across - np.sin(angle) * (self.start - self.centre)
         return Curve(start, end, self.centre, across, self.sweep * (last - first))
 
-    def mapped(self, T_a_b: np.ndarray) -> Curve:
+    def mapped(self, T_a_b: FloatArray) -> Curve:
         """The curve given in frame b, written in frame a."""
         R, p = T_a_b[:3, :3], T_a_b[:3, 3]
         ends = replace(self, start=R @ self.start + p, end=R @ self.end + p)
@@ -73,7 +75,7 @@ class Curve:
         return replace(ends, centre=R @ self.centre + p, across=R @ self.across)
 
 
-def arc_about(start: np.ndarray, centre: np.ndarray, normal: np.ndarray, sweep: float) -> Curve:
+def arc_about(start: FloatArray, centre: FloatArray, normal: FloatArray, sweep: float) -> Curve:
     """The arc that turns the start about an axis.
 
     Args:
@@ -89,7 +91,7 @@ def arc_about(start: np.ndarray, centre: np.ndarray, normal: np.ndarray, sweep: 
     return Curve(start, end, centre, across, abs(float(sweep)))
 
 
-def points_of(curves: Sequence[Curve], index: np.ndarray, fraction: np.ndarray) -> np.ndarray:
+def points_of(curves: Sequence[Curve], index: FloatArray, fraction: FloatArray) -> FloatArray:
     """Points of many curves at once.
 
     Args:

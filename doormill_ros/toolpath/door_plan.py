@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, Side
 from doormill_ros.recipes.program import Program, fits_path_20
 from doormill_ros.recipes.recipe import Recipe
@@ -102,8 +103,8 @@ def _round_the_edge(
     after: Operation,
     last: Step,
     first: Step,
-    back: np.ndarray,
-    wait: np.ndarray,
+    back: FloatArray,
+    wait: FloatArray,
     distance: float,
 ) -> list[Step]:
     """From one side of the door to another, off the edge between them.
@@ -122,7 +123,7 @@ def _round_the_edge(
     return [_air(last, back, corner, MotionKind.LINEAR), *_swing(last, first, corner, wait)]
 
 
-def _swing(last: Step, first: Step, start: np.ndarray, end: np.ndarray) -> list[Step]:
+def _swing(last: Step, first: Step, start: FloatArray, end: FloatArray) -> list[Step]:
     """Turn the spindle on the way, in parts so small that a MoveJ goes almost straight."""
     share = np.arange(1, SWING_PARTS + 1) / SWING_PARTS
     ends = Rotation.from_matrix(np.stack([last.R_door_tool, first.R_door_tool]))
@@ -135,7 +136,7 @@ def _swing(last: Step, first: Step, start: np.ndarray, end: np.ndarray) -> list[
     ]
 
 
-def _beyond_both(back: np.ndarray, wait: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _beyond_both(back: FloatArray, wait: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
     """The point in front of both sides, at the height of the next feature, shape (3,) [m].
 
     Args:
@@ -149,7 +150,7 @@ def _beyond_both(back: np.ndarray, wait: np.ndarray, first: np.ndarray, second: 
     return corner + second * ((wait - corner) @ second)
 
 
-def _air(pattern: Step, start: np.ndarray, end: np.ndarray, kind: MotionKind) -> Step:
+def _air(pattern: Step, start: FloatArray, end: FloatArray, kind: MotionKind) -> Step:
     return Step(
         kind,
         Curve(start, end),

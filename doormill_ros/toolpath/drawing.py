@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.collections import LineCollection
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply, inverse
 from doormill_ros.recipes.drawing import DoorDrawing
 from doormill_ros.recipes.errors import UnreadableFile
@@ -26,7 +27,7 @@ ARC_POINTS = 24
 
 
 def draw_program(
-    recipe: Recipe, program: MillingProgram, T_base_door: np.ndarray, factor: float = EXAGGERATION
+    recipe: Recipe, program: MillingProgram, T_base_door: FloatArray, factor: float = EXAGGERATION
 ) -> DoorDrawing:
     """The recipe's drawing with the layers `air`, `path` and `corrected` on top.
 
@@ -56,7 +57,7 @@ def save_png(
     path: str | Path,
     recipe: Recipe,
     program: MillingProgram,
-    T_base_door: np.ndarray,
+    T_base_door: FloatArray,
     factor: float = EXAGGERATION,
 ) -> Path:
     """One panel a feature as a PNG: outline, nominal path, exaggerated corrected path; millimetres.
@@ -106,8 +107,8 @@ def save_png(
 
 
 def _ways(
-    program: MillingProgram, T_base_door: np.ndarray, factor: float
-) -> list[tuple[np.ndarray, str, bool]]:
+    program: MillingProgram, T_base_door: FloatArray, factor: float
+) -> list[tuple[FloatArray, str, bool]]:
     """Points of every motion in the door frame, its feature, and whether it cuts.
 
     A factor of 0 gives the nominal path, 1 the corrected one, more an exaggerated one.
@@ -126,7 +127,7 @@ def _ways(
     return ways
 
 
-def _arc(start: np.ndarray, via: np.ndarray, end: np.ndarray) -> np.ndarray:
+def _arc(start: FloatArray, via: FloatArray, end: FloatArray) -> FloatArray:
     """Points on the circle through three points, shape (n, 3)."""
     a, b = via - start, end - start
     normal = np.cross(a, b)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.correction.load import Bench
 from doormill_ros.frames import check_transform
@@ -37,7 +38,7 @@ UNSETTLED = 5e-5  #: residual that a step in the model may leave on a target [m]
 
 def generate_program(
     recipe: Recipe,
-    T_base_door: np.ndarray,
+    T_base_door: FloatArray,
     layout: CellLayout,
     robot: Robot,
     model: ComplianceModel,
@@ -91,7 +92,7 @@ def _program(
     recipe: Recipe,
     plan: Plan,
     stations: Stations,
-    q: np.ndarray,
+    q: FloatArray,
     bench: Bench,
     robot: Robot,
     settings: PathSettings,
@@ -129,7 +130,7 @@ def _program(
     return MillingProgram(recipe.door_id, recipe.version, targets, motions)
 
 
-def _motion(step: Step, end: int, via: int, wrench: np.ndarray) -> Motion:
+def _motion(step: Step, end: int, via: int, wrench: FloatArray) -> Motion:
     return Motion(
         kind=step.kind,
         target=end,
@@ -144,7 +145,7 @@ def _motion(step: Step, end: int, via: int, wrench: np.ndarray) -> Motion:
 
 
 def _check_correction(
-    route: Itinerary, corrected: np.ndarray, nominal: np.ndarray, residual: np.ndarray, settings: PathSettings
+    route: Itinerary, corrected: FloatArray, nominal: FloatArray, residual: FloatArray, settings: PathSettings
 ) -> None:
     size = np.linalg.norm((corrected - nominal)[:, :3, 3], axis=1)
     worst, limit = int(size.argmax()), settings.correction.limit

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.description import Robot
 from doormill_ros.toolpath.errors import JointSpeedError
 from doormill_ros.toolpath.plan import Step
@@ -15,7 +16,7 @@ from doormill_ros.toolpath.settings import Checks
 from doormill_ros.units import m_to_mm, rad_to_deg
 
 
-def joint_speed_shares(steps: Sequence[Step], path: JointPath, robot: Robot) -> np.ndarray:
+def joint_speed_shares(steps: Sequence[Step], path: JointPath, robot: Robot) -> FloatArray:
     """Largest share of its speed limit that each joint needs on each step, shape (m, 6).
 
     Zero for a MoveJ, which the controller times by the joints themselves.
@@ -48,7 +49,7 @@ def followable(steps: Sequence[Step], path: JointPath, robot: Robot, checks: Che
 
 
 def _too_fast(
-    steps: Sequence[Step], i: int, shares: np.ndarray, robot: Robot, checks: Checks
+    steps: Sequence[Step], i: int, shares: FloatArray, robot: Robot, checks: Checks
 ) -> JointSpeedError:
     step, joint = steps[i], int(shares[i].argmax())
     found = float(shares[i, joint])

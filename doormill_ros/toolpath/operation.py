@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import transform
 from doormill_ros.recipes.cutting import Direction
 from doormill_ros.recipes.door import R_FEATURE_TOOL, DoorSize, Side
@@ -35,14 +36,14 @@ class Operation:
     feature: Feature
     side: Side
     depth: float
-    T_door_feature: np.ndarray
+    T_door_feature: FloatArray
 
     @property
-    def R_door_tool(self) -> np.ndarray:
+    def R_door_tool(self) -> FloatArray:
         """Orientation of the tool, shape (3, 3)."""
         return self.T_door_feature[:3, :3] @ R_FEATURE_TOOL
 
-    def point(self, xy: np.ndarray, depth: float) -> np.ndarray:
+    def point(self, xy: FloatArray, depth: float) -> FloatArray:
         """Point of the feature in the door frame, shape (3,) [m]."""
         T = self.T_door_feature
         return T[:3, :3] @ np.array([xy[0], xy[1], depth]) + T[:3, 3]

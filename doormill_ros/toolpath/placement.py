@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.errors import DoorPoseError
@@ -15,7 +16,7 @@ ANGLE_SLACK = 0.002  #: rad
 CLAMPED = 0.001  #: what the clamp leaves of the other three degrees of freedom [m] and [rad]
 
 
-def check_placement(T_base_door: np.ndarray, recipe: Recipe, layout: CellLayout) -> None:
+def check_placement(T_base_door: FloatArray, recipe: Recipe, layout: CellLayout) -> None:
     """Refuse a door beyond the placement limits, or out of its clamp.
 
     Args:

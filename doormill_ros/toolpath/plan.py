@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.toolpath.curve import Curve
 from doormill_ros.toolpath.program import MotionKind
 
@@ -32,13 +33,13 @@ class Step:
 
     kind: MotionKind
     curve: Curve
-    R_door_tool: np.ndarray
+    R_door_tool: FloatArray
     speed: float
     zone: str = "z0"
     feature: str = ""
     cutting: bool = False
     wall: bool = False
-    wrench_tool: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    wrench_tool: FloatArray = field(default_factory=lambda: np.zeros(6))
     spindle_speed: float = 0.0
     name: str = ""
     via_name: str = ""

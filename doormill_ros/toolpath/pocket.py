@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.features.base import CLEARING, PLUNGE
 from doormill_ros.toolpath.curve import Curve, arc_about
 from doormill_ros.toolpath.errors import ToolFitError
@@ -95,7 +96,7 @@ class _Pocket:
         )
         self.inward = operation.T_door_feature[:3, 2]
         self.result: list[Step] = []
-        self.at: np.ndarray | None = None
+        self.at: FloatArray | None = None
 
     def steps(self) -> list[Step]:
         """See `pocket_steps`."""
@@ -156,7 +157,7 @@ class _Pocket:
                 break
         return last
 
-    def _lead(self, point: np.ndarray, tangent: np.ndarray, inset: float, away: bool = False) -> Curve | None:
+    def _lead(self, point: FloatArray, tangent: FloatArray, inset: float, away: bool = False) -> Curve | None:
         """Quarter turn that meets the wall pass along its tangent, from the middle of the pocket."""
         radius = self._lead_radius(inset)
         if radius is None:
@@ -173,7 +174,7 @@ class _Pocket:
         arc = arc_about(start, centre, self.inward, quarter)
         return replace(arc, end=point)
 
-    def _go(self, point: np.ndarray, depth: float, floor: float) -> None:
+    def _go(self, point: FloatArray, depth: float, floor: float) -> None:
         """To the start of a contour: through the cleared part of the pocket, or from in front."""
         if self.at is None:
             front = point - (depth + self.approach.clearance) * self.inward
@@ -190,7 +191,7 @@ class _Pocket:
 
     def _line(
         self,
-        end: np.ndarray,
+        end: FloatArray,
         speed: float | None = None,
         zone: str = "z0",
         cutting: bool = False,
@@ -234,7 +235,7 @@ class _Pocket:
         self._line(front, speed=self.approach.rapid_speed)
 
 
-def _tangent(curve: Curve, fraction: float) -> np.ndarray:
+def _tangent(curve: Curve, fraction: float) -> FloatArray:
     """Unit direction of travel, shape (3,)."""
     if curve.is_arc:
         angle = fraction * curve.sweep

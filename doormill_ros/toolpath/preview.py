@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import load_robot
@@ -29,7 +28,7 @@ class Preview:
     """
 
     robot: str
-    T_base_door: np.ndarray
+    T_base_door: FloatArray
     program: MillingProgram
     check: DoorCheck
 

@@ -7,6 +7,7 @@ from enum import Enum
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.configuration import ConfData
 
 
@@ -25,12 +26,12 @@ class Target:
     """
 
     name: str
-    T_base_tool_nominal: np.ndarray
-    T_base_tool_corrected: np.ndarray
-    q: np.ndarray
+    T_base_tool_nominal: FloatArray
+    T_base_tool_corrected: FloatArray
+    q: FloatArray
     conf: ConfData
-    wrench: np.ndarray
-    deflection: np.ndarray
+    wrench: FloatArray
+    deflection: FloatArray
 
 
 class MotionKind(str, Enum):
@@ -65,7 +66,7 @@ class Motion:
     zone: str
     feature: str
     cutting: bool
-    wrench: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    wrench: FloatArray = field(default_factory=lambda: np.zeros(6))
     spindle_speed: float = 0.0
 
 

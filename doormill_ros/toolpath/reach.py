@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.robot.branch import BranchRules, choose_branch
 from doormill_ros.robot.description import Robot
@@ -51,17 +52,17 @@ class JointPath:
         stations: At the stations of every step, shape (m, k, 6) [rad].
     """
 
-    q: np.ndarray
-    step: np.ndarray
-    fraction: np.ndarray
-    stations: np.ndarray
+    q: FloatArray
+    step: FloatArray
+    fraction: FloatArray
+    stations: FloatArray
 
 
 def joint_path(
     steps: Sequence[Step],
-    T_base_door: np.ndarray,
+    T_base_door: FloatArray,
     robot: Robot,
-    T_flange_tool: np.ndarray,
+    T_flange_tool: FloatArray,
     settings: PathSettings,
 ) -> JointPath:
     """Joint angles at every station, in one configuration between one MoveJ and the next.
@@ -99,7 +100,7 @@ def joint_path(
     return JointPath(q, index, fraction, q[station].reshape(len(steps), len(FRACTIONS), 6))
 
 
-def _dense(steps: Sequence[Step]) -> tuple[np.ndarray, np.ndarray]:
+def _dense(steps: Sequence[Step]) -> tuple[FloatArray, FloatArray]:
     """Step and fraction of every pose: the stations, and more between them on long ways."""
     index, fraction = [], []
     for i, step in enumerate(steps):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.toolpath.curve import Curve
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
@@ -30,11 +31,11 @@ class Division:
     """
 
     steps: tuple[Step, ...]
-    parent: np.ndarray
-    span: np.ndarray
+    parent: FloatArray
+    span: FloatArray
 
 
-def bends(correction: np.ndarray, arc: np.ndarray) -> np.ndarray:
+def bends(correction: FloatArray, arc: FloatArray) -> FloatArray:
     """How far the corrections along steps leave what a MoveL or MoveC interpolates.
 
     Args:
@@ -53,7 +54,7 @@ def bends(correction: np.ndarray, arc: np.ndarray) -> np.ndarray:
 
 
 def divide(
-    steps: Sequence[Step], correction: np.ndarray, settings: Correction, blend: bool = True
+    steps: Sequence[Step], correction: FloatArray, settings: Correction, blend: bool = True
 ) -> Division:
     """Divide cuts, and spread their changes of wrench.
 
@@ -95,8 +96,8 @@ def divide(
 
 
 def _divide_run(
-    run: Sequence[Step], correction: np.ndarray, bend: np.ndarray, settings: Correction, blend: bool
-) -> list[tuple[int, float, float, np.ndarray]]:
+    run: Sequence[Step], correction: FloatArray, bend: FloatArray, settings: Correction, blend: bool
+) -> list[tuple[int, float, float, FloatArray]]:
     """One uninterrupted cut: (step, first, last, wrench) of every part."""
     length = np.array([step.curve.length for step in run])
     border = np.concatenate([[0.0], np.cumsum(length)])  # (m + 1,) [m]
@@ -122,7 +123,7 @@ def _divide_run(
     return list(zip(index.tolist(), (first * share).tolist(), (last * share).tolist(), load, strict=True))
 
 
-def _blend_cuts(changes: np.ndarray, correction: _Blend, settings: Correction) -> np.ndarray:
+def _blend_cuts(changes: FloatArray, correction: _Blend, settings: Correction) -> FloatArray:
     """Places at which the blended correction has moved on by one step, shape (n,) [m].
 
     Args:
@@ -164,7 +165,7 @@ def _stretches(
     return lines
 
 
-def _apart(inside: np.ndarray, length: float, shortest: float) -> list[float]:
+def _apart(inside: FloatArray, length: float, shortest: float) -> list[float]:
     """Cuts along a step, its ends included, none closer to the next than allowed [m]."""
     cuts = [0.0]
     for cut in inside:
@@ -176,7 +177,7 @@ def _apart(inside: np.ndarray, length: float, shortest: float) -> list[float]:
 class _Blend:
     """A quantity along a run: that of its segments, averaged over a sliding length."""
 
-    def __init__(self, border: np.ndarray, values: np.ndarray, width: float) -> None:
+    def __init__(self, border: FloatArray, values: FloatArray, width: float) -> None:
         self.width = width
         # Before the first and after the last segment their values go on.
         self.at = np.concatenate([[border[0] - width], border, [border[-1] + width]])
@@ -184,15 +185,15 @@ class _Blend:
         area = np.cumsum(np.diff(self.at)[:, None] * values, axis=0)
         self.integral = np.concatenate([np.zeros((1, values.shape[1])), area])  # (m + 3, d)
 
-    def at_places(self, s: np.ndarray) -> np.ndarray:
+    def at_places(self, s: FloatArray) -> FloatArray:
         """The blended quantity, shapes (...,) [m] -> (..., d)."""
         return (self._up_to(s + 0.5 * self.width) - self._up_to(s - 0.5 * self.width)) / self.width
 
-    def mean(self, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+    def mean(self, first: FloatArray, last: FloatArray) -> FloatArray:
         """Its mean between places, shapes (p,) [m] -> (p, d)."""
         # Averages of a piecewise linear function: a few samples are close enough.
         samples = first + (last - first) * ((np.arange(8) + 0.5) / 8.0)[:, None]  # (8, p)
         return self.at_places(samples).mean(axis=0)
 
-    def _up_to(self, s: np.ndarray) -> np.ndarray:
+    def _up_to(self, s: FloatArray) -> FloatArray:
         return np.stack([np.interp(s, self.at, column) for column in self.integral.T], axis=-1)

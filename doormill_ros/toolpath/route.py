@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-import numpy as np
-
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
@@ -29,7 +28,7 @@ from doormill_ros.toolpath.settings import PathSettings
 def route(
     recipe: Recipe,
     operations: Sequence[Operation],
-    T_base_door: np.ndarray,
+    T_base_door: FloatArray,
     layout: CellLayout,
     robot: Robot,
     settings: PathSettings,

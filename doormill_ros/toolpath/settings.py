@@ -11,6 +11,7 @@ import numpy as np
 import yaml
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import transform
 from doormill_ros.resources import resource
 from doormill_ros.toolpath.errors import PathSettingsError
@@ -122,7 +123,7 @@ class SecondRobot:
     rotation: float
 
     @property
-    def T_base_second(self) -> np.ndarray:
+    def T_base_second(self) -> FloatArray:
         """Its base frame in the first robot's, shape (4, 4)."""
         return transform(Rotation.from_euler("z", self.rotation).as_matrix(), np.array(self.position))
 

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.door import Side
 from doormill_ros.recipes.recipe import Recipe
@@ -32,10 +31,10 @@ class Share:
 
     robot: str
     operations: tuple[Operation, ...]
-    T_base_door: np.ndarray
+    T_base_door: FloatArray
 
 
-def split(recipe: Recipe, T_base_door: np.ndarray, settings: PathSettings) -> tuple[Share, Share]:
+def split(recipe: Recipe, T_base_door: FloatArray, settings: PathSettings) -> tuple[Share, Share]:
     """The shares of the first and of the second robot; either may be empty.
 
     Args:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.correction.wrench import turned
 from doormill_ros.toolpath.curve import points_of
 from doormill_ros.toolpath.plan import Step
@@ -26,11 +27,11 @@ class Stations:
         wrench: Process wrench at the tool centre point, base axes, shape (m, 6) [N, N m].
     """
 
-    T_base_tool: np.ndarray
-    wrench: np.ndarray
+    T_base_tool: FloatArray
+    wrench: FloatArray
 
 
-def stations_of(steps: Sequence[Step], T_base_door: np.ndarray) -> Stations:
+def stations_of(steps: Sequence[Step], T_base_door: FloatArray) -> Stations:
     """Nominal poses and wrenches along all steps.
 
     A MoveJ does not follow its curve, so all its stations are at its end.
@@ -47,8 +48,8 @@ def stations_of(steps: Sequence[Step], T_base_door: np.ndarray) -> Stations:
 
 
 def stations_along(
-    steps: Sequence[Step], T_base_door: np.ndarray, index: np.ndarray, fraction: np.ndarray
-) -> np.ndarray:
+    steps: Sequence[Step], T_base_door: FloatArray, index: FloatArray, fraction: FloatArray
+) -> FloatArray:
     """T_base_tool at fractions of steps, shape (n, 4, 4).
 
     Args:
@@ -67,7 +68,7 @@ def stations_along(
     return T_base_tool
 
 
-def directions(q: np.ndarray) -> np.ndarray:
+def directions(q: FloatArray) -> FloatArray:
     """Sign of each joint's motion at every station.
 
     A joint that stands still keeps the direction of its last motion, 0 before its first one.

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
+from doormill_ros.arrays import FloatArray
 from doormill_ros.toolpath.curve import Curve
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan, Step
@@ -34,7 +33,7 @@ def thesis_plan(operations: Sequence[Operation], settings: PathSettings) -> Plan
 
 
 def _hinge(
-    operation: Operation, settings: PathSettings, tens: int, init: str, before: np.ndarray | None
+    operation: Operation, settings: PathSettings, tens: int, init: str, before: FloatArray | None
 ) -> list[Step]:
     feature, approach = operation.feature, settings.approach
     depth, R_door_tool = operation.depth, operation.R_door_tool
@@ -44,7 +43,7 @@ def _hinge(
     feed, spindle = feature.cutting.feed_rate(feature.tool), feature.cutting.spindle(feature.tool)
 
     def air(
-        origin: np.ndarray, end: np.ndarray, speed: float, name: str, kind: MotionKind = MotionKind.LINEAR
+        origin: FloatArray, end: FloatArray, speed: float, name: str, kind: MotionKind = MotionKind.LINEAR
     ) -> Step:
         return Step(
             kind,

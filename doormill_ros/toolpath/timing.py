@@ -7,12 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.description import Robot
 from doormill_ros.toolpath.program import MillingProgram, MotionKind
 from doormill_ros.toolpath.settings import Cycle
 
 
-def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> np.ndarray:
+def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatArray:
     """Time of every motion, shape (n,) [s].
 
     The tool runs at its programmed speed and loses v / a at every full stop, half of it to each

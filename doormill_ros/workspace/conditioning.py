@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS, ChainFrames
 from doormill_ros.robot.denavit_hartenberg import A, D
 from doormill_ros.robot.description import Robot
@@ -21,7 +22,7 @@ def characteristic_length(robot: Robot) -> float:
     return float(robot.reach / stretched)
 
 
-def inverse_condition_number(frames: ChainFrames, velocity: np.ndarray, length: float) -> np.ndarray:
+def inverse_condition_number(frames: ChainFrames, velocity: FloatArray, length: float) -> FloatArray:
     """1 / (|J_n| |J_n^-1|) in the Frobenius norm, shape (n,) [-] (thesis eq. 3.36 to 3.39).
 
     0 in a singularity; at most 1/6, for a matrix whose singular values are all equal. (Angeles
@@ -58,7 +59,7 @@ def inverse_condition_number(frames: ChainFrames, velocity: np.ndarray, length: 
     return 1.0 / np.sqrt(norm_squared * _inverse_norm_squared(U, per_length))
 
 
-def _inverse_norm_squared(U: np.ndarray, per_length: np.ndarray) -> np.ndarray:
+def _inverse_norm_squared(U: FloatArray, per_length: FloatArray) -> FloatArray:
     """|U^-1 D^-1/2|^2, shape (n,), of unit upper triangular U, shape (6, 6, n), and 1 / D, (6, n)."""
     inverse = np.empty_like(U)
     total = per_length.sum(axis=0)

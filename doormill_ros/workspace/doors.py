@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 
 @dataclass(frozen=True)
 class DoorRange:
@@ -40,7 +42,7 @@ class DoorRange:
                 "allowed is less than half the height"
             )
 
-    def travel(self) -> np.ndarray:
+    def travel(self) -> FloatArray:
         """Travel along x, y and z, shape (3,) [m] (thesis eq. 3.40 to 3.42, table 4.4)."""
         return np.array(
             [
@@ -55,10 +57,10 @@ class DoorRange:
 class FlangeBox:
     """Where the flange goes: corner with the smallest coordinates and size, base frame, (3,) [m]."""
 
-    corner: np.ndarray
-    size: np.ndarray
+    corner: FloatArray
+    size: FloatArray
 
-    def samples(self, pitch: float) -> np.ndarray:
+    def samples(self, pitch: float) -> FloatArray:
         """Positions on a regular grid no coarser than `pitch`, shape (nx, ny, nz, 3) [m]."""
         axes = [
             np.linspace(low, low + size, int(np.ceil(size / pitch - 1e-9)) + 1)

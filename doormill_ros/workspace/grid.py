@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot
 from doormill_ros.units import DEG
@@ -25,8 +26,8 @@ class JointGrid:
             as it does at a hinge, in place of the fixed joints 4 to 6.
     """
 
-    q2: np.ndarray
-    q3: np.ndarray
+    q2: FloatArray
+    q3: FloatArray
     others: tuple[float, float, float, float] = (0.0, 45 * DEG, 45 * DEG, 45 * DEG)
     tool_along_x: bool = False
 
@@ -35,7 +36,7 @@ class JointGrid:
         """(n3, n2): joint 3 down the rows, joint 2 along the columns, as the thesis plots them."""
         return len(self.q3), len(self.q2)
 
-    def joints(self, first: int, last: int) -> np.ndarray:
+    def joints(self, first: int, last: int) -> FloatArray:
         """Joint angles of rows first..last, configurations last, shape (6, n) [rad]."""
         q3 = self.q3[first:last]
         q = np.empty((JOINTS, len(q3) * len(self.q2)))
@@ -47,7 +48,7 @@ class JointGrid:
             q[4] = np.angle(np.exp(-1j * (q[1] + q[2])))
         return q
 
-    def sin_cos(self, first: int, last: int) -> tuple[np.ndarray, np.ndarray]:
+    def sin_cos(self, first: int, last: int) -> tuple[FloatArray, FloatArray]:
         """Sine and cosine of `joints`, each shape (6, n), from those of the axes alone."""
         if self.tool_along_x:
             q = self.joints(first, last)

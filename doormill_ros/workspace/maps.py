@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS, ChainFrames, chain_frames, dot, jacobian_columns
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot_model.elastic.batch import complementary, joint_torque, solve_springs, twist
@@ -42,20 +43,20 @@ class Maps:
     """
 
     grid: JointGrid
-    wrench: np.ndarray
-    load_point: np.ndarray
+    wrench: FloatArray
+    load_point: FloatArray
     length: float
-    position_influence: np.ndarray
-    rotation_influence: np.ndarray
-    conditioning: np.ndarray
-    stiffness: dict[str, np.ndarray] = field(default_factory=dict)
+    position_influence: FloatArray
+    rotation_influence: FloatArray
+    conditioning: FloatArray
+    stiffness: dict[str, FloatArray] = field(default_factory=dict)
 
 
 def compute_maps(
     robot: Robot,
     grid: JointGrid,
-    wrench: np.ndarray | tuple[float, ...] = WRENCH_TEXT,
-    load_point: np.ndarray | tuple[float, ...] = (0.0, 0.0, 0.0),
+    wrench: FloatArray | tuple[float, ...] = WRENCH_TEXT,
+    load_point: FloatArray | tuple[float, ...] = (0.0, 0.0, 0.0),
     length: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Maps:
@@ -108,8 +109,8 @@ def compute_maps(
 
 
 def complementary_influence(
-    frames: ChainFrames, velocity: np.ndarray, stiffness: np.ndarray, wrench: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    frames: ChainFrames, velocity: FloatArray, stiffness: FloatArray, wrench: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """nu_p [-] and nu_r [rad], each shape (n,), of thesis eq. 3.34 and 3.35.
 
     nu_p compares the lengths of the two displacements, as the script of A.14 does.
@@ -131,7 +132,7 @@ def complementary_influence(
     return nu_p, nu_r
 
 
-def axis_stiffness(velocity: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+def axis_stiffness(velocity: FloatArray, stiffness: FloatArray) -> FloatArray:
     """Force along each base axis per displacement along it, shape (3, n) [N/m].
 
     The tool is free to move sideways: 1 / (u^T J K^-1 J^T u). Next to infinite where no joint can

@@ -10,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.description import Robot
 from doormill_ros.units import rad_to_deg
 from doormill_ros.workspace.doors import FlangeBox
@@ -25,7 +26,7 @@ _NAMES = {
 }
 
 
-def draw_influence(maps: Maps, title: str, path: Path, marks: np.ndarray | None = None) -> None:
+def draw_influence(maps: Maps, title: str, path: Path, marks: FloatArray | None = None) -> None:
     """nu_p and nu_r side by side, as figure 4.1 of the thesis.
 
     Args:
@@ -41,14 +42,14 @@ def draw_influence(maps: Maps, title: str, path: Path, marks: np.ndarray | None 
     _save(figure, path)
 
 
-def draw_conditioning(maps: Maps, title: str, path: Path, marks: np.ndarray | None = None) -> None:
+def draw_conditioning(maps: Maps, title: str, path: Path, marks: FloatArray | None = None) -> None:
     """Inverse condition number, as figure 4.2 of the thesis; arguments as `draw_influence`."""
     figure = _figure(title, 1)
     _map(figure, figure.axes[0], maps, maps.conditioning, "inverse condition number [-] (at most 1/6)", marks)
     _save(figure, path)
 
 
-def draw_stiffness(maps: Maps, title: str, path: Path, marks: np.ndarray | None = None) -> None:
+def draw_stiffness(maps: Maps, title: str, path: Path, marks: FloatArray | None = None) -> None:
     """Stiffness along each milling direction; arguments as `draw_influence`."""
     figure = _figure(title, len(maps.stiffness))
     for axes, (name, values) in zip(figure.axes, maps.stiffness.items(), strict=True):
@@ -113,9 +114,9 @@ def _map(
     figure: Figure,
     axes: Axes,
     maps: Maps,
-    values: np.ndarray,
+    values: FloatArray,
     label: str,
-    marks: np.ndarray | None,
+    marks: FloatArray | None,
     logarithmic: bool = False,
 ) -> None:
     q2, q3 = rad_to_deg(maps.grid.q2), rad_to_deg(maps.grid.q3)
@@ -138,9 +139,9 @@ def _map(
 def _field(
     figure: Figure,
     axes: Axes,
-    x: np.ndarray,
-    y: np.ndarray,
-    values: np.ndarray,
+    x: FloatArray,
+    y: FloatArray,
+    values: FloatArray,
     label: str,
     top: float | None = None,
 ) -> None:
@@ -155,7 +156,7 @@ def _field(
         axes.set_ylim(rows.min() - 0.2, rows.max() + 0.2)
 
 
-def _best_over(values: np.ndarray, axis: int) -> np.ndarray:
+def _best_over(values: FloatArray, axis: int) -> FloatArray:
     best = np.where(np.isnan(values), -np.inf, values).max(axis=axis)
     return np.where(np.isfinite(best), best, np.nan)
 

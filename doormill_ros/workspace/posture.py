@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS, ChainFrames, chain_frames, cross, dot, jacobian_columns
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_branches
@@ -38,14 +39,14 @@ class PostureFigures:
         clearance: How far the elbow stays behind the flange along base x, shape (n,) [m].
     """
 
-    conditioning: np.ndarray
-    stiffness: np.ndarray
-    margin: np.ndarray
-    wrist: np.ndarray
-    clearance: np.ndarray
+    conditioning: FloatArray
+    stiffness: FloatArray
+    margin: FloatArray
+    wrist: FloatArray
+    clearance: FloatArray
 
 
-def posture_figures(robot: Robot, positions: np.ndarray, posture: int) -> PostureFigures:
+def posture_figures(robot: Robot, positions: FloatArray, posture: int) -> PostureFigures:
     """Figures of merit of flange positions, shape (n, 3) [m], in an arm posture of `POSTURES`.
 
     Both flips of the wrist give the same figures but for the margin, of which the better counts.
@@ -57,7 +58,7 @@ def posture_figures(robot: Robot, positions: np.ndarray, posture: int) -> Postur
 
 
 def all_posture_figures(
-    robot: Robot, positions: np.ndarray, postures: Iterable[int] = tuple(POSTURES)
+    robot: Robot, positions: FloatArray, postures: Iterable[int] = tuple(POSTURES)
 ) -> dict[int, PostureFigures]:
     """`posture_figures` of several postures, for which the inverse is solved once."""
     n = len(positions)
@@ -77,7 +78,7 @@ def all_posture_figures(
 
 
 def _fill(
-    robot: Robot, length: float, flips: np.ndarray, part: np.ndarray, result: dict[str, np.ndarray]
+    robot: Robot, length: float, flips: FloatArray, part: FloatArray, result: dict[str, FloatArray]
 ) -> None:
     room = np.minimum(flips - robot.lower, robot.upper - flips)[..., [0, 1, 2, 4]]
     frames = chain_frames(robot.dh, np.ascontiguousarray(flips[:, 0].T))
@@ -89,7 +90,7 @@ def _fill(
     result["clearance"][part] = frames.origin[JOINTS, 0] - frames.origin[2, 0]
 
 
-def softest_direction(velocity: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+def softest_direction(velocity: FloatArray, stiffness: FloatArray) -> FloatArray:
     """Force per displacement in the direction that gives way most, shape (n,) [N/m].
 
     Args:
@@ -100,6 +101,6 @@ def softest_direction(velocity: np.ndarray, stiffness: np.ndarray) -> np.ndarray
     return 1.0 / np.linalg.eigvalsh(compliance)[:, -1]
 
 
-def _wrist_angle(frames: ChainFrames) -> np.ndarray:
+def _wrist_angle(frames: ChainFrames) -> FloatArray:
     normal = cross(frames.z[3], frames.z[5])
     return np.arctan2(np.sqrt(dot(normal, normal)), np.abs(dot(frames.z[3], frames.z[5])))

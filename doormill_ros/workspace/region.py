@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy.ndimage import minimum_filter
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.branch import BranchRules, choose_branch
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.errors import RobotError
@@ -59,8 +60,8 @@ class Placement:
         refusal: Why no single configuration leads through the whole box; empty when one does.
     """
 
-    corner: np.ndarray
-    size: np.ndarray
+    corner: FloatArray
+    size: FloatArray
     posture: int
     conditioning: float
     stiffness: float
@@ -103,9 +104,9 @@ class Search:
 
     best: Placement | None
     objective: str
-    corners: tuple[np.ndarray, ...]
-    worst: dict[str, np.ndarray]
-    allowed: np.ndarray
+    corners: tuple[FloatArray, ...]
+    worst: dict[str, FloatArray]
+    allowed: FloatArray
 
 
 def assess(robot: Robot, box: FlangeBox, posture: int = 0, pitch: float = 0.02) -> Placement:
@@ -135,10 +136,10 @@ class Survey:
     """
 
     robot: Robot
-    size: np.ndarray
-    corners: tuple[np.ndarray, ...]
-    worst: dict[int, dict[str, np.ndarray]]
-    allowed: dict[int, np.ndarray]
+    size: FloatArray
+    corners: tuple[FloatArray, ...]
+    worst: dict[int, dict[str, FloatArray]]
+    allowed: dict[int, FloatArray]
 
     def best(self, objective: str = "conditioning") -> Search:
         """The placement whose worst `objective`, "conditioning" or "stiffness", is largest.
@@ -216,7 +217,7 @@ def survey(
     return Survey(robot, size, corners, worst, allowed)
 
 
-def _lattice(robot: Robot, pitch: np.ndarray, cells: np.ndarray, distance: float) -> list[np.ndarray]:
+def _lattice(robot: Robot, pitch: FloatArray, cells: FloatArray, distance: float) -> list[FloatArray]:
     """Flange coordinates within reach, from the middle of the box straight ahead to one side.
 
     A mirror image is as good. The side taken is the one on which the robot stands beyond the
@@ -230,7 +231,7 @@ def _lattice(robot: Robot, pitch: np.ndarray, cells: np.ndarray, distance: float
     return [x, y, z]
 
 
-def _sliding_minimum(values: np.ndarray, cells: np.ndarray) -> np.ndarray:
+def _sliding_minimum(values: FloatArray, cells: FloatArray) -> FloatArray:
     """Smallest value in the box that starts at each place and spans `cells` lattice steps."""
     window = cells + 1
     smallest = minimum_filter(values, size=tuple(window), mode="nearest", origin=tuple(-(window // 2)))

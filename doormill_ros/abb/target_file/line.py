@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.abb.errors import TargetLineError, TargetValueError
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import are_transforms, check_transform, from_wxyz, quaternion_wxyz
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.units import m_to_mm, mm_to_m
@@ -53,21 +54,21 @@ class TargetLine:
         quaternion_resolution: Half of the last decimal of q1..q4.
     """
 
-    T_base_tool: np.ndarray
+    T_base_tool: FloatArray
     conf: ConfData
-    position_mm: np.ndarray
-    quaternion: np.ndarray
-    position_resolution: np.ndarray
+    position_mm: FloatArray
+    quaternion: FloatArray
+    position_resolution: FloatArray
     quaternion_resolution: float
 
 
-def format_line(T_base_tool: np.ndarray, conf: ConfData, name: str = "") -> str:
+def format_line(T_base_tool: FloatArray, conf: ConfData, name: str = "") -> str:
     """The line of one target, without the line feed; see `format_lines`."""
     return format_lines([T_base_tool], [conf], [name])[0]
 
 
 def format_lines(
-    T_base_tool: Sequence[np.ndarray], confs: Sequence[ConfData], names: Sequence[str]
+    T_base_tool: Sequence[FloatArray], confs: Sequence[ConfData], names: Sequence[str]
 ) -> list[str]:
     """The lines of many targets, without their line feeds.
 
@@ -90,7 +91,7 @@ def format_lines(
     ]
 
 
-def _checked(T_base_tool: Sequence[np.ndarray], labels: Sequence[str]) -> np.ndarray:
+def _checked(T_base_tool: Sequence[FloatArray], labels: Sequence[str]) -> FloatArray:
     """The poses, once they are poses and within reach; shape (n, 4, 4)."""
     for index, label in enumerate(labels):
         try:
@@ -191,7 +192,7 @@ def _fields(line: str, number: int) -> list[str]:
     return parts
 
 
-def _check_quaternions(quaternions: np.ndarray, lines: Sequence[str], first: int) -> None:
+def _check_quaternions(quaternions: FloatArray, lines: Sequence[str], first: int) -> None:
     """Raise for the first one that is not unit; shape (n, 4)."""
     squares = np.sum(quaternions**2, axis=1)
     wrong = np.flatnonzero(np.abs(squares - 1.0) > NORM_TOLERANCE)

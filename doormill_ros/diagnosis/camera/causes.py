@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.measurements.picture_reading import DoorReading, Localisations
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter
@@ -14,7 +15,7 @@ from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter
 _STEP = 3e-3  #: share of the plausible range for which a camera model is made wrong to derive its reading
 
 #: Gives a camera model with errors of the sizes given, shape (p,), for what reads the door.
-Wrong = Callable[[CameraModel, np.ndarray, DoorReading], CameraModel]
+Wrong = Callable[[CameraModel, FloatArray, DoorReading], CameraModel]
 
 
 class CameraCause(LinearTwist):
@@ -30,7 +31,7 @@ class CameraCause(LinearTwist):
         name: str,
         parameter: Parameter,
         pattern: str,
-        columns: Callable[[Localisations], list[np.ndarray]] | None = None,
+        columns: Callable[[Localisations], list[FloatArray]] | None = None,
         wrong: Wrong | None = None,
     ) -> None:
         """Keep what it does.
@@ -53,11 +54,11 @@ class CameraCause(LinearTwist):
         """What it leaves."""
         return self._sentence
 
-    def values(self, theta: np.ndarray, case: object = None) -> np.ndarray:
+    def values(self, theta: FloatArray, case: object = None) -> FloatArray:
         """Parameters as they are."""
         return np.array(theta)
 
-    def unit(self, case: Localisations) -> np.ndarray:
+    def unit(self, case: Localisations) -> FloatArray:
         """y, z and rotation for a unit of each component, shape (n, 3, p) [m, m, rad]."""
         reading, (parameter,) = case.reading, self.parameters
         if reading is None or self.wrong is None:
@@ -75,7 +76,7 @@ class CameraCause(LinearTwist):
         )
 
 
-def _plane(y: np.ndarray, z: np.ndarray) -> np.ndarray:
+def _plane(y: FloatArray, z: FloatArray) -> FloatArray:
     return np.stack([y, z, np.zeros_like(y)], axis=1)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.camera.causes import CameraCause, camera_causes
 from doormill_ros.diagnosis.loading.fit import Fit
 from doormill_ros.diagnosis.loading.problem import Prediction, make_folds
@@ -41,7 +42,7 @@ class PictureProblem:
         return len(self.data.time)
 
     def predict(
-        self, members: Sequence[CameraCause], theta: np.ndarray, derivative: bool = False
+        self, members: Sequence[CameraCause], theta: FloatArray, derivative: bool = False
     ) -> Prediction:
         """Residuals of a set of camera errors, as `Problem.predict`."""
         none = np.zeros((len(self), 3, 0))
@@ -51,16 +52,16 @@ class PictureProblem:
         cost = np.sum(white**2, axis=1)
         return Prediction(residual, white, cost, slope / self.data.std[:, None] if derivative else None)
 
-    def slope(self, cause: CameraCause, theta: np.ndarray) -> np.ndarray:
+    def slope(self, cause: CameraCause, theta: FloatArray) -> FloatArray:
         """Whitened derivative of the prediction by one cause alone, shape (n, 3, p)."""
         return self._columns(cause) / self.data.std[:, None]
 
-    def _columns(self, cause: CameraCause) -> np.ndarray:
+    def _columns(self, cause: CameraCause) -> FloatArray:
         if cause.identity not in self.cache:
             self.cache[cause.identity] = cause.unit(self.data)
         return self.cache[cause.identity]
 
-    def measured_part(self, white: np.ndarray) -> np.ndarray:
+    def measured_part(self, white: FloatArray) -> FloatArray:
         """Residual in metres and radians of a whitened one, shape (n, 3)."""
         return white * self.data.std
 
@@ -70,8 +71,8 @@ class CameraFinding:
     """One camera error: the cause, its values with standard deviations, and what would do as well."""
 
     cause: CameraCause
-    values: np.ndarray
-    std: np.ndarray
+    values: FloatArray
+    std: FloatArray
     confusable: tuple[str, ...]
 
 

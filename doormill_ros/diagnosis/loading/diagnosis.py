@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.finding import Finding, make_findings, rmse
 from doormill_ros.diagnosis.loading.fit import MEDIAN, OUTLIER_SHARE, Fit
 from doormill_ros.diagnosis.loading.patterns import spoils, unnamed_patterns
@@ -59,7 +60,7 @@ class Diagnosis:
     extended: Fit
     best: Fit
     outliers: tuple[int, ...]
-    kept: np.ndarray
+    kept: FloatArray
     train_rmse: tuple[float, float]
     holdout_rmse: tuple[float, float]
     ratio: float
@@ -137,7 +138,7 @@ def _search(
     return search, search.run()
 
 
-def _train(problem: Problem, found: Fit, kept: np.ndarray) -> float:
+def _train(problem: Problem, found: Fit, kept: FloatArray) -> float:
     return rmse(problem.measured_part(found.prediction.white), kept, problem.components)
 
 
@@ -153,7 +154,7 @@ def has_structure(found: Fit, components: int = 3) -> bool:
     return excess_probability(found, components) < STRUCTURE
 
 
-def _theta_of(found: Fit, members: tuple[Cause, ...]) -> np.ndarray:
+def _theta_of(found: Fit, members: tuple[Cause, ...]) -> FloatArray:
     return np.concatenate([np.zeros(0)] + [found.theta[found.part(cause)] for cause in members])
 
 
@@ -213,7 +214,7 @@ def _verdict(best: Fit, established: tuple[Cause, ...], structure: bool) -> str:
     return "partly_explained" if structure else "explained"
 
 
-def _outliers(best: Fit, components: int) -> np.ndarray:
+def _outliers(best: Fit, components: int) -> FloatArray:
     """Gross errors, at most one in ten, shape (n,)."""
     cost = best.prediction.cost
     n = len(cost)
@@ -226,7 +227,7 @@ def _outliers(best: Fit, components: int) -> np.ndarray:
 
 
 def _gain(
-    problem: Problem, baseline: Fit, extended: Fit, kept: np.ndarray
+    problem: Problem, baseline: Fit, extended: Fit, kept: FloatArray
 ) -> tuple[float, tuple[float, float]]:
     """Ratio of held-out RMSE and its 95 % interval, by resampling whole configurations."""
     numbers = np.unique(problem.configuration[kept])
@@ -239,7 +240,7 @@ def _gain(
 
 
 def _remarks(
-    problem: Problem, best: Fit, established: tuple[Cause, ...], outliers: np.ndarray
+    problem: Problem, best: Fit, established: tuple[Cause, ...], outliers: FloatArray
 ) -> tuple[str, ...]:
     lines = []
     joint = turned_joint(problem, best.prediction.white, outliers)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.confusable import equals
 from doormill_ros.diagnosis.loading.fit import Fit, bounds, normal_equations
 from doormill_ros.diagnosis.loading.problem import Problem
@@ -27,20 +28,20 @@ class Finding:
     """
 
     cause: Cause
-    values: np.ndarray
-    std: np.ndarray
+    values: FloatArray
+    std: FloatArray
     confusable: tuple[Cause, ...]
     without: float
     rivals: tuple[tuple[Cause, float], ...]
 
 
-def rmse(residual: np.ndarray, kept: np.ndarray, components: int = 3) -> float:
+def rmse(residual: FloatArray, kept: FloatArray, components: int = 3) -> float:
     """Root mean square over all measured components of the trials that count [m]."""
     return float(np.sqrt(np.sum(residual[kept] ** 2) / (components * max(int(kept.sum()), 1))))
 
 
 def make_findings(
-    search: Search, best: Fit, extended: Fit, established: Sequence[Cause], structure: bool, kept: np.ndarray
+    search: Search, best: Fit, extended: Fit, established: Sequence[Cause], structure: bool, kept: FloatArray
 ) -> tuple[Finding, ...]:
     """All established causes, each sized also in the models where equals stand for the others."""
     doubles = [equals(search, best, cause, structure) for cause in established]
@@ -64,7 +65,7 @@ def _make_finding(
     extended: Fit,
     cause: Cause,
     structure: bool,
-    kept: np.ndarray,
+    kept: FloatArray,
     confusable: Sequence[tuple[Cause, Fit]],
     alternatives: Sequence[Fit],
 ) -> Finding:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.problem import Prediction, Problem
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 
@@ -37,15 +38,15 @@ class Fit:
     """
 
     members: tuple[Cause, ...]
-    theta: np.ndarray
-    covariance: np.ndarray
+    theta: FloatArray
+    covariance: FloatArray
     prediction: Prediction
-    weights: np.ndarray
+    weights: FloatArray
     score: float
-    held_out: np.ndarray
-    held_out_cost: np.ndarray
+    held_out: FloatArray
+    held_out_cost: FloatArray
     held_out_score: float
-    free: np.ndarray
+    free: FloatArray
 
     @property
     def size(self) -> int:
@@ -67,14 +68,14 @@ class Fit:
         raise KeyError(cause)
 
 
-def robust_sum(cost: np.ndarray) -> float:
+def robust_sum(cost: FloatArray) -> float:
     """Sum of costs in which the worst tenth counts no more than GROSS each."""
     ordered = np.sort(cost)[::-1]
     spared = int(OUTLIER_SHARE * len(cost))
     return float(np.minimum(ordered[:spared], GROSS).sum() + ordered[spared:].sum())
 
 
-def trial_weights(distance: np.ndarray, reject: bool, components: int = 3) -> np.ndarray:
+def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> FloatArray:
     """Huber weights of squared distances, shape (n,); with `reject` gross errors get zero."""
     scale2 = max(1.0, float(np.median(distance)) / MEDIAN[components])
     size = np.sqrt(np.maximum(distance / scale2, 1e-12))
@@ -86,11 +87,11 @@ def trial_weights(distance: np.ndarray, reject: bool, components: int = 3) -> np
     return weights
 
 
-def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
+def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[FloatArray] | None = None) -> Fit:
     """Fit a model from the best of the starts given, or of its own."""
     members = tuple(members)
     starts = list(starts) if starts is not None else _starts(problem, members)
-    best: tuple[float, np.ndarray, np.ndarray] | None = None
+    best: tuple[float, FloatArray, FloatArray] | None = None
     if len(starts) > 2:
         # Laws with a kink have many valleys: a few steps from every start show which are worth following.
         starts = [_descend(problem, members, theta, steps=2)[0] for theta in starts]
@@ -106,7 +107,7 @@ def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[np.ndarray]
 
 
 def score_without(
-    problem: Problem, members: Sequence[Cause], starts: Sequence[np.ndarray], index: int
+    problem: Problem, members: Sequence[Cause], starts: Sequence[FloatArray], index: int
 ) -> float:
     """Score of a model in which one number stays at zero, the best from several starts.
 
@@ -125,14 +126,14 @@ def score_without(
     return min(scores)
 
 
-def _starts(problem: Problem, members: tuple[Cause, ...]) -> list[np.ndarray]:
+def _starts(problem: Problem, members: tuple[Cause, ...]) -> list[FloatArray]:
     starts = [np.zeros(0)]
     for cause in members:
         starts = [np.concatenate([theta, part]) for theta in starts for part in cause.starts(problem.case)]
     return starts
 
 
-def bounds(members: Sequence[Cause]) -> tuple[np.ndarray, np.ndarray]:
+def bounds(members: Sequence[Cause]) -> tuple[FloatArray, FloatArray]:
     """Allowed range of theta, two arrays of shape (p,)."""
     none = [np.zeros(0)]
     return (
@@ -170,7 +171,7 @@ def polish(problem: Problem, found: Fit) -> Fit:
     return found
 
 
-def normal_equations(prediction: Prediction, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def normal_equations(prediction: Prediction, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Hessian (p, p) and descent (p,) of half the weighted cost."""
     jacobian, white = prediction.jacobian, prediction.white
     weighted = jacobian * weights[:, None, None]
@@ -187,10 +188,10 @@ def normal_equations(prediction: Prediction, weights: np.ndarray) -> tuple[np.nd
 def _descend(
     problem: Problem,
     members: tuple[Cause, ...],
-    theta: np.ndarray,
+    theta: FloatArray,
     steps: int = 25,
     fixed: int | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[FloatArray, FloatArray]:
     lower, upper = bounds(members)
     scale = np.concatenate([np.zeros(0)] + [c.scale for c in members])
     ridge = _RIDGE / scale**2
@@ -224,7 +225,7 @@ def _descend(
 
 
 def _finish(
-    problem: Problem, members: tuple[Cause, ...], theta: np.ndarray, weights: np.ndarray, score: float
+    problem: Problem, members: tuple[Cause, ...], theta: FloatArray, weights: FloatArray, score: float
 ) -> Fit:
     """Covariance and held-out residuals by one exact step away from the fit to all trials."""
     prediction = problem.predict(members, theta, derivative=True)

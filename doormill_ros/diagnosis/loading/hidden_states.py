@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 #: Pairs of (inverse Cholesky factor, displacement) to whitened displacement.
 _WHITE = "nij,nj->ni"
 
@@ -24,24 +26,24 @@ class HiddenEffect:
         sign: The likelier sign, given the measurement, shape (n,).
     """
 
-    chance: np.ndarray
-    effect: np.ndarray
-    odds: np.ndarray
-    state: np.ndarray
-    sign: np.ndarray
+    chance: FloatArray
+    effect: FloatArray
+    odds: FloatArray
+    state: FloatArray
+    sign: FloatArray
 
     @property
-    def unsure(self) -> np.ndarray:
+    def unsure(self) -> FloatArray:
         """Trials in which it may or may not act, shape (n,)."""
         return (self.chance > 0.0) & (self.chance < 1.0)
 
     @property
-    def expected(self) -> np.ndarray:
+    def expected(self) -> FloatArray:
         """Expected displacement, shape (n, 3) [m]."""
         return self.state[:, None] * self.effect
 
 
-def hidden_effect(chance: np.ndarray, effect: np.ndarray, odds: np.ndarray | None) -> HiddenEffect:
+def hidden_effect(chance: FloatArray, effect: FloatArray, odds: FloatArray | None) -> HiddenEffect:
     """A hidden effect before its trials were looked at."""
     n = len(chance)
     return HiddenEffect(
@@ -53,15 +55,15 @@ def hidden_effect(chance: np.ndarray, effect: np.ndarray, odds: np.ndarray | Non
     )
 
 
-def total(hidden: Sequence[HiddenEffect], n: int) -> np.ndarray:
+def total(hidden: Sequence[HiddenEffect], n: int) -> FloatArray:
     """Expected displacement of all, shape (n, 3) [m]."""
     return sum((h.expected for h in hidden), np.zeros((n, 3)))
 
 
 def read_states(
     hidden: Sequence[HiddenEffect],
-    residual: Callable[[np.ndarray], np.ndarray],
-    whiten: np.ndarray,
+    residual: Callable[[FloatArray], FloatArray],
+    whiten: FloatArray,
 ) -> None:
     """Set state and sign of every effect from the trials.
 
@@ -90,7 +92,7 @@ def read_states(
             h.state[rows] = 1.0 / (1.0 + np.exp(-np.clip(odds, -500.0, 500.0)))
 
 
-def undecided(h: HiddenEffect, whiten: np.ndarray) -> np.ndarray:
+def undecided(h: HiddenEffect, whiten: FloatArray) -> FloatArray:
     """What an unknown state adds to -2 log likelihood: its spread, and the information that chose it."""
     s, r = np.clip(h.state, 1e-300, 1.0), np.clip(1.0 - h.state, 1e-300, 1.0)
     p = np.where(h.unsure, h.chance, 0.5)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.diagnosis.loading.fit import Fit
 from doormill_ros.diagnosis.loading.problem import Problem
@@ -39,10 +40,10 @@ class ProposedTrial:
         information: Expected log odds gained, natural units.
     """
 
-    q: np.ndarray
+    q: FloatArray
     load: str
     force: float
-    wrench: np.ndarray
+    wrench: FloatArray
     direction: int
     reflector: str
     difference: float
@@ -104,10 +105,10 @@ def plan_next(diagnosis: Diagnosis, seed: int = 0) -> NextMeasurement:
 class _Forecast:
     """Whitened predictions (n, 3), their Jacobian (n, 3, p), covariance (p, p), and metres (n, 3)."""
 
-    white: np.ndarray
-    jacobian: np.ndarray
-    covariance: np.ndarray
-    value: np.ndarray
+    white: FloatArray
+    jacobian: FloatArray
+    covariance: FloatArray
+    value: FloatArray
 
 
 def _closest(diagnosis: Diagnosis) -> tuple[Fit, Fit, tuple[str, str]] | None:
@@ -139,7 +140,7 @@ def _title(found: Fit) -> str:
     return " + ".join(map(repr, found.members)) or "no cause at all"
 
 
-def _pool(data: MeasurementSet, seed: int) -> tuple[MeasurementSet, np.ndarray]:
+def _pool(data: MeasurementSet, seed: int) -> tuple[MeasurementSet, FloatArray]:
     """Trials to choose from: postures within the tested range, six loads, two approaches, all reflectors."""
     rng = np.random.default_rng(seed)
     low, high = data.q.min(axis=0), data.q.max(axis=0)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.errors import DoormillError
@@ -63,7 +64,7 @@ def path_shift(diagnosis: Diagnosis) -> PathShift | None:
     )
 
 
-def _program(robot: str, dh: np.ndarray, stiffness: np.ndarray, causes: list[SizedCause]) -> MillingProgram:
+def _program(robot: str, dh: FloatArray, stiffness: FloatArray, causes: list[SizedCause]) -> MillingProgram:
     layout, recipe = load_layout(), load_recipe(DOOR)
     T_base_door = layout.T_base_door(recipe.width, recipe.thickness, DoorOffset(0.0, 0.0, 0.0))
     model = ExtendedComplianceModel(robot, dh, stiffness, causes)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, LinearTwist
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -24,7 +25,7 @@ class Pattern(LinearTwist):
         name: str,
         where: str,
         size: int,
-        unit: Callable[[LoadCase], np.ndarray],
+        unit: Callable[[LoadCase], FloatArray],
         lowest: float = -1e6,
     ) -> None:
         """Keep how to compute the pattern; `unit` gives shape (n, 6, size), `lowest` is the least amplitude."""
@@ -37,11 +38,11 @@ class Pattern(LinearTwist):
         """What it is."""
         return f"{self.name.replace('_', ' ')} of {self.where}"
 
-    def unit(self, case: LoadCase) -> np.ndarray:
+    def unit(self, case: LoadCase) -> FloatArray:
         """The pattern."""
         return self._unit(case)
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Amplitudes."""
         return np.array(theta)
 
@@ -60,16 +61,16 @@ def spoils(pattern: Cause, cause: Cause) -> bool:
     return everywhere or (pattern.where == "cell" and cause.name.startswith("joint_"))
 
 
-def _joint(k: int, law: Callable[[LoadCase], list[np.ndarray]]) -> Callable[[LoadCase], np.ndarray]:
+def _joint(k: int, law: Callable[[LoadCase], list[FloatArray]]) -> Callable[[LoadCase], FloatArray]:
     """Angles of joint k, each shape (n,), as twists of the points."""
     return lambda case: np.stack([a[:, None] * case.joint_twist(k) for a in law(case)], axis=2)
 
 
-def _springs(case: LoadCase, k: int) -> np.ndarray:
+def _springs(case: LoadCase, k: int) -> FloatArray:
     return case.torque[:, k] / case.joint_stiffness[k]
 
 
-def _share(case: LoadCase, k: int) -> np.ndarray:
+def _share(case: LoadCase, k: int) -> FloatArray:
     return np.abs(case.torque[:, k]) / max(case.largest_torque[k], 1e-9)
 
 
@@ -77,7 +78,7 @@ def _full(case: LoadCase, k: int) -> float:
     return max(case.largest_torque[k], 1e-9) / case.joint_stiffness[k]
 
 
-def _shift(vectors: list[np.ndarray], case: LoadCase, first_link: int) -> np.ndarray:
+def _shift(vectors: list[FloatArray], case: LoadCase, first_link: int) -> FloatArray:
     twist = np.zeros((len(case), 6, len(vectors)))
     for i, vector in enumerate(vectors):
         twist[:, :3, i] = np.where(case.link[:, None] >= first_link, vector, 0.0)
@@ -85,7 +86,7 @@ def _shift(vectors: list[np.ndarray], case: LoadCase, first_link: int) -> np.nda
 
 
 def unnamed_patterns(
-    q: np.ndarray, time: np.ndarray, temperature: np.ndarray, dt: np.ndarray
+    q: FloatArray, time: FloatArray, temperature: FloatArray, dt: FloatArray
 ) -> list[Pattern]:
     """All patterns for one test.
 
@@ -184,7 +185,7 @@ def unnamed_patterns(
     return found
 
 
-def _torsion(case: LoadCase, k: int) -> np.ndarray:
+def _torsion(case: LoadCase, k: int) -> FloatArray:
     line = case.origin[:, k + 1] - case.origin[:, k]
     length = np.linalg.norm(line, axis=1, keepdims=True)
     axis = line / np.where(length > 1e-9, length, 1.0)
@@ -192,7 +193,7 @@ def _torsion(case: LoadCase, k: int) -> np.ndarray:
     return case.rotate(1e-6 * length * along, k + 1, k + 1)[:, :, None]
 
 
-def _bias(case: LoadCase) -> np.ndarray:
+def _bias(case: LoadCase) -> FloatArray:
     """A constant force in flange axes: what a badly zeroed sensor leaves."""
     twists = []
     for axis in np.moveaxis(case.axes[:, 6], 2, 0):

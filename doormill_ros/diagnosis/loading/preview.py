@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.fit import Fit, trial_weights
 from doormill_ros.diagnosis.loading.problem import Problem
 from doormill_ros.robot_model.elastic.causes.cause import Cause
@@ -31,7 +32,7 @@ class Preview:
         sizes = np.diff(ends)
         self._by_size = {int(size): np.flatnonzero(sizes == size) for size in np.unique(sizes)}
 
-    def _left(self, found: Fit) -> tuple[np.ndarray, np.ndarray]:
+    def _left(self, found: Fit) -> tuple[FloatArray, FloatArray]:
         """Residual (3n,) and derivatives (3n, m) less what the members can take over themselves."""
         white, own = found.prediction.white, found.prediction.jacobian
         # Trials set aside by the smaller model may be just those that a new cause explains.
@@ -44,11 +45,11 @@ class Preview:
             columns = columns - base @ (base.T @ columns)
         return target, columns
 
-    def gains(self, found: Fit) -> np.ndarray:
+    def gains(self, found: Fit) -> FloatArray:
         """By how much the score may fall when each candidate joins, at its best start, shape (candidates,)."""
         return self._gains(*self._left(found))[0]
 
-    def _gains(self, target: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _gains(self, target: FloatArray, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The gains and the number of the block that gave each."""
         pull = columns.T @ target
         of_block = np.zeros(len(self._blocks))
@@ -67,7 +68,7 @@ class Preview:
                 gains[index], chosen[index] = gain, number
         return gains, chosen
 
-    def pairs(self, found: Fit) -> tuple[np.ndarray, np.ndarray]:
+    def pairs(self, found: Fit) -> tuple[FloatArray, FloatArray]:
         """By how much the score may fall when two candidates join together.
 
         Two effects that hide each other show in no single candidate, so a search that adds one at a

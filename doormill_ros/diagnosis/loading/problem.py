@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.hidden_states import (
     HiddenEffect,
     hidden_effect,
@@ -34,11 +35,11 @@ class Prediction:
         spread: Whitened pseudo-rows for undecided hidden states, shape (n, 3), and their derivative.
     """
 
-    residual: np.ndarray
-    white: np.ndarray
-    cost: np.ndarray
-    jacobian: np.ndarray | None = None
-    spread: tuple[np.ndarray, np.ndarray] | None = None
+    residual: FloatArray
+    white: FloatArray
+    cost: FloatArray
+    jacobian: FloatArray | None = None
+    spread: tuple[FloatArray, FloatArray] | None = None
 
 
 class Problem:
@@ -57,8 +58,8 @@ class Problem:
         self,
         data: MeasurementSet,
         finite: bool = False,
-        sight: np.ndarray | None = None,
-        groups: np.ndarray | None = None,
+        sight: FloatArray | None = None,
+        groups: FloatArray | None = None,
     ) -> None:
         """Compute geometry and the noise of every trial.
 
@@ -90,7 +91,7 @@ class Problem:
     def __len__(self) -> int:
         return len(self.data)
 
-    def _build(self, setup: Setup, largest_torque: np.ndarray | None) -> LoadCase:
+    def _build(self, setup: Setup, largest_torque: FloatArray | None) -> LoadCase:
         data, position = self.data, self._position
         if setup.reflector_offset:
             position = position.copy()
@@ -110,7 +111,7 @@ class Problem:
             largest_torque=largest_torque,
         )
 
-    def _noise(self) -> np.ndarray:
+    def _noise(self) -> FloatArray:
         """Covariance of each displacement, shape (n, 3, 3): tracker, and force sensor through the springs."""
         case, noise = self.case, self.data.noise
         load = case.origin[:, 6] + case.axes[:, 6] @ self.data.load_point
@@ -127,14 +128,14 @@ class Problem:
             + noise.torque**2 * by_moment @ by_moment.transpose(0, 2, 1)
         )
 
-    def measured_part(self, white: np.ndarray) -> np.ndarray:
+    def measured_part(self, white: FloatArray) -> FloatArray:
         """Residual in metres, shape (n, 3), of a whitened one; along the sight where there is one."""
         if self.sight is None:
             return np.linalg.solve(self.whiten, white[:, :, None])[:, :, 0]
         size = white[:, 0] / np.linalg.norm(self.whiten[:, 0], axis=1)
         return size[:, None] * self.sight
 
-    def case_of(self, members: Sequence[Cause], theta: np.ndarray) -> LoadCase:
+    def case_of(self, members: Sequence[Cause], theta: FloatArray) -> LoadCase:
         """Geometry and loads after the causes that act before the elasticity."""
         parts = split(members, theta)
         if not any(cause.stage == "setup" for cause in members):
@@ -145,8 +146,8 @@ class Problem:
         return self._build(setup, self.case.largest_torque)
 
     def _elastic(
-        self, members: Sequence[Cause], theta: np.ndarray, case: LoadCase
-    ) -> tuple[np.ndarray, list[HiddenEffect]]:
+        self, members: Sequence[Cause], theta: FloatArray, case: LoadCase
+    ) -> tuple[FloatArray, list[HiddenEffect]]:
         """Certain displacement (n, 3), and what each hidden cause adds where it acts."""
         total = case.springs()[:, :3]
         if self.finite:
@@ -163,12 +164,12 @@ class Problem:
                 hidden.append(hidden_effect(chance, twist, cause.hidden_sign(case)))
         return total, hidden
 
-    def _observe(self, members: Sequence[Cause], theta: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+    def _observe(self, members: Sequence[Cause], theta: FloatArray, displacement: FloatArray) -> FloatArray:
         for cause, part in _trackers(members, theta):
             displacement = cause.observe(displacement, self.data.dt, part)
         return displacement
 
-    def predict(self, members: Sequence[Cause], theta: np.ndarray, derivative: bool = False) -> Prediction:
+    def predict(self, members: Sequence[Cause], theta: FloatArray, derivative: bool = False) -> Prediction:
         """Residuals, likelihood and derivatives of a model.
 
         Args:
@@ -194,7 +195,7 @@ class Problem:
         jacobian, spread = self._derivative(members, theta, case, inner, hidden)
         return Prediction(residual, white, cost, jacobian, spread)
 
-    def slope(self, cause: Cause, theta: np.ndarray) -> np.ndarray:
+    def slope(self, cause: Cause, theta: FloatArray) -> FloatArray:
         """Whitened derivative of the prediction by one cause alone, shape (n, 3, p)."""
         if cause.stage == "robot" and cause.hidden_state(self.case) is None:
             return self.whiten @ cause.derivative(self.case, theta)[:, :3]
@@ -203,14 +204,14 @@ class Problem:
     def _derivative(
         self,
         members: Sequence[Cause],
-        theta: np.ndarray,
+        theta: FloatArray,
         case: LoadCase,
-        inner: np.ndarray,
+        inner: FloatArray,
         hidden: list[HiddenEffect],
-    ) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray] | None]:
+    ) -> tuple[FloatArray, tuple[FloatArray, FloatArray] | None]:
         n, dt = len(self), self.data.dt
         columns = np.zeros((n, 3, len(theta)))
-        spread: tuple[np.ndarray, np.ndarray] | None = None
+        spread: tuple[FloatArray, FloatArray] | None = None
         trackers = _trackers(members, theta)
         at, h = 0, 0
         for cause, part in split(members, theta):
@@ -243,7 +244,7 @@ class Problem:
             spread = (np.einsum("nij,nj->ni", self.whiten, spread[0]), self.whiten @ spread[1])
         return jacobian, spread
 
-    def _carry(self, trackers: list[tuple[Cause, np.ndarray]], slope: np.ndarray) -> np.ndarray:
+    def _carry(self, trackers: list[tuple[Cause, FloatArray]], slope: FloatArray) -> FloatArray:
         """A small displacement as the tracker reports it."""
         for cause, part in trackers:
             still = np.zeros(len(self))
@@ -255,11 +256,11 @@ class Problem:
     def _setup_slope(
         self,
         members: Sequence[Cause],
-        theta: np.ndarray,
+        theta: FloatArray,
         block: slice,
         hidden: list[HiddenEffect],
-        inner: np.ndarray,
-    ) -> np.ndarray:
+        inner: FloatArray,
+    ) -> FloatArray:
         """One forward difference a number: the posture enters through the whole chain."""
         before = self._observe(members, theta, inner)
         slopes = []
@@ -274,7 +275,7 @@ class Problem:
         return np.stack(slopes, axis=2)
 
 
-def split(members: Sequence[Cause], theta: np.ndarray) -> list[tuple[Cause, np.ndarray]]:
+def split(members: Sequence[Cause], theta: FloatArray) -> list[tuple[Cause, FloatArray]]:
     """Each cause with its part of theta."""
     parts, at = [], 0
     for cause in members:
@@ -283,13 +284,13 @@ def split(members: Sequence[Cause], theta: np.ndarray) -> list[tuple[Cause, np.n
     return parts
 
 
-def _trackers(members: Sequence[Cause], theta: np.ndarray) -> list[tuple[Cause, np.ndarray]]:
+def _trackers(members: Sequence[Cause], theta: FloatArray) -> list[tuple[Cause, FloatArray]]:
     """Causes in the tracker, in the order in which they act: a drift is added to what is reported."""
     found = [(cause, part) for cause, part in split(members, theta) if cause.stage == "tracker"]
     return sorted(found, key=lambda pair: pair[0].name == "thermal_drift")
 
 
-def make_folds(configuration: np.ndarray, folds: int = FOLDS) -> np.ndarray:
+def make_folds(configuration: FloatArray, folds: int = FOLDS) -> FloatArray:
     """Deal whole configurations to folds of similar size, shape (n,); lone trials when there is one only."""
     numbers, counts = np.unique(configuration, return_counts=True)
     if len(numbers) == 1:

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.fit import Fit, fit, polish
 from doormill_ros.diagnosis.loading.preview import Preview
 from doormill_ros.diagnosis.loading.problem import Problem
@@ -44,7 +45,7 @@ class Search:
     _polished: set[tuple[frozenset, frozenset]] = field(default_factory=set)
     _walked: set[frozenset] = field(default_factory=set)
 
-    def fit(self, members: Iterable[Cause], starts: Sequence[np.ndarray] | None = None) -> Fit:
+    def fit(self, members: Iterable[Cause], starts: Sequence[FloatArray] | None = None) -> Fit:
         """Fit a model once."""
         members = tuple(members)
         key = frozenset(cause.identity for cause in members)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import chi2, wilcoxon
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.fit import Fit
 from doormill_ros.diagnosis.loading.problem import Problem
 from doormill_ros.robot_model.elastic.causes.cause import Cause
@@ -16,7 +17,7 @@ BEATEN = 0.05
 _SAME = 0.1  #: difference of the cost of a configuration below which it speaks for neither model
 
 
-def halves(problem: Problem) -> dict[str, np.ndarray]:
+def halves(problem: Problem) -> dict[str, FloatArray]:
     """Ways to cut the trials in two, each a mask of shape (n,)."""
     data, case = problem.data, problem.case
     force = np.linalg.norm(case.force, axis=1)
@@ -70,7 +71,7 @@ def instability(problem: Problem, found: Fit, cause: Cause) -> tuple[float, str,
     return min(1.0, worst * len(cuts)), where, apart
 
 
-def clustered(problem: Problem, gross: np.ndarray, seed: int = 0) -> bool:
+def clustered(problem: Problem, gross: FloatArray, seed: int = 0) -> bool:
     """Whether gross errors sit together in few configurations or on one reflector.
 
     Slips of the hand fall anywhere; an unknown effect that shows in a few postures only does not.
@@ -93,7 +94,7 @@ def clustered(problem: Problem, gross: np.ndarray, seed: int = 0) -> bool:
     return False
 
 
-def turned_joint(problem: Problem, residual: np.ndarray, gross: np.ndarray) -> str:
+def turned_joint(problem: Problem, residual: FloatArray, gross: FloatArray) -> str:
     """The joint that gross errors all point along as if it had turned too far; empty for none.
 
     The cosine of a random direction with a given one is uniform, so 1 - |cos| is a chance; Fisher's
@@ -120,7 +121,7 @@ def turned_joint(problem: Problem, residual: np.ndarray, gross: np.ndarray) -> s
     return f"joint {chances.argmin() + 1}" if 6.0 * chances.min() < CLUSTERED else ""
 
 
-def unevenness(problem: Problem, found: Fit, cause: Cause, weights: np.ndarray) -> tuple[float, float]:
+def unevenness(problem: Problem, found: Fit, cause: Cause, weights: FloatArray) -> tuple[float, float]:
     """Chance that a cause of one size leaves as much scatter between the configurations, and that scatter.
 
     Every configuration may hold its own amount of the cause. A spring that changes from posture to

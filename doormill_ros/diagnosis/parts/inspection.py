@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis, diagnose_problem
 from doormill_ros.diagnosis.loading.problem import Problem
 from doormill_ros.measurements.measurement_set import MeasurementSet, Noise, Reflector
@@ -43,27 +44,27 @@ class InspectedContour:
         time: When it was cut, shape (n,) [s].
     """
 
-    point: np.ndarray
-    normal: np.ndarray
-    deviation: np.ndarray
-    sent: np.ndarray
-    q: np.ndarray
-    direction: np.ndarray
-    wrench: np.ndarray
-    time: np.ndarray
+    point: FloatArray
+    normal: FloatArray
+    deviation: FloatArray
+    sent: FloatArray
+    q: FloatArray
+    direction: FloatArray
+    wrench: FloatArray
+    time: FloatArray
 
 
 def match_contour(
-    point: np.ndarray,
-    normal: np.ndarray,
-    deviation: np.ndarray,
+    point: FloatArray,
+    normal: FloatArray,
+    deviation: FloatArray,
     *,
     tool_radius: float,
-    tool: np.ndarray,
-    q: np.ndarray,
-    wrench: np.ndarray,
-    time: np.ndarray,
-    cutting: np.ndarray,
+    tool: FloatArray,
+    q: FloatArray,
+    wrench: FloatArray,
+    time: FloatArray,
+    cutting: FloatArray,
 ) -> InspectedContour:
     """Find for every contour point the moment at which the tool cut it.
 
@@ -103,7 +104,7 @@ def match_contour(
 def diagnose_part(
     contours: list[InspectedContour],
     robot: Robot,
-    T_flange_tool: np.ndarray,
+    T_flange_tool: FloatArray,
     accuracy: float,
 ) -> Diagnosis:
     """Question the joint springs of a robot by what it milled.
@@ -149,7 +150,7 @@ def _can_act(cause: Cause) -> bool:
     return cause.stage not in _ABSENT
 
 
-def _stretches(contours: list[InspectedContour]) -> np.ndarray:
+def _stretches(contours: list[InspectedContour]) -> FloatArray:
     """Number of the stretch of every point: neighbours know too much of each other."""
     groups, start = [], 0
     for contour in contours:

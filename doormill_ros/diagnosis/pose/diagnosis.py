@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.fit import Fitted, deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.orders import find_orders
 from doormill_ros.diagnosis.pose.selection import REAL, Score, eliminate, explained_cost, scores
@@ -34,9 +35,9 @@ _DRAWS = 2000
 class Errors:
     """Residuals of every row of every series in base axes, shape (n, 6) each."""
 
-    train: list[np.ndarray]
-    blocks: list[np.ndarray]
-    series: list[np.ndarray]
+    train: list[FloatArray]
+    blocks: list[FloatArray]
+    series: list[FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +66,8 @@ class PoseDiagnosis:
     baseline: Fitted
     established: list[Score]
     rejected: list[Score]
-    std: np.ndarray
-    gross: list[np.ndarray]
+    std: FloatArray
+    gross: list[FloatArray]
     before: Errors
     after: Errors
     ratio: float
@@ -187,7 +188,7 @@ def _errors(fitted: Fitted, validation: Validation) -> Errors:
     )
 
 
-def rmse(errors: Sequence[np.ndarray], kept: Sequence[np.ndarray], rotation: bool = False) -> float:
+def rmse(errors: Sequence[FloatArray], kept: Sequence[FloatArray], rotation: bool = False) -> float:
     """Root mean square length of the position [m] or rotation [rad] error over the rows that count."""
     part = slice(3, 6) if rotation else slice(0, 3)
     squares = np.concatenate(
@@ -209,11 +210,11 @@ def _verdict(
 
 
 def _gain(
-    before: Sequence[np.ndarray], after: Sequence[np.ndarray], kept: Sequence[np.ndarray]
+    before: Sequence[FloatArray], after: Sequence[FloatArray], kept: Sequence[FloatArray]
 ) -> tuple[float, tuple[float, float]]:
     """Ratio of held-out errors, its interval from drawing blocks."""
 
-    def sums(errors: Sequence[np.ndarray]) -> np.ndarray:
+    def sums(errors: Sequence[FloatArray]) -> FloatArray:
         squares = [np.sum(e[:, :3] ** 2, axis=1) * good for e, good in zip(errors, kept, strict=True)]
         return np.concatenate(by_block(squares))
 
@@ -224,7 +225,7 @@ def _gain(
     return float(np.sqrt(new.sum() / old.sum())), (float(low), float(high))
 
 
-def standard_deviations(fitted: Fitted) -> np.ndarray:
+def standard_deviations(fitted: Fitted) -> FloatArray:
     """Of every coefficient: of the fit, or from the scatter of the blocks where that is larger, shape (m,)."""
     size, solution = fitted.problem.size, fitted.solution
     pull = []
@@ -238,7 +239,7 @@ def standard_deviations(fitted: Fitted) -> np.ndarray:
     return np.maximum(np.sqrt(np.diag(solution.covariance)), scatter)[:m]
 
 
-def distinct_share(fitted: Fitted) -> np.ndarray:
+def distinct_share(fitted: Fitted) -> FloatArray:
     """Share of every coefficient's effect that no placement can imitate, shape (m,)."""
     m, size = fitted.problem.layout.size, fitted.problem.size
     H, _ = add_up(fitted.blocks, size)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.placement import fit_placement
 from doormill_ros.diagnosis.pose.problem import Block, Problem
 from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
@@ -41,7 +42,7 @@ class Fitted:
     blocks: list[Block]
 
 
-def contiguous(count: int) -> list[np.ndarray]:
+def contiguous(count: int) -> list[FloatArray]:
     """Rows of the contiguous blocks of a series."""
     return [part for part in np.array_split(np.arange(count), BLOCKS) if len(part)]
 
@@ -129,7 +130,7 @@ def _move(problem: Problem, solution: Solution) -> None:
 
 
 def noise_of(
-    errors: Sequence[np.ndarray], weights: Sequence[np.ndarray], sets: Sequence[PoseSet]
+    errors: Sequence[FloatArray], weights: Sequence[FloatArray], sets: Sequence[PoseSet]
 ) -> tuple[float, float]:
     """Standard deviation per axis of ordinary rows, position [m] and rotation [rad]; never below the tracker's."""
     every = np.concatenate(errors)
@@ -141,7 +142,7 @@ def noise_of(
     return found[0], found[1]
 
 
-def deviation(error: np.ndarray, sigma: tuple[float, float]) -> np.ndarray:
+def deviation(error: FloatArray, sigma: tuple[float, float]) -> FloatArray:
     """Root mean square of the six components in standard deviations, shape (n,)."""
     return np.sqrt(
         (
@@ -152,7 +153,7 @@ def deviation(error: np.ndarray, sigma: tuple[float, float]) -> np.ndarray:
     )
 
 
-def weigh(error: np.ndarray, sigma: tuple[float, float]) -> np.ndarray:
+def weigh(error: FloatArray, sigma: tuple[float, float]) -> FloatArray:
     """Weights of rows: 1 for ordinary ones, less for doubtful ones, 0 for gross errors, shape (n,)."""
     size = deviation(error, sigma)
     limit = max(GROSS, float(np.quantile(size, 1.0 - GROSS_SHARE)))
@@ -161,7 +162,7 @@ def weigh(error: np.ndarray, sigma: tuple[float, float]) -> np.ndarray:
     return weight
 
 
-def held_out_residuals(fitted: Fitted, solutions: Sequence[Solution], folds: np.ndarray) -> list[np.ndarray]:
+def held_out_residuals(fitted: Fitted, solutions: Sequence[Solution], folds: FloatArray) -> list[FloatArray]:
     """Exact residuals of every row with the solution that has not seen it, base axes, shape (n, 6) each.
 
     Args:

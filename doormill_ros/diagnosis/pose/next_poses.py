@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.document import BINS, covered
 from doormill_ros.robot_model.pose.chain import derivatives, direction, frames
@@ -35,8 +36,8 @@ class NextPoses:
             possible poses, now and with these poses measured [m].
     """
 
-    q: np.ndarray
-    information: np.ndarray
+    q: FloatArray
+    information: FloatArray
     before: float
     after: float
 
@@ -78,12 +79,12 @@ def listed(poses: NextPoses | None) -> list[dict[str, Any]]:
     ]
 
 
-def _position_error(spread: np.ndarray, sigma: float) -> float:
+def _position_error(spread: FloatArray, sigma: float) -> float:
     variance = np.diag(spread).reshape(-1, 6)[:, :3]
     return float(sigma * np.sqrt(np.mean(np.sum(variance, axis=1))))
 
 
-def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> np.ndarray:
+def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> FloatArray:
     """Random postures, every joint through its whole turn, with the target where targets have been: (n, 6) [rad].
 
     Neither lower nor nearer to the axis of joint 1 nor farther out than any measured one.
@@ -102,7 +103,7 @@ def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> np.ndarray:
     return q[good][:POSSIBLE]
 
 
-def effect_on_pose(diagnosis: PoseDiagnosis, q: np.ndarray) -> np.ndarray:
+def effect_on_pose(diagnosis: PoseDiagnosis, q: FloatArray) -> FloatArray:
     """Derivatives of the target's pose by all coefficients and placements, base axes, shape (n, 6, m)."""
     problem = diagnosis.extended.problem
     view = view_of(diagnosis.model, q)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
@@ -35,7 +36,7 @@ def before_and_after(diagnosis: PoseDiagnosis) -> list[str]:
     return charts
 
 
-def joint_angle(diagnosis: PoseDiagnosis, series: int, errors: np.ndarray) -> np.ndarray:
+def joint_angle(diagnosis: PoseDiagnosis, series: int, errors: FloatArray) -> FloatArray:
     """Residual turn of every joint that explains a pose error best, shape (n, 6) [rad]."""
     problem = diagnosis.extended.problem
     scale = np.repeat(1.0 / np.array(problem.sigma), 3)
@@ -65,7 +66,7 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
         if f"joint {k}" not in own:
             continue
         cause, part = own[f"joint {k}"]
-        clouds: list[list[tuple[str, str, np.ndarray, np.ndarray]]] = [[], []]
+        clouds: list[list[tuple[str, str, FloatArray, FloatArray]]] = [[], []]
         curve = []
         for index, data in enumerate(diagnosis.sets):
             pick = np.unique(np.linspace(0, len(data) - 1, _POINTS).astype(int))

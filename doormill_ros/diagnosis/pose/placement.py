@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.errors import PosePlacementError
 from doormill_ros.robot_model.pose.chain import Placement, derivatives, residual
 
@@ -14,7 +15,7 @@ _STARTS = 12
 _SAMPLE = 400
 
 
-def first_placement(T_base_flange: np.ndarray, position: np.ndarray, rotation: np.ndarray) -> Placement:
+def first_placement(T_base_flange: FloatArray, position: FloatArray, rotation: FloatArray) -> Placement:
     """A placement without any guess: rotations alternately from many starts, then positions linearly.
 
     Args:
@@ -24,7 +25,7 @@ def first_placement(T_base_flange: np.ndarray, position: np.ndarray, rotation: n
     """
     pick = np.unique(np.linspace(0, len(position) - 1, min(_SAMPLE, len(position))).astype(int))
     flange, seen = T_base_flange[pick, :3, :3], rotation[pick]
-    best: tuple[float, np.ndarray, np.ndarray] | None = None
+    best: tuple[float, FloatArray, FloatArray] | None = None
     for start in Rotation.random(_STARTS, random_state=1).as_matrix():
         R_flange_target = start
         for _ in range(80):
@@ -53,16 +54,16 @@ def first_placement(T_base_flange: np.ndarray, position: np.ndarray, rotation: n
     return Placement(T_tracker_base, T_flange_target)
 
 
-def huber(size: np.ndarray, floor: float = 0.0) -> np.ndarray:
+def huber(size: FloatArray, floor: float = 0.0) -> FloatArray:
     """Weights of residuals of these lengths, 1 for ordinary ones, shape (n,)."""
     scale = max(1.2 * float(np.median(size)), floor, 1e-12)
     return 1.0 / np.maximum(1.0, size / (HUBER * scale))
 
 
 def fit_placement(
-    T_base_frames: np.ndarray,
-    position: np.ndarray,
-    rotation: np.ndarray,
+    T_base_frames: FloatArray,
+    position: FloatArray,
+    rotation: FloatArray,
     sigma: tuple[float, float],
     start: Placement | None = None,
 ) -> Placement:
@@ -102,6 +103,6 @@ def fit_placement(
     return placement
 
 
-def _nearest(matrix: np.ndarray) -> np.ndarray:
+def _nearest(matrix: FloatArray) -> FloatArray:
     U, _, V = np.linalg.svd(matrix)
     return U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import (
@@ -39,10 +40,10 @@ class Block:
     """
 
     series: int
-    rows: np.ndarray
-    ids: np.ndarray
-    H: np.ndarray
-    g: np.ndarray
+    rows: FloatArray
+    ids: FloatArray
+    H: FloatArray
+    g: FloatArray
     c: float
     count: float
 
@@ -80,24 +81,24 @@ class Problem:
         """All unknowns: causes, and a placement for every series."""
         return self.layout.size + PLACEMENT * len(self.sets)
 
-    def placement_ids(self, series: int) -> np.ndarray:
+    def placement_ids(self, series: int) -> FloatArray:
         """Indices of the placement of a series."""
         return self.layout.size + PLACEMENT * series + np.arange(PLACEMENT)
 
-    def frames(self, series: int, x: np.ndarray | None = None, rows: np.ndarray | None = None) -> np.ndarray:
+    def frames(self, series: int, x: FloatArray | None = None, rows: FloatArray | None = None) -> FloatArray:
         """Displaced frames of a series or some rows of it, shape (n, 7, 4, 4)."""
         x = self.x if x is None else x
         rows = np.arange(len(self.sets[series])) if rows is None else rows
         bases = {key: (ids, basis[rows]) for key, (ids, basis) in self.bases[series].items()}
         return frames(self.views[series].transforms[rows], frame_twists(bases, x, len(rows)))
 
-    def residual(self, series: int, x: np.ndarray | None = None) -> np.ndarray:
+    def residual(self, series: int, x: FloatArray | None = None) -> FloatArray:
         """Residual with the current placement, base axes, shape (n, 6)."""
         data = self.sets[series]
         return residual(self.frames(series, x), self.placements[series], data.position, data.rotation)
 
     def blocks(
-        self, rows: Sequence[Sequence[np.ndarray]], progress: Callable[[int], None] = lambda n: None
+        self, rows: Sequence[Sequence[FloatArray]], progress: Callable[[int], None] = lambda n: None
     ) -> list[Block]:
         """Normal equations of blocks of rows, given for every series."""
         found = []
@@ -110,7 +111,7 @@ class Problem:
                 progress(len(part))
         return found
 
-    def _block(self, series: int, rows: np.ndarray, T: np.ndarray, error: np.ndarray) -> Block:
+    def _block(self, series: int, rows: FloatArray, T: FloatArray, error: FloatArray) -> Block:
         weight = self.share * self.weights[series][rows]
         scale = np.repeat(1.0 / np.array(self.sigma), 3) * np.sqrt(weight)[:, None]
         D = derivatives(T, self.placements[series]) * scale[:, None, :]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.validation import AXES_OF_POSITION, Validation, by_block
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 
@@ -39,17 +40,17 @@ class Score:
     """
 
     cause: PoseCause
-    gain: np.ndarray
-    sure: np.ndarray
+    gain: FloatArray
+    sure: FloatArray
     total: float
     total_sure: float
-    transfer: np.ndarray
+    transfer: FloatArray
     position_sure: float
     rmse_without: float
     status: str
 
 
-def position_rmse(errors: list[np.ndarray], kept: list[np.ndarray]) -> float:
+def position_rmse(errors: list[FloatArray], kept: list[FloatArray]) -> float:
     """Root mean square of the 3-D position error over all rows that count [m]."""
     every = np.concatenate([error[good, :3] for error, good in zip(errors, kept, strict=True)])
     return float(np.sqrt(np.mean(np.sum(every**2, axis=1)))) if len(every) else 0.0
@@ -127,7 +128,7 @@ def eliminate(validation: Validation, progress: Callable[[str], None]) -> tuple[
     return [now[i] for i in remaining], gone
 
 
-def _standard_errors(change: np.ndarray) -> float:
+def _standard_errors(change: FloatArray) -> float:
     """Sum over its standard error, taken from the scatter of the blocks."""
     if len(change) < 2:
         return 0.0

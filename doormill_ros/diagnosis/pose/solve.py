@@ -9,11 +9,12 @@ from itertools import groupby
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.problem import Block
 from doormill_ros.robot_model.pose.layout import Layout
 
 
-def add_up(blocks: Iterable[Block], size: int) -> tuple[np.ndarray, np.ndarray]:
+def add_up(blocks: Iterable[Block], size: int) -> tuple[FloatArray, FloatArray]:
     """Sum of the normal equations, shapes (m, m) and (m,)."""
     H, g = np.zeros((size, size)), np.zeros(size)
     # Blocks of a series have their coefficients in common: added in their own order, sorted in once.
@@ -38,12 +39,12 @@ class Solution:
         variance: Prior variance, infinite for placements, shape (m,).
     """
 
-    x: np.ndarray
-    covariance: np.ndarray
-    variance: np.ndarray
+    x: FloatArray
+    covariance: FloatArray
+    variance: FloatArray
 
 
-def solve(H: np.ndarray, g: np.ndarray, variance: np.ndarray) -> Solution:
+def solve(H: FloatArray, g: FloatArray, variance: FloatArray) -> Solution:
     """Solve with known prior variances."""
     scale = np.where(np.isfinite(variance), np.sqrt(variance), 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-12)))
     prior = np.where(np.isfinite(variance), 1.0, 1e-10)
@@ -61,11 +62,11 @@ def solve(H: np.ndarray, g: np.ndarray, variance: np.ndarray) -> Solution:
 
 
 def learn(
-    H: np.ndarray,
-    g: np.ndarray,
+    H: FloatArray,
+    g: FloatArray,
     layout: Layout,
     rounds: int = 8,
-    start: np.ndarray | None = None,
+    start: FloatArray | None = None,
 ) -> Solution:
     """Solve and learn the typical size of every group (empirical Bayes, MacKay's update)."""
     m = layout.size

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.fit import BLOCKS, Fitted
 from doormill_ros.diagnosis.pose.problem import PLACEMENT
 from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
@@ -32,12 +33,12 @@ class Split:
         series: The whole series that was left out, or None for blocks.
     """
 
-    rows: tuple[np.ndarray, ...]
+    rows: tuple[FloatArray, ...]
     solution: Solution
     series: int | None
 
 
-def without(solution: Solution, ids: np.ndarray) -> Solution:
+def without(solution: Solution, ids: FloatArray) -> Solution:
     """The solution with some coefficients held at zero: exact, by conditioning."""
     if not len(ids):
         return solution
@@ -86,12 +87,12 @@ class Validation:
                 found = learn(Hs, gs, problem.layout, ROUNDS, fitted.solution.variance)
                 self.series.append(Split(rows, found, s))
 
-    def remove(self, ids: np.ndarray) -> None:
+    def remove(self, ids: FloatArray) -> None:
         """Hold coefficients at zero from now on."""
         self.blocks = [replace(split, solution=without(split.solution, ids)) for split in self.blocks]
         self.series = [replace(split, solution=without(split.solution, ids)) for split in self.series]
 
-    def residuals(self, splits: Sequence[Split], removed: np.ndarray) -> list[np.ndarray]:
+    def residuals(self, splits: Sequence[Split], removed: FloatArray) -> list[FloatArray]:
         """Residual of every row by the split that left it out, base axes, with coefficients removed."""
         problem = self.fitted.problem
         out = [np.zeros((len(data), 6)) for data in problem.sets]
@@ -104,7 +105,7 @@ class Validation:
                     out[series][rows] = linear.residual(placed, rows)
         return out
 
-    def cost(self, errors: Sequence[np.ndarray], axes: slice = ALL_AXES) -> list[np.ndarray]:
+    def cost(self, errors: Sequence[FloatArray], axes: slice = ALL_AXES) -> list[FloatArray]:
         """Weighted squares of every row in noise units, shape (n,) each; of some of its six components."""
         problem = self.fitted.problem
         scale = np.repeat(1.0 / np.array(problem.sigma), 3)
@@ -130,7 +131,7 @@ class _Linear:
         self.placing = marked if len(marked) >= 3 else np.arange(0, len(self.error), _EVERY)
         self.weight = problem.weights[series]
 
-    def residual(self, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    def residual(self, x: FloatArray, rows: FloatArray) -> FloatArray:
         """Residual with all coefficients and the placement in x, shape (len(rows), 6)."""
         step = x[: self.size] - self.x
         twists = np.zeros((len(rows), DIRECTIONS))
@@ -142,7 +143,7 @@ class _Linear:
         twists[:, direction(6, 0) :] += x[self.own[6:]]
         return self.error[rows] - np.einsum("na,nac->nc", twists, self.D[rows])
 
-    def place(self, x: np.ndarray) -> np.ndarray:
+    def place(self, x: FloatArray) -> FloatArray:
         """The same coefficients with the placement fitted to the rows that may place the series."""
         x = x.copy()
         x[self.own] = 0.0
@@ -161,6 +162,6 @@ class _Linear:
         return x
 
 
-def by_block(cost: Sequence[np.ndarray]) -> list[np.ndarray]:
+def by_block(cost: Sequence[FloatArray]) -> list[FloatArray]:
     """Sums over the contiguous blocks of every series."""
     return [np.array([part.sum() for part in np.array_split(one, BLOCKS)]) for one in cost]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.diagnosis.loading.finding import Finding, rmse
 from doormill_ros.diagnosis.loading.fit import Fit
@@ -95,7 +96,7 @@ def residual_by_joint(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
-def angle(residual: np.ndarray, lever: np.ndarray, size: np.ndarray) -> np.ndarray:
+def angle(residual: FloatArray, lever: FloatArray, size: FloatArray) -> FloatArray:
     """Joint angle that would leave this residual, shape (n,) [rad]."""
     return np.sum(residual * lever, axis=1) / np.maximum(size, 1e-12)
 
@@ -188,7 +189,7 @@ def patterns_without_a_name(diagnosis: Diagnosis) -> list[str]:
     return charts
 
 
-def _over_torque(diagnosis: Diagnosis, cause: Cause, residual: np.ndarray, effect: np.ndarray) -> str:
+def _over_torque(diagnosis: Diagnosis, cause: Cause, residual: FloatArray, effect: FloatArray) -> str:
     """Joint angle over torque, one colour for each side from which the joint came."""
     problem = diagnosis.problem
     k = int(cause.where[-1]) - 1
@@ -212,7 +213,7 @@ def _over_torque(diagnosis: Diagnosis, cause: Cause, residual: np.ndarray, effec
     return Scatter(title, "torque [N m]", f"joint angle [{MICRO}rad]", series, fitted, width=WIDE).svg()
 
 
-def _against_prediction(title: str, residual: np.ndarray, effect: np.ndarray, colour: str = BEFORE) -> str:
+def _against_prediction(title: str, residual: FloatArray, effect: FloatArray, colour: str = BEFORE) -> str:
     x = UM * effect.ravel()
     ends = np.array([x.min(), x.max()])
     return Scatter(
@@ -225,7 +226,7 @@ def _against_prediction(title: str, residual: np.ndarray, effect: np.ndarray, co
     ).svg()
 
 
-def _effect(problem: Problem, found: Fit, cause: Cause) -> np.ndarray:
+def _effect(problem: Problem, found: Fit, cause: Cause) -> FloatArray:
     """Displacement that a cause adds to a model, shape (n, 3) [m]."""
     theta = found.theta.copy()
     theta[found.part(cause)] = 0.0

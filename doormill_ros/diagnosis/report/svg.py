@@ -8,6 +8,8 @@ from html import escape
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 BEFORE = "#c2562d"
 AFTER = "#1f6f8b"
 OTHER = "#8a8f98"
@@ -33,8 +35,8 @@ class Scatter:
     title: str
     x_label: str
     y_label: str
-    series: list[tuple[str, str, np.ndarray, np.ndarray]] = field(default_factory=list)
-    lines: list[tuple[str, str, np.ndarray, np.ndarray]] = field(default_factory=list)
+    series: list[tuple[str, str, FloatArray, FloatArray]] = field(default_factory=list)
+    lines: list[tuple[str, str, FloatArray, FloatArray]] = field(default_factory=list)
     band: float | None = None
     square: bool = False
     width: int = _WIDTH
@@ -165,14 +167,14 @@ class _Frame:
         return "".join(parts)
 
 
-def _range(values: np.ndarray) -> tuple[float, float]:
+def _range(values: FloatArray) -> tuple[float, float]:
     values = values[np.isfinite(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     margin = 0.06 * (high - low) or 0.5 * abs(high) or 1.0
     return low - margin, high + margin
 
 
-def _ticks(low: float, high: float) -> np.ndarray:
+def _ticks(low: float, high: float) -> FloatArray:
     raw = (high - low) / 5.0
     size = 10.0 ** np.floor(np.log10(raw))
     step = size * min((m for m in (1.0, 2.0, 5.0, 10.0) if m * size >= raw), default=10.0)

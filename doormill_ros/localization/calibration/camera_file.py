@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.calibration.extrinsics import Extrinsics
 from doormill_ros.localization.calibration.intrinsics import Intrinsics
@@ -78,5 +79,5 @@ def write_document(document: dict[str, Any], path: Path) -> None:
     path.write_text(yaml.safe_dump(document, sort_keys=False, default_flow_style=None), encoding="utf-8")
 
 
-def _plain(values: np.ndarray) -> list:
+def _plain(values: FloatArray) -> list:
     return np.asarray(values, dtype=float).tolist()

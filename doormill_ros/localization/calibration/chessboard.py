@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 _WINDOW = 0.35  # half side of the refinement's window in squares: no other corner inside
 _STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-4)
 
@@ -25,14 +27,14 @@ class Chessboard:
     rows: int
     square: float
 
-    def points(self) -> np.ndarray:
+    def points(self) -> FloatArray:
         """Inner corners on the board, row by row, shape (rows * columns, 3) [m]."""
         grid = np.zeros((self.rows * self.columns, 3))
         grid[:, :2] = np.mgrid[: self.columns, : self.rows].T.reshape(-1, 2) * self.square
         return grid
 
 
-def find_corners(picture: np.ndarray, board: Chessboard) -> np.ndarray | None:
+def find_corners(picture: FloatArray, board: Chessboard) -> FloatArray | None:
     """Inner corners in a grey picture (h, w), uint8: pixels (n, 2) in the board's order, or None.
 
     The sector-based detector finds boards that the older one misses; the gradient refinement after

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.frames import transform
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
@@ -37,8 +38,8 @@ class MovedDoor:
         door: Its size.
     """
 
-    picture: np.ndarray
-    move: np.ndarray
+    picture: FloatArray
+    move: FloatArray
     door: DoorSize
 
 
@@ -78,12 +79,12 @@ class Extrinsics:
     """
 
     camera: CameraModel
-    covariance: np.ndarray
+    covariance: FloatArray
     chi_square: float
     redundancy: int
     scale: tuple[float, float]
     model_scale: tuple[float, float]
-    door_deviation: dict[float, np.ndarray]
+    door_deviation: dict[float, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +93,7 @@ class _Looked:
 
     edges: list[EdgeRays]
     moved: MovedDoor
-    T_base_door: np.ndarray
+    T_base_door: FloatArray
 
 
 def calibrate_extrinsics(
@@ -126,7 +127,7 @@ def calibrate_extrinsics(
     reference = camera.T_base_camera(0.0)
     covariance = _covariance(looked, camera, knowledge or Knowledge())
 
-    def linearise(T_base_camera: np.ndarray) -> Linearised:
+    def linearise(T_base_camera: FloatArray) -> Linearised:
         parts = [
             miss(item.T_base_door, _slide(T_base_camera, item.moved.door.width), e.axis, e.rays)
             for item in looked
@@ -175,16 +176,16 @@ def _look(
     return _Looked(edges, moved, T_base_door)
 
 
-def _slide(T_base_camera: np.ndarray, width: float) -> np.ndarray:
+def _slide(T_base_camera: FloatArray, width: float) -> FloatArray:
     return transform(T_base_camera[:3, :3], T_base_camera[:3, 3] - [0.0, width / 2.0, 0.0])
 
 
-def _mounted(camera: CameraModel, T_base_camera: np.ndarray) -> CameraModel:
+def _mounted(camera: CameraModel, T_base_camera: FloatArray) -> CameraModel:
     turn = Rotation.from_matrix(R_BASE_CAMERA_NOMINAL.T @ T_base_camera[:3, :3]).as_rotvec()
     return replace(camera, position=T_base_camera[:3, 3], rotation_vector=turn)
 
 
-def _covariance(looked: list[_Looked], camera: CameraModel, known: Knowledge) -> np.ndarray:
+def _covariance(looked: list[_Looked], camera: CameraModel, known: Knowledge) -> FloatArray:
     """Of all misses: noise, the door's roughness that moves along with it, moves and reference place."""
     focal = float(np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
     rows = [(i, e) for i, item in enumerate(looked) for e in item.edges]
@@ -235,7 +236,7 @@ def _scale(looked: list[_Looked], before: CameraModel, after: CameraModel, axis:
     return float("nan"), float("nan")
 
 
-def _corner(item: _Looked) -> np.ndarray:
+def _corner(item: _Looked) -> FloatArray:
     """Ideal ray (2,) where straight lines through the two edges cross."""
     lines = []
     for e in item.edges:
@@ -246,8 +247,8 @@ def _corner(item: _Looked) -> np.ndarray:
 
 
 def _door_deviation(
-    item: _Looked, camera: CameraModel, layout: CellLayout, covariance: np.ndarray
-) -> np.ndarray:
+    item: _Looked, camera: CameraModel, layout: CellLayout, covariance: FloatArray
+) -> FloatArray:
     """What a camera off by `covariance` does to y, z and rotation of a nominal door, shape (3,)."""
     door = item.moved.door
     T_base_door = layout.T_base_door(door.width, door.thickness)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.calibration.chessboard import Chessboard
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
 
@@ -35,19 +36,19 @@ class Intrinsics:
         covered: Largest distance of a used corner from the principal point, at unit focal length.
     """
 
-    k: np.ndarray
-    distortion: np.ndarray
-    k_deviation: np.ndarray
-    distortion_deviation: np.ndarray
+    k: FloatArray
+    distortion: FloatArray
+    k_deviation: FloatArray
+    distortion_deviation: FloatArray
     size: tuple[int, int]
-    picture_error: np.ndarray
-    used: np.ndarray
+    picture_error: FloatArray
+    used: FloatArray
     error: float
     covered: float
 
 
 def calibrate_intrinsics(
-    corners: list[np.ndarray | None], board: Chessboard, size: tuple[int, int], radial: int = 2
+    corners: list[FloatArray | None], board: Chessboard, size: tuple[int, int], radial: int = 2
 ) -> Intrinsics:
     """Calibrate, and leave out pictures whose error stands out from the others.
 
@@ -104,7 +105,7 @@ def calibrate_intrinsics(
     )
 
 
-def _fit(points: np.ndarray, seen: list[np.ndarray], size: tuple[int, int], radial: int) -> tuple:
+def _fit(points: FloatArray, seen: list[FloatArray], size: tuple[int, int], radial: int) -> tuple:
     flags = 0
     for count, flag in ((1, cv2.CALIB_FIX_K2), (2, cv2.CALIB_FIX_K3)):
         flags |= flag if radial <= count else 0
@@ -120,13 +121,13 @@ def _fit(points: np.ndarray, seen: list[np.ndarray], size: tuple[int, int], radi
 
 
 def _deviations(
-    points: np.ndarray,
-    seen: list[np.ndarray],
-    k: np.ndarray,
-    distortion: np.ndarray,
-    poses: tuple[list[np.ndarray], list[np.ndarray]],
+    points: FloatArray,
+    seen: list[FloatArray],
+    k: FloatArray,
+    distortion: FloatArray,
+    poses: tuple[list[FloatArray], list[FloatArray]],
     radial: int,
-) -> np.ndarray:
+) -> FloatArray:
     """Standard deviations of fx, fy, cx, cy and the five coefficients, shape (9,); nan when open.
 
     The boards' poses are eliminated from the normal equations (Schur complement); the variance of
@@ -153,7 +154,7 @@ def _deviations(
     return out
 
 
-def _error(points: np.ndarray, corners: np.ndarray | None, k: np.ndarray, distortion: np.ndarray) -> float:
+def _error(points: FloatArray, corners: FloatArray | None, k: FloatArray, distortion: FloatArray) -> float:
     """RMS distance [px] of corners from where a camera sees the board, best placed."""
     if corners is None:
         return float("nan")

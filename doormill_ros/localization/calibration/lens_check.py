@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 _NODES = 60  # grid points along the shorter side of the picture
 
 
@@ -32,7 +34,7 @@ class LensCheck:
     usable: float
 
 
-def check_lens(k: np.ndarray, size: tuple[int, int], radial: tuple[float, float, float]) -> LensCheck:
+def check_lens(k: FloatArray, size: tuple[int, int], radial: tuple[float, float, float]) -> LensCheck:
     """Examine radial coefficients.
 
     Args:
@@ -63,7 +65,7 @@ def check_lens(k: np.ndarray, size: tuple[int, int], radial: tuple[float, float,
     )
 
 
-def distorted_radius(r: np.ndarray | float, radial: tuple[float, float, float]) -> np.ndarray | float:
+def distorted_radius(r: FloatArray | float, radial: tuple[float, float, float]) -> FloatArray | float:
     """Radius r' in the picture of ideal radius r."""
     s = np.square(r)
     return r * (1.0 + s * (radial[0] + s * (radial[1] + s * radial[2])))

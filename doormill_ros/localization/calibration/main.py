@@ -12,6 +12,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.calibration.camera_file import (
@@ -130,7 +131,7 @@ def _lens(arguments: argparse.Namespace) -> list[str]:
     return lines
 
 
-def _picture(path: Path) -> np.ndarray:
+def _picture(path: Path) -> FloatArray:
     picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
     if picture is None:
         raise BadCalibrationFile(f"{path} is no picture that can be read; give PNG or JPEG", path=str(path))

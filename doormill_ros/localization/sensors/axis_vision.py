@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.frames import transform
 from doormill_ros.localization.camera import CameraModel
@@ -34,11 +35,11 @@ class AxisCamera:
 
     name: str
     looks_at: str
-    place: np.ndarray
+    place: FloatArray
     fixed_x: float | None
-    rotation: np.ndarray
+    rotation: FloatArray
 
-    def T_base_camera(self, layout: CellLayout, door: DoorSize) -> np.ndarray:
+    def T_base_camera(self, layout: CellLayout, door: DoorSize) -> FloatArray:
         """Where the sliders put it for a door, shape (4, 4)."""
         position = layout.T_base_door(door.width, door.thickness)[:3, 3] + self.place
         if self.fixed_x is not None:
@@ -79,7 +80,7 @@ class AxisVision:
         "count as edge unless they stand out; needs light, clean lenses and three calibrated places"
     )
 
-    def locate(self, reading: dict[str, np.ndarray], door: DoorSize) -> DoorPoseEstimate:
+    def locate(self, reading: dict[str, FloatArray], door: DoorSize) -> DoorPoseEstimate:
         """Pose of the door from one picture of each camera.
 
         Raises:
@@ -94,7 +95,7 @@ class AxisVision:
         places = {camera.name: camera.T_base_camera(self.layout, door) for camera in self.cameras}
         covariance = self._covariance(edges, nominal, places)
 
-        def linearise(T_base_door: np.ndarray) -> Linearised:
+        def linearise(T_base_door: FloatArray) -> Linearised:
             parts = [miss(T_base_door, places[camera.name], e.axis, e.rays) for camera, e in edges]
             return Linearised(
                 -np.concatenate([p[0] for p in parts]), np.vstack([p[1] for p in parts]), covariance
@@ -113,7 +114,7 @@ class AxisVision:
             {"edge_points": {f"{camera.name}{'xyz'[e.axis]}": len(e.rays) for camera, e in edges}},
         )
 
-    def _edges(self, camera: AxisCamera, reading: dict[str, np.ndarray], door: DoorSize) -> list[EdgeRays]:
+    def _edges(self, camera: AxisCamera, reading: dict[str, FloatArray], door: DoorSize) -> list[EdgeRays]:
         picture = reading.get(camera.name)
         width, height = self.lens.size
         if picture is None or picture.shape != (height, width) or picture.dtype != np.uint8:
@@ -137,8 +138,8 @@ class AxisVision:
         )
 
     def _covariance(
-        self, edges: list[tuple[AxisCamera, EdgeRays]], T_base_door: np.ndarray, places: dict[str, np.ndarray]
-    ) -> np.ndarray:
+        self, edges: list[tuple[AxisCamera, EdgeRays]], T_base_door: FloatArray, places: dict[str, FloatArray]
+    ) -> FloatArray:
         """Of all misses, shape (n, n): roughness along each edge, noise, and each camera's place."""
         focal = float(np.sqrt(self.lens.k[0, 0] * self.lens.k[1, 1]))
         mounting = np.repeat([self.position_deviation, self.rotation_deviation], 3) ** 2

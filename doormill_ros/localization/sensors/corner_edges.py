@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.sensors.edge_rays import EDGES, seen
@@ -42,19 +43,19 @@ class EdgeRays:
     """
 
     axis: int
-    rays: np.ndarray
-    along: np.ndarray
+    rays: FloatArray
+    along: FloatArray
     deviation: float
 
 
 def find_corner_edges(
-    picture: np.ndarray,
+    picture: FloatArray,
     lens: CameraModel,
-    T_base_camera: np.ndarray,
-    T_base_door: np.ndarray,
+    T_base_camera: FloatArray,
+    T_base_door: FloatArray,
     face: str,
     door: DoorSize,
-    limits: np.ndarray,
+    limits: FloatArray,
     quality: PictureQuality,
     what: str,
 ) -> list[EdgeRays]:
@@ -101,13 +102,13 @@ def find_corner_edges(
 
 def _inward(
     lens: CameraModel,
-    T_base_camera: np.ndarray,
-    T_base_door: np.ndarray,
+    T_base_camera: FloatArray,
+    T_base_door: FloatArray,
     axis: int,
     other: int,
-    along: np.ndarray,
-    guess: np.ndarray,
-) -> np.ndarray:
+    along: FloatArray,
+    guess: FloatArray,
+) -> FloatArray:
     """Unit vectors across the edge in the picture, towards where the other edge runs; shape (n, 2)."""
     ahead = lens.distort(seen(T_base_door, T_base_camera, axis, along + 1e-4)) - guess
     across = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.linalg.norm(ahead, axis=1, keepdims=True)

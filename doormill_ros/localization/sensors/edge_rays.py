@@ -10,19 +10,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse
 
 EDGES = {"x": 0, "y": 1, "z": 2}
 
 
-def cross_matrix(v: np.ndarray) -> np.ndarray:
+def cross_matrix(v: FloatArray) -> FloatArray:
     """[v] with [v] w = v x w, shape (3, 3)."""
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
 def miss(
-    T_base_door: np.ndarray, T_base_camera: np.ndarray, axis: int, rays: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    T_base_door: FloatArray, T_base_camera: FloatArray, axis: int, rays: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """How far rays pass an edge, and the derivatives by twists of door and camera.
 
     Args:
@@ -48,7 +49,7 @@ def miss(
     points = np.column_stack([rays, np.ones(len(rays))])
     value = points @ line / size
 
-    def derivative(dm: np.ndarray) -> np.ndarray:
+    def derivative(dm: FloatArray) -> FloatArray:
         dline = R_base_camera.T @ dm  # (3, 6)
         dsize = (line[0] * dline[0] + line[1] * dline[1]) / size
         return (points @ dline - np.outer(value, dsize)) / size
@@ -56,13 +57,13 @@ def miss(
     return value, derivative(by_door), derivative(by_camera)
 
 
-def depth(T_base_door: np.ndarray, T_base_camera: np.ndarray, axis: int, along: np.ndarray) -> np.ndarray:
+def depth(T_base_door: FloatArray, T_base_camera: FloatArray, axis: int, along: FloatArray) -> FloatArray:
     """Distance ahead of the camera of edge points `along` (n,) [m] from the corner, shape (n,) [m]."""
     T_camera_door = inverse(T_base_camera) @ T_base_door
     return T_camera_door[2, 3] + np.asarray(along) * T_camera_door[2, axis]
 
 
-def seen(T_base_door: np.ndarray, T_base_camera: np.ndarray, axis: int, along: np.ndarray) -> np.ndarray:
+def seen(T_base_door: FloatArray, T_base_camera: FloatArray, axis: int, along: FloatArray) -> FloatArray:
     """Ideal rays (n, 2) of edge points `along` (n,) [m] from the corner."""
     T_camera_door = inverse(T_base_camera) @ T_base_door
     points = T_camera_door[:3, 3] + np.asarray(along)[:, None] * T_camera_door[:3, axis]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.sensors.errors import EdgeNotFound
 
 _AGREE = 3.0  # px from the line that a coarse point may stand off
@@ -26,15 +27,15 @@ class EdgePoints:
         deviation: Standard deviation across the edge from the picture's noise [px].
     """
 
-    index: np.ndarray
-    pixels: np.ndarray
+    index: FloatArray
+    pixels: FloatArray
     deviation: float
 
 
 def find_edge(
-    picture: np.ndarray,
-    guess: np.ndarray,
-    inward: np.ndarray,
+    picture: FloatArray,
+    guess: FloatArray,
+    inward: FloatArray,
     reach: float,
     noise: float,
     min_contrast: float,
@@ -94,14 +95,14 @@ def find_edge(
     return EdgePoints(index, pixels, float(deviation))
 
 
-def _sample(picture: np.ndarray, at: np.ndarray, across: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+def _sample(picture: FloatArray, at: FloatArray, across: FloatArray, offsets: FloatArray) -> FloatArray:
     """Grey values at `at` + offsets * `across`, shape (n, m), float32."""
     places = at[:, None] + offsets[None, :, None] * across[:, None]
     u, v = places[..., 0].astype(np.float32), places[..., 1].astype(np.float32)
     return cv2.remap(picture, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
 
 
-def _line(along: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _line(along: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The line offset = c0 + c1 along that most points agree with; which do, and (c0, c1)."""
     rng = np.random.default_rng(0)  # the same picture gives the same answer
     n, best = along.size, np.zeros(along.size, dtype=bool)
@@ -115,7 +116,7 @@ def _line(along: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return best, np.array([start, slope])
 
 
-def _near(along: np.ndarray, position: np.ndarray, good: np.ndarray) -> np.ndarray:
+def _near(along: FloatArray, position: FloatArray, good: FloatArray) -> FloatArray:
     """Points within four robust standard deviations of the line through the good ones."""
     if good.sum() < 3:
         return good

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 # Outward normals in door axes. All three faces pass through the door's origin.
 OUTWARD = {
     "face": np.array([-1.0, 0.0, 0.0]),
@@ -12,14 +14,14 @@ OUTWARD = {
 }
 
 
-def normals(names: tuple[str, ...]) -> np.ndarray:
+def normals(names: tuple[str, ...]) -> FloatArray:
     """Outward normals of the named faces in door axes, shape (n, 3)."""
     return np.array([OUTWARD[name] for name in names])
 
 
 def heights(
-    T_base_door: np.ndarray, outward: np.ndarray, points: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    T_base_door: FloatArray, outward: FloatArray, points: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """How far points stand outside faces, and the derivative by a twist of the door.
 
     With a point p, the door's origin c and a normal n (base axes) the height is n . (p - c). A twist
@@ -39,8 +41,8 @@ def heights(
 
 
 def ranges(
-    T_base_door: np.ndarray, outward: np.ndarray, origins: np.ndarray, directions: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    T_base_door: FloatArray, outward: FloatArray, origins: FloatArray, directions: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Length of beams until they meet faces, and the derivative by a twist of the door.
 
     A beam o + s u meets the face where n . (o + s u - c) = 0. A twist lifts the face at the point

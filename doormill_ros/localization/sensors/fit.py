@@ -9,6 +9,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.stats import chi2
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.sensors.errors import Contradiction, NotConverged, Undetermined
 
@@ -30,22 +31,22 @@ class Linearised:
         covariance: Of the readings, shape (n, n) or variances, shape (n,).
     """
 
-    residual: np.ndarray
-    jacobian: np.ndarray
-    covariance: np.ndarray
+    residual: FloatArray
+    jacobian: FloatArray
+    covariance: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class PoseFit:
     """Outcome of `fit_pose`; covariance of the twist from the estimate to the truth, shape (6, 6)."""
 
-    T_base_door: np.ndarray
-    covariance: np.ndarray
+    T_base_door: FloatArray
+    covariance: FloatArray
     chi_square: float
     redundancy: int
 
 
-def fit_pose(T_start: np.ndarray, linearise: Callable[[np.ndarray], Linearised], what: str) -> PoseFit:
+def fit_pose(T_start: FloatArray, linearise: Callable[[FloatArray], Linearised], what: str) -> PoseFit:
     """Gauss-Newton from `T_start` (4, 4).
 
     Args:
@@ -72,7 +73,7 @@ def fit_pose(T_start: np.ndarray, linearise: Callable[[np.ndarray], Linearised],
     raise NotConverged(f"no door pose explains the {what} after {_MAX_STEPS} steps; measure again")
 
 
-def whiten(model: Linearised) -> tuple[np.ndarray, np.ndarray]:
+def whiten(model: Linearised) -> tuple[FloatArray, FloatArray]:
     """Residual and Jacobian in units of standard deviations."""
     if model.covariance.ndim == 1:
         scale = 1.0 / np.sqrt(model.covariance)
@@ -87,7 +88,7 @@ def whiten(model: Linearised) -> tuple[np.ndarray, np.ndarray]:
     return both[:, 0], both[:, 1:]
 
 
-def check_rank(jacobian: np.ndarray, what: str) -> None:
+def check_rank(jacobian: FloatArray, what: str) -> None:
     """Refuse a Jacobian, shape (n, 6), that leaves a twist open.
 
     Raises:
@@ -102,7 +103,7 @@ def check_rank(jacobian: np.ndarray, what: str) -> None:
         )
 
 
-def _finish(T_base_door: np.ndarray, residual: np.ndarray, jacobian: np.ndarray, what: str) -> PoseFit:
+def _finish(T_base_door: FloatArray, residual: FloatArray, jacobian: FloatArray, what: str) -> PoseFit:
     chi_square, redundancy = float(residual @ residual), residual.size - 6
     if redundancy > 0 and chi2.sf(chi_square, redundancy) < _CONTRADICTION:
         raise Contradiction(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.frames import twist_between
 from doormill_ros.localization.sensors.errors import BadSensorFile, PoseOutOfRange
@@ -38,11 +39,11 @@ class ClampFreedom:
         held: Standard deviations of what the clamp guarantees, shape (6,) [m, rad].
     """
 
-    limits: np.ndarray
-    held: np.ndarray
+    limits: FloatArray
+    held: FloatArray
 
     def check(
-        self, T_base_door: np.ndarray, deviations: np.ndarray, layout: CellLayout, door: DoorSize
+        self, T_base_door: FloatArray, deviations: FloatArray, layout: CellLayout, door: DoorSize
     ) -> None:
         """Refuse a pose that the clamp cannot hold, three of its standard deviations (6,) allowed for.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.localizer import localize
@@ -47,7 +48,7 @@ class OneCamera:
         "and the covariance can only allow for it; the door beyond 15 cm from its corner"
     )
 
-    def locate(self, reading: np.ndarray, door: DoorSize) -> DoorPoseEstimate:
+    def locate(self, reading: FloatArray, door: DoorSize) -> DoorPoseEstimate:
         """Pose of the door from one picture.
 
         Raises:
@@ -70,7 +71,7 @@ class OneCamera:
             {"quality": found.quality, "inlier_share": found.inlier_share},
         )
 
-    def _unseen(self, T_base_door: np.ndarray, door: DoorSize) -> np.ndarray:
+    def _unseen(self, T_base_door: FloatArray, door: DoorSize) -> FloatArray:
         """Covariance (6, 6) from what no picture tells: the held degrees of freedom and the mounting.
 
         The picture fixes J_seen t_seen + J_held t_held + J_camera t_camera = 0 in the twists from what

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.frames import apply
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, BeamMissed
@@ -47,14 +48,14 @@ class Photoelectric:
         "glossy paint; a door turned far"
     )
 
-    def geometry(self, door: DoorSize) -> tuple[np.ndarray, np.ndarray]:
+    def geometry(self, door: DoorSize) -> tuple[FloatArray, FloatArray]:
         """Where the beams start [m] and their directions in base, each shape (n, 3)."""
         T_base_door = self.layout.T_base_door(door.width, door.thickness)
         outward = normals(tuple(beam.face for beam in self.beams))
         spots = np.array([beam.place(door) for beam in self.beams])
         return apply(T_base_door, spots + self.stand_off * outward), -outward @ T_base_door[:3, :3].T
 
-    def locate(self, reading: np.ndarray, door: DoorSize) -> DoorPoseEstimate:
+    def locate(self, reading: FloatArray, door: DoorSize) -> DoorPoseEstimate:
         """Pose of the door from the distances, shape (n,) [m].
 
         Raises:
@@ -80,7 +81,7 @@ class Photoelectric:
         origins, directions = self.geometry(door)
         variance = np.full(reading.size, self.deviation**2)
 
-        def linearise(T_base_door: np.ndarray) -> Linearised:
+        def linearise(T_base_door: FloatArray) -> Linearised:
             length, derivative = ranges(T_base_door, outward, origins, directions)
             return Linearised(reading - length, derivative, variance)
 

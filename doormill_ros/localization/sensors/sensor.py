@@ -7,6 +7,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 DEGREES_OF_FREEDOM = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
 
 
@@ -35,8 +37,8 @@ class DoorPoseEstimate:
         details: What else the sensor can tell, by name.
     """
 
-    T_base_door: np.ndarray
-    covariance: np.ndarray
+    T_base_door: FloatArray
+    covariance: FloatArray
     sees: tuple[bool, ...]
     seconds: float
     chi_square: float
@@ -44,7 +46,7 @@ class DoorPoseEstimate:
     details: dict[str, Any] = field(default_factory=dict)
 
     @property
-    def deviations(self) -> np.ndarray:
+    def deviations(self) -> FloatArray:
         """Standard deviations in the order of DEGREES_OF_FREEDOM [m, rad], shape (6,)."""
         return np.sqrt(np.diag(self.covariance))
 

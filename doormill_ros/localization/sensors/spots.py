@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.sensors.errors import BadSensorFile
 from doormill_ros.localization.sensors.faces import OUTWARD
 from doormill_ros.localization.sensors.sensor import DoorSize
@@ -30,7 +31,7 @@ class Spot:
     depth: float = 0.0
     far_edge: bool = False
 
-    def place(self, door: DoorSize) -> np.ndarray:
+    def place(self, door: DoorSize) -> FloatArray:
         """The spot in door axes [m], shape (3,)."""
         x = 0.0 if self.face == "face" else door.thickness - self.depth
         return np.array([x, door.width - self.y if self.far_edge else self.y, self.z])

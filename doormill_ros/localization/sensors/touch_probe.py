@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.frames import apply
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
@@ -83,7 +84,7 @@ class TouchProbe:
         "geometric error, which cancels only where the same robot mills in the posture it probed in"
     )
 
-    def locate(self, reading: np.ndarray, door: DoorSize) -> DoorPoseEstimate:
+    def locate(self, reading: FloatArray, door: DoorSize) -> DoorPoseEstimate:
         """Pose of the door from n touched points, shape (n, 3), n from 6 to the number in the file.
 
         Raises:
@@ -102,7 +103,7 @@ class TouchProbe:
             )
         outward = normals(tuple(spot.face for spot in self.points[: len(reading)]))
 
-        def linearise(T_base_door: np.ndarray) -> Linearised:
+        def linearise(T_base_door: FloatArray) -> Linearised:
             height, derivative = heights(T_base_door, outward, reading)
             n = outward @ T_base_door[:3, :3].T
             return Linearised(self.height - height, derivative, self._covariance(reading, n))
@@ -119,7 +120,7 @@ class TouchProbe:
             fit.redundancy,
         )
 
-    def _covariance(self, points: np.ndarray, n: np.ndarray) -> np.ndarray:
+    def _covariance(self, points: FloatArray, n: FloatArray) -> FloatArray:
         """Of the heights of points (k, 3) over faces with normals n (k, 3), base; shape (k, k)."""
         apart = np.linalg.norm(points[:, None] - points[None], axis=2)
         alike = np.exp(-0.5 * (apart / self.correlation_length) ** 2)
@@ -129,7 +130,7 @@ class TouchProbe:
             + self.random**2 * np.eye(len(points))
         )
 
-    def approach(self, door: DoorSize, count: int) -> np.ndarray:
+    def approach(self, door: DoorSize, count: int) -> FloatArray:
         """Where the search for each of the first `count` points begins, base [m], shape (count, 3)."""
         spots = self.points[:count]
         outward = normals(tuple(spot.face for spot in spots))
@@ -137,7 +138,7 @@ class TouchProbe:
         places = np.array([spot.place(door) for spot in spots]) + clearance[:, None] * outward
         return apply(self.layout.T_base_door(door.width, door.thickness), places)
 
-    def probing_time(self, reading: np.ndarray, door: DoorSize) -> float:
+    def probing_time(self, reading: FloatArray, door: DoorSize) -> float:
         """Time of the whole sequence that touched `reading` (n, 3) [s]."""
         starts = self.approach(door, len(reading))
         # A known door moves the start along; only the distance to the face counts then.

@@ -10,6 +10,7 @@ from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, Vecto
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import quaternion_xyzw
 from doormill_ros.recording.messages import nanoseconds_of, transform_of, twist_of, wrench_of
 
@@ -28,14 +29,14 @@ __all__ = [
 ]
 
 
-def pose_message(T_a_b: np.ndarray) -> Pose:
+def pose_message(T_a_b: FloatArray) -> Pose:
     """Pose of b in a from T_a_b, shape (4, 4)."""
     x, y, z, w = (float(v) for v in quaternion_xyzw(T_a_b))
     px, py, pz = (float(v) for v in T_a_b[:3, 3])
     return Pose(position=Point(x=px, y=py, z=pz), orientation=Quaternion(x=x, y=y, z=z, w=w))
 
 
-def pose_values(T_a_b: Sequence[np.ndarray]) -> list[list[float]]:
+def pose_values(T_a_b: Sequence[FloatArray]) -> list[list[float]]:
     """x, y, z, qx, qy, qz, qw of each of many poses, for `fill_pose`."""
     if len(T_a_b) == 0:
         return []
@@ -49,7 +50,7 @@ def fill_pose(message: Pose, values: list[float]) -> None:
     p.x, p.y, p.z, q.x, q.y, q.z, q.w = values
 
 
-def path_message(header: Header, T_a_b: Sequence[np.ndarray]) -> Path:
+def path_message(header: Header, T_a_b: Sequence[FloatArray]) -> Path:
     """A path through many poses, all with the path's header."""
     path = Path(header=header)
     for values in pose_values(T_a_b):
@@ -60,16 +61,16 @@ def path_message(header: Header, T_a_b: Sequence[np.ndarray]) -> Path:
     return path
 
 
-def _vector(values: np.ndarray) -> Vector3:
+def _vector(values: FloatArray) -> Vector3:
     return Vector3(x=float(values[0]), y=float(values[1]), z=float(values[2]))
 
 
-def wrench_message(wrench: np.ndarray) -> Wrench:
+def wrench_message(wrench: FloatArray) -> Wrench:
     """Wrench from shape (6,), force first [N, N m]."""
     return Wrench(force=_vector(wrench[:3]), torque=_vector(wrench[3:]))
 
 
-def twist_message(twist: np.ndarray) -> Twist:
+def twist_message(twist: FloatArray) -> Twist:
     """Small displacement from shape (6,), translation first [m, rad]."""
     return Twist(linear=_vector(twist[:3]), angular=_vector(twist[3:]))
 

@@ -7,6 +7,7 @@ from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import transform
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.recipes.recipe import Recipe
@@ -27,11 +28,11 @@ def _marker(header: Header, name: str, kind: int, width: float, colour: ColorRGB
     return marker
 
 
-def _point(p: np.ndarray) -> Point:
+def _point(p: FloatArray) -> Point:
     return Point(x=float(p[0]), y=float(p[1]), z=float(p[2]))
 
 
-def _door_marker(header: Header, T_base_door: np.ndarray, door: Recipe) -> Marker:
+def _door_marker(header: Header, T_base_door: FloatArray, door: Recipe) -> Marker:
     size = np.array([door.thickness, door.width, door.height])
     # A marker's pose is that of its middle, a door's that of its lowest corner at the hinges.
     pose = pose_message(T_base_door @ transform(translation=size / 2.0))
@@ -47,7 +48,7 @@ def no_markers(header: Header) -> MarkerArray:
 
 
 def program_markers(
-    program: MillingProgram, door: Recipe, T_base_door: np.ndarray, header: Header
+    program: MillingProgram, door: Recipe, T_base_door: FloatArray, header: Header
 ) -> MarkerArray:
     """The door, nominal and corrected path in execution order, corrections exaggerated.
 

@@ -8,13 +8,14 @@ import numpy as np
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.recording.messages import camera_of, picture_of
 
 __all__ = ["camera_info_message", "camera_of", "picture_message", "picture_of"]
 
 
-def picture_message(picture: np.ndarray, header: Header) -> Image:
+def picture_message(picture: FloatArray, header: Header) -> Image:
     """mono8 from shape (height, width), rgb8 from shape (height, width, 3); uint8."""
     height, width = picture.shape[:2]
     channels = 1 if picture.ndim == 2 else 3

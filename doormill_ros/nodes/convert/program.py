@@ -8,6 +8,7 @@ from geometry_msgs.msg import Vector3
 from doormill_interfaces.msg import Motion as MotionMessage
 from doormill_interfaces.msg import Target as TargetMessage
 from doormill_interfaces.msg import TargetArray
+from doormill_ros.arrays import FloatArray
 from doormill_ros.nodes.convert.geometry import fill_pose, pose_values
 from doormill_ros.recording.messages import program_of
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
@@ -65,5 +66,5 @@ def _motion(motion: Motion) -> MotionMessage:
     return message
 
 
-def _fill_pair(first: Vector3, second: Vector3, values: np.ndarray) -> None:
+def _fill_pair(first: Vector3, second: Vector3, values: FloatArray) -> None:
     first.x, first.y, first.z, second.x, second.y, second.z = np.asarray(values, dtype=float).tolist()

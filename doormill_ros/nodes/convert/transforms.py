@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import Any
 
-import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Transform, TransformStamped, Vector3
 from std_msgs.msg import Header
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.robot.urdf import LinkPose
 
@@ -23,7 +23,7 @@ def tf_message_class() -> Any:
         return None
 
 
-def transform_message(parent: str, child: str, T_parent_child: np.ndarray, stamp: Time) -> TransformStamped:
+def transform_message(parent: str, child: str, T_parent_child: FloatArray, stamp: Time) -> TransformStamped:
     """Frame `child` in frame `parent`; T_parent_child has shape (4, 4)."""
     pose = pose_message(T_parent_child)
     translation = Vector3(x=pose.position.x, y=pose.position.y, z=pose.position.z)

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import transform
 from doormill_ros.recipes.cutting import Cutting, Direction, Passes
 from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, DoorSize, Side
@@ -124,7 +125,7 @@ class Feature:
         """Height of the centre above the bottom edge [m]."""
         return self.height if self.height_from is HeightFrom.BOTTOM else door.height - self.height
 
-    def T_door_feature(self, door: DoorSize) -> np.ndarray:
+    def T_door_feature(self, door: DoorSize) -> FloatArray:
         """Feature frame in the door frame, shape (4, 4)."""
         z = self.centre_height(door)
         across = self.across(door)
@@ -136,11 +137,11 @@ class Feature:
         }[self.side]
         return transform(R_DOOR_FEATURE[self.side], origin)
 
-    def T_door_tool(self, door: DoorSize, x: float = 0.0, y: float = 0.0, depth: float = 0.0) -> np.ndarray:
+    def T_door_tool(self, door: DoorSize, x: float = 0.0, y: float = 0.0, depth: float = 0.0) -> FloatArray:
         """Nominal tool pose in the door frame at a point of the feature, shape (4, 4)."""
         return self.T_door_feature(door) @ transform(R_FEATURE_TOOL, [x, y, depth])
 
-    def wrench(self, segment: str) -> np.ndarray:
+    def wrench(self, segment: str) -> FloatArray:
         """Wrench on the tool at the tool centre point, nominal tool axes, shape (6,) [N, N m].
 
         A wrench known at p becomes M_tcp = M_p + (p - tcp) x F.

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.errors import OutOfRange, WrongType
 from doormill_ros.recipes.features.base import Feature
@@ -121,7 +122,7 @@ class OblongHinge(HingePocket):
         """See the base class."""
         return self.points is OutlinePoints.NINE
 
-    def point_positions(self, inset: float = 0.0) -> np.ndarray:
+    def point_positions(self, inset: float = 0.0) -> FloatArray:
         """The numbered points of the contour, shape (6, 2) or (9, 2) [m], feature frame.
 
         Six points, in the thesis' numbering 10 to 15 (figures 3.24b and 3.41): top of the top

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import quaternion_xyzw
 from doormill_ros.toolpath.program import MillingProgram
 
@@ -77,16 +78,16 @@ def _flatten(values: dict[str, Value], name: str, content: Any) -> None:
         values[name] = content
 
 
-def _pose(values: dict[str, Value], name: str, T_a_b: np.ndarray) -> None:
+def _pose(values: dict[str, Value], name: str, T_a_b: FloatArray) -> None:
     values[f"{name}.position"] = T_a_b[:3, 3].tolist()
     values[f"{name}.orientation"] = quaternion_xyzw(T_a_b).tolist()
 
 
 def localization_answer(
     stamp_ns: int,
-    T_base_door: np.ndarray,
+    T_base_door: FloatArray,
     offset: Any,
-    covariance: np.ndarray,
+    covariance: FloatArray,
     residual: float,
     quality: float,
 ) -> Answer:
@@ -132,7 +133,7 @@ def targets_answer(stamp_ns: int, program: MillingProgram, cycle_time: float, ro
     return Answer(TARGETS, stamp_ns, values)
 
 
-def _six(values: dict[str, Value], name: str, halves: tuple[str, str], vector: np.ndarray) -> None:
+def _six(values: dict[str, Value], name: str, halves: tuple[str, str], vector: FloatArray) -> None:
     values[f"{name}.{halves[0]}"] = np.asarray(vector[:3], dtype=float).tolist()
     values[f"{name}.{halves[1]}"] = np.asarray(vector[3:], dtype=float).tolist()
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS, ChainFrames, cross, dot
 
 _SAFE_PIVOT = 0.1  # share of a joint's stiffness below which elimination without pivoting stops
 
 
-def joint_torque(frames: ChainFrames, velocity: np.ndarray, wrench: np.ndarray) -> np.ndarray:
+def joint_torque(frames: ChainFrames, velocity: FloatArray, wrench: FloatArray) -> FloatArray:
     """J^T W, shape (6, n) [N m] (thesis eq. 2.34).
 
     Args:
@@ -20,7 +21,7 @@ def joint_torque(frames: ChainFrames, velocity: np.ndarray, wrench: np.ndarray) 
     return dot(velocity, wrench[:3]) + dot(frames.z[:JOINTS], wrench[3:])
 
 
-def twist(frames: ChainFrames, velocity: np.ndarray, dq: np.ndarray) -> np.ndarray:
+def twist(frames: ChainFrames, velocity: FloatArray, dq: FloatArray) -> FloatArray:
     """J dq, shape (6, n) [m, rad], of joint motions dq, shape (6, n) [rad] (thesis eq. 2.32)."""
     result = np.empty((6, dq.shape[-1]))
     np.einsum("jin,jn->in", velocity, dq, out=result[:3])
@@ -28,7 +29,7 @@ def twist(frames: ChainFrames, velocity: np.ndarray, dq: np.ndarray) -> np.ndarr
     return result
 
 
-def complementary(frames: ChainFrames, velocity: np.ndarray, wrench: np.ndarray) -> np.ndarray:
+def complementary(frames: ChainFrames, velocity: FloatArray, wrench: FloatArray) -> FloatArray:
     """K_c[j, k] = (d J_j / d q_k) . W, shape (6, 6, n) [N m/rad] (thesis eq. 2.38).
 
     With the exact Hessian columns of `Kinematics.hessian` and the triple product turned so that
@@ -49,7 +50,7 @@ def complementary(frames: ChainFrames, velocity: np.ndarray, wrench: np.ndarray)
     return result
 
 
-def solve_springs(stiffness: np.ndarray, K_c: np.ndarray, torque: np.ndarray) -> np.ndarray:
+def solve_springs(stiffness: FloatArray, K_c: FloatArray, torque: FloatArray) -> FloatArray:
     """(K_theta - K_c)^-1 tau, shape (6, n) [rad].
 
     K_theta dominates K_c by orders of magnitude for any load a robot carries, so elimination

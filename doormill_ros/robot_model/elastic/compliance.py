@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
+from doormill_ros.arrays import FloatArray
 
 
 class ComplianceModel(Protocol):
@@ -12,11 +12,11 @@ class ComplianceModel(Protocol):
 
     def deflection(
         self,
-        q: np.ndarray,
-        wrench: np.ndarray,
-        load_point: np.ndarray,
-        direction: np.ndarray | None = None,
-    ) -> np.ndarray:
+        q: FloatArray,
+        wrench: FloatArray,
+        load_point: FloatArray,
+        direction: FloatArray | None = None,
+    ) -> FloatArray:
         """Twist of the loaded tool.
 
         Args:

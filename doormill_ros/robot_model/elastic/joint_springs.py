@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 
@@ -15,7 +16,7 @@ class JointSpringModel:
     `cartesian.py` has, is left out here as in the thesis (section 3.4).
     """
 
-    def __init__(self, robot: Robot, stiffness: np.ndarray | None = None) -> None:
+    def __init__(self, robot: Robot, stiffness: FloatArray | None = None) -> None:
         """Take a robot and, in place of its own, joint stiffness values.
 
         Args:
@@ -33,7 +34,7 @@ class JointSpringModel:
         self.stiffness = values
         self.stiffness.setflags(write=False)
 
-    def torque(self, q: np.ndarray, wrench: np.ndarray, load_point: np.ndarray, link: int = 6) -> np.ndarray:
+    def torque(self, q: FloatArray, wrench: FloatArray, load_point: FloatArray, link: int = 6) -> FloatArray:
         """Joint torques that a wrench causes (thesis eq. 2.34).
 
         Args:
@@ -49,18 +50,18 @@ class JointSpringModel:
         return np.einsum("...ij,...i->...j", J, np.asarray(wrench, dtype=float))
 
     def joint_deflection(
-        self, q: np.ndarray, wrench: np.ndarray, load_point: np.ndarray, link: int = 6
-    ) -> np.ndarray:
+        self, q: FloatArray, wrench: FloatArray, load_point: FloatArray, link: int = 6
+    ) -> FloatArray:
         """Joint angles by which the springs give way, shape (..., 6) [rad] (thesis eq. 3.44)."""
         return self.torque(q, wrench, load_point, link) / self.stiffness
 
     def deflection(
         self,
-        q: np.ndarray,
-        wrench: np.ndarray,
-        load_point: np.ndarray,
-        direction: np.ndarray | None = None,
-    ) -> np.ndarray:
+        q: FloatArray,
+        wrench: FloatArray,
+        load_point: FloatArray,
+        direction: FloatArray | None = None,
+    ) -> FloatArray:
         """Twist of the loaded tool (thesis eq. 3.45).
 
         Args:
@@ -79,13 +80,13 @@ class JointSpringModel:
 
     def displacement(
         self,
-        q: np.ndarray,
-        wrench: np.ndarray,
-        load_point: np.ndarray,
+        q: FloatArray,
+        wrench: FloatArray,
+        load_point: FloatArray,
         reflector_link: int,
-        reflector: np.ndarray,
+        reflector: FloatArray,
         load_link: int = 6,
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """How far a reflector anywhere on the robot moves under a load anywhere on the robot.
 
         Args:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.kinematics import Kinematics
 
 
@@ -28,27 +29,27 @@ class LoadCase:
         cache: Unit twists of causes that have been asked for.
     """
 
-    axes: np.ndarray
-    origin: np.ndarray
-    force: np.ndarray
-    moment: np.ndarray
-    torque: np.ndarray
-    point: np.ndarray
-    link: np.ndarray
-    direction: np.ndarray
-    joint_stiffness: np.ndarray
-    torque_noise: np.ndarray
-    largest_torque: np.ndarray
-    cache: dict[object, np.ndarray] = field(default_factory=dict)
+    axes: FloatArray
+    origin: FloatArray
+    force: FloatArray
+    moment: FloatArray
+    torque: FloatArray
+    point: FloatArray
+    link: FloatArray
+    direction: FloatArray
+    joint_stiffness: FloatArray
+    torque_noise: FloatArray
+    largest_torque: FloatArray
+    cache: dict[object, FloatArray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.force)
 
-    def axis(self, k: int) -> np.ndarray:
+    def axis(self, k: int) -> FloatArray:
         """Axis of joint k (0..5), shape (n, 3)."""
         return self.axes[:, k, :, 2]
 
-    def rotate(self, rotation: np.ndarray, origin: int, first_link: int) -> np.ndarray:
+    def rotate(self, rotation: FloatArray, origin: int, first_link: int) -> FloatArray:
         """Twist of each point when everything from a link on turns about a frame's origin.
 
         Args:
@@ -63,21 +64,21 @@ class LoadCase:
         twist[self.link < first_link] = 0.0
         return twist
 
-    def joint_twist(self, k: int) -> np.ndarray:
+    def joint_twist(self, k: int) -> FloatArray:
         """Twist of each point for one radian of joint k (0..5), shape (n, 6): thesis eq. 2.29."""
         key = ("joint", k)
         if key not in self.cache:
             self.cache[key] = self.rotate(self.axis(k), k, k + 1)
         return self.cache[key]
 
-    def springs(self) -> np.ndarray:
+    def springs(self) -> FloatArray:
         """Twist of each point by the linear joint springs, shape (n, 6) (thesis eq. 2.40)."""
         if "springs" not in self.cache:
             give = self.torque / self.joint_stiffness
             self.cache["springs"] = sum(give[:, k, None] * self.joint_twist(k) for k in range(6))
         return self.cache["springs"]
 
-    def curvature(self) -> np.ndarray:
+    def curvature(self) -> FloatArray:
         """What finite joint angles add to the displacement of the springs, shape (n, 3) [m].
 
         The joints turn one after the other, from the tool to the base, each about its own axis
@@ -98,17 +99,17 @@ class LoadCase:
 
 def build_load_case(
     kinematics: Kinematics,
-    q: np.ndarray,
-    wrench: np.ndarray,
-    load_point: np.ndarray,
+    q: FloatArray,
+    wrench: FloatArray,
+    load_point: FloatArray,
     *,
     wrench_rotation: float | None = None,
-    points: np.ndarray | None = None,
-    links: np.ndarray | None = None,
-    direction: np.ndarray | None = None,
-    joint_stiffness: np.ndarray,
+    points: FloatArray | None = None,
+    links: FloatArray | None = None,
+    direction: FloatArray | None = None,
+    joint_stiffness: FloatArray,
     noise: tuple[float, float] = (0.0, 0.0),
-    largest_torque: np.ndarray | None = None,
+    largest_torque: FloatArray | None = None,
 ) -> LoadCase:
     """Work out where everything is and how the load acts on it.
 

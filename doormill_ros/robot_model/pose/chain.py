@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
+
 FRAMES = 7
 AXES = 6  #: translation x, y, z, rotation x, y, z
 DIRECTIONS = FRAMES * AXES
@@ -28,7 +30,7 @@ def joint_turn(joint: int) -> int:
     return direction(joint - 1, 5)
 
 
-def exp_twist(twist: np.ndarray) -> np.ndarray:
+def exp_twist(twist: FloatArray) -> FloatArray:
     """Displacement for twists (..., 6); translation and rotation vector taken separately, shape (..., 4, 4)."""
     T = np.zeros((*twist.shape[:-1], 4, 4))
     flat = twist[..., 3:].reshape(-1, 3)
@@ -38,7 +40,7 @@ def exp_twist(twist: np.ndarray) -> np.ndarray:
     return T
 
 
-def link_transforms(dh: np.ndarray, q: np.ndarray) -> np.ndarray:
+def link_transforms(dh: FloatArray, q: FloatArray) -> FloatArray:
     """A_1 ... A_6 for joint angles (n, 6), shape (n, 6, 4, 4)."""
     theta = q + dh[:, 0]
     d, a, alpha = dh[:, 1], dh[:, 2], dh[:, 3]
@@ -51,7 +53,7 @@ def link_transforms(dh: np.ndarray, q: np.ndarray) -> np.ndarray:
     return A
 
 
-def frames(links: np.ndarray, twists: np.ndarray | None = None) -> np.ndarray:
+def frames(links: FloatArray, twists: FloatArray | None = None) -> FloatArray:
     """T_base_k of the displaced frames k = 0..6, shape (n, 7, 4, 4).
 
     Args:
@@ -74,17 +76,17 @@ def frames(links: np.ndarray, twists: np.ndarray | None = None) -> np.ndarray:
 class Placement:
     """Where a set stands: T_tracker_base and T_flange_target, shape (4, 4) each."""
 
-    T_tracker_base: np.ndarray
-    T_flange_target: np.ndarray
+    T_tracker_base: FloatArray
+    T_flange_target: FloatArray
 
-    def moved(self, base: np.ndarray, target: np.ndarray) -> Placement:
+    def moved(self, base: FloatArray, target: FloatArray) -> Placement:
         """Shifted by a twist of the base (base axes) and one of the flange (flange axes), shape (6,)."""
         return Placement(self.T_tracker_base @ exp_twist(base), exp_twist(target) @ self.T_flange_target)
 
 
 def residual(
-    T_base_frames: np.ndarray, placement: Placement, position: np.ndarray, rotation: np.ndarray
-) -> np.ndarray:
+    T_base_frames: FloatArray, placement: Placement, position: FloatArray, rotation: FloatArray
+) -> FloatArray:
     """Measured minus modelled pose in base axes: translation [m] and rotation vector [rad], shape (n, 6)."""
     T = T_base_frames[:, -1] @ placement.T_flange_target
     R_base_tracker = placement.T_tracker_base[:3, :3].T
@@ -93,7 +95,7 @@ def residual(
     return np.concatenate([measured - T[:, :3, 3], Rotation.from_matrix(turn).as_rotvec()], axis=1)
 
 
-def derivatives(T_base_frames: np.ndarray, placement: Placement) -> np.ndarray:
+def derivatives(T_base_frames: FloatArray, placement: Placement) -> FloatArray:
     """Motion of the target for a unit of every frame twist, base axes, shape (n, 42, 6)."""
     n = len(T_base_frames)
     target = T_base_frames[:, -1] @ placement.T_flange_target[:, 3]

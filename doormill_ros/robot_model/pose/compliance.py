@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
@@ -37,11 +38,11 @@ class PoseErrorCompliance:
 
     def deflection(
         self,
-        q: np.ndarray,
-        wrench: np.ndarray,
-        load_point: np.ndarray,
-        direction: np.ndarray | None = None,
-    ) -> np.ndarray:
+        q: FloatArray,
+        wrench: FloatArray,
+        load_point: FloatArray,
+        direction: FloatArray | None = None,
+    ) -> FloatArray:
         """Twist of the loaded tool against the nominal pose, as `ComplianceModel.deflection`."""
         q = np.atleast_2d(np.asarray(q, dtype=float))
         nominal = frames(link_transforms(self.pose_model.dh, q))[:, -1]

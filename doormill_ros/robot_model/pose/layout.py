@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import DIRECTIONS, FRAMES
 from doormill_ros.robot_model.pose.view import SetView
@@ -24,9 +25,9 @@ class Layout:
     """
 
     causes: tuple[PoseCause, ...]
-    start: np.ndarray
-    group: np.ndarray
-    typical: np.ndarray
+    start: FloatArray
+    group: FloatArray
+    typical: FloatArray
 
     @property
     def size(self) -> int:
@@ -51,9 +52,9 @@ def lay_out(causes: Sequence[PoseCause]) -> Layout:
     )
 
 
-def design(view: SetView, layout: Layout) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+def design(view: SetView, layout: Layout) -> dict[int, tuple[FloatArray, FloatArray]]:
     """Index of the coefficients (k,) and basis (n, k) by direction, for one series."""
-    found: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
+    found: dict[int, list[tuple[FloatArray, FloatArray]]] = {}
     for index, cause in enumerate(layout.causes):
         for columns in cause.columns(view):
             first = int(layout.start[index]) + columns.first
@@ -65,7 +66,7 @@ def design(view: SetView, layout: Layout) -> dict[int, tuple[np.ndarray, np.ndar
     }
 
 
-def frame_twists(bases: dict[int, tuple[np.ndarray, np.ndarray]], x: np.ndarray, n: int) -> np.ndarray:
+def frame_twists(bases: dict[int, tuple[FloatArray, FloatArray]], x: FloatArray, n: int) -> FloatArray:
     """Twists of all frames, shape (n, 7, 6)."""
     twists = np.zeros((n, DIRECTIONS))
     for key, (ids, basis) in bases.items():

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.errors import PoseModelError
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.registry import build_cause
@@ -33,16 +34,16 @@ class PoseModel:
     """
 
     robot: str
-    dh: np.ndarray
+    dh: FloatArray
     links: tuple[LinkMass, ...]
     causes: tuple[PoseCause, ...]
-    x: np.ndarray
+    x: FloatArray
 
-    def frames(self, view: SetView) -> np.ndarray:
+    def frames(self, view: SetView) -> FloatArray:
         """T_base_k of the displaced frames for a series, shape (n, 7, 4, 4)."""
         return frames(view.transforms, frame_twists(design(view, lay_out(self.causes)), self.x, len(view.q)))
 
-    def flange(self, q: np.ndarray, motion: np.ndarray | None = None) -> np.ndarray:
+    def flange(self, q: FloatArray, motion: FloatArray | None = None) -> FloatArray:
         """T_base_flange, shape (n, 4, 4).
 
         Args:
@@ -52,7 +53,7 @@ class PoseModel:
         return self.frames(view_of(self, q, motion))[:, -1]
 
 
-def view_of(model: PoseModel, q: np.ndarray, motion: np.ndarray | None = None) -> SetView:
+def view_of(model: PoseModel, q: FloatArray, motion: FloatArray | None = None) -> SetView:
     """Joint angles (n, 6) [rad] as causes look at a series; `motion` as for `PoseModel.flange`."""
     q = np.atleast_2d(np.asarray(q, dtype=float))
     known = np.zeros(q.shape) if motion is None else np.broadcast_to(np.asarray(motion, float), q.shape)

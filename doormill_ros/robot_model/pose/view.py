@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.chain import frames, link_transforms
 
 GRAVITY = 9.81  #: m / s^2, along base -z
@@ -20,7 +21,7 @@ class LinkMass:
     """Mass [kg] and centre of mass [m], shape (3,), in the DH frame of the link."""
 
     mass: float
-    com: np.ndarray
+    com: FloatArray
 
 
 #: Published masses [kg] and centres of mass [m] in DH frames, for sets that do not state them. UR10:
@@ -54,37 +55,37 @@ class SetView:
     """
 
     name: str
-    dh: np.ndarray
+    dh: FloatArray
     links: tuple[LinkMass, ...]
-    q: np.ndarray
-    row: np.ndarray
-    motion: np.ndarray | None = None
+    q: FloatArray
+    row: FloatArray
+    motion: FloatArray | None = None
 
     def __len__(self) -> int:
         return len(self.q)
 
     @cached_property
-    def order(self) -> np.ndarray:
+    def order(self) -> FloatArray:
         """Place of every row in the recording, 0 at its start and 1 at its end, shape (n,)."""
         return (self.row - self.row[0]) / max(float(self.row[-1] - self.row[0]), 1.0)
 
     @cached_property
-    def transforms(self) -> np.ndarray:
+    def transforms(self) -> FloatArray:
         """Nominal A_1 ... A_6, shape (n, 6, 4, 4)."""
         return link_transforms(self.dh, self.q)
 
     @cached_property
-    def last_motion(self) -> np.ndarray:
+    def last_motion(self) -> FloatArray:
         """Flank on which every joint arrived, -1 ... +1, 0 where the row before is missing, shape (n, 6)."""
         return last_motion(self.q, self.row) if self.motion is None else self.motion
 
     @cached_property
-    def gravity_moment(self) -> np.ndarray:
+    def gravity_moment(self) -> FloatArray:
         """Moment of the weight of all links beyond frame k about its origin, frame axes, (n, 6, 3) [N m]."""
         return gravity_moment(frames(self.transforms), self.links)
 
 
-def last_motion(q: np.ndarray, row: np.ndarray, crossing: float = CROSSING) -> np.ndarray:
+def last_motion(q: FloatArray, row: FloatArray, crossing: float = CROSSING) -> FloatArray:
     """State of a play in every joint: follows the motion between rows and stops at the flanks.
 
     Args:
@@ -107,7 +108,7 @@ def last_motion(q: np.ndarray, row: np.ndarray, crossing: float = CROSSING) -> n
     return state
 
 
-def gravity_moment(T_base_frames: np.ndarray, links: Sequence[LinkMass]) -> np.ndarray:
+def gravity_moment(T_base_frames: FloatArray, links: Sequence[LinkMass]) -> FloatArray:
     """Moment about the origins of frames 0..5 of the weight of the links beyond, in frame axes, (n, 6, 3) [N m]."""
     n = len(T_base_frames)
     out = np.zeros((n, 6, 3))

@@ -10,6 +10,7 @@ import itertools
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.truth.chain import chain
 
 #: Axes whose quarter turns are in confdata.
@@ -30,7 +31,7 @@ class ControllerArm:
     """
 
     def __init__(
-        self, dh: np.ndarray, lower: np.ndarray, upper: np.ndarray, max_velocity: np.ndarray | None = None
+        self, dh: FloatArray, lower: FloatArray, upper: FloatArray, max_velocity: FloatArray | None = None
     ) -> None:
         """Take the nominal geometry.
 
@@ -65,11 +66,11 @@ class ControllerArm:
         self._bend = float(np.arctan2(a[2], d[3]))
         self._flange = d[5]
 
-    def forward(self, q: np.ndarray) -> np.ndarray:
+    def forward(self, q: FloatArray) -> FloatArray:
         """T_base_flange, shape (n, 4, 4), at q (n, 6) [rad]."""
         return chain(self.dh, np.atleast_2d(q))[:, 6]
 
-    def branches(self, T_base_flange: np.ndarray) -> np.ndarray:
+    def branches(self, T_base_flange: FloatArray) -> FloatArray:
         """All eight ways to stand at poses, without regard to limits.
 
         Args:
@@ -111,14 +112,14 @@ class ControllerArm:
                 result[:, 4 * behind_axis + 2 * behind_arm + negative] = solution
         return result
 
-    def within_limits(self, q: np.ndarray) -> np.ndarray:
+    def within_limits(self, q: FloatArray) -> FloatArray:
         """Whether joint angles (n, 6) are within the limits, shape (n,)."""
         tolerance = 1e-9
         return np.all((q >= self.lower - tolerance) & (q <= self.upper + tolerance), axis=1)
 
     def in_configuration(
-        self, T_base_flange: np.ndarray, quarters: tuple[int, int, int], cfx: int, tolerance: float = 1e-3
-    ) -> np.ndarray | None:
+        self, T_base_flange: FloatArray, quarters: tuple[int, int, int], cfx: int, tolerance: float = 1e-3
+    ) -> FloatArray | None:
         """Joint angles at one pose in one configuration, or None when it does not exist.
 
         Args:
@@ -139,7 +140,7 @@ class ControllerArm:
             q[axis] = fitting[0]
         return q if bool(self.within_limits(q[None])[0]) else None
 
-    def nearest(self, T_base_flange: np.ndarray, start: np.ndarray) -> np.ndarray:
+    def nearest(self, T_base_flange: FloatArray, start: FloatArray) -> FloatArray:
         """Follow a path of poses from joint angles on, each pose in the branch nearest to the last.
 
         Args:
@@ -168,7 +169,7 @@ class ControllerArm:
             result[i] = last = near[int(np.nanargmin(distance))]
         return result
 
-    def conf_of(self, q: np.ndarray) -> tuple[int, int, int, int]:
+    def conf_of(self, q: FloatArray) -> tuple[int, int, int, int]:
         """cf1, cf4, cf6, cfx of joint angles (6,) [rad]."""
         quarters = [int(np.floor(q[axis] / QUARTER)) for axis in CONF_AXES]
         frames = chain(self.dh, np.atleast_2d(q))[0]
@@ -179,17 +180,17 @@ class ControllerArm:
         return (*quarters, 4 * int(wrist @ forward < 0.0) + 2 * int(np.cos(gamma) < 0.0) + int(q[4] < 0.0))
 
 
-def _wrapped(q: np.ndarray) -> np.ndarray:
+def _wrapped(q: FloatArray) -> FloatArray:
     """Angles in (-pi, pi]."""
     return np.pi - np.mod(np.pi - q, 2.0 * np.pi)
 
 
-def _near(candidates: np.ndarray, last: np.ndarray) -> np.ndarray:
+def _near(candidates: FloatArray, last: FloatArray) -> FloatArray:
     """The turn of each angle that is nearest to where the axis is; shapes (k, 6) and (6,)."""
     return candidates + 2.0 * np.pi * np.round((last - candidates) / (2.0 * np.pi))
 
 
-def _seen_from_third(q1: np.ndarray, tilt: np.ndarray, R_base_flange: np.ndarray) -> np.ndarray:
+def _seen_from_third(q1: FloatArray, tilt: FloatArray, R_base_flange: FloatArray) -> FloatArray:
     """R_3_6 from axis 1, the sum of axes 2 and 3, and R_0_6.
 
     R_0_3 = Rz(q1) Ry(q2 + q3 - pi/2) Rx(pi) for the table's twists.

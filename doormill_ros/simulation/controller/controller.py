@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.abb.errors import RapidStoppedError
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import inverse, quaternion_wxyz
 from doormill_ros.resources import resource
@@ -77,8 +78,8 @@ class VirtualController:
         process: Process | None = None,
         io_configuration: Path | None = None,
         sampling: Sampling | None = None,
-        start: np.ndarray = HOME_POSITION,
-        T_flange_tool: np.ndarray | None = None,
+        start: FloatArray = HOME_POSITION,
+        T_flange_tool: FloatArray | None = None,
         expected_door: str | None = None,
         time_scale: float | None = None,
         patience: float | None = None,
@@ -171,7 +172,7 @@ class VirtualController:
         )
 
     @property
-    def q(self) -> np.ndarray:
+    def q(self) -> FloatArray:
         """Joint angles where the robot stands, shape (6,) [rad]."""
         return self._engine.q.copy()
 

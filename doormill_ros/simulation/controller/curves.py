@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.units import deg_to_rad, rad_to_deg
 
 #: Limits of MoveC as documented for the controller.
@@ -22,7 +23,7 @@ class Curve(Protocol):
     length: float  # of the tool centre point [m]
     turn: float  # of the tool's orientation [rad]
 
-    def poses(self, u: np.ndarray) -> np.ndarray:
+    def poses(self, u: FloatArray) -> FloatArray:
         """T_base_tool, shape (n, 4, 4), at u (n,)."""
         ...
 
@@ -31,8 +32,8 @@ class Curve(Protocol):
 class Line:
     """Straight line; the orientation turns evenly about one axis."""
 
-    start: np.ndarray
-    end: np.ndarray
+    start: FloatArray
+    end: FloatArray
 
     @property
     def length(self) -> float:
@@ -44,7 +45,7 @@ class Line:
         """Angle between the two orientations [rad]."""
         return _angle(self.start, self.end)
 
-    def poses(self, u: np.ndarray) -> np.ndarray:
+    def poses(self, u: FloatArray) -> FloatArray:
         """T_base_tool at u."""
         u = np.asarray(u, dtype=float)
         points = self.start[:3, 3] + u[:, None] * (self.end[:3, 3] - self.start[:3, 3])
@@ -54,7 +55,7 @@ class Line:
 class Arc:
     """Arc through three points; the orientation turns evenly from the first to the last."""
 
-    def __init__(self, start: np.ndarray, via: np.ndarray, end: np.ndarray) -> None:
+    def __init__(self, start: FloatArray, via: FloatArray, end: FloatArray) -> None:
         """Fit the circle.
 
         Args:
@@ -95,7 +96,7 @@ class Arc:
         self.length = self.radius * self.angle
         self.turn = _angle(start, end)
 
-    def poses(self, u: np.ndarray) -> np.ndarray:
+    def poses(self, u: FloatArray) -> FloatArray:
         """T_base_tool at u."""
         u = np.asarray(u, dtype=float)
         angle = (u * self.angle)[:, None]
@@ -107,9 +108,9 @@ class Arc:
 class Corner:
     """Parabola that rounds off the corner between two curves."""
 
-    before: np.ndarray
-    corner: np.ndarray
-    after: np.ndarray
+    before: FloatArray
+    corner: FloatArray
+    after: FloatArray
 
     @property
     def length(self) -> float:
@@ -122,7 +123,7 @@ class Corner:
         """Angle turned along the legs [rad]."""
         return _angle(self.before, self.corner) + _angle(self.corner, self.after)
 
-    def poses(self, u: np.ndarray) -> np.ndarray:
+    def poses(self, u: FloatArray) -> FloatArray:
         """T_base_tool at u."""
         u = np.asarray(u, dtype=float)
         p, q, r = (pose[:3, 3] for pose in (self.before, self.corner, self.after))
@@ -134,23 +135,23 @@ class Corner:
         return _assemble((step * first).as_matrix(), points)
 
 
-def corner_joints(before: np.ndarray, corner: np.ndarray, after: np.ndarray, u: np.ndarray) -> np.ndarray:
+def corner_joints(before: FloatArray, corner: FloatArray, after: FloatArray, u: FloatArray) -> FloatArray:
     """The same parabola over joint angles, for corners at joint motions; shape (n, 6) [rad]."""
     w = np.asarray(u, dtype=float)[:, None]
     return (1.0 - w) ** 2 * before + 2.0 * w * (1.0 - w) * corner + w**2 * after
 
 
-def _angle(a: np.ndarray, b: np.ndarray) -> float:
+def _angle(a: FloatArray, b: FloatArray) -> float:
     return float(np.linalg.norm(Rotation.from_matrix(a[:3, :3].T @ b[:3, :3]).as_rotvec()))
 
 
-def _rotations(start: np.ndarray, end: np.ndarray, u: np.ndarray) -> np.ndarray:
+def _rotations(start: FloatArray, end: FloatArray, u: FloatArray) -> FloatArray:
     """Rotations between two poses, shape (n, 3, 3)."""
     slerp = Slerp([0.0, 1.0], Rotation.from_matrix([start[:3, :3], end[:3, :3]]))
     return slerp(np.clip(u, 0.0, 1.0)).as_matrix()
 
 
-def _assemble(rotations: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _assemble(rotations: FloatArray, points: FloatArray) -> FloatArray:
     poses = np.zeros((len(points), 4, 4))
     poses[:, :3, :3] = rotations
     poses[:, :3, 3] = points

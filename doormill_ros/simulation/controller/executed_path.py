@@ -6,6 +6,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 
 @dataclass(frozen=True, eq=False)
 class ExecutedPath:
@@ -25,14 +27,14 @@ class ExecutedPath:
         wrench: Process wrench on the tool at the tool centre point, base axes, shape (n, 6) [N, N m].
     """
 
-    time: np.ndarray
-    T_base_tool: np.ndarray
-    T_base_tool_commanded: np.ndarray
-    q: np.ndarray
-    motion: np.ndarray
-    cutting: np.ndarray
-    feature: np.ndarray
-    wrench: np.ndarray
+    time: FloatArray
+    T_base_tool: FloatArray
+    T_base_tool_commanded: FloatArray
+    q: FloatArray
+    motion: FloatArray
+    cutting: FloatArray
+    feature: FloatArray
+    wrench: FloatArray
 
     def __post_init__(self) -> None:
         """Copy, check shapes and freeze.

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.curves import Corner, corner_joints
@@ -42,9 +43,9 @@ class Sampling:
 class _Phase:
     """A stretch of motion whose samples are known; emitted as time passes."""
 
-    time: np.ndarray  # (n,) since the start of the phase [s], rising from 0
-    poses: np.ndarray  # (n, 4, 4) T_base_tool commanded, of the recorded tool
-    q: np.ndarray  # (n, 6)
+    time: FloatArray  # (n,) since the start of the phase [s], rising from 0
+    poses: FloatArray  # (n, 4, 4) T_base_tool commanded, of the recorded tool
+    q: FloatArray  # (n, 6)
     context: list[MotionContext]
     elapsed: float = 0.0
     emitted: int = 0
@@ -55,11 +56,11 @@ class Recording:
     """Samples of the commanded motion in the order of time."""
 
     time: list[float] = field(default_factory=list)
-    poses: list[np.ndarray] = field(default_factory=list)
-    q: list[np.ndarray] = field(default_factory=list)
+    poses: list[FloatArray] = field(default_factory=list)
+    q: list[FloatArray] = field(default_factory=list)
     context: list[MotionContext] = field(default_factory=list)
 
-    def add(self, time: float, pose: np.ndarray, q: np.ndarray, context: MotionContext) -> None:
+    def add(self, time: float, pose: FloatArray, q: FloatArray, context: MotionContext) -> None:
         """Append one sample."""
         self.time.append(time)
         self.poses.append(pose)
@@ -73,8 +74,8 @@ class MotionEngine:
     def __init__(
         self,
         arm: ControllerArm,
-        q: np.ndarray,
-        T_flange_tool: np.ndarray,
+        q: FloatArray,
+        T_flange_tool: FloatArray,
         sampling: Sampling,
         log: Callable[..., None],
     ) -> None:
@@ -94,8 +95,8 @@ class MotionEngine:
         self._phase: _Phase | None = None
         #: Programmed end of the last motion that was taken.
         self.planned_q = self.q.copy()
-        self.planned_pose: np.ndarray | None = None
-        self.planned_tool: np.ndarray | None = None
+        self.planned_pose: FloatArray | None = None
+        self.planned_tool: FloatArray | None = None
 
     @property
     def idle(self) -> bool:
@@ -252,7 +253,7 @@ class MotionEngine:
         time = self._slowed(np.concatenate([first, second]), q)
         return _Phase(time, flange @ self._T_flange_tool, q, contexts)
 
-    def _joints_at(self, move: PlannedMove, u: float) -> np.ndarray:
+    def _joints_at(self, move: PlannedMove, u: float) -> FloatArray:
         if move.curve is None:
             return move.q_start + u * (move.q_end - move.q_start)
         poses = move.curve.poses(np.linspace(0.0, u, 11)) @ inverse(move.T_flange_tool)
@@ -264,7 +265,7 @@ class MotionEngine:
         by_way = span * move.length / self._sampling.cutting_step if move.context.cutting else 0.0
         return int(np.ceil(max(by_time, by_way))) + 2
 
-    def _slowed(self, time: np.ndarray, q: np.ndarray) -> np.ndarray:
+    def _slowed(self, time: FloatArray, q: FloatArray) -> FloatArray:
         """Times that no joint is too slow for, (n,)."""
         needed = (np.abs(np.diff(q, axis=0)) / self._arm.max_velocity).max(axis=1)
         return np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(time), needed))])

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.abb.errors import RapidMotionError
+from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import from_wxyz, inverse
 from doormill_ros.simulation.controller.arm import QUARTER, ControllerArm
 from doormill_ros.simulation.controller.curves import Arc, Curve, Line
@@ -57,10 +58,10 @@ class PlannedMove:
     """
 
     curve: Curve | None
-    q_start: np.ndarray
-    q_end: np.ndarray
-    T_base_tool_end: np.ndarray
-    T_flange_tool: np.ndarray
+    q_start: FloatArray
+    q_end: FloatArray
+    T_base_tool_end: FloatArray
+    T_flange_tool: FloatArray
     length: float
     duration: float
     zone: float
@@ -79,7 +80,7 @@ class MovePlanner:
         self.joint_configuration = True
 
     def plan(
-        self, move: Move, q: np.ndarray, T_base_tool: np.ndarray | None, context: MotionContext
+        self, move: Move, q: FloatArray, T_base_tool: FloatArray | None, context: MotionContext
     ) -> PlannedMove:
         """Check and plan one instruction.
 
@@ -124,7 +125,7 @@ class MovePlanner:
             duration = move.duration
         return PlannedMove(curve, q, q_end, end, T_flange_tool, length, duration, zone, context, move)
 
-    def _curve(self, move: Move, wobj: np.ndarray, start: np.ndarray) -> Line | Arc:
+    def _curve(self, move: Move, wobj: FloatArray, start: FloatArray) -> Line | Arc:
         end = wobj @ self._pose(move, move.target, "the target")
         if move.kind == "MoveL":
             return Line(start, end)
@@ -135,8 +136,8 @@ class MovePlanner:
             raise self._error(move, str(error), "an arc within the limits of MoveC") from None
 
     def _joint_target(
-        self, move: Move, wobj: np.ndarray, T_flange_tool: np.ndarray, q: np.ndarray
-    ) -> np.ndarray:
+        self, move: Move, wobj: FloatArray, T_flange_tool: FloatArray, q: FloatArray
+    ) -> FloatArray:
         """Joint angles at the end of a joint motion."""
         if move.kind == "MoveAbsJ":
             q_end = deg_to_rad(np.array(move.target[0]))
@@ -160,7 +161,7 @@ class MovePlanner:
             )
         return found
 
-    def _try(self, move: Move, curve: Curve, T_flange_tool: np.ndarray, q: np.ndarray) -> np.ndarray:
+    def _try(self, move: Move, curve: Curve, T_flange_tool: FloatArray, q: FloatArray) -> FloatArray:
         """Follow a Cartesian motion once and give the joint angles at its end."""
         poses = curve.poses(np.linspace(0.0, 1.0, TRIALS)) @ inverse(T_flange_tool)
         path = self._arm.nearest(poses, q)
@@ -186,7 +187,7 @@ class MovePlanner:
             )
         return path[-1]
 
-    def _check_configuration(self, move: Move, q_end: np.ndarray) -> None:
+    def _check_configuration(self, move: Move, q_end: FloatArray) -> None:
         """ConfL: a Cartesian motion must end in the configuration that its target names."""
         if not self.linear_supervision:
             return
@@ -212,17 +213,17 @@ class MovePlanner:
             raise self._error(move, f"confdata is {_numbers(conf)}", "integers, cfx 0 to 7")
         return tuple(int(value) for value in conf)
 
-    def _pose(self, move: Move, target: list, what: str) -> np.ndarray:
+    def _pose(self, move: Move, target: list, what: str) -> FloatArray:
         if any(value not in (9e9, float(np.float32(9e9))) for value in target[3]):
             self._log("warning", "external axes", f"{what} names external axes, the robot has none")
         return self._frame(move, target, what)
 
     @staticmethod
-    def frame(pose: list) -> np.ndarray:
+    def frame(pose: list) -> FloatArray:
         """T_parent_child, shape (4, 4), of a RAPID pose."""
         return from_wxyz(mm_to_m(np.array(pose[0])), np.array(pose[1]))
 
-    def _frame(self, move: Move, pose: list, what: str) -> np.ndarray:
+    def _frame(self, move: Move, pose: list, what: str) -> FloatArray:
         """T_parent_child of a RAPID pose, or of the first two parts of a robtarget."""
         quaternion = np.array(pose[1])
         defect = abs(float(quaternion @ quaternion) - 1.0)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.moves import MotionContext
 from doormill_ros.simulation.controller.rapid.program import Program
 from doormill_ros.toolpath.program import MillingProgram
@@ -23,7 +24,7 @@ MOTION_DATA, FEATURE_DATA, CUTTING_DATA = "millingMotion", "millingFeature", "mi
 ContextOf = Callable[[Program, int], MotionContext]
 #: (context, T_base_tool (n, 4, 4), direction of travel (n, 3)) -> wrench on the tool at the tool
 #: centre point, base axes, shape (n, 6) [N, N m].
-WrenchOf = Callable[[MotionContext, np.ndarray, np.ndarray], np.ndarray]
+WrenchOf = Callable[[MotionContext, FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ def module_context(program: Program, _count: int) -> MotionContext:
     )
 
 
-def no_wrench(_context: MotionContext, T_base_tool: np.ndarray, _direction: np.ndarray) -> np.ndarray:
+def no_wrench(_context: MotionContext, T_base_tool: FloatArray, _direction: FloatArray) -> FloatArray:
     """Cutting air."""
     return np.zeros((len(T_base_tool), 6))
 
@@ -53,7 +54,7 @@ def no_wrench(_context: MotionContext, T_base_tool: np.ndarray, _direction: np.n
 def wrench_of_program(milling: MillingProgram) -> WrenchOf:
     """The wrench that the milling program was corrected for, motion by motion."""
 
-    def wrench_of(context: MotionContext, T_base_tool: np.ndarray, _direction: np.ndarray) -> np.ndarray:
+    def wrench_of(context: MotionContext, T_base_tool: FloatArray, _direction: FloatArray) -> FloatArray:
         return np.broadcast_to(milling.motions[context.index].wrench, (len(T_base_tool), 6))
 
     return wrench_of

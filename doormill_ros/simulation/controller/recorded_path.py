@@ -6,6 +6,7 @@ from itertools import groupby
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.controller.motion import Recording
 from doormill_ros.simulation.controller.process import WrenchOf
@@ -16,7 +17,7 @@ STILL = 1e-9
 
 
 def build_executed_path(
-    recording: Recording, truth: TruthRobot | None, T_flange_tool: np.ndarray, wrench_of: WrenchOf
+    recording: Recording, truth: TruthRobot | None, T_flange_tool: FloatArray, wrench_of: WrenchOf
 ) -> ExecutedPath:
     """Apply the process wrench to every cutting sample and let the robot give way.
 
@@ -55,7 +56,7 @@ def build_executed_path(
     )
 
 
-def last_directions(q: np.ndarray) -> np.ndarray:
+def last_directions(q: FloatArray) -> FloatArray:
     """Direction of each joint's last motion, -1 or +1, 0 before its first; shape (n, 6)."""
     signs = np.zeros_like(q)
     steps = np.diff(q, axis=0)
@@ -66,7 +67,7 @@ def last_directions(q: np.ndarray) -> np.ndarray:
     return np.take_along_axis(signs, last, axis=0)
 
 
-def _travel(poses: np.ndarray) -> np.ndarray:
+def _travel(poses: FloatArray) -> FloatArray:
     """Unit direction in which the tool travels at each sample, zero where it stands; shape (n, 3)."""
     if len(poses) < 2:
         return np.zeros((len(poses), 3))

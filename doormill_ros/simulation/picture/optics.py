@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.picture.scene import SceneCamera, Sensor
 
 _NODE = 24  # spacing of the exact ray nodes [px]; a bicubic spline is exact to 1e-9 between them
@@ -16,7 +17,7 @@ _RIM = 1  # pixels around the picture for which rays are kept too
 Block = tuple[int, int, int, int]  # first row, last row (excluded), first column, last column (excluded)
 
 
-def lens(ideal: np.ndarray, brown: np.ndarray) -> np.ndarray:
+def lens(ideal: FloatArray, brown: FloatArray) -> FloatArray:
     """Where Brown's lens puts ideal rays x/z, y/z; (n, 2) to (n, 2)."""
     k1, k2, p1, p2, k3 = brown
     s = np.sum(ideal * ideal, axis=1)
@@ -30,7 +31,7 @@ def lens(ideal: np.ndarray, brown: np.ndarray) -> np.ndarray:
     )
 
 
-def _unlens(seen: np.ndarray, brown: np.ndarray) -> np.ndarray:
+def _unlens(seen: FloatArray, brown: FloatArray) -> FloatArray:
     """Invert `lens` by Newton's method with a numeric Jacobian."""
     ideal, h = seen.copy(), 1e-6
     for _ in range(12):
@@ -44,7 +45,7 @@ def _unlens(seen: np.ndarray, brown: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=2)
-def _rays(matrix: tuple, brown: tuple, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+def _rays(matrix: tuple, brown: tuple, shape: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
     """Rays of every pixel and of a rim around the picture, float32."""
     rows, columns = shape
     v = np.arange(-_NODE, rows + 2 * _NODE, _NODE, dtype=float)
@@ -60,7 +61,7 @@ def _rays(matrix: tuple, brown: tuple, shape: tuple[int, int]) -> tuple[np.ndarr
     )
 
 
-def rays(camera: SceneCamera, block: Block, fine: int) -> tuple[np.ndarray, np.ndarray]:
+def rays(camera: SceneCamera, block: Block, fine: int) -> tuple[FloatArray, FloatArray]:
     """Ideal rays x/z and y/z through the sub-pixels of a block of the picture.
 
     Pixel (u, v) covers u - 0.5 .. u + 0.5; with `fine` sub-pixels along each axis the arrays
@@ -76,13 +77,13 @@ def rays(camera: SceneCamera, block: Block, fine: int) -> tuple[np.ndarray, np.n
     return tuple(out)
 
 
-def project(camera: SceneCamera, distance: float, across: np.ndarray, up: np.ndarray) -> np.ndarray:
+def project(camera: SceneCamera, distance: float, across: FloatArray, up: FloatArray) -> FloatArray:
     """Pixels u, v (n, 2) of points at `distance` [m] ahead, base y and z [m] from the camera."""
     seen = lens(np.column_stack([-across, -up]) / distance, camera.brown)
     return seen @ camera.matrix[:2, :2].T + camera.matrix[:2, 2]
 
 
-def spread(radiance: np.ndarray, sensor: Sensor, fine: int) -> np.ndarray:
+def spread(radiance: FloatArray, sensor: Sensor, fine: int) -> FloatArray:
     """Point spread of the lens: Gaussian, and a disc when out of focus; same shape."""
     out = radiance
     radius = sensor.defocus * fine
@@ -96,13 +97,13 @@ def spread(radiance: np.ndarray, sensor: Sensor, fine: int) -> np.ndarray:
     return out
 
 
-def bin_down(radiance: np.ndarray, fine: int) -> np.ndarray:
+def bin_down(radiance: FloatArray, fine: int) -> FloatArray:
     """Mean over the sub-pixels of each pixel: the light a pixel's area collects."""
     rows, columns = radiance.shape
     return cv2.resize(radiance, (columns // fine, rows // fine), interpolation=cv2.INTER_AREA)
 
 
-def expose(radiance: np.ndarray, sensor: Sensor, rng: np.random.Generator) -> np.ndarray:
+def expose(radiance: FloatArray, sensor: Sensor, rng: np.random.Generator) -> FloatArray:
     """Grey levels with photon and read noise, clipped and rounded; uint8, same shape."""
     grey = radiance * np.float32(255.0)
     deviation = cv2.sqrt(cv2.max(grey, 0.0) * np.float32(sensor.gain) + np.float32(sensor.read_noise**2))

@@ -5,13 +5,14 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.picture.scene import Chip, Edges
 
 _STEP = 2.0e-5  # spacing of the table [m]
 _START, _STOP = -0.02, 0.22  # range of the table along the edge [m]
 
 
-def wander(rng: np.random.Generator, rms: float, correlation: float, count: int, step: float) -> np.ndarray:
+def wander(rng: np.random.Generator, rms: float, correlation: float, count: int, step: float) -> FloatArray:
     """A stationary Gaussian process with autocorrelation exp(-(s/correlation)^2), shape (count,).
 
     Args:
@@ -30,7 +31,7 @@ def wander(rng: np.random.Generator, rms: float, correlation: float, count: int,
     return rms * np.interp(np.arange(count) * step, np.arange(nodes) * coarse, rough)
 
 
-def _bite(chip: Chip, along: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def _bite(chip: Chip, along: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Depth of one chip along the edge [m]: a broken arc with a ragged floor."""
     place = (along - chip.along) / (chip.length / 2.0)
     arc = np.clip(1.0 - place**2, 0.0, None) ** 0.5
@@ -56,7 +57,7 @@ class Outline:
         """Deepest place [m]."""
         return float(self._table.max())
 
-    def __call__(self, along: np.ndarray) -> np.ndarray:
+    def __call__(self, along: FloatArray) -> FloatArray:
         """Depth [m] at distances `along` [m] from the corner; float32, same shape (2-D)."""
         at = (along - np.float32(_START)) * np.float32(1.0 / _STEP)
         return cv2.remap(

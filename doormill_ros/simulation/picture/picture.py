@@ -9,6 +9,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.picture.optics import Block, bin_down, expose, project, rays, spread
 from doormill_ros.simulation.picture.outline import Outline
 from doormill_ros.simulation.picture.scene import PictureScene, Shadow, Surface
@@ -40,7 +41,7 @@ class _Painter:
         self.band_phase = rng.uniform(0, 2 * np.pi)
         self.turn = np.cos(scene.offset.rotation), np.sin(scene.offset.rotation)
 
-    def door_coordinates(self, ray_x: np.ndarray, ray_y: np.ndarray, setback: float = 0.0) -> tuple:
+    def door_coordinates(self, ray_x: FloatArray, ray_y: FloatArray, setback: float = 0.0) -> tuple:
         """Door y and z [m] where rays meet the plane `setback` [m] behind the face."""
         away = np.float32(-(self.scene.distance + setback))
         corner, (c, s) = self.scene.corner, self.turn
@@ -50,14 +51,14 @@ class _Painter:
         z -= np.float32(c * corner[1] - s * corner[0])
         return y, z
 
-    def pixels(self, points: np.ndarray) -> np.ndarray:
+    def pixels(self, points: FloatArray) -> FloatArray:
         """Pixels u, v (n, 2) of points y, z (n, 2) [m] of the face plane, door axes."""
         (c, s), corner = self.turn, self.scene.corner
         across = corner[0] + c * points[:, 0] - s * points[:, 1]
         up = corner[1] + s * points[:, 0] + c * points[:, 1]
         return project(self.scene.camera, self.scene.distance, across, up)
 
-    def cover(self, y: np.ndarray, z: np.ndarray, sample: float, rough: bool) -> np.ndarray:
+    def cover(self, y: FloatArray, z: FloatArray, sample: float, rough: bool) -> FloatArray:
         """Share of each sub-pixel of size `sample` [m] that the face covers."""
         tilt = np.float32(np.tan(self.scene.edges.squareness))
         depth, height = y, z - tilt * y
@@ -67,7 +68,7 @@ class _Painter:
         scale = np.float32(1.0 / np.hypot(sample, 2.0 * self.scene.edges.softness))
         return np.clip(depth * scale + 0.5, 0, 1) * np.clip(height * scale + 0.5, 0, 1)
 
-    def albedo(self, name: str, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def albedo(self, name: str, y: FloatArray, z: FloatArray) -> FloatArray:
         """Brightness of a surface at door coordinates, under unit light."""
         out = np.full(y.shape, 1.0, dtype=np.float32)
         for texture in self.textures[name]:
@@ -75,7 +76,7 @@ class _Painter:
         out *= np.float32(getattr(self.scene, name).brightness)
         return cv2.max(out, 0.0)
 
-    def _shade(self, out: np.ndarray, shadows: list[Shadow], y: np.ndarray, z: np.ndarray) -> None:
+    def _shade(self, out: FloatArray, shadows: list[Shadow], y: FloatArray, z: FloatArray) -> None:
         for shadow in shadows:
             c, s = np.cos(shadow.angle), np.sin(shadow.angle)
             far = (
@@ -84,7 +85,7 @@ class _Painter:
             share = np.clip(far / np.float32(shadow.penumbra) + 0.5, 0, 1)
             out *= 1 + np.float32(shadow.factor - 1) * share * share * (3 - 2 * share)
 
-    def light(self, ray_x: np.ndarray, ray_y: np.ndarray) -> np.ndarray:
+    def light(self, ray_x: FloatArray, ray_y: FloatArray) -> FloatArray:
         """Light that falls on what a ray sees, shadows aside."""
         light = self.scene.light
         out = 1 + np.float32(light.gradient[0] / 0.55) * ray_x + np.float32(light.gradient[1] / 0.31) * ray_y
@@ -96,7 +97,7 @@ class _Painter:
             )
         return np.float32(light.level) * cv2.max(out, 0.0)
 
-    def paint(self, radiance: np.ndarray, block: Block, fine: int, behind: bool) -> None:
+    def paint(self, radiance: FloatArray, block: Block, fine: int, behind: bool) -> None:
         """Fill the blots that lie on the background, or those before the door, into `radiance`."""
         for blot in self.scene.blots:
             if blot.behind is behind:
@@ -106,7 +107,7 @@ class _Painter:
                     corners = np.rint(at * 2**_SUB_BITS).astype(np.int32)
                     cv2.fillPoly(radiance, [corners], float(blot.brightness), cv2.LINE_8, _SUB_BITS)
 
-    def radiance(self, block: Block, fine: int) -> np.ndarray:
+    def radiance(self, block: Block, fine: int) -> FloatArray:
         """What the sub-pixels of a block see, before the lens spreads it; float32."""
         scene, shadows = self.scene, self.scene.light.shadows
         ray_x, ray_y = rays(scene.camera, block, fine)
@@ -149,7 +150,7 @@ class _Painter:
         return [b for b in blocks if b[1] > b[0] and b[3] > b[2]]
 
 
-def _exposure(scene: PictureScene, rng: np.random.Generator) -> np.ndarray:
+def _exposure(scene: PictureScene, rng: np.random.Generator) -> FloatArray:
     painter = _Painter(scene, rng)
     rows, columns = scene.camera.shape
     picture = spread(painter.radiance((0, rows, 0, columns), 1), scene.sensor, 1)
@@ -166,12 +167,12 @@ def _exposure(scene: PictureScene, rng: np.random.Generator) -> np.ndarray:
     return picture
 
 
-def expected_picture(scene: PictureScene, seed: int) -> np.ndarray:
+def expected_picture(scene: PictureScene, seed: int) -> FloatArray:
     """What the sensor would show without noise, clipping and rounding: grey levels, float32, (rows, columns)."""
     return _exposure(scene, np.random.default_rng(seed)) * np.float32(255.0)
 
 
-def render_picture(scene: PictureScene, seed: int) -> np.ndarray:
+def render_picture(scene: PictureScene, seed: int) -> FloatArray:
     """The grey picture of a scene, uint8, shape (rows, columns).
 
     Args:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset, load_layout
 from doormill_ros.resources import resource
 
@@ -27,10 +28,10 @@ class SceneCamera:
         origin: x, slider y and z of the projection centre in base [m], shape (3,).
     """
 
-    matrix: np.ndarray
-    brown: np.ndarray
+    matrix: FloatArray
+    brown: FloatArray
     shape: tuple[int, int]
-    origin: np.ndarray
+    origin: FloatArray
 
     @staticmethod
     def load(path: Path | None = None) -> SceneCamera:
@@ -144,7 +145,7 @@ class Blot:
         behind: Whether it lies on the background, hidden by the door.
     """
 
-    outline: np.ndarray
+    outline: FloatArray
     brightness: float
     behind: bool = False
 

@@ -7,13 +7,15 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 TILE = 1024  # side of a periodic tile [samples]
 PER_LENGTH = 4.0  # samples per correlation length
 _BANK = 6  # tiles kept; a picture takes a random part of one, turned at random
 
 
 @lru_cache(maxsize=_BANK)
-def _tile(number: int) -> np.ndarray:
+def _tile(number: int) -> FloatArray:
     """A periodic Gaussian field of mean 0, standard deviation 1, correlation length PER_LENGTH."""
     white = np.random.default_rng((7331, number)).standard_normal((TILE, TILE), dtype=np.float32)
     pad = int(6 * PER_LENGTH)
@@ -45,7 +47,7 @@ class Texture:
         c, s = np.cos(angle), np.sin(angle)
         self._turn = np.array([[c / across, s / across], [-s / along, c / along]]) * PER_LENGTH
 
-    def __call__(self, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def __call__(self, y: FloatArray, z: FloatArray) -> FloatArray:
         """Value at surface coordinates y, z [m], float32 arrays of equal shape."""
         (a, b), (c, d) = self._turn.astype(np.float32)
         at_x = a * y + b * z + np.float32(self._start[0])

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 
-def turn(rotvec: np.ndarray) -> np.ndarray:
+
+def turn(rotvec: FloatArray) -> FloatArray:
     """Rotation matrices of rotation vectors by Rodrigues' formula.
 
     Args:
@@ -23,7 +25,7 @@ def turn(rotvec: np.ndarray) -> np.ndarray:
     return np.eye(3) + s * skew + (1.0 - c) * (skew @ skew)
 
 
-def shift(rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
+def shift(rotation: FloatArray, translation: FloatArray) -> FloatArray:
     """Homogeneous matrices (n, 4, 4) from (n, 3, 3) and (n, 3) [m]."""
     matrix = np.zeros((len(rotation), 4, 4))
     matrix[:, :3, :3] = rotation
@@ -32,7 +34,7 @@ def shift(rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
     return matrix
 
 
-def joint_matrix(row: np.ndarray, angle: np.ndarray) -> np.ndarray:
+def joint_matrix(row: FloatArray, angle: FloatArray) -> FloatArray:
     """A_k = Rz(q + theta) Tz(d) Tx(a) Rx(alpha) (thesis eq. 2.2), multiplied out.
 
     Args:
@@ -55,7 +57,7 @@ def joint_matrix(row: np.ndarray, angle: np.ndarray) -> np.ndarray:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def chain(dh: np.ndarray, q: np.ndarray) -> np.ndarray:
+def chain(dh: FloatArray, q: FloatArray) -> FloatArray:
     """Frames 0 to 6 of the rigid robot in the base frame.
 
     Args:

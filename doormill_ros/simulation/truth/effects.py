@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+
 
 @dataclass
 class Physics:
@@ -27,19 +29,19 @@ class Physics:
         ripple: Amplitude [rad / (N m)] and order of a compliance that varies with the joint angle, (6, 2).
     """
 
-    stiffness: np.ndarray
-    hardening: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    gap: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    crossing: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    friction: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    dead_zone: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    cross: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    bending: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    torsion: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    base: np.ndarray = field(default_factory=lambda: np.zeros(2))
-    tool: np.ndarray = field(default_factory=lambda: np.zeros(2))
-    offset: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    ripple: np.ndarray = field(default_factory=lambda: np.zeros((6, 2)))
+    stiffness: FloatArray
+    hardening: FloatArray = field(default_factory=lambda: np.zeros(6))
+    gap: FloatArray = field(default_factory=lambda: np.zeros(6))
+    crossing: FloatArray = field(default_factory=lambda: np.zeros(6))
+    friction: FloatArray = field(default_factory=lambda: np.zeros(6))
+    dead_zone: FloatArray = field(default_factory=lambda: np.zeros(6))
+    cross: FloatArray = field(default_factory=lambda: np.zeros(6))
+    bending: FloatArray = field(default_factory=lambda: np.zeros(6))
+    torsion: FloatArray = field(default_factory=lambda: np.zeros(6))
+    base: FloatArray = field(default_factory=lambda: np.zeros(2))
+    tool: FloatArray = field(default_factory=lambda: np.zeros(2))
+    offset: FloatArray = field(default_factory=lambda: np.zeros(6))
+    ripple: FloatArray = field(default_factory=lambda: np.zeros((6, 2)))
 
 
 #: Effects that sit in the measuring chain and leave the robot itself alone.
@@ -63,7 +65,7 @@ def _place(where: str, kind: str) -> int:
     return int(number) - 1
 
 
-def read_effects(effects: Iterable[Mapping[str, Any]], stiffness: np.ndarray) -> Physics:
+def read_effects(effects: Iterable[Mapping[str, Any]], stiffness: FloatArray) -> Physics:
     """Turn effects `{cause, where, parameters}` into the sizes of the physics.
 
     Args:

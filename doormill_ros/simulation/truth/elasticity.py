@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.truth.effects import Physics
 
 
 def joint_give(
-    physics: Physics, k: int, q: np.ndarray, torque: np.ndarray, direction: np.ndarray
-) -> np.ndarray:
+    physics: Physics, k: int, q: FloatArray, torque: FloatArray, direction: FloatArray
+) -> FloatArray:
     """Angle by which the load turns joint k.
 
     A joint whose last motion went along the load is not pre-loaded: the load first pushes it
@@ -41,8 +42,8 @@ def joint_give(
 
 
 def cantilever(
-    bending: float, torsion: float, tip: np.ndarray, force: np.ndarray, moment: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    bending: float, torsion: float, tip: FloatArray, force: FloatArray, moment: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Displacement and rotation at the tip of a straight clamped beam (Euler-Bernoulli).
 
     Args:

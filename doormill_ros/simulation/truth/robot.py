@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.truth.chain import chain, joint_matrix, shift, turn
 from doormill_ros.simulation.truth.effects import read_effects
 from doormill_ros.simulation.truth.elasticity import cantilever, joint_give
@@ -26,9 +27,9 @@ class TruthRobot:
 
     def __init__(
         self,
-        dh: np.ndarray,
+        dh: FloatArray,
         effects: Iterable[Mapping[str, Any]] = (),
-        stiffness: np.ndarray | None = None,
+        stiffness: FloatArray | None = None,
     ) -> None:
         """Build the robot.
 
@@ -47,31 +48,31 @@ class TruthRobot:
             effects, DEFAULT_STIFFNESS if stiffness is None else np.asarray(stiffness)
         )
 
-    def forward(self, q: np.ndarray) -> np.ndarray:
+    def forward(self, q: FloatArray) -> FloatArray:
         """Pose T_base_flange, shape (n, 4, 4), of the unloaded robot at commanded q (n, 6) [rad]."""
         return self.link_frames(q)[:, 6]
 
-    def link_frames(self, q: np.ndarray) -> np.ndarray:
+    def link_frames(self, q: FloatArray) -> FloatArray:
         """Frames 0 to 6 of the unloaded robot, shape (n, 7, 4, 4), at commanded q (n, 6) [rad]."""
         return chain(self.dh, np.atleast_2d(np.asarray(q, dtype=float)) + self.physics.offset)
 
     def deflected(
         self,
-        q: np.ndarray,
-        wrench: np.ndarray,
-        load_point: np.ndarray,
-        direction: np.ndarray | None = None,
-    ) -> np.ndarray:
+        q: FloatArray,
+        wrench: FloatArray,
+        load_point: FloatArray,
+        direction: FloatArray | None = None,
+    ) -> FloatArray:
         """Actual T_base_flange of the loaded robot; arguments as in `deflected_frames`, shape (n, 4, 4)."""
         return self.deflected_frames(q, wrench, load_point, direction)[:, 6]
 
     def deflected_frames(
         self,
-        q: np.ndarray,
-        wrench: np.ndarray,
-        load_point: np.ndarray,
-        direction: np.ndarray | None = None,
-    ) -> np.ndarray:
+        q: FloatArray,
+        wrench: FloatArray,
+        load_point: FloatArray,
+        direction: FloatArray | None = None,
+    ) -> FloatArray:
         """Frames of all links of the loaded robot.
 
         The wrench is balanced on the undeformed robot; the deformations are then chained as
@@ -95,10 +96,10 @@ class TruthRobot:
         origin = rigid[:, :, :3, 3]
         point = (rigid[:, 6] @ np.append(np.asarray(load_point, dtype=float), 1.0))[:, :3]
 
-        def moment_at(i: int) -> np.ndarray:
+        def moment_at(i: int) -> FloatArray:
             return couple + np.cross(point - origin[:, i], force)
 
-        def in_frame(i: int, vector: np.ndarray) -> np.ndarray:
+        def in_frame(i: int, vector: FloatArray) -> FloatArray:
             return np.einsum("nji,nj->ni", rigid[:, i, :3, :3], vector)
 
         none = np.zeros_like(force)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -38,10 +39,10 @@ class Setup:
         reflector_offset: Added to the position of a reflector, by name, shape (3,) [m].
     """
 
-    joint_offset: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    joint_offset: FloatArray = field(default_factory=lambda: np.zeros(6))
     wrench_angle: float = 0.0
     wrench_gain: float = 1.0
-    reflector_offset: dict[str, np.ndarray] = field(default_factory=dict)
+    reflector_offset: dict[str, FloatArray] = field(default_factory=dict)
 
 
 class Cause:
@@ -68,9 +69,9 @@ class Cause:
     name: str = ""
     where: str = ""
     parameters: tuple[Parameter, ...] = ()
-    scale: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
+    scale: FloatArray
+    lower: FloatArray
+    upper: FloatArray
     stage: str = "robot"
     of_robot: bool = True
     named: bool = True
@@ -104,42 +105,42 @@ class Cause:
         """One sentence: what the cause leaves in the data."""
         raise NotImplementedError
 
-    def starts(self, case: LoadCase) -> list[np.ndarray]:
+    def starts(self, case: LoadCase) -> list[FloatArray]:
         """Values of theta from which a fit may start."""
         return [np.zeros(self.size)]
 
-    def setup(self, setup: Setup, theta: np.ndarray) -> None:
+    def setup(self, setup: Setup, theta: FloatArray) -> None:
         """Change what comes before the elasticity."""
 
-    def twist(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Extra displacement of the points and rotation, base axes, shape (n, 6) [m, rad]."""
         raise NotImplementedError
 
-    def derivative(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Derivative of `twist` by theta, shape (n, 6, p)."""
         raise NotImplementedError
 
-    def observe(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """What the tracker reports of true displacements (n, 3) [m]."""
         return displacement
 
-    def observe_derivative(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Derivative of `observe` by theta, shape (n, 3, p)."""
         raise NotImplementedError
 
-    def hidden_state(self, case: LoadCase) -> np.ndarray | None:
+    def hidden_state(self, case: LoadCase) -> FloatArray | None:
         """Probability that the cause acts in each trial, shape (n,); None when that is always certain."""
         return None
 
-    def hidden_sign(self, case: LoadCase) -> np.ndarray | None:
+    def hidden_sign(self, case: LoadCase) -> FloatArray | None:
         """Log odds that `twist` has the right sign in each trial, shape (n,), inf where sure; None when always."""
         return None
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Reported values of all parameters in a row."""
         raise NotImplementedError
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """Theta of reported values, the inverse of `values`."""
         raise NotImplementedError
 
@@ -147,17 +148,17 @@ class Cause:
 class LinearTwist(Cause):
     """A cause whose twist is a fixed pattern times theta."""
 
-    def unit(self, case: LoadCase) -> np.ndarray:
+    def unit(self, case: LoadCase) -> FloatArray:
         """Twist for theta = 1, shape (n, 6, p)."""
         raise NotImplementedError
 
-    def derivative(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """The pattern, computed once for each load case."""
         if self.identity not in case.cache:
             case.cache[self.identity] = self.unit(case)
         return case.cache[self.identity]
 
-    def twist(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Pattern times theta."""
         return self.derivative(case, theta) @ theta
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import log_ndtr, ndtr
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -35,13 +36,13 @@ class JointBacklash(Cause):
             "and then hardly grows with the torque"
         )
 
-    def starts(self, case: LoadCase) -> list[np.ndarray]:
+    def starts(self, case: LoadCase) -> list[FloatArray]:
         """Steps and ramps, of several sizes where last motions are unknown: there the gap picks the trials."""
         unknown = np.any(case.direction[:, number(self.where)] == 0.0)
         gaps = (0.1, 0.5, 3.0) if unknown else (1.0,)
         return [np.array([gap, crossing]) for crossing in _CROSSINGS for gap in gaps]
 
-    def hidden_state(self, case: LoadCase) -> np.ndarray | None:
+    def hidden_state(self, case: LoadCase) -> FloatArray | None:
         """Unknown direction, or a torque too small to tell its sign."""
         k = number(self.where)
         direction, torque = case.direction[:, k], case.torque[:, k]
@@ -49,14 +50,14 @@ class JointBacklash(Cause):
         along = np.where(direction == 0.0, 0.5, ndtr(direction * torque / noise))
         return np.where(along < 1e-6, 0.0, np.where(along > 1.0 - 1e-6, 1.0, along))
 
-    def hidden_sign(self, case: LoadCase) -> np.ndarray | None:
+    def hidden_sign(self, case: LoadCase) -> FloatArray | None:
         """Neither last motion nor the sign of the torque known: the gap may have opened either way."""
         k = number(self.where)
         distance = np.abs(case.torque[:, k]) / np.maximum(case.torque_noise[:, k], 1e-12)
         unknown = (case.direction[:, k] == 0.0) & (distance < 5.0)
         return np.where(unknown, log_ndtr(distance) - log_ndtr(-distance), np.inf)
 
-    def _ramp(self, case: LoadCase, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _ramp(self, case: LoadCase, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         k = number(self.where)
         direction, torque = case.direction[:, k], case.torque[:, k]
         # Near zero the size of a torque is mostly that of its noise.
@@ -69,21 +70,21 @@ class JointBacklash(Cause):
         sign = np.where(direction == 0.0, np.sign(torque), direction)
         return sign, ramp, slope
 
-    def twist(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """With the gap open in every trial that may be open; the fit weighs by the hidden state."""
         sign, ramp, _ = self._ramp(case, theta)
         return (_GAP * theta[0] * sign * ramp)[:, None] * case.joint_twist(number(self.where))
 
-    def derivative(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """By gap and crossing."""
         sign, ramp, slope = self._ramp(case, theta)
         unit = _GAP * sign[:, None] * case.joint_twist(number(self.where))
         return np.stack([ramp[:, None] * unit, theta[0] * slope[:, None] * unit], axis=2)
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Gap and crossing torque."""
         return np.array([_GAP * theta[0], theta[1] * case.largest_torque[number(self.where)]])
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From gap and crossing torque."""
         return np.array([values[0] / _GAP, values[1] / case.largest_torque[number(self.where)]])

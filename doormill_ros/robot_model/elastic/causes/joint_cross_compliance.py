@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -23,16 +24,16 @@ class JointCrossCompliance(LinearTwist):
         """What it leaves."""
         return f"everything behind {self.where} tilts across its axis, in proportion to the moment there"
 
-    def unit(self, case: LoadCase) -> np.ndarray:
+    def unit(self, case: LoadCase) -> FloatArray:
         """Tilt by the transverse moment."""
         k = number(self.where)
         moment = case.moment[:, k] - case.torque[:, k, None] * case.axis(k)
         return case.rotate(_SCALE * moment, k, k + 1)[:, :, None]
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Compliance."""
         return theta * _SCALE
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the compliance."""
         return np.asarray(values) / _SCALE

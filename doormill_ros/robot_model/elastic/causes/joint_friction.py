@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -26,34 +27,34 @@ class JointFriction(Cause):
         """What it leaves."""
         return f"{self.where} gives way less than its spring when pre-loaded, by a part that does not grow"
 
-    def starts(self, case: LoadCase) -> list[np.ndarray]:
+    def starts(self, case: LoadCase) -> list[FloatArray]:
         """Small and large."""
         return [np.array([0.05]), np.array([0.4])]
 
-    def hidden_state(self, case: LoadCase) -> np.ndarray | None:
+    def hidden_state(self, case: LoadCase) -> FloatArray | None:
         """Unknown directions; a torque too small to tell its sign moves nothing anyway."""
         k = number(self.where)
         direction = case.direction[:, k]
         return np.where(direction == 0.0, 0.5, np.where(direction * case.torque[:, k] < 0.0, 1.0, 0.0))
 
-    def twist(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Minus the part of the spring that friction holds."""
         k = number(self.where)
         limit = theta[0] * case.largest_torque[k]
         held = np.clip(case.torque[:, k], -limit, limit)
         return -(held / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
 
-    def derivative(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Only trials beyond the friction torque know its size."""
         k = number(self.where)
         beyond = np.abs(case.torque[:, k]) > theta[0] * case.largest_torque[k]
         slope = -np.where(beyond, np.sign(case.torque[:, k]), 0.0) * case.largest_torque[k]
         return ((slope / case.joint_stiffness[k])[:, None] * case.joint_twist(k))[:, :, None]
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Friction torque."""
         return theta * case.largest_torque[number(self.where)]
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the friction torque."""
         return np.asarray(values) / case.largest_torque[number(self.where)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -25,34 +26,34 @@ class JointHardening(Cause):
         """What it leaves."""
         return f"the residual of {self.where} bends over its torque: soft at small torque, stiff at large"
 
-    def starts(self, case: LoadCase) -> list[np.ndarray]:
+    def starts(self, case: LoadCase) -> list[FloatArray]:
         """No hardening, and a marked one."""
         return [np.array([0.0, 0.05]), np.array([1.0, 1.5])]
 
-    def _parts(self, case: LoadCase, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _parts(self, case: LoadCase, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         k = number(self.where)
         share = np.abs(case.torque[:, k]) / max(case.largest_torque[k], 1e-9)
         give = (case.torque[:, k] / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
         return give, share, 1.0 + theta[1] * share
 
-    def twist(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Difference to the model's spring."""
         give, _, stiffer = self._parts(case, theta)
         return ((1.0 + theta[0]) / stiffer - 1.0)[:, None] * give
 
-    def derivative(self, case: LoadCase, theta: np.ndarray) -> np.ndarray:
+    def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Of the quotient."""
         give, share, stiffer = self._parts(case, theta)
         return np.stack(
             [give / stiffer[:, None], (-(1.0 + theta[0]) * share / stiffer**2)[:, None] * give], axis=2
         )
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Stiffness at zero torque and h."""
         k = number(self.where)
         return np.array([case.joint_stiffness[k] / (1.0 + theta[0]), theta[1] / case.largest_torque[k]])
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From stiffness and h."""
         k = number(self.where)
         return np.array([case.joint_stiffness[k] / values[0] - 1.0, values[1] * case.largest_torque[k]])

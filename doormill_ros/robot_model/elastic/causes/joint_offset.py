@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -22,14 +23,14 @@ class JointOffset(Cause):
         """What it leaves."""
         return f"residuals are those of an arm that stands slightly differently from {self.where} on"
 
-    def setup(self, setup: Setup, theta: np.ndarray) -> None:
+    def setup(self, setup: Setup, theta: FloatArray) -> None:
         """Turn the joint."""
         setup.joint_offset[number(self.where)] += float(theta[0])
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Angle."""
         return np.array(theta)
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the angle."""
         return np.array(values)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -21,15 +22,15 @@ class JointStiffness(LinearTwist):
         """What it leaves."""
         return f"the residual of {self.where} grows in proportion to its torque, whatever came before"
 
-    def unit(self, case: LoadCase) -> np.ndarray:
+    def unit(self, case: LoadCase) -> FloatArray:
         """Give of the model's own spring."""
         k = number(self.where)
         return (case.torque[:, k, None] / case.joint_stiffness[k] * case.joint_twist(k))[:, :, None]
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Stiffness."""
         return case.joint_stiffness[number(self.where)] / (1.0 + theta)
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the stiffness."""
         return case.joint_stiffness[number(self.where)] / np.asarray(values) - 1.0

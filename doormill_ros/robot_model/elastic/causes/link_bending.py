@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -27,7 +28,7 @@ class LinkBending(LinearTwist):
         """What it leaves."""
         return f"everything from the far end of {self.where} on sinks and tilts with the load across the link"
 
-    def unit(self, case: LoadCase) -> np.ndarray:
+    def unit(self, case: LoadCase) -> FloatArray:
         """Motion of the far end, carried to the points."""
         k = number(self.where)
         line = case.origin[:, k + 1] - case.origin[:, k]
@@ -42,10 +43,10 @@ class LinkBending(LinearTwist):
         twist[:, :3] += np.where(case.link[:, None] > k, _SCALE * shift, 0.0)
         return twist[:, :, None]
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """EI."""
         return 1.0 / (_SCALE * np.maximum(theta, 1e-12))
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From EI."""
         return 1.0 / (_SCALE * np.asarray(values))

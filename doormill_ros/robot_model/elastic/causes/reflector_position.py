@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -23,14 +24,14 @@ class ReflectorPosition(Cause):
         """What it leaves."""
         return f"only reflector {self.where} disagrees, by the rotation of its link times a constant lever"
 
-    def setup(self, setup: Setup, theta: np.ndarray) -> None:
+    def setup(self, setup: Setup, theta: FloatArray) -> None:
         """Move the reflector."""
         setup.reflector_offset[self.where] = setup.reflector_offset.get(self.where, np.zeros(3)) + theta
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Offset."""
         return np.array(theta)
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the offset."""
         return np.array(values)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -25,18 +26,18 @@ class ThermalDrift(Cause):
         """What it leaves."""
         return "the residual points one way in the room and grows with the time between the two measurements"
 
-    def observe(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Add the drift."""
         return displacement + _SPEED * dt[:, None] * theta
 
-    def observe_derivative(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Elapsed time along each axis."""
         return _SPEED * dt[:, None, None] * np.eye(3)
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Velocity."""
         return _SPEED * theta
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the velocity."""
         return np.asarray(values) / _SPEED

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -29,7 +30,7 @@ class TiltingMount(LinearTwist):
             self.parameters = (Parameter("stiffness", "N m / rad", 1e3, 1e9, 2),)
             self.generalises = self.name
 
-    def unit(self, case: LoadCase) -> np.ndarray:
+    def unit(self, case: LoadCase) -> FloatArray:
         """Tilt about x and about y, apart or together."""
         tilts = []
         for axis in (case.axes[:, self.frame, :, 0], case.axes[:, self.frame, :, 1]):
@@ -39,10 +40,10 @@ class TiltingMount(LinearTwist):
             return np.stack(tilts, axis=2)
         return (tilts[0] + tilts[1])[:, :, None]
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Rotational stiffness."""
         return 1.0 / (self.unit_compliance * np.maximum(theta, 1e-9))
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the stiffness."""
         return 1.0 / (self.unit_compliance * np.asarray(values, dtype=float))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -24,19 +25,19 @@ class TrackerFrameRotation(Cause):
         """What it leaves."""
         return "every residual stands at right angles to the displacement, about one axis fixed in the room"
 
-    def observe(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Turn."""
         return displacement @ Rotation.from_rotvec(theta).as_matrix().T
 
-    def observe_derivative(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Of the small turn that follows: exact at zero, a fine descent direction elsewhere."""
         turned = self.observe(displacement, dt, theta)
         return np.stack([np.cross(axis, turned) for axis in np.eye(3)], axis=2)
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Rotation vector."""
         return np.array(theta)
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the rotation vector."""
         return np.array(values)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -23,18 +24,18 @@ class TrackerScale(Cause):
         """What it leaves."""
         return "every reported displacement is off by the same share"
 
-    def observe(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Scale."""
         return displacement * (1.0 + theta[0])
 
-    def observe_derivative(self, displacement: np.ndarray, dt: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """The displacement itself."""
         return displacement[:, :, None]
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Factor."""
         return 1.0 + theta
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the factor."""
         return np.asarray(values) - 1.0

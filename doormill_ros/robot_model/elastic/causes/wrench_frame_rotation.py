@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -25,14 +26,14 @@ class WrenchFrameRotation(Cause):
             "residuals turn with the flange: the load seems to come from a direction rotated about its axis"
         )
 
-    def setup(self, setup: Setup, theta: np.ndarray) -> None:
+    def setup(self, setup: Setup, theta: FloatArray) -> None:
         """Turn the wrench."""
         setup.wrench_angle += float(theta[0])
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Angle to add to the stated one."""
         return np.array(theta)
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the angle."""
         return np.array(values)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -23,14 +24,14 @@ class WrenchGain(Cause):
         """What it leaves."""
         return "every displacement is off by the same share, in every posture and direction"
 
-    def setup(self, setup: Setup, theta: np.ndarray) -> None:
+    def setup(self, setup: Setup, theta: FloatArray) -> None:
         """Scale the wrench."""
         setup.wrench_gain *= 1.0 + float(theta[0])
 
-    def values(self, theta: np.ndarray, case: LoadCase) -> np.ndarray:
+    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Factor."""
         return 1.0 + theta
 
-    def from_values(self, values: np.ndarray, case: LoadCase) -> np.ndarray:
+    def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the factor."""
         return np.asarray(values) - 1.0

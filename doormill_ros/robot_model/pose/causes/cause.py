@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
 from doormill_ros.robot_model.pose.view import SetView
 
@@ -24,7 +23,7 @@ class Columns:
 
     direction: int
     first: int
-    basis: np.ndarray
+    basis: FloatArray
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class PoseCause:
         return {}
 
     @classmethod
-    def build(cls, where: str, settings: Mapping[str, Any], dh: np.ndarray) -> PoseCause:
+    def build(cls, where: str, settings: Mapping[str, Any], dh: FloatArray) -> PoseCause:
         """The cause of a model's file.
 
         Args:

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.causes.cause import PoseCause, number
 from doormill_ros.robot_model.pose.view import SetView
 
 
-def harmonics(angle: np.ndarray, orders: Sequence[int]) -> np.ndarray:
+def harmonics(angle: FloatArray, orders: Sequence[int]) -> FloatArray:
     """Cos and sin of every order of an angle (n,), shape (n, 2 len(orders))."""
     phase = angle[:, None] * np.asarray(orders, dtype=float)
     return np.stack([np.cos(phase), np.sin(phase)], axis=2).reshape(len(angle), -1)
@@ -35,11 +36,11 @@ class JointWaves(PoseCause):
         return {"orders": list(self.orders)}
 
     @classmethod
-    def build(cls, where: str, settings: Mapping[str, Any], dh: np.ndarray) -> PoseCause:
+    def build(cls, where: str, settings: Mapping[str, Any], dh: FloatArray) -> PoseCause:
         """With the orders stated."""
         return cls(where, settings["orders"])
 
-    def waves(self, view: SetView) -> np.ndarray:
+    def waves(self, view: SetView) -> FloatArray:
         """Cos and sin of every order of the joint's angle, shape (n, 2 len(orders))."""
         return harmonics(view.q[:, number(self.where) - 1], self.orders)
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, number
 from doormill_ros.robot_model.pose.causes.hints import Hints
 from doormill_ros.robot_model.pose.chain import direction
@@ -26,7 +27,7 @@ class LinkGeometry(PoseCause):
 
     name = "link_geometry"
 
-    def __init__(self, where: str, dh: np.ndarray) -> None:
+    def __init__(self, where: str, dh: FloatArray) -> None:
         """Choose what can be told from the placement."""
         super().__init__(where)
         k = number(where)
@@ -41,7 +42,7 @@ class LinkGeometry(PoseCause):
         return [cls(f"link {k}", hints.sets[0].dh) for k in range(1, 6)]
 
     @classmethod
-    def build(cls, where: str, settings: Mapping[str, Any], dh: np.ndarray) -> PoseCause:
+    def build(cls, where: str, settings: Mapping[str, Any], dh: FloatArray) -> PoseCause:
         """With the model's table."""
         return cls(where, dh)
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints
 from doormill_ros.robot_model.pose.causes.joint_backlash import JointBacklash
@@ -33,7 +32,7 @@ def candidates(hints: Hints) -> list[PoseCause]:
     return [cause for kind in LIBRARY for cause in kind.candidates(hints)]
 
 
-def build_cause(name: str, where: str, settings: Mapping[str, Any], dh: np.ndarray) -> PoseCause:
+def build_cause(name: str, where: str, settings: Mapping[str, Any], dh: FloatArray) -> PoseCause:
     """The cause of a model's file.
 
     Raises:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints
 from doormill_ros.robot_model.pose.chain import direction
@@ -50,7 +51,7 @@ class SessionStep(PoseCause):
 
 
 def find_step(
-    error: np.ndarray, scale: np.ndarray, weight: np.ndarray, margin: int = 20
+    error: FloatArray, scale: FloatArray, weight: FloatArray, margin: int = 20
 ) -> tuple[int, float]:
     """Where a constant shift of the base explains most, and by how much.
 
