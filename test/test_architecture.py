@@ -22,7 +22,9 @@ ROS_ONLY = {
     "ament_index_python",
 }
 LONGEST_FILE = 350  # lines
-MEDIAN_FILE = 200  # lines
+LONG_FILE, MOST_FILES = 250, 0.9  # lines, and the share of the files that keeps to them
+#: Command lines that start nodes in their own process.
+TOOLS_WITH_NODES = {"cell.py", "replay.py"}
 # The truth of the simulation must not come from the code under test.
 TRUTH_MAY_NOT_IMPORT = {"robot", "robot_model", "localization", "correction", "diagnosis"}
 
@@ -39,14 +41,14 @@ def test_there_is_something_to_check() -> None:
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_domain_code_knows_no_ros(path: Path) -> None:
-    """Only nodes/ imports rclpy or messages, and only tools/cell.py and nodes/ import nodes/."""
+    """Only nodes/ imports rclpy or messages, and only two command lines start nodes."""
     parts = path.relative_to(PACKAGE).parts
     if parts[0] == "nodes":
         return
     ros = {m for m in imports_of(path) if is_ros(m)}
     assert not ros, f"{path} imports {ros}"
     nodes = {m for m in imports_of(path) if m.startswith("doormill_ros.nodes")}
-    assert not nodes or parts[0] == "tools", f"{path} imports {nodes}"
+    assert not nodes or (parts[0] == "tools" and parts[1] in TOOLS_WITH_NODES), f"{path} imports {nodes}"
 
 
 def test_the_check_above_sees_a_forbidden_import(tmp_path: Path) -> None:
@@ -69,7 +71,7 @@ def test_files_stay_small() -> None:
     lines = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in SOURCES}
     too_long = {str(p.relative_to(ROOT)): n for p, n in lines.items() if n > LONGEST_FILE}
     assert not too_long
-    assert sorted(lines.values())[len(lines) // 2] <= MEDIAN_FILE
+    assert sum(n <= LONG_FILE for n in lines.values()) >= MOST_FILES * len(lines)
 
 
 def _error_classes() -> list[type[DoormillError]]:
