@@ -1,23 +1,4 @@
-"""What can go wrong between the PC and the controller, by phase; codes 450..499.
-
-AbbError
-`-- LinkError
-    |-- connecting   ConnectError 450, ConnectTimeoutError 451, LoginError 452, CertificateError 453,
-    |                ControllerBusyError 454, FolderMissingError 455, FolderInUseError 456,
-    |                UnknownTransportError 476
-    |-- signals      SignalReadError 457, SignalWriteError 458, SignalAccessError 459,
-    |                UnknownSignalError 460, ReadySignalError 461
-    |-- files        DownloadError 462, UploadError 463, FileMissingError 464, FileNameError 465,
-    |                FileVerificationError 466, RemoveError 467
-    |-- wire         ReadTimeoutError 468, WriteTimeoutError 469, ConnectionLostError 470,
-    |                ControllerReplyError 471, SubscriptionError 472
-    |-- credentials  CredentialsMissingError 473, CredentialsPermissionError 474, CredentialsFormatError 475
-    `-- handshake    NoRequestError 480, HandshakeBusyError 481, StaleSubmissionError 482,
-                     RepeatedRunError 483, EmptyTargetFileError 484, SubmissionTimeoutError 485,
-                     AcknowledgeTimeoutError 486, RequestWithdrawnError 487, FileRefusedError 488,
-                     RunAbortedError 489, MillingTimeoutError 490,
-                     MillingFaultError 491
-"""
+"""What can go wrong between the PC and the controller, by phase; codes 450..499."""
 
 from __future__ import annotations
 
@@ -46,82 +27,10 @@ class ConnectError(LinkError):
     connection = True
 
 
-class ConnectTimeoutError(LinkError):
-    """The controller did not accept the connection in time."""
-
-    code = 451
-    connection = True
-
-
-class LoginError(LinkError):
-    """The controller refuses user or password."""
-
-    code = 452
-    connection = True
-
-
-class CertificateError(LinkError):
-    """The controller's certificate is not the pinned one."""
-
-    code = 453
-    connection = True
-
-
-class ControllerBusyError(LinkError):
-    """The controller has no free session or asks to slow down (503)."""
-
-    code = 454
-    connection = True
-
-
-class FolderMissingError(LinkError):
-    """The shared folder is not there."""
-
-    code = 455
-    connection = True
-
-
-class FolderInUseError(LinkError):
-    """Another process holds the shared folder."""
-
-    code = 456
-
-
-class SignalReadError(LinkError):
-    """A signal's value cannot be read or is neither 0 nor 1."""
-
-    code = 457
-    connection = True
-
-
-class SignalWriteError(LinkError):
-    """A signal's value cannot be written."""
-
-    code = 458
-
-
-class SignalAccessError(LinkError):
-    """The controller rejects the write: the signal's access level does not allow it."""
-
-    code = 459
-
-
 class UnknownSignalError(LinkError):
     """The controller has no signal of that name."""
 
     code = 460
-
-
-class ReadySignalError(LinkError):
-    """The ready signal does not have the value that was written."""
-
-    code = 461
-
-
-class DownloadError(LinkError):
-    """A file on the controller cannot be read."""
-
-    code = 462
 
 
 class UploadError(LinkError):
@@ -136,40 +45,6 @@ class FileMissingError(LinkError):
     code = 464
 
 
-class FileNameError(LinkError):
-    """A file name that could leave the folder or that the controller cannot hold."""
-
-    code = 465
-
-
-class FileVerificationError(LinkError):
-    """The file read back is not the file that was written."""
-
-    code = 466
-
-
-class RemoveError(LinkError):
-    """A file on the controller cannot be removed."""
-
-    code = 467
-
-
-class ReadTimeoutError(LinkError):
-    """The controller did not answer in time."""
-
-    code = 468
-    connection = True
-    in_doubt = True
-
-
-class WriteTimeoutError(LinkError):
-    """The controller did not take the data in time."""
-
-    code = 469
-    connection = True
-    in_doubt = True
-
-
 class ConnectionLostError(LinkError):
     """The connection broke during an operation; whether it was done is not known."""
 
@@ -178,101 +53,10 @@ class ConnectionLostError(LinkError):
     in_doubt = True
 
 
-class ControllerReplyError(LinkError):
-    """An answer of the controller that the protocol does not foresee."""
-
-    code = 471
-    connection = True
-
-
-class SubscriptionError(LinkError):
-    """Events cannot be subscribed to; signals are polled instead."""
-
-    code = 472
-
-
-class CredentialsMissingError(LinkError):
-    """No user and password were given."""
-
-    code = 473
-
-
-class CredentialsPermissionError(LinkError):
-    """Others may read the file with the password."""
-
-    code = 474
-
-
-class CredentialsFormatError(LinkError):
-    """The file with the password cannot be understood."""
-
-    code = 475
-
-
-class UnknownTransportError(LinkError):
-    """There is no transport of that name."""
-
-    code = 476
-
-
-class NoRequestError(LinkError):
-    """A file was submitted although the controller asks for none."""
-
-    code = 480
-
-
-class HandshakeBusyError(LinkError):
-    """A file was submitted while another one is being handed over."""
-
-    code = 481
-
-
-class StaleSubmissionError(LinkError):
-    """A file was submitted for an earlier request than the present one."""
-
-    code = 482
-
-
-class RepeatedRunError(LinkError):
-    """The run id was used before."""
-
-    code = 483
-
-
-class EmptyTargetFileError(LinkError):
-    """The submitted file has no content or no name of run or door."""
-
-    code = 484
-
-
-class SubmissionTimeoutError(LinkError):
-    """Nobody submitted a file for the request in time."""
-
-    code = 485
-
-
-class AcknowledgeTimeoutError(LinkError):
-    """The controller did not acknowledge the file in time."""
-
-    code = 486
-
-
 class RequestWithdrawnError(LinkError):
     """The request fell before the file was ready."""
 
     code = 487
-
-
-class FileRefusedError(LinkError):
-    """The controller read the file and refused it."""
-
-    code = 488
-
-
-class RunAbortedError(LinkError):
-    """The run was given up by its owner."""
-
-    code = 489
 
 
 class MillingTimeoutError(LinkError):
@@ -285,3 +69,63 @@ class MillingFaultError(LinkError):
     """The controller stopped with a fault while it milled."""
 
     code = 491
+
+
+_row = LinkError.row
+
+# Connecting.
+ConnectTimeoutError = _row(
+    "ConnectTimeoutError", 451, "No connection to the controller in time.", connection=True
+)
+LoginError = _row("LoginError", 452, "The controller refuses user or password.", connection=True)
+CertificateError = _row("CertificateError", 453, "The certificate is not the pinned one.", connection=True)
+ControllerBusyError = _row(
+    "ControllerBusyError", 454, "No free session, or slow down (503).", connection=True
+)
+FolderMissingError = _row("FolderMissingError", 455, "The shared folder is not there.", connection=True)
+FolderInUseError = _row("FolderInUseError", 456, "Another process holds the shared folder.")
+UnknownTransportError = _row("UnknownTransportError", 476, "There is no transport of that name.")
+
+# Signals.
+SignalReadError = _row(
+    "SignalReadError", 457, "A signal cannot be read or is neither 0 nor 1.", connection=True
+)
+SignalWriteError = _row("SignalWriteError", 458, "A signal's value cannot be written.")
+SignalAccessError = _row("SignalAccessError", 459, "The signal's access level does not allow the write.")
+ReadySignalError = _row("ReadySignalError", 461, "The ready signal does not have the value that was written.")
+
+# Files.
+DownloadError = _row("DownloadError", 462, "A file on the controller cannot be read.")
+FileNameError = _row(
+    "FileNameError", 465, "A file name leaves the folder or is none the controller can hold."
+)
+FileVerificationError = _row("FileVerificationError", 466, "The file read back is not the file written.")
+RemoveError = _row("RemoveError", 467, "A file on the controller cannot be removed.")
+
+# The wire.
+ReadTimeoutError = _row("ReadTimeoutError", 468, "No answer in time.", connection=True, in_doubt=True)
+WriteTimeoutError = _row("WriteTimeoutError", 469, "Data not taken in time.", connection=True, in_doubt=True)
+ControllerReplyError = _row("ControllerReplyError", 471, "A reply outside the protocol.", connection=True)
+SubscriptionError = _row(
+    "SubscriptionError", 472, "No events can be subscribed to; signals are polled instead."
+)
+
+# Credentials.
+CredentialsMissingError = _row("CredentialsMissingError", 473, "No user and password were given.")
+CredentialsPermissionError = _row(
+    "CredentialsPermissionError", 474, "Others may read the file with the password."
+)
+CredentialsFormatError = _row("CredentialsFormatError", 475, "The file with the password is not understood.")
+
+# The handshake.
+NoRequestError = _row("NoRequestError", 480, "A file was submitted although the controller asks for none.")
+HandshakeBusyError = _row("HandshakeBusyError", 481, "A file was submitted while another is handed over.")
+StaleSubmissionError = _row("StaleSubmissionError", 482, "A file was submitted for an earlier request.")
+RepeatedRunError = _row("RepeatedRunError", 483, "The run id was used before.")
+EmptyTargetFileError = _row("EmptyTargetFileError", 484, "The file has no content or no name of run or door.")
+SubmissionTimeoutError = _row(
+    "SubmissionTimeoutError", 485, "Nobody submitted a file for the request in time."
+)
+AcknowledgeTimeoutError = _row("AcknowledgeTimeoutError", 486, "The file was not acknowledged in time.")
+FileRefusedError = _row("FileRefusedError", 488, "The controller read the file and refused it.")
+RunAbortedError = _row("RunAbortedError", 489, "The run was given up by its owner.")

@@ -15,24 +15,6 @@ class StageTimeoutError(CellError):
     code = 801
 
 
-class CellBusyError(CellError):
-    """Another door is being milled."""
-
-    code = 802
-
-
-class RunCanceledError(CellError):
-    """The run was canceled by whoever started it."""
-
-    code = 803
-
-
-class NodeInactiveError(CellError):
-    """A node that the run needs is not active."""
-
-    code = 804
-
-
 class StageRefusedError(CellError):
     """Another node refused the run; `stage_code` is the code it gave."""
 
@@ -42,3 +24,8 @@ class StageRefusedError(CellError):
         """Keep the node's sentence and code."""
         super().__init__(message, stage_code=stage_code)
         self.stage_code = stage_code
+
+
+CellBusyError = CellError.row("CellBusyError", 802, "Another door is being milled.")
+RunCanceledError = CellError.row("RunCanceledError", 803, "The run was canceled by whoever started it.")
+NodeInactiveError = CellError.row("NodeInactiveError", 804, "A node that the run needs is not active.")

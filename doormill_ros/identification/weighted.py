@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.measurements.errors import IdentifiabilityError
 from doormill_ros.measurements.loading import (
     Loadings,
     displacement_per_compliance,
@@ -19,7 +20,6 @@ from doormill_ros.measurements.loading import (
     load_jacobian,
     reflector_jacobian,
 )
-from doormill_ros.measurements.raw_errors import IdentifiabilityError
 from doormill_ros.robot.kinematics import Kinematics
 
 #: A joint counts as identified when its compliance is known better than to this share.

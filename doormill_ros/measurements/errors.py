@@ -1,50 +1,20 @@
-"""Errors of measured data and of what is made from them.
-
-DataSetError 500           doormill_ros.errors
-|-- DataFileError 501        a file of the set is missing or is no text
-|-- SetDescriptionError 502  set.yaml lacks something or holds an impossible value
-|-- TrialTableError 503      trials.csv has a cell or column that cannot be used
-|-- SetMixError 504          sets given together do not belong together
-|-- PoseTableError 510       poses.csv has a cell or column that cannot be used
-`-- PosePlacementError 511   too few rows to place a set in front of the tracker
-"""
+"""Errors of measured data: tables of trials and poses, tracker and force files, loading tests."""
 
 from __future__ import annotations
 
 from doormill_ros.errors import DataSetError
 
+_row = DataSetError.row
 
-class DataFileError(DataSetError):
-    """A file of a set is missing, cannot be opened or is no text."""
-
-    code = 501
-
-
-class SetDescriptionError(DataSetError):
-    """set.yaml lacks a key or holds a value that is not allowed."""
-
-    code = 502
-
-
-class TrialTableError(DataSetError):
-    """A table of measured rows has a column or cell that cannot be used."""
-
-    code = 503
-
-
-class SetMixError(DataSetError):
-    """Sets that were given together describe different robots or models."""
-
-    code = 504
-
-
-class PoseTableError(DataSetError):
-    """poses.csv has a column or cell that cannot be used."""
-
-    code = 510
-
-
-class PosePlacementError(DataSetError):
-    """Too few rows, or too much alike, to find base-in-tracker and target-in-flange."""
-
-    code = 511
+DataFileError = _row("DataFileError", 501, "A file of a set is missing, cannot be opened or is no text.")
+SetDescriptionError = _row("SetDescriptionError", 502, "set.yaml lacks a key or holds a value not allowed.")
+TrialTableError = _row("TrialTableError", 503, "A table of measured rows has a column or cell of no use.")
+SetMixError = _row("SetMixError", 504, "Sets given together describe different robots or models.")
+PoseTableError = _row("PoseTableError", 510, "poses.csv has a column or cell that cannot be used.")
+PosePlacementError = _row(
+    "PosePlacementError", 511, "The rows do not tell base-in-tracker and target-in-flange."
+)
+RawFileError = _row("RawFileError", 580, "A laser tracker or force sensor file cannot be read.")
+NotSteadyError = _row("NotSteadyError", 581, "A recording holds no steady window that is long enough.")
+LoadingTestError = _row("LoadingTestError", 582, "A description of loading tests contradicts its form.")
+IdentifiabilityError = _row("IdentifiabilityError", 583, "The loadings tell no joint's stiffness.")

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import PoseTableError
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
@@ -124,7 +125,7 @@ def read_pose_set(folder: Path) -> PoseSet:
     )
 
 
-def _fail(table: TrialTable, index: int, column: str, problem: str) -> PoseTableError:
+def _fail(table: TrialTable, index: int, column: str, problem: str) -> DataSetError:
     line = table.lines[index]
     return PoseTableError(
         f"{table.path}: line {line}, column {column}: {problem}",

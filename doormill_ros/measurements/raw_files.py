@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.measurements.raw_errors import RawFileError
+from doormill_ros.errors import DataSetError
+from doormill_ros.measurements.errors import RawFileError
 
 TRACKER_COLUMNS = ("t", "x", "y", "z")
 WRENCH_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -102,7 +103,7 @@ class _Table:
         return self.numbers.shape[1]
 
 
-def _error(path: Path, line: int, column: int, problem: str) -> RawFileError:
+def _error(path: Path, line: int, column: int, problem: str) -> DataSetError:
     return RawFileError(f"{path}: line {line}, column {column}: {problem}", path=str(path), line=line)
 
 

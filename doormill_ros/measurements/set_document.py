@@ -9,6 +9,7 @@ import numpy as np
 import yaml
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import DataFileError, SetDescriptionError
 
 
@@ -59,7 +60,7 @@ class SetDocument:
         if not isinstance(self.data, dict):
             raise SetDescriptionError(f"{path}: line 1, column 1: holds no mapping of keys to values")
 
-    def fail(self, keys: tuple[str, ...], problem: str) -> SetDescriptionError:
+    def fail(self, keys: tuple[str, ...], problem: str) -> DataSetError:
         """The error for the value at a path of keys, placed where that value (or its parent) stands."""
         node = self._root
         for key in keys:

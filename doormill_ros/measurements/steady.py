@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.measurements.raw_errors import NotSteadyError
+from doormill_ros.measurements.errors import NotSteadyError
 from doormill_ros.measurements.raw_files import Recording
 
 _BLOCKS = 40

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import TrialTableError
 from doormill_ros.measurements.set_document import read_text
 
@@ -65,7 +66,7 @@ class TrialTable:
                 found = "is missing" if name not in header else "stands there twice"
                 raise self._error(line, name, f"the column {found}, the header is {','.join(header)}")
 
-    def _error(self, line: int, column: str, problem: str) -> TrialTableError:
+    def _error(self, line: int, column: str, problem: str) -> DataSetError:
         return TrialTableError(
             f"{self.path}: line {line}, column {column}: {problem}",
             path=str(self.path),
@@ -73,7 +74,7 @@ class TrialTable:
             column=column,
         )
 
-    def fail(self, row: int, column: str, problem: str) -> TrialTableError:
+    def fail(self, row: int, column: str, problem: str) -> DataSetError:
         """The error for one cell."""
         return self._error(self.lines[row], column, problem)
 

@@ -4,8 +4,4 @@ from __future__ import annotations
 
 from doormill_ros.cell.errors import CellError
 
-
-class PageAddressError(CellError):
-    """The page cannot be served at the address asked for."""
-
-    code = 880
+PageAddressError = CellError.row("PageAddressError", 880, "The page cannot be served at its address.")

@@ -15,6 +15,7 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.engine import WRITE, make_engine, make_reader
 from doormill_ros.recipes.errors import (
     BadText,
+    DatabaseError,
     DatabaseUnreachable,
     UnknownBarCode,
     UnknownDoor,
@@ -335,5 +336,5 @@ def _record_of(recipe: Recipe) -> RecipeRecord:
     return RecipeRecord(recipe.door_id, recipe.version, recipe.bar_code, recipe.author, recipe.created)
 
 
-def _unknown_door(door_id: str) -> UnknownDoor:
+def _unknown_door(door_id: str) -> DatabaseError:
     return UnknownDoor(f"found no recipe for door {door_id!r}; import one, or correct the id", found=door_id)

@@ -6,7 +6,7 @@ import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
 
 from doormill_ros.recipes import schema
-from doormill_ros.recipes.errors import BarCodeTaken
+from doormill_ros.recipes.errors import BarCodeTaken, DatabaseError
 from doormill_ros.recipes.recipe import Recipe
 
 INSERT = {"sqlite": sqlite.insert, "postgresql": postgresql.insert}
@@ -82,7 +82,7 @@ def _count_up(connection: sa.Connection, recipe: Recipe) -> int | None:
         raise _bar_code_taken(recipe) from error
 
 
-def _bar_code_taken(recipe: Recipe) -> BarCodeTaken:
+def _bar_code_taken(recipe: Recipe) -> DatabaseError:
     return BarCodeTaken(
         f"found bar code {recipe.bar_code!r} for door {recipe.door_id!r}, which another door has; "
         "give every door its own",

@@ -12,7 +12,7 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from doormill_ros.recording.errors import UnreadableBagError
+from doormill_ros.recording.errors import BagError, UnreadableBagError
 from doormill_ros.recording.mcap_scan import is_complete, scan
 
 
@@ -133,7 +133,7 @@ def _files(folder: Path) -> list[Path]:
     return bag_files(folder) if folder.is_dir() else [folder]
 
 
-def _unreadable(folder: Path, error: Exception) -> UnreadableBagError:
+def _unreadable(folder: Path, error: Exception) -> BagError:
     return UnreadableBagError(
         f"bag {folder} cannot be read: {error}; name a folder with metadata.yaml and .mcap files",
         folder=str(folder),

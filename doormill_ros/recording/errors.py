@@ -9,37 +9,16 @@ class BagError(DoormillError):
     """Base of all bag errors."""
 
 
-class BagExistsError(BagError):
-    """The folder to record into holds something already."""
-
-    code = 601
-
-
 class UnknownTypeError(BagError):
     """A message type has no definition in the ament index."""
 
     code = 602
 
 
-class UnreadableBagError(BagError):
-    """The bag is not there, or damaged beyond reading."""
-
-    code = 603
-
-
-class EmptyBagError(BagError):
-    """The bag lacks what was asked of it."""
-
-    code = 604
-
-
-class BadExpectationError(BagError):
-    """The file beside a bag that says what a replay must give is not of its form."""
-
-    code = 605
-
-
-class BadTimelineError(BagError):
-    """The timeline of reference bags is not of its form."""
-
-    code = 606
+BagExistsError = BagError.row("BagExistsError", 601, "The folder to record into holds something already.")
+UnreadableBagError = BagError.row("UnreadableBagError", 603, "The bag is not there or is beyond reading.")
+EmptyBagError = BagError.row("EmptyBagError", 604, "The bag lacks what was asked of it.")
+BadExpectationError = BagError.row(
+    "BadExpectationError", 605, "The file with what a replay must give is not of its form."
+)
+BadTimelineError = BagError.row("BadTimelineError", 606, "The timeline of reference bags is not of its form.")

@@ -1,13 +1,4 @@
-"""Errors of the robot description and its kinematics.
-
-RobotError 700
-|-- RobotDescriptionError 701    files that do not describe a usable six-axis robot
-|-- GeometryError 702            the robot has no closed-form inverse here
-|-- UnreachableError 703         a pose lies outside the reach
-|-- JointLimitError 704          a pose is reachable only beyond the joint limits
-|-- SingularityError 705         a path passes too close to a singularity
-`-- BranchError 706              no single configuration serves a whole path
-"""
+"""Errors of the robot description and its kinematics."""
 
 from __future__ import annotations
 
@@ -18,12 +9,6 @@ class RobotError(DoormillError):
     """Something about a robot that the input got wrong."""
 
     code = 700
-
-
-class RobotDescriptionError(RobotError):
-    """The URDF or YAML of a robot is missing, unreadable or contradicts itself."""
-
-    code = 701
 
 
 class GeometryError(RobotError):
@@ -54,3 +39,8 @@ class BranchError(RobotError):
     """Each pose can be reached, but no one configuration keeps to the whole path."""
 
     code = 706
+
+
+RobotDescriptionError = RobotError.row(
+    "RobotDescriptionError", 701, "A robot's URDF or YAML is missing or wrong."
+)

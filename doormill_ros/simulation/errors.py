@@ -4,12 +4,6 @@ from __future__ import annotations
 
 from doormill_ros.errors import DoormillError
 
-
-class SimulationError(DoormillError):
-    """Base of the errors of the simulation's inputs."""
-
-
-class EffectsFileError(SimulationError):
-    """The file with the simulated robot's hidden effects cannot be used."""
-
-    code = 850
+EffectsFileError = DoormillError.row(
+    "EffectsFileError", 850, "The file with the hidden effects cannot be used."
+)

@@ -9,10 +9,10 @@ from typing import Any
 import yaml
 
 from doormill_ros.abb import signals
-from doormill_ros.abb.errors import RapidStoppedError
 from doormill_ros.frames import quaternion_wxyz
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.controller import VirtualController
+from doormill_ros.simulation.controller.errors import RapidStoppedError
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.controller.io_port import FolderIo, MemoryIo
 from doormill_ros.simulation.controller.process import listed_process, module_process

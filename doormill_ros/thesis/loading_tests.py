@@ -10,8 +10,8 @@ import numpy as np
 import yaml
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.measurements.errors import LoadingTestError
 from doormill_ros.measurements.loading import Loadings
-from doormill_ros.measurements.raw_errors import LoadingTestError
 from doormill_ros.measurements.sensor import rotate_wrench, sensor_to_flange
 from doormill_ros.resources import resource
 from doormill_ros.robot.chain import JOINTS

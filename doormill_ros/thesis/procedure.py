@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.measurements.raw_errors import LoadingTestError
+from doormill_ros.measurements.errors import LoadingTestError
 from doormill_ros.measurements.raw_set import RawTest
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.thesis import formulas as formula

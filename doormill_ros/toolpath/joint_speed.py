@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.description import Robot
-from doormill_ros.toolpath.errors import JointSpeedError
+from doormill_ros.toolpath.errors import JointSpeedError, PathError
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.reach import JointPath
@@ -48,9 +48,7 @@ def followable(steps: Sequence[Step], path: JointPath, robot: Robot, checks: Che
     ]
 
 
-def _too_fast(
-    steps: Sequence[Step], i: int, shares: FloatArray, robot: Robot, checks: Checks
-) -> JointSpeedError:
+def _too_fast(steps: Sequence[Step], i: int, shares: FloatArray, robot: Robot, checks: Checks) -> PathError:
     step, joint = steps[i], int(shares[i].argmax())
     found = float(shares[i, joint])
     return JointSpeedError(

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from doormill_ros.measurements.raw_errors import RawFileError
+from doormill_ros.measurements.errors import RawFileError
 from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
 
 SAMPLES = np.array(

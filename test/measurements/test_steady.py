@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from doormill_ros.measurements.raw_errors import NotSteadyError
+from doormill_ros.measurements.errors import NotSteadyError
 from doormill_ros.measurements.raw_files import Recording
 from doormill_ros.measurements.steady import steady_window
 

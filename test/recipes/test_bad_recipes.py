@@ -7,6 +7,7 @@ import pytest
 
 from doormill_ros.recipes import errors as e
 from doormill_ros.recipes.recipe import Recipe
+from support.source_tree import ROOT
 
 GONE = object()  # the field is taken out
 MAX = 3.5e38
@@ -302,4 +303,5 @@ def test_error_codes_are_unique_and_in_range():
     codes = [leaf.code for leaf in leaves(e.RecipeError)]
     assert len(codes) == len(set(codes)) > 25
     assert all(100 <= code < 200 for code in codes)
-    assert all(f"{leaf.code} {leaf.__name__}" in e.__doc__ for leaf in leaves(e.RecipeError))
+    documented = (ROOT / "docs" / "errors.md").read_text(encoding="utf-8")
+    assert all(f"| {leaf.code} | `{leaf.__name__}` |" in documented for leaf in leaves(e.RecipeError))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.measurements.raw_errors import LoadingTestError
+from doormill_ros.measurements.errors import LoadingTestError
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.thesis.comparison import compare_with_simulation

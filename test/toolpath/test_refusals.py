@@ -22,6 +22,7 @@ from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.route import route
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
+from support.source_tree import ROOT
 
 LEAVES = [
     c
@@ -34,8 +35,9 @@ def test_codes_are_unique_and_in_range():
     codes = [leaf.code for leaf in LEAVES]
     assert len(set(codes)) == len(codes)
     assert all(300 < code < 400 for code in codes)
+    documented = (ROOT / "docs" / "errors.md").read_text(encoding="utf-8")
     for leaf in LEAVES:
-        assert f"{leaf.__name__} {leaf.code}" in errors.__doc__
+        assert f"| {leaf.code} | `{leaf.__name__}` |" in documented
 
 
 @pytest.fixture

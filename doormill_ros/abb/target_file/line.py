@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.abb.errors import TargetLineError, TargetValueError
+from doormill_ros.abb.errors import AbbError, TargetLineError, TargetValueError
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import are_transforms, check_transform, from_wxyz, quaternion_wxyz
 from doormill_ros.robot.configuration import ConfData
@@ -249,7 +249,7 @@ def _decimals(text: str) -> int:
     return len(text.partition(".")[2])
 
 
-def _error(number: int, found: str, allowed: str, line: str) -> TargetLineError:
+def _error(number: int, found: str, allowed: str, line: str) -> AbbError:
     return TargetLineError(
         f"line {number} of the target file {found}, allowed is {allowed}: write the file anew",
         line=number,

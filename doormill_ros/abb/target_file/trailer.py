@@ -27,6 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.abb.errors import (
+    AbbError,
     TargetFileCutShortError,
     TargetLineError,
     TargetProgramError,
@@ -205,7 +206,7 @@ class TrailerReader:
             spindle_speed=spindle,
         )
 
-    def _error(self, found: str, allowed: str) -> TargetLineError:
+    def _error(self, found: str, allowed: str) -> AbbError:
         return TargetLineError(
             f"line {self.number} of the target file {found}, allowed is {allowed}: write the file anew",
             line=self.number,
@@ -215,7 +216,7 @@ class TrailerReader:
 def _format_move(index: int, motion: Motion, targets: int, features: list[str]) -> str:
     """One `#move` line."""
 
-    def error(found: str, allowed: str) -> TargetProgramError:
+    def error(found: str, allowed: str) -> AbbError:
         return TargetProgramError(
             f"motion {index} has {found}, allowed is {allowed}: correct the milling program", motion=index
         )

@@ -1,11 +1,4 @@
-"""Why a calibration fails.
-
-LocalizationError
-`-- 230 CalibrationError
-    |-- 231 TooFewPictures     too few usable pictures of the chessboard
-    |-- 232 PoorlySpread       the pictures leave a parameter open
-    `-- 233 BadCalibrationFile pictures or the list of moves cannot be read
-"""
+"""Why a calibration fails."""
 
 from __future__ import annotations
 
@@ -18,19 +11,6 @@ class CalibrationError(LocalizationError):
     code = 230
 
 
-class TooFewPictures(CalibrationError):
-    """Too few usable pictures."""
-
-    code = 231
-
-
-class PoorlySpread(CalibrationError):
-    """The pictures leave a parameter open."""
-
-    code = 232
-
-
-class BadCalibrationFile(CalibrationError):
-    """Pictures or the list of moves cannot be read."""
-
-    code = 233
+TooFewPictures = CalibrationError.row("TooFewPictures", 231, "Too few usable pictures.")
+PoorlySpread = CalibrationError.row("PoorlySpread", 232, "The pictures leave a parameter open.")
+BadCalibrationFile = CalibrationError.row("BadCalibrationFile", 233, "Pictures or the moves cannot be read.")

@@ -1,16 +1,4 @@
-"""Why the readings of a door sensor give no pose.
-
-LocalizationError
-`-- 220 SensorError
-    |-- 221 BadSensorFile   the sensor's file lacks a key or holds a value out of bounds
-    |-- 222 BadReading      a reading of the wrong shape or size
-    |-- 223 BeamMissed      a distance sensor has nothing inside its range
-    |-- 224 Undetermined    the readings leave a degree of freedom open
-    |-- 225 NotConverged    no door pose explains the readings
-    |-- 226 Contradiction   the readings contradict each other
-    |-- 227 PoseOutOfRange  the pose lies beyond what the clamp can hold
-    `-- 228 EdgeNotFound    a picture shows no edge where one must be
-"""
+"""Why the readings of a door sensor give no pose."""
 
 from __future__ import annotations
 
@@ -23,49 +11,13 @@ class SensorError(LocalizationError):
     code = 220
 
 
-class BadSensorFile(SensorError):
-    """The sensor's file lacks a key or holds a value out of bounds."""
-
-    code = 221
-
-
-class BadReading(SensorError):
-    """A reading of the wrong shape or size."""
-
-    code = 222
-
-
-class BeamMissed(SensorError):
-    """A distance sensor has nothing inside its range."""
-
-    code = 223
-
-
-class Undetermined(SensorError):
-    """The readings leave a degree of freedom open that the sensor claims to see."""
-
-    code = 224
-
-
-class NotConverged(SensorError):
-    """No door pose explains the readings."""
-
-    code = 225
-
-
-class Contradiction(SensorError):
-    """The readings contradict each other by more than their noise."""
-
-    code = 226
-
-
-class PoseOutOfRange(SensorError):
-    """The pose lies beyond what the clamp can hold."""
-
-    code = 227
-
-
-class EdgeNotFound(SensorError):
-    """A picture shows no edge of the door where one must be."""
-
-    code = 228
+BadSensorFile = SensorError.row("BadSensorFile", 221, "The sensor's file lacks a key or is out of bounds.")
+BadReading = SensorError.row("BadReading", 222, "A reading of the wrong shape or size.")
+BeamMissed = SensorError.row("BeamMissed", 223, "A distance sensor has nothing inside its range.")
+Undetermined = SensorError.row("Undetermined", 224, "The readings leave a freedom open that the sensor sees.")
+NotConverged = SensorError.row("NotConverged", 225, "No door pose explains the readings.")
+Contradiction = SensorError.row(
+    "Contradiction", 226, "The readings contradict each other beyond their noise."
+)
+PoseOutOfRange = SensorError.row("PoseOutOfRange", 227, "The pose lies beyond what the clamp can hold.")
+EdgeNotFound = SensorError.row("EdgeNotFound", 228, "A picture shows no edge of the door where one must be.")

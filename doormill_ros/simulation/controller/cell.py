@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from doormill_ros.abb.errors import SignalError
 from doormill_ros.abb.signals import ALL_SIGNALS
+from doormill_ros.simulation.controller.errors import SignalError
 from doormill_ros.simulation.controller.io_port import IoPort
 
 _TYPES = {"DI": "signaldi", "DO": "signaldo", "AI": "signalai", "AO": "signalao"}

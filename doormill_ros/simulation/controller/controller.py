@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from doormill_ros.abb.errors import RapidStoppedError
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import inverse, quaternion_wxyz
 from doormill_ros.resources import resource
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.cell import SimulatedCell, read_io_configuration
+from doormill_ros.simulation.controller.errors import RapidStoppedError
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.controller.io_port import IoPort, MemoryIo
 from doormill_ros.simulation.controller.motion import MotionEngine, Sampling

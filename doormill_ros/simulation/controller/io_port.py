@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 from typing import Protocol
 
-from doormill_ros.abb.errors import SignalError
 from doormill_ros.abb.signals import ALL_SIGNALS, HIGH, IO_FOLDER, LOW
+from doormill_ros.simulation.controller.errors import SignalError
 
 
 class IoPort(Protocol):

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.abb.errors import RapidMotionError
+from doormill_ros.abb.errors import AbbError
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import from_wxyz, inverse
 from doormill_ros.simulation.controller.arm import QUARTER, ControllerArm
 from doormill_ros.simulation.controller.curves import Arc, Curve, Line
+from doormill_ros.simulation.controller.errors import RapidMotionError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.units import deg_to_rad, mm_to_m, rad_to_deg
 
@@ -244,7 +245,7 @@ class MovePlanner:
                 "a mass of 0.001 kg and more off the flange",
             )
 
-    def _error(self, move: Move, found: str, allowed: str) -> RapidMotionError:
+    def _error(self, move: Move, found: str, allowed: str) -> AbbError:
         text = f"{move.file}, line {move.line}: {move.kind}: {found}, allowed is {allowed}: correct path or recipe"
         self._log("error", "motion supervision", text)
         return RapidMotionError(text, file=move.file, line=move.line, kind=move.kind)

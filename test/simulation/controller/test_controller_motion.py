@@ -10,13 +10,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from doormill_ros.abb.errors import RapidMotionError, RapidRuntimeError, RapidStoppedError
 from doormill_ros.robot.configuration import conf_data
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.inverse import inverse
 from doormill_ros.simulation.controller import controller as controller_module
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.curves import Arc, Line
+from doormill_ros.simulation.controller.errors import RapidMotionError, RapidRuntimeError, RapidStoppedError
 from doormill_ros.simulation.controller.io_port import FolderIo
 from doormill_ros.simulation.controller.moves import MotionContext
 from doormill_ros.simulation.controller.process import Process, no_wrench

@@ -9,15 +9,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from doormill_ros.abb.errors import (
-    AbbError,
+from doormill_ros.abb.errors import AbbError
+from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
+from doormill_ros.resources import resource
+from doormill_ros.simulation.controller.errors import (
     RapidProgramError,
     RapidStoppedError,
     RapidSyntaxError,
     RapidUnsupportedError,
 )
-from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
-from doormill_ros.resources import resource
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import Program
 

@@ -8,7 +8,8 @@ from typing import Any
 
 from lark import Token, Transformer, Tree, v_args
 
-from doormill_ros.abb.errors import RapidSyntaxError, RapidUnsupportedError
+from doormill_ros.abb.errors import AbbError
+from doormill_ros.simulation.controller.errors import RapidSyntaxError, RapidUnsupportedError
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.types import STRING_LENGTH
 
@@ -39,7 +40,7 @@ class _Builder(Transformer):
         super().__init__()
         self._file = file
 
-    def _unsupported(self, what: str, line: int, instead: str) -> RapidUnsupportedError:
+    def _unsupported(self, what: str, line: int, instead: str) -> AbbError:
         return RapidUnsupportedError(
             f"{self._file}, line {line}: {what} is outside the executed subset of RAPID: {instead}",
             file=self._file,
@@ -47,7 +48,7 @@ class _Builder(Transformer):
             construct=what,
         )
 
-    def _syntax(self, line: int, found: str, allowed: str) -> RapidSyntaxError:
+    def _syntax(self, line: int, found: str, allowed: str) -> AbbError:
         return RapidSyntaxError(
             f"{self._file}, line {line}: found {found}, allowed is {allowed}: correct the module",
             file=self._file,

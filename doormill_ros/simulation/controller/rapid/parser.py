@@ -10,7 +10,8 @@ from typing import Any
 from lark import Lark, Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from lark.exceptions import VisitError
 
-from doormill_ros.abb.errors import AbbError, RapidSyntaxError
+from doormill_ros.abb.errors import AbbError
+from doormill_ros.simulation.controller.errors import RapidSyntaxError
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.builder import build
 
@@ -100,7 +101,7 @@ def _keyword(token: Token) -> Token:
     return Token.new_borrow_pos(_KEYWORDS.get(token.upper(), "NAME"), str(token), token)
 
 
-def _syntax_error(error: UnexpectedInput, text: str, file: str) -> RapidSyntaxError:
+def _syntax_error(error: UnexpectedInput, text: str, file: str) -> AbbError:
     """Say where, what was found and what could have stood there."""
     if isinstance(error, UnexpectedCharacters):
         found, expected = repr(error.char), error.allowed or set()
@@ -129,7 +130,7 @@ def _plain_name(terminal: str) -> str:
     return f"'{pattern.value}'" if pattern.type == "str" else terminal.lower()
 
 
-def _too_deep(file: str) -> RapidSyntaxError:
+def _too_deep(file: str) -> AbbError:
     return RapidSyntaxError(
         f"{file}: expressions or blocks are nested too deeply, allowed are about 100 levels: simplify",
         file=file,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from doormill_ros.abb.errors import RapidProgramError
+from doormill_ros.simulation.controller.errors import RapidProgramError
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.machine import Machine
 from doormill_ros.simulation.controller.rapid.types import AnyType, ArrayType, Type, Value
