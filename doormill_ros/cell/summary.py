@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.files import write_atomically
 
 SCHEMA = "doormill/run/1"
 TOLERANCE = 0.5e-3  # m, section 1.3 of the thesis
@@ -52,9 +53,7 @@ class RunSummary:
 
     def write(self, path: Path) -> None:
         """Write the file at once, so that no reader sees half of it."""
-        part = path.with_suffix(".part")
-        part.write_text(json.dumps({"schema": SCHEMA, **asdict(self)}, indent=2) + "\n", encoding="utf-8")
-        part.replace(path)
+        write_atomically(path, json.dumps({"schema": SCHEMA, **asdict(self)}, indent=2) + "\n")
 
 
 def localization_error(found: DoorOffset, true: DoorOffset) -> DoorOffset:

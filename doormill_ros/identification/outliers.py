@@ -15,15 +15,12 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.identification.weighted import StiffnessFit, fit_stiffness
 from doormill_ros.measurements.loading import Loadings
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.statistics import GROSS_SHARE, huber_weights, median_length
 
 #: Residual of a loading, in what is usual for the set, beyond which it counts as wrong.
 FAR = 6.0
-#: Largest share of loadings that can be wrong; more than that is structure, not gross error.
-LARGEST_SHARE = 0.1
 _HUBER = 2.0
 _ROUNDS = 25
-#: Median of the length of three independent standard normal numbers.
-_MEDIAN_LENGTH = 1.5382
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +52,10 @@ def fit_without_outliers(kinematics: Kinematics, loadings: Loadings) -> RobustFi
         far = _distance(fit_stiffness(kinematics, widened), plain_std)
         if np.allclose(far, last, rtol=1e-3, atol=1e-3):
             break
-        widen = np.sqrt(np.maximum(1.0, far / _HUBER))
-        widened = replace(loadings, displacement_std=plain_std * widen[:, None])
+        narrow = np.sqrt(huber_weights(far, _HUBER))
+        widened = replace(loadings, displacement_std=plain_std / narrow[:, None])
     order = np.argsort(far)[::-1]
-    most = int(LARGEST_SHARE * len(loadings))
+    most = int(GROSS_SHARE * len(loadings))
     outliers = order[:most][far[order[:most]] > FAR]
     kept = np.setdiff1d(np.arange(len(loadings)), outliers)
     return RobustFit(fit_stiffness(kinematics, loadings.pick(kept)), kept, outliers)
@@ -66,5 +63,5 @@ def fit_without_outliers(kinematics: Kinematics, loadings: Loadings) -> RobustFi
 
 def _distance(fit: StiffnessFit, displacement_std: FloatArray) -> FloatArray:
     """Length of each loading's residual, 1 being usual for the set or for its declared noise, whichever is more."""
-    length = np.linalg.norm(fit.residual / displacement_std, axis=1) / _MEDIAN_LENGTH
+    length = np.linalg.norm(fit.residual / displacement_std, axis=1) / median_length(3)
     return length / max(1.0, float(np.median(length)))

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.localization.robust import column_medians
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
+from doormill_ros.statistics import column_medians
 
 ACROSS, ALONG = 4, 8  # pixels averaged for the search, across the edge and along it
 WING = 2  # samples averaged on each side of a step

@@ -23,8 +23,8 @@ from doormill_ros.localization.errors import (
 )
 from doormill_ros.localization.fit import LineFit, PoseFit
 from doormill_ros.localization.profiles import WHITE, Profiles
-from doormill_ros.localization.robust import share
 from doormill_ros.localization.settings import LocalizerSettings
+from doormill_ros.statistics import share
 from doormill_ros.units import m_to_mm, rad_to_deg
 
 _MOST_WHITE = 0.6  # share of clipped pixels in a picture

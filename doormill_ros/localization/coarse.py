@@ -14,8 +14,8 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find_steps, reduced
 from doormill_ros.localization.errors import NoEdge, WrongEdge
-from doormill_ros.localization.robust import median
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
+from doormill_ros.statistics import median
 
 _MARGIN = 2.0e-3  # how far beyond the largest displacement of an edge the search reaches [m]
 _INSIDE = 30.0e-3  # how much of the face beside an edge serves to learn its texture [m]

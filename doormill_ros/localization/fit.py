@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.localization.robust import median
+from doormill_ros.statistics import NORMAL_STD, median
 
 _PIECE = 6.0e-3  # length over which deviations are averaged [m]; a sawn edge wanders over 2 mm
 # Of Gaussian wander over 2 mm, averages over 6 mm hold a fifth too little variance; the biweight and the
@@ -89,7 +89,7 @@ def fit_line(
     every = (x, y)
     x, y, residual = x[::thin], y[::thin], residual[::thin]
     for step in range(-2, rounds):
-        scale = 1.4826 * median(np.abs(residual)) + _FINEST
+        scale = NORMAL_STD * median(np.abs(residual)) + _FINEST
         if step < 0:  # the guess may be off by more than the scatter: least absolute distances
             weight = scale / np.maximum(np.abs(residual), scale)
         else:
@@ -133,7 +133,7 @@ def _unchipped(along: FloatArray, residual: FloatArray, weight: FloatArray) -> F
     sums[:, last:] = sums[:, last - 1 : last]
     part = sums[:, 2 * half + 1 :] - sums[:, : along.size]
     average = np.abs(part[0] / part[1])
-    limit = _CHIP_CUT * (1.4826 * median(average) + _FINEST)
+    limit = _CHIP_CUT * (NORMAL_STD * median(average) + _FINEST)
     return np.minimum(np.maximum(2 - 2 * average / limit, 0.0), 1.0)
 
 

@@ -12,9 +12,9 @@ from functools import lru_cache
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.localization.robust import median
 from doormill_ros.localization.texture import PHASES, phase_places, step_design
 from doormill_ros.localization.view import HINGE, FaceView
+from doormill_ros.statistics import median
 
 WHITE = 253  # grey level from which a pixel counts as clipped
 _ALONG = np.linspace(0.0, 1.0, 32)  # nodes along an edge; between them its picture is straight enough

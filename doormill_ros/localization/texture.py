@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.localization.robust import median
+from doormill_ros.statistics import NORMAL_STD, median
 
 PHASES = 4  # sub-pixel phases for which weights are kept
 PIXEL_VARIANCE = 1.0 / 12.0  # what the pixel's own width adds to the point spread [px^2]
@@ -168,7 +168,7 @@ def step_inside(common: FloatArray, step: float) -> int | None:
     """
     sums = np.concatenate([[0.0], np.cumsum(common)])
     steps = (sums[2 * _ARM :] + sums[: -2 * _ARM] - 2 * sums[_ARM:-_ARM]) / _ARM
-    usual = 1.4826 * median(np.abs(steps))
+    usual = NORMAL_STD * median(np.abs(steps))
     at = int(np.argmax(np.abs(steps)))
     if abs(steps[at]) < max(_INNER_USUAL * usual, _INNER_SHARE * abs(step), _INNER_LEAST):
         return None

@@ -11,10 +11,10 @@ from doormill_ros.localization import checks
 from doormill_ros.localization.blur import Spread, edge_spread, textured_blur
 from doormill_ros.localization.fit import LineFit, fit_line, pooled
 from doormill_ros.localization.profiles import Profiles, crossing, gather, measure, plain_weights
-from doormill_ros.localization.robust import column_medians, median, share
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.localization.texture import push, step_inside, step_weights, streaks, surface
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
+from doormill_ros.statistics import NORMAL_STD, column_medians, median, share
 
 _WIDE_BLUR, _WIDE_HALF = 3.0, 12  # px; wide enough to catch an edge four pixels from where the search has it
 _EVERY = 6  # rows left out while focusing in
@@ -106,7 +106,7 @@ def _lens(picture: FloatArray, view: FaceView, pose: FloatArray, wide: Profiles,
     lines, at = crossing(view, edge, pose, 0, -5.0e-3)
     shift = np.interp(wide.lines, lines, at) - wide.centre
     off = np.abs(line.residuals)
-    spread = edge_spread(wide, shift, off < _CLEAR * 1.4826 * median(off[line.inliers]))
+    spread = edge_spread(wide, shift, off < _CLEAR * NORMAL_STD * median(off[line.inliers]))
     gap = int(np.ceil(3.0 * spread.blur)) + 2
     span = np.arange(-gap - _LOOK_INSIDE, gap + _BACK_STRIP + 1)
     values = gather(picture, edge, wide.lines, wide.centre, span).astype(np.float32)

@@ -15,6 +15,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.errors import NotSteadyError
 from doormill_ros.measurements.raw_files import Recording
+from doormill_ros.statistics import NORMAL_STD
 
 _BLOCKS = 40
 _SMALLEST_BLOCK = 4
@@ -91,9 +92,9 @@ def _block_scatter(values: FloatArray, means: FloatArray, size: int) -> FloatArr
     and must not look like scatter. Never less than what sample noise and the last printed digit allow.
     """
     step = np.diff(means, axis=0)
-    between = 1.4826 * np.median(np.abs(step - np.median(step, axis=0)), axis=0) / np.sqrt(2.0)
+    between = NORMAL_STD * np.median(np.abs(step - np.median(step, axis=0)), axis=0) / np.sqrt(2.0)
     jump = np.diff(values, axis=0)
-    white = 1.4826 * np.median(np.abs(jump - np.median(jump, axis=0)), axis=0) / np.sqrt(2.0 * size)
+    white = NORMAL_STD * np.median(np.abs(jump - np.median(jump, axis=0)), axis=0) / np.sqrt(2.0 * size)
     rounding = np.spacing(np.abs(values).max(axis=0)) + 1e-12
     return np.maximum(np.maximum(between, white), rounding)
 

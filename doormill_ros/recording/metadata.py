@@ -8,6 +8,8 @@ from typing import Any
 
 import yaml
 
+from doormill_ros.files import write_atomically
+
 VERSION = 9
 
 
@@ -91,6 +93,4 @@ class BagRecord:
 
     def write(self, folder: Path) -> None:
         """Replace metadata.yaml at once, so that a reader never sees half of it."""
-        part = folder / "metadata.yaml.part"
-        part.write_text(yaml.safe_dump(self.document(), sort_keys=False), encoding="utf-8")
-        part.replace(folder / "metadata.yaml")
+        write_atomically(folder / "metadata.yaml", yaml.safe_dump(self.document(), sort_keys=False))

@@ -10,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from doormill_ros import __version__
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.files import write_atomically
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.report.door_figure import door_figure
 from doormill_ros.report.figures import correction_figure, deviation_figure, picture_url
@@ -148,6 +149,4 @@ def write_report(bag: Path, path: Path) -> None:
     Raises:
         BagError: The bag cannot be read or holds no run.
     """
-    part = path.with_suffix(".part")
-    part.write_text(render_report(read_run(bag)), encoding="utf-8")
-    part.replace(path)
+    write_atomically(path, render_report(read_run(bag)))

@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.abb.atomic_file import write_atomically
 from doormill_ros.abb.errors import (
     AbbError,
     StaleRunError,
@@ -34,7 +33,7 @@ from doormill_ros.abb.target_file.checksum import (
     checksum,
 )
 from doormill_ros.abb.target_file.line import format_line, parse_line
-from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
+from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file, write_target_file
 from doormill_ros.frames import transform
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
@@ -325,9 +324,9 @@ def test_the_checksum_tells_close_contents_apart():
 
 def test_a_file_is_replaced_whole_or_not_at_all(tmp_path: Path, monkeypatch):
     path = tmp_path / "Hei2.txt"
-    write_atomically(path, b"old\n")
+    write_target_file(path, b"old\n")
     assert path.read_bytes() == b"old\n"
-    write_atomically(path, b"new\n")
+    write_target_file(path, b"new\n")
     assert path.read_bytes() == b"new\n"
 
     import os
@@ -337,7 +336,7 @@ def test_a_file_is_replaced_whole_or_not_at_all(tmp_path: Path, monkeypatch):
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(TargetFileWriteError, match="No space left"):
-        write_atomically(path, b"newer\n")
+        write_target_file(path, b"newer\n")
     monkeypatch.undo()
     assert path.read_bytes() == b"new\n"
     assert [p.name for p in tmp_path.iterdir()] == ["Hei2.txt"]
@@ -348,13 +347,13 @@ def test_what_reads_back_differently_is_noticed(tmp_path: Path, monkeypatch):
     real = Path.read_bytes
     monkeypatch.setattr(Path, "read_bytes", lambda self: real(self).replace(b"7", b"1"))
     with pytest.raises(TargetFileWriteError, match="first differs at byte 2"):
-        write_atomically(path, b"157\n")
+        write_target_file(path, b"157\n")
     assert not path.exists()
 
 
 def test_a_missing_folder_is_named(tmp_path: Path):
     with pytest.raises(TargetFileWriteError, match="No such file"):
-        write_atomically(tmp_path / "no" / "Hei2.txt", b"x")
+        write_target_file(tmp_path / "no" / "Hei2.txt", b"x")
 
 
 def test_a_target_needs_no_trailer_to_be_read(program):

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
-from doormill_ros.abb.atomic_file import write_atomically
 from doormill_ros.abb.errors import (
     StaleRunError,
     TargetFileChecksumError,
     TargetFileCutShortError,
+    TargetFileWriteError,
     TargetLineError,
     WrongDoorError,
 )
@@ -29,9 +30,10 @@ from doormill_ros.abb.target_file.trailer import (
     TrailerReader,
     format_trailer,
 )
+from doormill_ros.files import ReadBackError, write_atomically
 from doormill_ros.toolpath.program import MillingProgram, Motion
 
-__all__ = ["MAX_FILE_SIZE", "TargetFile", "read_target_file", "render_target_file", "write_atomically"]
+__all__ = ["MAX_FILE_SIZE", "TargetFile", "read_target_file", "render_target_file", "write_target_file"]
 
 #: More than the largest file that the counts allow; what is larger is not read line by line.
 MAX_FILE_SIZE = 1_000_000
@@ -98,6 +100,34 @@ def render_target_file(program: MillingProgram, run_id: str) -> bytes:
     lines += format_trailer(trailer)
     a, b = checksum(lines)
     return _join([*lines, f"{MARK}sum [{a},{b}]"])
+
+
+def write_target_file(path: Path, data: bytes) -> None:
+    """Replace a target file in one step; what was written is read back and survives a power cut.
+
+    On a failure `path` keeps what it held.
+
+    Args:
+        path: File to replace or create; its folder exists.
+        data: Bytes of the whole file.
+
+    Raises:
+        TargetFileWriteError: The content could not be written, reads back differently, or the
+            rename failed.
+    """
+    try:
+        write_atomically(path, data, durable=True, verify=True)
+    except ReadBackError as error:
+        raise TargetFileWriteError(
+            str(error), path=str(error.path), size=error.size, found=error.found
+        ) from error
+    except OSError as error:
+        raise TargetFileWriteError(
+            f"{path} could not be written ({error.strerror or error}); allowed is a writable folder with "
+            f"{len(data)} free bytes: check the folder, its rights and the disk",
+            path=str(path),
+            size=len(data),
+        ) from error
 
 
 def read_target_file(data: bytes, *, trailer: bool = True) -> TargetFile:

@@ -31,8 +31,10 @@ from doormill_ros.abb.link_errors import (
 )
 from doormill_ros.abb.transport import check_file_name
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
+from doormill_ros.files import write_atomically
 
 LOCK_FILE = ".doormill_ros.lock"
+LEFT_OVER = ".doormill-tmp"  # ends the name of a file that a killed bridge was writing
 # A reader on another machine can meet the instant between truncation and content when the other side
 # does not replace its signal file; that passes within a few milliseconds.
 _TORN_READS = 5
@@ -148,7 +150,7 @@ class SharedFolderTransport:
             self._io.mkdir(exist_ok=True)
             self._lock = os.open(self._folder / LOCK_FILE, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
             _lock(self._lock, self._folder)
-            for left_over in (*self._folder.glob(".*.doormill-tmp"), *self._io.glob(".*.doormill-tmp")):
+            for left_over in (*self._folder.glob(f".*{LEFT_OVER}"), *self._io.glob(f".*{LEFT_OVER}")):
                 left_over.unlink(missing_ok=True)
         except OSError as error:
             raise FolderMissingError(
@@ -198,15 +200,11 @@ class SharedFolderTransport:
             ) from error
 
     def _replace(self, path: Path, data: bytes) -> None:
-        temporary = path.with_name(f".{path.name}.{os.getpid()}.doormill-tmp")
         try:
             # Not flushed to the medium: after a power cut nobody reads a stale file, because a start
             # clears; and network file systems report a full disk when the file is closed.
-            temporary.write_bytes(data)
-            os.replace(temporary, path)
+            write_atomically(path, data, suffix=LEFT_OVER)
         except OSError as error:
-            with contextlib.suppress(OSError):
-                temporary.unlink(missing_ok=True)
             cause = "the disk is full" if error.errno in (errno.ENOSPC, errno.EDQUOT) else error.strerror
             raise UploadError(
                 f"{path} cannot be written ({len(data)} bytes): {cause}; free space or check the share",

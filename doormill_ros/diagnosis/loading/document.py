@@ -10,6 +10,7 @@ import yaml
 
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.diagnosis.loading.finding import Finding
+from doormill_ros.files import write_atomically
 from doormill_ros.robot_model.extended_model import SizedCause, model_document
 
 SCHEMA = "doormill/diagnosis/1"
@@ -70,9 +71,7 @@ def write_diagnosis(out: Path, document: dict[str, Any], model: dict[str, Any], 
         "diagnosis.json": json.dumps(document, indent=2, allow_nan=False) + "\n",
     }
     for name, text in contents.items():
-        part = out / f".{name}.part"
-        part.write_text(text, encoding="utf-8")
-        part.replace(out / name)
+        write_atomically(out / name, text)
 
 
 def extended_model_document(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.calibration.chessboard import Chessboard
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
+from doormill_ros.statistics import NORMAL_STD
 
 _FEWEST = 6
 _BAD = 3.5  # robust standard deviations of the pictures' errors above their median
@@ -76,7 +77,7 @@ def calibrate_intrinsics(
         fit = _fit(points, seen, size, radial)
         errors = fit[7].ravel()
         centre = float(np.median(errors))
-        scatter = 1.4826 * float(np.median(np.abs(errors - centre)))
+        scatter = NORMAL_STD * float(np.median(np.abs(errors - centre)))
         worst = int(np.argmax(errors))
         if errors[worst] <= max(centre + _BAD * scatter, _LEAST_BAD * centre):
             break

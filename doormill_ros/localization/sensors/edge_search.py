@@ -9,6 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.sensors.errors import EdgeNotFound
+from doormill_ros.statistics import NORMAL_STD
 
 _AGREE = 3.0  # px from the line that a coarse point may stand off
 _WINDOW = 8.0  # px on both sides of the edge that the fine search looks at
@@ -122,4 +123,4 @@ def _near(along: FloatArray, position: FloatArray, good: FloatArray) -> FloatArr
         return good
     slope, start = np.polyfit(along[good], position[good], 1)
     off = np.abs(position - start - slope * along)
-    return off < 4.0 * max(1.4826 * float(np.median(off[good])), 0.05)
+    return off < 4.0 * max(NORMAL_STD * float(np.median(off[good])), 0.05)

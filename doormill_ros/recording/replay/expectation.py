@@ -11,6 +11,7 @@ from typing import Any
 
 import yaml
 
+from doormill_ros.files import write_atomically
 from doormill_ros.recording.errors import BadExpectationError
 from doormill_ros.recording.replay.answer import STAGES, Answer
 
@@ -62,8 +63,6 @@ def write_expectation(bag: Path, answers: Answers) -> Path:
         for run_id, of_run in answers.items()
     }
     path = bag / FILE
-    part = path.with_suffix(".part")
     document = {"schema": SCHEMA, "runs": runs}
-    part.write_text(yaml.dump(document, Dumper=_Dumper, sort_keys=False, width=4096), encoding="utf-8")
-    part.replace(path)
+    write_atomically(path, yaml.dump(document, Dumper=_Dumper, sort_keys=False, width=4096))
     return path

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
-import secrets
 import threading
 import time
 from pathlib import Path
 from typing import Protocol
 
 from doormill_ros.abb.signals import ALL_SIGNALS, HIGH, IO_FOLDER, LOW
+from doormill_ros.files import write_atomically
 from doormill_ros.simulation.controller.errors import SignalError
 
 
@@ -110,12 +108,7 @@ class FolderIo:
     def write(self, name: str, value: int) -> None:
         """Replace the signal's file."""
         check_signal(name, value)
-        beside = self._folder / f".{name}.{secrets.token_hex(4)}.part"
         try:
-            beside.write_bytes(HIGH if value else LOW)
-            os.replace(beside, self._folder / name)
+            write_atomically(self._folder / name, HIGH if value else LOW)
         except OSError as error:
             raise SignalError(f"signal {name} cannot be written: {error.strerror}", name=name) from error
-        finally:
-            with contextlib.suppress(OSError):
-                beside.unlink(missing_ok=True)

@@ -6,14 +6,13 @@ shared folder works on the same cabinet, and a change it makes becomes an event 
 
 from __future__ import annotations
 
-import os
-import threading
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
 
 from doormill_ros.abb import signals
+from doormill_ros.files import write_atomically
 
 
 class AccessLevel(str, Enum):
@@ -95,7 +94,4 @@ class Cabinet:
 
     def set_value(self, name: str, value: int) -> None:
         """Replace the signal's file in one step."""
-        path = self.home / signals.IO_FOLDER / name
-        temporary = path.with_name(f".{name}.{os.getpid()}.{threading.get_ident()}.tmp")
-        temporary.write_bytes(signals.HIGH if value else signals.LOW)
-        os.replace(temporary, path)
+        write_atomically(self.home / signals.IO_FOLDER / name, signals.HIGH if value else signals.LOW)

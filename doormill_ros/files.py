@@ -1,0 +1,86 @@
+"""Replace a file in one step, so that a reader finds the old content or the new one and nothing between."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+from pathlib import Path
+
+
+class ReadBackError(OSError):
+    """A file that holds something else than what was just written into it.
+
+    Attributes:
+        path: The file that was read back.
+        size: Bytes written.
+        found: Bytes read back.
+        position: First byte that differs.
+    """
+
+    def __init__(self, path: Path, data: bytes, found: bytes) -> None:
+        """Compare what was written with what was found."""
+        pairs = enumerate(zip(found, data, strict=False))
+        self.position = next((i for i, (a, b) in pairs if a != b), min(len(found), len(data)))
+        self.path, self.size, self.found = path, len(data), len(found)
+        super().__init__(
+            f"{path} reads back with {self.found} bytes and first differs at byte {self.position}, "
+            f"written were {self.size} bytes: check that nothing else writes there, and the disk"
+        )
+
+
+def write_atomically(
+    path: Path, content: bytes | str, *, durable: bool = False, verify: bool = False, suffix: str = ".part"
+) -> None:
+    """Write a file beside `path` and rename it over `path`.
+
+    On any failure before the rename `path` keeps what it held; the file beside it is always removed.
+
+    Args:
+        path: File to replace or create; its folder exists.
+        content: The whole new content; text is written as UTF-8.
+        durable: True when the new content must survive a power cut right after the call.
+        verify: True to read the content back, before the rename and after it.
+        suffix: End of the name beside `path`, by which an owner of the folder knows what a killed
+            writer left.
+
+    Raises:
+        OSError: The file cannot be written or renamed.
+        ReadBackError: It reads back differently.
+    """
+    path = Path(path)
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    # A hidden name that no reader asks for; random, so that two writers never share one.
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}{suffix}")
+    try:
+        beside.write_bytes(data)
+        if durable:
+            _flush(beside)
+        if verify:
+            _compare(beside, data)
+        os.replace(beside, path)
+        if durable:
+            # Makes the rename survive, where the system can do that for a folder.
+            with contextlib.suppress(OSError):
+                _flush(path.parent)
+        if verify:
+            _compare(path, data)
+    finally:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+
+
+def _compare(path: Path, data: bytes) -> None:
+    """Raise unless the file holds exactly `data`."""
+    found = path.read_bytes()
+    if found != data:
+        raise ReadBackError(path, data, found)
+
+
+def _flush(path: Path) -> None:
+    """Bring a file or folder onto its medium."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

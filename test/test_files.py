@@ -1,0 +1,53 @@
+"""A file is replaced in one step: the old content or the new one, and no rest beside it."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+import pytest
+
+from doormill_ros.files import ReadBackError, write_atomically
+
+
+def test_text_and_bytes_replace_what_was_there(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    write_atomically(path, "öld\n")
+    assert path.read_bytes() == "öld\n".encode()
+    write_atomically(path, b"new", durable=True, verify=True)
+    assert path.read_bytes() == b"new"
+    assert [p.name for p in tmp_path.iterdir()] == ["a.json"]
+
+
+def test_a_failed_rename_keeps_the_old_content_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.json"
+    write_atomically(path, "old")
+    beside: list[str] = []
+
+    def full(source: Path, _target: Path) -> None:
+        beside.append(source.name)
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OSError, match="No space left"):
+        write_atomically(path, "new", suffix=".mine")
+    assert len(beside) == 1
+    assert beside[0].startswith(".a.json.")
+    assert beside[0].endswith(".mine")
+    assert path.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["a.json"]
+
+
+def test_a_file_cut_short_is_noticed_before_the_rename(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.txt"
+    real = Path.read_bytes
+    monkeypatch.setattr(Path, "read_bytes", lambda self: real(self)[:2])
+    with pytest.raises(ReadBackError, match="2 bytes and first differs at byte 2") as caught:
+        write_atomically(path, "1234", verify=True)
+    assert (caught.value.size, caught.value.found, caught.value.position) == (4, 2, 2)
+    assert not path.exists()
