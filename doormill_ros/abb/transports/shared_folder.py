@@ -14,7 +14,7 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.link_errors import (
@@ -22,6 +22,7 @@ from doormill_ros.abb.link_errors import (
     FileMissingError,
     FolderInUseError,
     FolderMissingError,
+    LinkError,
     ReadTimeoutError,
     RemoveError,
     SignalReadError,
@@ -31,6 +32,8 @@ from doormill_ros.abb.link_errors import (
 )
 from doormill_ros.abb.transport import check_file_name
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
+
+T = TypeVar("T")
 
 LOCK_FILE = ".doormill_ros.lock"
 # A reader on another machine can meet the instant between truncation and content when the other side
@@ -126,7 +129,7 @@ class SharedFolderTransport:
             self._lock = None
         self._worker.close()
 
-    def _bounded(self, function: Callable[[], Any], timeout_error: type, doing: str) -> Any:
+    def _bounded(self, function: Callable[[], T], timeout_error: type[LinkError], doing: str) -> T:
         try:
             return self._worker.call(function, self._timeout)
         except CallTimeout:
