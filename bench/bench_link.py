@@ -13,9 +13,9 @@ from doormill_ros.abb import signals
 from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.state import HandshakeState
-from doormill_ros.abb.target_file.handover_check import check_handover
+from doormill_ros.abb.target_file.target_file import check_handover
 from doormill_ros.abb.transport import Transport
-from doormill_ros.abb.transports.rws1 import connect_rws1
+from doormill_ros.abb.transports.rws import connect_rws1
 from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
 from doormill_ros.simulation.controller.rws_server.cabinet import (
     AccessLevel,

@@ -15,9 +15,8 @@ from doormill_interfaces.msg import AbbStatus, TargetArray
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
-from doormill_ros.abb.target_file.handover_check import check_handover
-from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.abb.transports.registry import TransportOptions, open_transport
+from doormill_ros.abb.target_file.target_file import check_handover, render_target_file
+from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
 from doormill_ros.errors import DoormillError
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.program import program_of
@@ -38,7 +37,7 @@ class AbbBridge(ManagedNode):
     """Owns the handshake with the controller; nothing else writes the target file or the ready signal."""
 
     PARAMETERS = (
-        Parameter("transport", "shared_folder", "way to the controller: shared_folder, rws1, rws2"),
+        Parameter("transport", "shared_folder", f"way to the controller: {', '.join(TRANSPORTS)}"),
         Parameter("address", "out/controller/HOME", "folder of shared_folder, URL of rws1 and rws2"),
         Parameter("certificate", "", "PEM file with the controller's certificate, for rws2"),
         Parameter("insecure", False, "trust any certificate of the controller, for rws2"),

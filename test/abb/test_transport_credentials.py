@@ -27,8 +27,7 @@ from doormill_ros.abb.link_errors import (
     LinkError,
     LoginError,
 )
-from doormill_ros.abb.transports.rws1 import connect_rws1
-from doormill_ros.abb.transports.rws2 import connect_rws2
+from doormill_ros.abb.transports.rws import connect_rws1, connect_rws2
 from doormill_ros.simulation.controller.rws_server.app import Behaviour
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer

@@ -33,9 +33,7 @@ from doormill_ros.abb.link_errors import (
 )
 from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports import rws_http
-from doormill_ros.abb.transports.rws import RwsTransport
-from doormill_ros.abb.transports.rws1 import connect_rws1
-from doormill_ros.abb.transports.rws2 import connect_rws2
+from doormill_ros.abb.transports.rws import RwsTransport, connect_rws1, connect_rws2
 from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2
 from doormill_ros.abb.transports.rws_http import LinkTimeouts, map_http_error, tls_context
 from doormill_ros.simulation.controller.rws_server.cabinet import (

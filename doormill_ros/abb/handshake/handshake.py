@@ -18,8 +18,7 @@ from typing import Any
 from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.backoff import Backoff
 from doormill_ros.abb.handshake.access import ControllerAccess
-from doormill_ros.abb.handshake.inbox import Inbox, Submission
-from doormill_ros.abb.handshake.runs import RunLedger
+from doormill_ros.abb.handshake.inbox import Inbox, RunLedger, Submission
 from doormill_ros.abb.handshake.state import CLEARED, HandshakeSnapshot, HandshakeTimeouts, RunOutcome
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import LinkError

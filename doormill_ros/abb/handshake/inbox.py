@@ -1,4 +1,4 @@
-"""What other threads ask of the handshake: files to hand over and orders to give up."""
+"""What other threads ask of the handshake: to hand over a file, to give up, and how a run ended."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import threading
 from dataclasses import dataclass
 
 from doormill_ros.abb import signals
-from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState
+from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, RunOutcome
 from doormill_ros.abb.link_errors import (
     EmptyTargetFileError,
     HandshakeBusyError,
@@ -17,6 +17,7 @@ from doormill_ros.abb.link_errors import (
 )
 
 _RUNS_REMEMBERED = 10_000
+_OUTCOMES_REMEMBERED = 1000
 
 
 @dataclass(frozen=True)
@@ -113,3 +114,33 @@ class Inbox:
             reason, self._abort_reason = self._abort_reason, None
         if reason is not None:
             raise RunAbortedError(reason)
+
+
+class RunLedger:
+    """Which run is being handed over, and how the earlier ones ended.
+
+    Written by the stepping thread; `outcome` may be asked from any.
+    """
+
+    def __init__(self) -> None:
+        self._present: Submission | None = None
+        self._outcomes: dict[str, RunOutcome] = {}
+
+    def begin(self, submission: Submission) -> None:
+        """This run is being handed over now."""
+        self._present = submission
+
+    def end(self, handed_over: bool, code: int, reason: str) -> RunOutcome | None:
+        """Close the present run; None when there is none."""
+        run, self._present = self._present, None
+        if run is None:
+            return None
+        outcome = RunOutcome(run.run_id, run.door_id, handed_over, code, reason)
+        self._outcomes[run.run_id] = outcome
+        if len(self._outcomes) > _OUTCOMES_REMEMBERED:
+            del self._outcomes[next(iter(self._outcomes))]
+        return outcome
+
+    def outcome(self, run_id: str) -> RunOutcome | None:
+        """How a run ended, None while it goes on or when it is unknown."""
+        return self._outcomes.get(run_id)

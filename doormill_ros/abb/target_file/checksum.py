@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import IntArray
 
 LARGEST_EXACT = 2**23  #: integers up to here are exact in a RAPID num
 
@@ -42,7 +42,7 @@ def checksum(lines: list[str]) -> Checksum:
     return Checksum(_remainder(pairs, FACTOR_A, MODULUS_A), _remainder(pairs, FACTOR_B, MODULUS_B))
 
 
-def _remainder(pairs: FloatArray, factor: int, modulus: int) -> int:
+def _remainder(pairs: IntArray, factor: int, modulus: int) -> int:
     """SEED * factor^n + sum of pair[i] * factor^(n - 1 - i), modulo modulus."""
     powers = _powers(factor, modulus, 1 << max(10, len(pairs).bit_length()))
     total = SEED * int(powers[len(pairs)]) + int(pairs @ powers[: len(pairs)][::-1])
@@ -50,7 +50,7 @@ def _remainder(pairs: FloatArray, factor: int, modulus: int) -> int:
 
 
 @lru_cache(maxsize=32)
-def _powers(factor: int, modulus: int, count: int) -> FloatArray:
+def _powers(factor: int, modulus: int, count: int) -> IntArray:
     """factor^0 ... factor^(count - 1), modulo modulus, each below 2^15."""
     powers = np.ones(count, dtype=np.int64)
     known = 1

@@ -104,8 +104,11 @@ def _checked(T_base_tool: Sequence[FloatArray], labels: Sequence[str]) -> FloatA
                 f"{error}: build the pose with doormill_ros.frames", target=label
             ) from error
     poses = np.array(T_base_tool, dtype=float)
-    far = np.flatnonzero(np.abs(poses[:, :3, 3]).max(axis=1) >= REACH) if len(poses) else ()
-    for index in far:
+    if not len(poses):
+        return poses
+    far = np.flatnonzero(np.abs(poses[:, :3, 3]).max(axis=1) >= REACH)
+    if far.size:
+        index = int(far[0])
         position = poses[index, :3, 3].tolist()
         raise TargetValueError(
             f"{labels[index]} is at {[round(p, 3) for p in position]} m, allowed is less than {REACH:g} m "

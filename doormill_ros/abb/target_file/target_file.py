@@ -33,8 +33,6 @@ from doormill_ros.abb.target_file.trailer import (
 from doormill_ros.files import ReadBackError, write_atomically
 from doormill_ros.toolpath.program import MillingProgram, Motion
 
-__all__ = ["MAX_FILE_SIZE", "TargetFile", "read_target_file", "render_target_file", "write_target_file"]
-
 #: More than the largest file that the counts allow; what is larger is not read line by line.
 MAX_FILE_SIZE = 1_000_000
 _STRANGE = re.compile(rb"[^\n\x20-\x7e]")
@@ -176,6 +174,28 @@ def read_target_file(data: bytes, *, trailer: bool = True) -> TargetFile:
             line=count,
         )
     return TargetFile(targets, found.door_id, found.run_id, found.recipe_version, found.motions)
+
+
+def check_handover(data: bytes, run_id: str, door_id: str) -> None:
+    """Refuse what the robot program would refuse: the handshake's look into a file before it is announced.
+
+    Args:
+        data: The target file as read back from the controller.
+        run_id: The run that was submitted.
+        door_id: The door it was submitted for.
+
+    Raises:
+        AbbError: The file is cut short, changed, of another run or for another door.
+    """
+    target_file = read_target_file(data)
+    target_file.check_for(door_id)
+    if target_file.run_id != run_id:
+        raise StaleRunError(
+            f"the target file is of run {target_file.run_id!r}, submitted was run {run_id!r}: "
+            "generate the path again",
+            found=target_file.run_id,
+            allowed=run_id,
+        )
 
 
 def _join(lines: list[str]) -> bytes:

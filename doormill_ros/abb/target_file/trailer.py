@@ -226,7 +226,8 @@ def _format_move(index: int, motion: Motion, targets: int, features: list[str]) 
         raise error(f"kind {motion.kind!r}", "MoveJ, MoveL or MoveC")
     if not 0 <= motion.target < targets:
         raise error(f"target {motion.target}", f"0 to {targets - 1}")
-    if circular != (motion.via is not None) or (circular and not 0 <= motion.via < targets):
+    via = motion.via
+    if circular != (via is not None) or (via is not None and not 0 <= via < targets):
         raise error(f"circle point {motion.via}", "a target for MoveC and None for the others")
     if motion.zone not in ZONES:
         raise error(f"zone {motion.zone!r}", f"one of {', '.join(ZONES)}")
@@ -238,7 +239,7 @@ def _format_move(index: int, motion: Motion, targets: int, features: list[str]) 
     fields = (
         f'"{_KINDS[motion.kind]}"',
         str(motion.target + 1),
-        str(motion.via + 1 if circular else 0),
+        str(0 if via is None else via + 1),
         speed,
         f'"{motion.zone}"',
         str(features.index(motion.feature) + 1 if motion.feature else 0),

@@ -5,23 +5,39 @@ from __future__ import annotations
 import queue
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
 
 
 class CallTimeout(Exception):
     """The call did not return in time; it may still take effect."""
 
 
-class _Call:
+class _Call(Generic[T]):
     """One call on its way to the worker and back."""
 
-    def __init__(self, function: Callable[[], Any]) -> None:
-        self.function = function
+    def __init__(self, function: Callable[[], T]) -> None:
+        self._function = function
         self.started = False
         self.given_up = False
         self.done = threading.Event()
-        self.result: Any = None
-        self.error: BaseException | None = None
+        self._results: list[T] = []
+        self._error: BaseException | None = None
+
+    def make(self) -> None:
+        """Call the function, on the worker."""
+        try:
+            self._results.append(self._function())
+        except BaseException as error:
+            self._error = error
+        self.done.set()
+
+    def result(self) -> T:
+        """What the function returned or raised, once done."""
+        if self._error is not None:
+            raise self._error
+        return self._results[0]
 
 
 class BoundedCaller:
@@ -37,14 +53,14 @@ class BoundedCaller:
         Args:
             name: Thread name.
         """
-        self._queue: queue.SimpleQueue[_Call | None] = queue.SimpleQueue()
-        self._stuck: _Call | None = None
+        self._queue: queue.SimpleQueue[_Call[Any] | None] = queue.SimpleQueue()
+        self._stuck: _Call[Any] | None = None
         self._closed = False
         self._mutex = threading.Lock()
         self._thread = threading.Thread(target=self._work, name=name, daemon=True)
         self._thread.start()
 
-    def call(self, function: Callable[[], Any], timeout: float) -> Any:
+    def call(self, function: Callable[[], T], timeout: float) -> T:
         """The function's result, or its exception.
 
         Args:
@@ -68,9 +84,7 @@ class BoundedCaller:
                 if call.started:
                     self._stuck = call
             raise CallTimeout
-        if call.error is not None:
-            raise call.error
-        return call.result
+        return call.result()
 
     def close(self) -> None:
         """Let the thread end when its last call returns; does not wait. Later calls are refused."""
@@ -82,10 +96,5 @@ class BoundedCaller:
             with self._mutex:
                 # What waited behind a hanging call until its caller gave it up must not happen any more.
                 call.started = not call.given_up
-            if not call.started:
-                continue
-            try:
-                call.result = call.function()
-            except BaseException as error:
-                call.error = error
-            call.done.set()
+            if call.started:
+                call.make()

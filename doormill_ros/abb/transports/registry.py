@@ -9,8 +9,7 @@ from pathlib import Path
 from doormill_ros.abb.credentials import load_credentials
 from doormill_ros.abb.link_errors import UnknownTransportError
 from doormill_ros.abb.transport import Transport
-from doormill_ros.abb.transports.rws1 import connect_rws1
-from doormill_ros.abb.transports.rws2 import connect_rws2
+from doormill_ros.abb.transports.rws import connect_rws1, connect_rws2
 from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
 
 
@@ -32,7 +31,9 @@ class TransportOptions:
 TRANSPORTS: dict[str, Callable[[TransportOptions], Transport]] = {
     "shared_folder": lambda o: SharedFolderTransport(o.address),
     "rws1": lambda o: connect_rws1(o.address, load_credentials()),
-    "rws2": lambda o: connect_rws2(o.address, load_credentials(), o.certificate, o.insecure),
+    "rws2": lambda o: connect_rws2(
+        o.address, load_credentials(), certificate=o.certificate, insecure=o.insecure
+    ),
 }
 
 

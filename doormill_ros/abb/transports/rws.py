@@ -5,10 +5,13 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
 
 import httpx
 
 from doormill_ros.abb import signals
+from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.link_errors import (
     ControllerReplyError,
     DownloadError,
@@ -21,16 +24,16 @@ from doormill_ros.abb.link_errors import (
     UploadError,
 )
 from doormill_ros.abb.transport import check_file_name
-from doormill_ros.abb.transports.rws_dialect import Dialect
+from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2, Dialect
 from doormill_ros.abb.transports.rws_events import RwsEvents
-from doormill_ros.abb.transports.rws_http import RwsHttp
+from doormill_ros.abb.transports.rws_http import LinkTimeouts, RwsHttp, tls_context
 
 #: Return code of a write that the signal's access level forbids.
 ACCESS_REJECTED = -1073414145
 
 
 class RwsTransport:
-    """Signals and files through one web session; made by `connect_rws1` and `connect_rws2`."""
+    """Signals and files through one web session; made by `connect_rws`."""
 
     def __init__(
         self,
@@ -202,3 +205,43 @@ class RwsTransport:
             status=status,
             controller_code=code,
         )
+
+
+def connect_rws(
+    dialect: Dialect,
+    url: str,
+    credentials: Credentials,
+    *,
+    certificate: Path | None = None,
+    insecure: bool = False,
+    timeouts: LinkTimeouts | None = None,
+    signal_paths: Mapping[str, str] | None = None,
+    poll_interval: float = 0.25,
+    subscribe: bool = True,
+) -> RwsTransport:
+    """A transport to a controller; the first operation connects.
+
+    Args:
+        dialect: RWS1 for IRC5 with RobotWare 6.08 and later: http with digest login. RWS2 for OmniCore with
+            RobotWare 7 and later: https with basic login.
+        url: For example "http://192.168.125.1", the WAN port's address.
+        credentials: A user with the grants to write HOME and I/O.
+        certificate: Of RWS2: the controller's own certificate as PEM; no other is trusted.
+        insecure: Of RWS2: trust any certificate instead.
+        timeouts: Limits of an operation.
+        signal_paths: `{network}/{device}/{name}` by signal name where the plain name does not do.
+        poll_interval: How long the request's last value is good without an event [s].
+        subscribe: Listen to events instead of polling alone.
+
+    Raises:
+        ConnectError: The address is no address.
+        CertificateError: With RWS2 neither a certificate nor `insecure`, or the file is no certificate.
+    """
+    timeouts = timeouts or LinkTimeouts()
+    tls = tls_context(certificate, insecure) if dialect.encrypted else None
+    http = RwsHttp(url, credentials, timeouts, not dialect.encrypted, dialect.headers, tls)
+    return RwsTransport(http, dialect, timeouts.total, signal_paths, poll_interval, subscribe)
+
+
+connect_rws1 = partial(connect_rws, RWS1)
+connect_rws2 = partial(connect_rws, RWS2)

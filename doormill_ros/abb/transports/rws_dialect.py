@@ -22,6 +22,7 @@ class Dialect:
         headers: Sent with every request.
         form_type: Content type of a form.
         file_type: Content type of an upload.
+        encrypted: https with basic login, where the other has http with digest login.
     """
 
     version: int
@@ -29,6 +30,7 @@ class Dialect:
     headers: dict[str, str]
     form_type: str
     file_type: str
+    encrypted: bool
 
     def signal(self, path: str) -> str:
         """Where a signal is read; `path` is `{name}` or `{network}/{device}/{name}`."""
@@ -76,11 +78,12 @@ class Dialect:
             return 0
 
 
-RWS1 = Dialect(1, "robapi2_subscription", {}, _FORM, "application/octet-stream")
+RWS1 = Dialect(1, "robapi2_subscription", {}, _FORM, "application/octet-stream", encrypted=False)
 RWS2 = Dialect(
     2,
     "rws_subscription",
     {"Accept": "application/hal+json;v=2.0"},
     f"{_FORM};v=2.0",
     "text/plain;v=2.0",
+    encrypted=True,
 )

@@ -97,11 +97,12 @@ class RwsEvents:
 
     async def _listen(self, address: str) -> None:
         """Take what the stream brings until either side ends it."""
-        loop, listening = asyncio.get_running_loop(), asyncio.current_task()
+        loop, listening = asyncio.get_running_loop(), asyncio.ensure_future(self._take_events(address))
         self._end = lambda: loop.call_soon_threadsafe(listening.cancel)
         try:
-            if not self._stop.is_set():
-                await self._take_events(address)
+            if self._stop.is_set():
+                listening.cancel()
+            await listening
         except asyncio.CancelledError:
             pass  # closed
         finally:

@@ -14,7 +14,7 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.link_errors import (
@@ -22,6 +22,7 @@ from doormill_ros.abb.link_errors import (
     FileMissingError,
     FolderInUseError,
     FolderMissingError,
+    LinkError,
     ReadTimeoutError,
     RemoveError,
     SignalReadError,
@@ -32,6 +33,8 @@ from doormill_ros.abb.link_errors import (
 from doormill_ros.abb.transport import check_file_name
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.files import write_atomically
+
+T = TypeVar("T")
 
 LOCK_FILE = ".doormill_ros.lock"
 LEFT_OVER = ".doormill-tmp"  # ends the name of a file that a killed bridge was writing
@@ -128,7 +131,7 @@ class SharedFolderTransport:
             self._lock = None
         self._worker.close()
 
-    def _bounded(self, function: Callable[[], Any], timeout_error: type, doing: str) -> Any:
+    def _bounded(self, function: Callable[[], T], timeout_error: type[LinkError], doing: str) -> T:
         try:
             return self._worker.call(function, self._timeout)
         except CallTimeout:

@@ -11,7 +11,7 @@ from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import FileRefusedError
-from doormill_ros.abb.target_file.handover_check import check_handover
+from doormill_ros.abb.target_file.target_file import check_handover
 from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.controller import VirtualController

@@ -17,10 +17,9 @@ from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeTimeouts
 from doormill_ros.abb.link_errors import LinkError, UploadError
-from doormill_ros.abb.target_file.handover_check import check_handover
+from doormill_ros.abb.target_file.target_file import check_handover
 from doormill_ros.abb.transport import Transport
-from doormill_ros.abb.transports.rws1 import connect_rws1
-from doormill_ros.abb.transports.rws2 import connect_rws2
+from doormill_ros.abb.transports.rws import connect_rws1, connect_rws2
 from doormill_ros.abb.transports.rws_http import LinkTimeouts
 from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
 from support.faults.scenario import Scenario
@@ -199,9 +198,11 @@ def open_link(world: World, scenario: Scenario, link: dict[str, str]) -> Transpo
             credentials = Credentials("Default User", "robotics")
             timeouts = LinkTimeouts(connect=0.3, read=0.25, write=0.25, total=TOTAL)
             if scenario.transport == "rws1":
-                return connect_rws1(link["url"], credentials, timeouts, poll_interval=0.05)
+                return connect_rws1(link["url"], credentials, timeouts=timeouts, poll_interval=0.05)
             certificate = Path(link["certificate"])
-            return connect_rws2(link["url"], credentials, certificate, timeouts=timeouts, poll_interval=0.05)
+            return connect_rws2(
+                link["url"], credentials, certificate=certificate, timeouts=timeouts, poll_interval=0.05
+            )
         except LinkError:
             time.sleep(0.05)
 

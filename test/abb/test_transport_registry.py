@@ -1,0 +1,55 @@
+"""A new transport is one file and one line of the registry; nothing else of the project knows it."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import doormill_ros
+from doormill_ros.abb import signals
+from doormill_ros.abb.handshake.handshake import Handshake
+from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.abb.link_errors import UnknownTransportError
+from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
+from support.memory_transport import MemoryTransport
+
+PACKAGE = Path(doormill_ros.__file__).parent
+FILE = b"1;2;3;1;0;0;0;0;0;0;0;\n" * 14
+
+
+def test_one_line_makes_a_transport_usable_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[TransportOptions] = []
+
+    def connect(options: TransportOptions) -> MemoryTransport:
+        asked.append(options)
+        return MemoryTransport()
+
+    monkeypatch.setitem(TRANSPORTS, "memory", connect)
+    options = TransportOptions("anywhere")
+    transport = open_transport("memory", options)
+    assert asked == [options]
+    handshake = Handshake(transport)
+    handshake.on_start()
+    transport.set_signal(signals.REQUEST, True)
+    assert handshake.step().state is HandshakeState.REQUESTED
+    handshake.submit("run_1", "door_1", FILE)
+    assert handshake.step().state is HandshakeState.READY
+    assert transport.read_file(signals.TARGET_FILE) == FILE
+    with pytest.raises(UnknownTransportError, match="allowed are shared_folder, rws1, rws2, memory"):
+        open_transport("carrier", options)
+
+
+def test_only_the_registry_names_the_transports() -> None:
+    """No other room imports a transport's file; the simulated controller serves, it does not connect."""
+    room = "doormill_ros.abb.transports"
+    importers: dict[str, set[str]] = {}
+    for path in PACKAGE.rglob("*.py"):
+        if path.parent == PACKAGE / "abb" / "transports":
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(room):
+                importers.setdefault(node.module or "", set()).add(path.name)
+    assert set(importers) == {f"{room}.registry"}
+    assert importers[f"{room}.registry"] == {"abb_bridge.py"}
