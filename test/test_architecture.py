@@ -88,7 +88,7 @@ RANGES = {
     "toolpath": (300, 399),
     "correction": (300, 399),
     "abb": (400, 499),
-    "simulation.controller": (400, 499),
+    "simulation.controller.rapid": (400, 499),
     "simulation": (850, 899),
     "operator": (800, 899),
     "measurements": (500, 599),

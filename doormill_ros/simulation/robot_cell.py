@@ -12,10 +12,10 @@ from doormill_ros.abb import signals
 from doormill_ros.frames import quaternion_wxyz
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.controller import VirtualController
-from doormill_ros.simulation.controller.errors import RapidStoppedError
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.controller.io_port import FolderIo, MemoryIo
 from doormill_ros.simulation.controller.process import listed_process, module_process
+from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.errors import EffectsFileError
 from doormill_ros.simulation.truth.robot import TruthRobot

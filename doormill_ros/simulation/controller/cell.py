@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 from doormill_ros.abb.signals import ALL_SIGNALS
-from doormill_ros.simulation.controller.errors import SignalError
 from doormill_ros.simulation.controller.io_port import IoPort
+from doormill_ros.simulation.controller.rapid.errors import SignalError
 
 _TYPES = {"DI": "signaldi", "DO": "signaldo", "AI": "signalai", "AO": "signalao"}
 _SIGNAL = re.compile(r'-Name\s+"(?P<name>[^"]+)"[^-]*-SignalType\s+"(?P<type>[A-Z]+)"')

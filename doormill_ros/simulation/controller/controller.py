@@ -16,12 +16,12 @@ from doormill_ros.frames import inverse, quaternion_wxyz
 from doormill_ros.resources import resource
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.cell import SimulatedCell, read_io_configuration
-from doormill_ros.simulation.controller.errors import RapidStoppedError
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.controller.io_port import IoPort, MemoryIo
 from doormill_ros.simulation.controller.motion import MotionEngine, Sampling
 from doormill_ros.simulation.controller.moves import MovePlanner
 from doormill_ros.simulation.controller.process import Process, WrenchOf, module_process
+from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import Program

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from doormill_ros.abb.signals import ALL_SIGNALS, HIGH, IO_FOLDER, LOW
 from doormill_ros.files import write_atomically
-from doormill_ros.simulation.controller.errors import SignalError
+from doormill_ros.simulation.controller.rapid.errors import SignalError
 
 
 class IoPort(Protocol):

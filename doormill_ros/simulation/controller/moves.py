@@ -12,7 +12,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import from_wxyz, inverse
 from doormill_ros.simulation.controller.arm import QUARTER, ControllerArm
 from doormill_ros.simulation.controller.curves import Arc, Curve, Line
-from doormill_ros.simulation.controller.errors import RapidMotionError
+from doormill_ros.simulation.controller.rapid.errors import RapidMotionError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.units import deg_to_rad, mm_to_m, rad_to_deg
 

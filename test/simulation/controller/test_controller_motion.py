@@ -16,10 +16,14 @@ from doormill_ros.robot.inverse import inverse
 from doormill_ros.simulation.controller import controller as controller_module
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.curves import Arc, Line
-from doormill_ros.simulation.controller.errors import RapidMotionError, RapidRuntimeError, RapidStoppedError
 from doormill_ros.simulation.controller.io_port import FolderIo
 from doormill_ros.simulation.controller.moves import MotionContext
 from doormill_ros.simulation.controller.process import Process, no_wrench
+from doormill_ros.simulation.controller.rapid.errors import (
+    RapidMotionError,
+    RapidRuntimeError,
+    RapidStoppedError,
+)
 
 FREE, ONE = "[9E9,9E9,9E9,9E9,9E9,9E9]", "[1,0,0,0]"
 #: Target a: tool straight ahead, 1.5 m in front of the robot, at the height of its shoulder.

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from doormill_ros.abb.errors import AbbError
 from doormill_ros.abb.target_file.checksum import checksum
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
-from doormill_ros.simulation.controller.errors import RapidRuntimeError
+from doormill_ros.simulation.controller.rapid.errors import RapidRuntimeError
 
 
 @pytest.fixture

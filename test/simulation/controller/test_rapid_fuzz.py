@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from doormill_ros.abb.errors import AbbError
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.resources import resource
-from doormill_ros.simulation.controller.errors import (
+from doormill_ros.simulation.controller.rapid.errors import (
     RapidProgramError,
     RapidStoppedError,
     RapidSyntaxError,

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from doormill_ros.simulation.controller.errors import (
+from doormill_ros.simulation.controller.rapid.errors import (
     RapidProgramError,
     RapidRuntimeError,
     RapidSyntaxError,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from doormill_ros.simulation.controller.errors import RapidRuntimeError
+from doormill_ros.simulation.controller.rapid.errors import RapidRuntimeError
 from doormill_ros.simulation.controller.rapid.literals import parse_literal
 from doormill_ros.simulation.controller.rapid.types import (
     NUM,

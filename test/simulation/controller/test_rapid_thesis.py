@@ -7,8 +7,8 @@ import pytest
 
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.frames import inverse, quaternion_wxyz
-from doormill_ros.simulation.controller.errors import RapidRuntimeError
 from doormill_ros.simulation.controller.process import listed_process
+from doormill_ros.simulation.controller.rapid.errors import RapidRuntimeError
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import Program
 from doormill_ros.toolpath.program import MillingProgram

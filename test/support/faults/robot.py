@@ -10,8 +10,8 @@ import time
 from doormill_ros.abb import signals
 from doormill_ros.abb.errors import AbbError
 from doormill_ros.abb.target_file.target_file import read_target_file
-from doormill_ros.simulation.controller.errors import SignalError
 from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.rapid.errors import SignalError
 from support.faults.scenario import Scenario
 from support.faults.world import DOORS, World, digest
 

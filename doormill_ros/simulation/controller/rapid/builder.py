@@ -9,8 +9,8 @@ from typing import Any
 from lark import Token, Transformer, Tree, v_args
 
 from doormill_ros.abb.errors import AbbError
-from doormill_ros.simulation.controller.errors import RapidSyntaxError, RapidUnsupportedError
 from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.errors import RapidSyntaxError, RapidUnsupportedError
 from doormill_ros.simulation.controller.rapid.types import STRING_LENGTH
 
 IDENTIFIER_LENGTH = 32  #: characters of a RAPID name

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from doormill_ros.simulation.controller.errors import RapidUnsupportedError
 from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.errors import RapidUnsupportedError
 from doormill_ros.simulation.controller.rapid.expressions import Code, ExpressionCompiler
 from doormill_ros.simulation.controller.rapid.scope import (
     ABSENT,

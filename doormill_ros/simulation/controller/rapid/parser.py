@@ -11,9 +11,9 @@ from lark import Lark, Token, UnexpectedCharacters, UnexpectedInput, UnexpectedT
 from lark.exceptions import VisitError
 
 from doormill_ros.abb.errors import AbbError
-from doormill_ros.simulation.controller.errors import RapidSyntaxError
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.builder import build
+from doormill_ros.simulation.controller.rapid.errors import RapidSyntaxError
 
 #: Larger texts are no programs for this cell.
 MAX_MODULE_SIZE = 1_000_000

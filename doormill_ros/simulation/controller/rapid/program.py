@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from doormill_ros.simulation.controller.errors import RapidProgramError, RapidRuntimeError, RapidStoppedError
 from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.errors import (
+    RapidProgramError,
+    RapidRuntimeError,
+    RapidStoppedError,
+)
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop, error_name
 from doormill_ros.simulation.controller.rapid.library import files, motion, numbers, pendant, signals, strings  # noqa: F401
 from doormill_ros.simulation.controller.rapid.library.registry import install

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from doormill_ros.simulation.controller.errors import RapidProgramError
 from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.errors import RapidProgramError
 from doormill_ros.simulation.controller.rapid.machine import Machine
 from doormill_ros.simulation.controller.rapid.types import AnyType, ArrayType, Type, Value
 
