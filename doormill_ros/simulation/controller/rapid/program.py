@@ -153,30 +153,25 @@ class Program:
         try:
             info.run([])
         except RapidFault as fault:
-            raise self._report(
-                RapidRuntimeError, fault.file, fault.line, f"{error_name(fault.number)}: {fault.reason}"
-            ) from None
+            reason = f"{error_name(fault.number)}: {fault.reason}"
+            raise self._report(fault.file, fault.line, reason) from None
         except RapidStop as stop:
             if not stop.by_program:
-                raise self._report(RapidRuntimeError, stop.file, stop.line, stop.reason) from None
+                raise self._report(stop.file, stop.line, stop.reason) from None
         except RapidStoppedError as stop:
             context.machine.log("error", "program stopped", stop.message)
             raise
         except RecursionError:
-            raise self._report(RapidRuntimeError, context.file, context.line, "nested too deeply") from None
+            raise self._report(context.file, context.line, "nested too deeply") from None
         finally:
             for device in context.devices:
                 device.stream.close()
             context.devices.clear()
 
-    def _report(self, kind: type[RapidRuntimeError], file: str, line: int, reason: str) -> RapidRuntimeError:
+    def _report(self, file: str, line: int, reason: str) -> RapidRuntimeError:
         self.context.machine.log("error", "program stopped", f"{file}, line {line}: {reason}")
-        return kind(
-            f"{file}, line {line}: {reason}; no ERROR clause took it: see the event log",
-            file=file,
-            line=line,
-            reason=reason,
-        )
+        text = f"{file}, line {line}: {reason}; no ERROR clause took it: see the event log"
+        return RapidRuntimeError(text, file=file, line=line, reason=reason)
 
     # Loading
 
