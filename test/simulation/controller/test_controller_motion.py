@@ -375,7 +375,7 @@ def test_motion_takes_no_real_time_unless_a_scale_is_set(run, monkeypatch, scale
 
 
 def test_digital_outputs_that_do_not_exist_or_are_inputs_are_refused(run):
-    from doormill_ros.simulation.controller.errors import RapidProgramError
+    from doormill_ros.simulation.controller.rapid.errors import RapidProgramError
 
     with pytest.raises(RapidProgramError, match="no configured signal"):
         run("Set doNothing;")
