@@ -15,8 +15,7 @@ from doormill_interfaces.msg import AbbStatus, TargetArray
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
-from doormill_ros.abb.target_file.target_file import check_handover
-from doormill_ros.abb.target_file.target_file import render_target_file
+from doormill_ros.abb.target_file.target_file import check_handover, render_target_file
 from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
 from doormill_ros.errors import DoormillError
 from doormill_ros.nodes import topics
