@@ -58,8 +58,10 @@ def test_no_name_hides_a_predefined_one(machine):
     """A local variable called like an instruction is legal and a trap."""
     machine.signal_kinds = lambda: {}
     empty = Program([], machine)
-    known = {name for name, _ in empty._routines._outer} | {name for name, _ in empty._data._outer}
-    known |= {name for name, _ in empty._types}
+    known = {name for name, _ in empty._modules.routines._outer} | {
+        name for name, _ in empty._modules.data._outer
+    }
+    known |= {name for name, _ in empty._modules._types}
     for file, module in MODULES.items():
         for node in nodes(module):
             if isinstance(node, s.Data | s.Parameter | s.Routine | s.Record | s.For):

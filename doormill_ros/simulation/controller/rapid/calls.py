@@ -10,6 +10,7 @@ from doormill_ros.simulation.controller.rapid.expressions import Code, Expressio
 from doormill_ros.simulation.controller.rapid.scope import (
     ABSENT,
     Frame,
+    LocalSymbol,
     ParameterInfo,
     RoutineInfo,
     Run,
@@ -86,11 +87,12 @@ class CallCompiler(ExpressionCompiler):
         if len(named) != sum(1 for a in node.arguments if a.name):
             self.fail(node, f"{routine.name} is given an optional argument twice: leave one out")
         known = {p.name.lower() for p in routine.parameters if p.optional}
-        for name, argument in named.items():
+        for name, given in named.items():
             if name not in known:
-                self._refuse_optional(node, routine, argument)
+                self._refuse_optional(node, routine, given)
         binders = []
         for parameter in routine.parameters:
+            argument: s.Argument | None
             if parameter.optional:
                 argument = named.get(parameter.name.lower())
                 rivals = [n for n in parameter.alternatives if n.lower() in named]
@@ -152,7 +154,7 @@ class CallCompiler(ExpressionCompiler):
                 argument,
                 f"{what} is {found}, allowed is a configured {parameter.type.name}",
             )
-        if symbol.storage != "SIGNAL":
+        if symbol.storage != "SIGNAL" and isinstance(node, s.Variable):
             return self.reference_value(node)
         name = symbol.name
         return lambda frame: name
@@ -185,7 +187,7 @@ class CallCompiler(ExpressionCompiler):
 
     def _forward(self, argument: s.Argument, parameter: ParameterInfo, what: str) -> Run:
         symbol = self._names.find(argument.forwarded)
-        if not isinstance(symbol, Symbol) or not symbol.optional:
+        if not isinstance(symbol, LocalSymbol) or not symbol.optional:
             self.fail(argument, f"{what} forwards {argument.forwarded}, allowed is an optional one")
         if symbol.type != parameter.type or symbol.by_reference != (parameter.mode != "IN"):
             self.fail(
@@ -198,7 +200,7 @@ class CallCompiler(ExpressionCompiler):
     def _present(self, node: s.Function) -> Code:
         argument = node.arguments[0].value if len(node.arguments) == 1 else None
         symbol = self._names.find(argument.name) if isinstance(argument, s.Variable) else None
-        if not isinstance(symbol, Symbol) or not symbol.optional:
+        if not isinstance(symbol, LocalSymbol) or not symbol.optional:
             self.fail(node, "Present takes one optional parameter of the routine: correct the argument")
         slot, switch = symbol.slot, symbol.type == SWITCH
         test: Callable[[Frame], bool] = (

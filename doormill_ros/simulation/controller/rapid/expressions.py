@@ -12,7 +12,10 @@ from doormill_ros.simulation.controller.rapid.scope import (
     ABSENT,
     Context,
     Frame,
+    GlobalSymbol,
+    LocalSymbol,
     Names,
+    Refer,
     Reference,
     Run,
     Symbol,
@@ -28,6 +31,7 @@ from doormill_ros.simulation.controller.rapid.types import (
     AnyType,
     ArrayType,
     Type,
+    Value,
     float32,
     is_integer,
 )
@@ -98,7 +102,7 @@ class ExpressionCompiler:
             )
         return found
 
-    def reference(self, node: s.Variable) -> tuple[AnyType, Run, Symbol]:
+    def reference(self, node: s.Variable) -> tuple[AnyType, Refer, Symbol]:
         """Compile a variable into code that gives its `Reference`."""
         symbol = self.symbol(node)
         kind: AnyType = symbol.type
@@ -112,29 +116,31 @@ class ExpressionCompiler:
             kind = self._index(part, part.name, found[1], part.indices, steps)
         return kind, _follow(self._base(symbol), steps), symbol
 
-    def _base(self, symbol: Symbol) -> Run:
-        slot, store = symbol.slot, symbol.store
-        if store is not None:
-            return lambda frame: (store, 0)
-        if symbol.by_reference and symbol.optional:
+    def _base(self, symbol: Symbol) -> Refer:
+        if isinstance(symbol, GlobalSymbol):
+            place = symbol.store, 0
+            return lambda frame: place
+        if not isinstance(symbol, LocalSymbol):
+            raise TypeError(f"{symbol.name} is neither in the program nor in a frame")
+        slot, name = symbol.slot, symbol.name
 
-            def present(frame: Frame) -> Reference:
-                if frame[slot] is ABSENT:
-                    raise RapidFault("ERR_NOTPRES", f"optional argument {symbol.name} was not given")
-                return frame[slot]
+        def own(frame: Frame) -> Reference:
+            return frame, slot
 
-            return present
-        if symbol.by_reference:
-            return lambda frame: frame[slot]
-        if symbol.optional:
+        def callers(frame: Frame) -> Reference:
+            reference: Reference = frame[slot]
+            return reference
 
-            def checked(frame: Frame) -> Reference:
-                if frame[slot] is ABSENT:
-                    raise RapidFault("ERR_NOTPRES", f"optional argument {symbol.name} was not given")
-                return frame, slot
+        find = callers if symbol.by_reference else own
+        if not symbol.optional:
+            return find
 
-            return checked
-        return lambda frame: (frame, slot)
+        def checked(frame: Frame) -> Reference:
+            if frame[slot] is ABSENT:
+                raise RapidFault("ERR_NOTPRES", f"optional argument {name} was not given")
+            return find(frame)
+
+        return checked
 
     def _index(
         self,
@@ -189,13 +195,15 @@ class ExpressionCompiler:
                 node, f"{symbol.name} is a switch, allowed is Present({symbol.name}): correct the expression"
             )
         kind, reference, symbol = self.reference(node)
-        slot, store = symbol.slot, symbol.store
-        if not node.indices and not node.parts and not symbol.optional and not symbol.by_reference:
-            if store is not None:
-                return Code(kind, lambda frame: store[0])
+        whole = not node.indices and not node.parts
+        if whole and isinstance(symbol, GlobalSymbol):
+            store = symbol.store
+            return Code(kind, lambda frame: store[0])
+        if whole and isinstance(symbol, LocalSymbol) and not symbol.optional and not symbol.by_reference:
+            slot = symbol.slot
             return Code(kind, lambda frame: frame[slot])
 
-        def run(frame: Frame):
+        def run(frame: Frame) -> Value:
             container, index = reference(frame)
             return container[index]
 
@@ -250,7 +258,7 @@ def _same_shape(found: AnyType, expected: AnyType) -> bool:
     )
 
 
-def _follow(base: Run, steps: list[int | Run]) -> Run:
+def _follow(base: Refer, steps: list[int | Run]) -> Refer:
     """Code that walks from a piece of data to one of its parts."""
     if not steps:
         return base

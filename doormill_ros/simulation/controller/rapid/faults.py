@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 #: Recoverable errors by name; the numbers are the virtual controller's own.
 ERROR_NUMBERS: dict[str, int] = {
     name: 1000 + index
@@ -45,10 +47,12 @@ class RapidFault(Exception):
         reason: What happened, for the event log.
         file: Module file in which it happened; filled in by the interpreter.
         line: Its line.
+        escaped: Frame of the routine whose ERROR clause it left; that clause does not take it again.
     """
 
     def __init__(self, number: int | str, reason: str) -> None:
         """Take an ERRNO or its name."""
+        self.escaped: list[Any] | None = None
         self.number = ERROR_NUMBERS[number] if isinstance(number, str) else number
         self.reason = reason
         self.file = ""

@@ -87,7 +87,7 @@ def _mod(a: float, b: float) -> float:
     return float(abs(x) % abs(y) * (1 if x >= 0 else -1))
 
 
-def _cross(a: list, b: list) -> list:
+def _cross(a: list[float], b: list[float]) -> list[float]:
     return [
         num(a[1] * b[2] - a[2] * b[1]),
         num(a[2] * b[0] - a[0] * b[2]),
@@ -95,7 +95,7 @@ def _cross(a: list, b: list) -> list:
     ]
 
 
-def _orient_product(a: list, b: list) -> list:
+def _orient_product(a: list[float], b: list[float]) -> list[float]:
     w, x, y, z = a
     u, i, j, k = b
     return [

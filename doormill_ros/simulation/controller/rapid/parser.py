@@ -42,12 +42,14 @@ def parse_module(text: str, file: str = "<text>") -> s.Module:
         RapidSyntaxError: The text is not RAPID; names file, line and column.
         RapidUnsupportedError: RAPID that the virtual controller does not execute; names file and line.
     """
-    return _parse(text, file, "module")
+    module: s.Module = _parse(text, file, "module")
+    return module
 
 
 def parse_signature(text: str) -> s.Routine:
     """Parse the head of a routine, `FUNC num StrLen(string Str)`, into a routine without body."""
-    return _parse(text, "<signature>", "signature")
+    routine: s.Routine = _parse(text, "<signature>", "signature")
+    return routine
 
 
 def _parse(text: str, file: str, start: str) -> Any:

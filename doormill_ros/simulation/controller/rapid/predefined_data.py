@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from doormill_ros.simulation.controller.rapid.faults import ERROR_NUMBERS
-from doormill_ros.simulation.controller.rapid.library.files import END_OF_FILE
-from doormill_ros.simulation.controller.rapid.scope import Context, Names, Symbol
+from doormill_ros.simulation.controller.rapid.scope import Context, GlobalSymbol, Names
 from doormill_ros.simulation.controller.rapid.types import (
     LOADDATA,
     NUM,
@@ -22,6 +21,8 @@ from doormill_ros.simulation.controller.rapid.types import (
     float32,
 )
 
+#: What ReadStr gives when nothing is left to read.
+END_OF_FILE = "EOF"
 #: v_tcp of the predefined speeds [mm/s]; orientation and external axes are the same for all.
 SPEEDS = (
     *(5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800),
@@ -55,7 +56,7 @@ def install_data(context: Context, names: Names) -> None:
     """Declare the predefined data and the configured signals."""
 
     def add(name: str, kind: AnyType, storage: str, value: Value) -> None:
-        names.add(name, Symbol(name, kind, storage, store=[_rounded(value)]))
+        names.add(name, GlobalSymbol(name, kind, storage, [_rounded(value)]))
 
     for speed in SPEEDS:
         add(f"v{speed}", SPEEDDATA, "CONST", [float(speed), *_SPEED_REST])
@@ -69,11 +70,11 @@ def install_data(context: Context, names: Names) -> None:
     add("EOF", STRING, "CONST", END_OF_FILE)
     add("pi", NUM, "CONST", 3.141592653589793)
     add("STR_DIGIT", STRING, "CONST", "0123456789")
-    names.add("ERRNO", Symbol("ERRNO", NUM, "CONST", store=context.errno))
+    names.add("ERRNO", GlobalSymbol("ERRNO", NUM, "CONST", context.errno))
     for name, number in ERROR_NUMBERS.items():
         add(name, NUM, "CONST", float(number))
     for name, kind in context.machine.signal_kinds().items():
-        names.add(name, Symbol(name, _SIGNAL_TYPES[kind], "SIGNAL", store=[name]))
+        names.add(name, GlobalSymbol(name, _SIGNAL_TYPES[kind], "SIGNAL", [name]))
 
 
 def _rounded(value: Value) -> Value:

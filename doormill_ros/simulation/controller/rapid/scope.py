@@ -16,7 +16,9 @@ Frame = list[Any]
 #: Compiled code that works on a frame.
 Run = Callable[[Frame], Any]
 #: Where a piece of data is: a list and an index into it.
-Reference = tuple[list, int]
+Reference = tuple[list[Any], int]
+#: Compiled code that finds a piece of data.
+Refer = Callable[[Frame], Reference]
 
 
 class _Absent:
@@ -36,18 +38,32 @@ class Symbol:
     Attributes:
         name: As declared.
         type: Its data type.
-        storage: "VAR", "PERS", "CONST", "IN" (parameter), "LOOP" or "SIGNAL".
-        store: List of one that holds the data, None for what lives in the frame.
-        slot: Index into the frame.
-        by_reference: The slot holds a `Reference`.
-        optional: The slot may hold ABSENT.
+        storage: "VAR", "PERS", "CONST", "IN" (parameter), "INOUT", "LOOP" or "SIGNAL".
     """
 
     name: str
     type: AnyType
     storage: str
-    store: list | None = None
-    slot: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class GlobalSymbol(Symbol):
+    """Data that lives as long as the program; `store` is a list of one that holds it."""
+
+    store: list[Value]
+
+
+@dataclass(frozen=True, eq=False)
+class LocalSymbol(Symbol):
+    """Data that lives in the frame of one call.
+
+    Attributes:
+        slot: Index into the frame.
+        by_reference: The slot holds a `Reference`.
+        optional: The slot may hold ABSENT.
+    """
+
+    slot: int
     by_reference: bool = False
     optional: bool = False
 
@@ -140,8 +156,7 @@ def describe_parameters(routine: s.Routine, types: Names, file: str) -> tuple[Pa
     """Parameters of a routine with their types."""
     infos = []
     for p in routine.parameters:
-        kind: AnyType = resolve_type(types, p.type_name, file, p.line)
-        if p.open_dimensions:
-            kind = ArrayType(kind, (None,) * p.open_dimensions)
+        element = resolve_type(types, p.type_name, file, p.line)
+        kind = ArrayType(element, (None,) * p.open_dimensions) if p.open_dimensions else element
         infos.append(ParameterInfo(p.name, kind, p.mode, p.optional, p.alternatives))
     return tuple(infos)

@@ -2,42 +2,95 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.calls import CallCompiler
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
 from doormill_ros.simulation.controller.rapid.operators import num
-from doormill_ros.simulation.controller.rapid.scope import Frame, Names, Run, Symbol
-from doormill_ros.simulation.controller.rapid.types import BOOL, NUM, AnyType, copy, is_composite, is_value
+from doormill_ros.simulation.controller.rapid.scope import Context, Frame, LocalSymbol, Names, Run
+from doormill_ros.simulation.controller.rapid.types import (
+    BOOL,
+    NUM,
+    AnyType,
+    Value,
+    copy,
+    is_composite,
+    is_value,
+)
 
-#: What a statement hands to the block around it; None means go on with the next one.
 RETURN, RETRY, TRYNEXT, RERAISE = "RETURN", "RETRY", "TRYNEXT", "RERAISE"
 #: How often RETRY may repeat one statement, as the controller is delivered.
 RETRY_LIMIT = 4
 
 
+class Outcome(NamedTuple):
+    """What a statement hands to the block around it, which then goes no further.
+
+    Attributes:
+        word: RETURN, or within an ERROR clause RETRY, TRYNEXT or RERAISE.
+        value: What a function returns.
+    """
+
+    word: str
+    value: Value = None
+
+
+#: Compiled statements; None means go on with the next one.
+Step = Callable[[Frame], Outcome | None]
+
+
 class StatementCompiler(CallCompiler):
-    """Compiles the body of one routine; `result` is the type a function returns."""
+    """Compiles the body of one routine."""
 
-    result: AnyType | None = None
-    slots: int = 0
-    _in_handler: bool = False
-    _handler: Run | None = None
+    def __init__(
+        self,
+        file: str,
+        context: Context,
+        names: Names,
+        routines: Names,
+        types: Names,
+        result: AnyType | None = None,
+        slots: int = 0,
+    ) -> None:
+        """Compile for a file with what is visible in it.
 
-    def compile_body(self, body: s.Block, handler: s.Block | None) -> Run:
-        """Code of a routine: gives ("RETURN", value) or None at its end."""
+        Args:
+            file: The file.
+            context: State of the running program.
+            names: Data.
+            routines: Routines.
+            types: Data types.
+            result: Type of what the routine returns, None for a procedure.
+            slots: Slots of its frame that its parameters take.
+        """
+        super().__init__(file, context, names, routines, types)
+        self.slots = slots
+        self._result = result
+        self._in_handler = False
+        self._handler: Step | None = None
+
+    def new_slot(self) -> int:
+        """One more slot of the routine's frame."""
+        self.slots += 1
+        return self.slots - 1
+
+    def compile_body(self, body: s.Block, handler: s.Block | None) -> Step:
+        """Code of a routine: gives the outcome RETURN, or None at its end."""
         if handler is not None:
             self._in_handler = True
             self._handler = self.block(handler)
             self._in_handler = False
         return self.block(body)
 
-    def block(self, statements: s.Block) -> Run:
+    def block(self, statements: s.Block) -> Step:
         """Code of a block; with an error handler it catches what its own statements raise."""
         compiled = [(node.line, self._statement(node)) for node in statements]
         context = self._context
         machine, file = context.machine, self._file
 
-        def plain(frame: Frame) -> tuple | None:
+        def plain(frame: Frame) -> Outcome | None:
             for line, run in compiled:
                 context.line = line
                 machine.statement(file, line)
@@ -50,7 +103,7 @@ class StatementCompiler(CallCompiler):
             return plain
         handler = self._handler
 
-        def guarded(frame: Frame) -> tuple | None:
+        def guarded(frame: Frame) -> Outcome | None:
             for line, run in compiled:
                 attempts = 0
                 while True:
@@ -60,13 +113,13 @@ class StatementCompiler(CallCompiler):
                         outcome = run(frame)
                         break
                     except RapidFault as fault:
-                        if getattr(fault, "escaped", None) is frame:
+                        if fault.escaped is frame:
                             raise
                         decision = self._handle(handler, frame, fault)
-                    if decision == TRYNEXT:
+                    if decision.word == TRYNEXT:
                         outcome = None
                         break
-                    if decision != RETRY:
+                    if decision.word != RETRY:
                         return decision
                     attempts += 1
                     if attempts > RETRY_LIMIT:
@@ -77,7 +130,7 @@ class StatementCompiler(CallCompiler):
 
         return guarded
 
-    def _handle(self, handler: Run, frame: Frame, fault: RapidFault) -> str | tuple:
+    def _handle(self, handler: Step, frame: Frame, fault: RapidFault) -> Outcome:
         """Run the ERROR clause; a fault that leaves it is marked, so that it reaches the caller."""
         context = self._context
         if not fault.file:
@@ -89,13 +142,13 @@ class StatementCompiler(CallCompiler):
             further.escaped = frame
             raise
         if outcome is None:
-            return (RETURN, None)
-        if outcome[0] == RERAISE:
+            return Outcome(RETURN)
+        if outcome.word == RERAISE:
             fault.escaped = frame
             raise fault
-        return outcome if outcome[0] == RETURN else outcome[0]
+        return outcome
 
-    def _statement(self, node: s.Statement) -> Run:
+    def _statement(self, node: s.Statement) -> Step:
         match node:
             case s.Assign():
                 return self._assign(node)
@@ -122,13 +175,13 @@ class StatementCompiler(CallCompiler):
                 word = RETRY if isinstance(node, s.Retry) else TRYNEXT
                 if not self._in_handler:
                     self.fail(node, f"{word} stands outside an ERROR clause: move it there")
-                outcome = (word,)
+                outcome = Outcome(word)
                 return lambda frame: outcome
             case s.Exit():
                 return _exit
         raise TypeError(f"no statement: {node!r}")
 
-    def _assign(self, node: s.Assign) -> Run:
+    def _assign(self, node: s.Assign) -> Step:
         kind, reference, symbol = self.reference(node.target)
         if symbol.storage in ("CONST", "LOOP", "SIGNAL"):
             what = {"CONST": "a constant", "LOOP": "a loop variable", "SIGNAL": "a signal"}[symbol.storage]
@@ -155,11 +208,11 @@ class StatementCompiler(CallCompiler):
     def _condition(self, node: s.Expression) -> Run:
         return self.typed(node, BOOL, "the condition")
 
-    def _if(self, node: s.If) -> Run:
+    def _if(self, node: s.If) -> Step:
         branches = [(self._condition(condition), self.block(block)) for condition, block in node.branches]
         otherwise = self.block(node.otherwise)
 
-        def run(frame: Frame) -> tuple | None:
+        def run(frame: Frame) -> Outcome | None:
             for condition, block in branches:
                 if condition(frame):
                     return block(frame)
@@ -167,11 +220,11 @@ class StatementCompiler(CallCompiler):
 
         return run
 
-    def _while(self, node: s.While) -> Run:
+    def _while(self, node: s.While) -> Step:
         condition, body = self._condition(node.condition), self.block(node.body)
         context, file, line = self._context, self._file, node.line
 
-        def run(frame: Frame) -> tuple | None:
+        def run(frame: Frame) -> Outcome | None:
             while condition(frame):
                 outcome = body(frame)
                 if outcome is not None:
@@ -182,19 +235,18 @@ class StatementCompiler(CallCompiler):
 
         return run
 
-    def _for(self, node: s.For) -> Run:
+    def _for(self, node: s.For) -> Step:
         first = self.typed(node.first, NUM, "the first value")
         last = self.typed(node.last, NUM, "the last value")
         step = self.typed(node.step, NUM, "the step") if node.step is not None else None
-        outer, slot = self._names, self.slots
-        self.slots += 1
+        outer, slot = self._names, self.new_slot()
         self._names = Names(outer)
-        self._names.add(node.name, Symbol(node.name, NUM, "LOOP", slot=slot))
+        self._names.add(node.name, LocalSymbol(node.name, NUM, "LOOP", slot))
         body = self.block(node.body)
         self._names = outer
         context, file, line = self._context, self._file, node.line
 
-        def run(frame: Frame) -> tuple | None:
+        def run(frame: Frame) -> Outcome | None:
             value, end = first(frame), last(frame)
             # Without STEP the loop counts down when it has to: FROM 1 TO 0 runs twice.
             stride = step(frame) if step is not None else (1.0 if value <= end else -1.0)
@@ -212,7 +264,7 @@ class StatementCompiler(CallCompiler):
 
         return run
 
-    def _test(self, node: s.Test) -> Run:
+    def _test(self, node: s.Test) -> Step:
         value = self.value(node.value)
         if not is_value(value.type):
             self.fail(node, f"TEST takes no {value.type.name}: use IF")
@@ -222,7 +274,7 @@ class StatementCompiler(CallCompiler):
         ]
         default, find = self.block(node.default), value.run
 
-        def run(frame: Frame) -> tuple | None:
+        def run(frame: Frame) -> Outcome | None:
             found = find(frame)
             for items, block in cases:
                 if any(item(frame) == found for item in items):
@@ -231,23 +283,23 @@ class StatementCompiler(CallCompiler):
 
         return run
 
-    def _return(self, node: s.Return) -> Run:
-        if (node.value is None) != (self.result is None):
-            allowed = "no value in a procedure" if self.result is None else f"a {self.result.name}"
-            self.fail(node, f"RETURN has the wrong form, allowed is {allowed}: correct it")
-        if node.value is None:
-            nothing = (RETURN, None)
+    def _return(self, node: s.Return) -> Step:
+        if node.value is None and self._result is None:
+            nothing = Outcome(RETURN)
             return lambda frame: nothing
-        value = self.typed(node.value, self.result, "the returned value")
-        if is_composite(self.result):
-            return lambda frame: (RETURN, copy(value(frame)))
-        return lambda frame: (RETURN, value(frame))
+        if node.value is None or self._result is None:
+            allowed = "no value in a procedure" if self._result is None else f"a {self._result.name}"
+            self.fail(node, f"RETURN has the wrong form, allowed is {allowed}: correct it")
+        value = self.typed(node.value, self._result, "the returned value")
+        if is_composite(self._result):
+            return lambda frame: Outcome(RETURN, copy(value(frame)))
+        return lambda frame: Outcome(RETURN, value(frame))
 
-    def _raise(self, node: s.Raise) -> Run:
+    def _raise(self, node: s.Raise) -> Step:
         if node.value is None:
             if not self._in_handler:
                 self.fail(node, "RAISE without a number stands outside an ERROR clause: name the error")
-            outcome = (RERAISE,)
+            outcome = Outcome(RERAISE)
             return lambda frame: outcome
         value = self.typed(node.value, NUM, "the error number")
 

@@ -122,7 +122,8 @@ def float32(value: float) -> float:
     Raises:
         OverflowError: Beyond the range of float32.
     """
-    return _FLOAT32.unpack(_FLOAT32.pack(value))[0]
+    rounded: float = _FLOAT32.unpack(_FLOAT32.pack(value))[0]
+    return rounded
 
 
 def default(kind: AnyType) -> Value:

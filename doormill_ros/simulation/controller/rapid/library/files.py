@@ -7,12 +7,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 from doormill_ros.simulation.controller.rapid.faults import RapidFault
-from doormill_ros.simulation.controller.rapid.library.registry import predefined
-from doormill_ros.simulation.controller.rapid.scope import Context
+from doormill_ros.simulation.controller.rapid.library.predefined import predefined
+from doormill_ros.simulation.controller.rapid.predefined_data import END_OF_FILE
+from doormill_ros.simulation.controller.rapid.scope import Context, Reference
 from doormill_ros.simulation.controller.rapid.types import STRING_LENGTH, is_integer
-
-#: What ReadStr gives when nothing is left to read.
-END_OF_FILE = "EOF"
 
 
 class Device:
@@ -63,7 +61,7 @@ def find_path(context: Context, name: str, file: str | None = None) -> Path:
     return context.machine.home.joinpath(*parts)
 
 
-def opened(place: tuple[list, int], what: str) -> Device:
+def opened(place: Reference, what: str) -> Device:
     """The open file in an iodev.
 
     Raises:
@@ -83,7 +81,7 @@ def open_file(
     context: Context,
     name: str,
     file: str | None,
-    place: tuple[list, int],
+    place: Reference,
     read: bool,
     _write: bool,
     append: bool,
@@ -103,7 +101,7 @@ def open_file(
 
 
 @predefined("PROC Close(VAR iodev IODevice)")
-def close_file(context: Context, place: tuple[list, int]) -> None:
+def close_file(context: Context, place: Reference) -> None:
     """Close a file; one that is not open is taken for an error, the harsher of two readings."""
     device = opened(place, "Close")
     device.stream.close()
@@ -117,7 +115,7 @@ def close_file(context: Context, place: tuple[list, int]) -> None:
 )
 def read_str(
     _context: Context,
-    place: tuple[list, int],
+    place: Reference,
     delimiters: str | None,
     remove_cr: bool,
     discard_headers: bool,
@@ -143,7 +141,7 @@ def read_str(
 
 
 @predefined("PROC Write(VAR iodev IODevice, string String \\switch NoNewLine)")
-def write(_context: Context, place: tuple[list, int], text: str, no_new_line: bool) -> None:
+def write(_context: Context, place: Reference, text: str, no_new_line: bool) -> None:
     """Write a line."""
     device = opened(place, "Write")
     try:
@@ -154,7 +152,7 @@ def write(_context: Context, place: tuple[list, int], text: str, no_new_line: bo
 
 
 @predefined("PROC Rewind(VAR iodev IODevice)")
-def rewind(_context: Context, place: tuple[list, int]) -> None:
+def rewind(_context: Context, place: Reference) -> None:
     """Go to the start of a file."""
     opened(place, "Rewind").stream.seek(0)
 

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from doormill_ros.simulation.controller.rapid.faults import RapidFault
-from doormill_ros.simulation.controller.rapid.library.registry import predefined
+from doormill_ros.simulation.controller.rapid.library.predefined import predefined
 from doormill_ros.simulation.controller.rapid.machine import Move
-from doormill_ros.simulation.controller.rapid.scope import Context
+from doormill_ros.simulation.controller.rapid.scope import Context, Reference
 from doormill_ros.simulation.controller.rapid.types import Value, copy
 
-#: What MoveL and its kin take after the target.
+#: What MoveL and its kin take after the target; `tail` in the routines below.
 _TAIL = (
     "speeddata Speed \\num V | num T, zonedata Zone \\num Z, "
     "PERS tooldata Tool \\PERS wobjdata WObj \\switch Corr"
 )
 #: wobj0: the work object of the base frame.
 _WOBJ0 = [False, True, "", [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]]
-
-Place = tuple[list, int]
 
 
 def _move(
@@ -29,8 +27,8 @@ def _move(
     t: float | None,
     zone: Value,
     z: float | None,
-    tool: Place,
-    wobj: Place | None,
+    tool: Reference,
+    wobj: Reference | None,
     corr: bool,
 ) -> None:
     if corr:
@@ -56,27 +54,27 @@ def _move(
 
 
 @predefined(f"PROC MoveJ(robtarget ToPoint, {_TAIL})")
-def move_j(context: Context, target, speed, v, t, zone, z, tool, wobj, corr) -> None:
+def move_j(context: Context, target: Value, *tail: Value) -> None:
     """Move the joints together to a target."""
-    _move(context, "MoveJ", target, None, speed, v, t, zone, z, tool, wobj, corr)
+    _move(context, "MoveJ", target, None, *tail)
 
 
 @predefined(f"PROC MoveL(robtarget ToPoint, {_TAIL})")
-def move_l(context: Context, target, speed, v, t, zone, z, tool, wobj, corr) -> None:
+def move_l(context: Context, target: Value, *tail: Value) -> None:
     """Move the tool on a straight line."""
-    _move(context, "MoveL", target, None, speed, v, t, zone, z, tool, wobj, corr)
+    _move(context, "MoveL", target, None, *tail)
 
 
 @predefined(f"PROC MoveC(robtarget CirPoint, robtarget ToPoint, {_TAIL})")
-def move_c(context: Context, via, target, speed, v, t, zone, z, tool, wobj, corr) -> None:
+def move_c(context: Context, via: Value, target: Value, *tail: Value) -> None:
     """Move the tool on an arc through the circle point."""
-    _move(context, "MoveC", target, via, speed, v, t, zone, z, tool, wobj, corr)
+    _move(context, "MoveC", target, via, *tail)
 
 
 @predefined(f"PROC MoveAbsJ(jointtarget ToJointPos \\switch NoEOffs, {_TAIL})")
-def move_abs_j(context: Context, target, _no_offsets, speed, v, t, zone, z, tool, wobj, corr) -> None:
+def move_abs_j(context: Context, target: Value, _no_offsets: bool, *tail: Value) -> None:
     """Move the joints to given angles."""
-    _move(context, "MoveAbsJ", target, None, speed, v, t, zone, z, tool, wobj, corr)
+    _move(context, "MoveAbsJ", target, None, *tail)
 
 
 @predefined("PROC WaitRob(\\switch InPos | switch ZeroSpeed)")
@@ -137,12 +135,12 @@ def vel_set(context: Context, override: float, largest: float) -> None:
 
 
 @predefined("PROC GripLoad(PERS loaddata Load)")
-def grip_load(_context: Context, _load: Place) -> None:
+def grip_load(_context: Context, _load: Reference) -> None:
     """The load is known to the simulated robot by other means."""
 
 
 @predefined("FUNC robtarget CRobT(\\PERS tooldata Tool \\PERS wobjdata WObj)")
-def c_rob_t(context: Context, tool: Place | None, wobj: Place | None) -> Value:
+def c_rob_t(context: Context, tool: Reference | None, wobj: Reference | None) -> Value:
     """Where the robot stands, once it does."""
     if tool is None:
         raise RapidFault("ERR_ARGVALERR", "CRobT without \\Tool is not simulated: name the tool")

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable
 
 from doormill_ros.simulation.controller.rapid.faults import RapidFault
-from doormill_ros.simulation.controller.rapid.library.registry import predefined
+from doormill_ros.simulation.controller.rapid.library.predefined import predefined
 from doormill_ros.simulation.controller.rapid.operators import num
-from doormill_ros.simulation.controller.rapid.scope import Context
-from doormill_ros.simulation.controller.rapid.types import is_integer
+from doormill_ros.simulation.controller.rapid.scope import Context, Reference
+from doormill_ros.simulation.controller.rapid.types import Value, is_integer
 from doormill_ros.units import deg_to_rad, rad_to_deg
 
 #: NOrient takes what is this close to a unit quaternion.
@@ -64,25 +64,25 @@ def trunc(_context: Context, value: float, decimals: float | None) -> float:
 
 
 @predefined("PROC Incr(INOUT num Name)")
-def incr(_context: Context, place: tuple[list, int]) -> None:
+def incr(_context: Context, place: Reference) -> None:
     """Add one."""
     place[0][place[1]] = num(place[0][place[1]] + 1.0)
 
 
 @predefined("PROC Decr(INOUT num Name)")
-def decr(_context: Context, place: tuple[list, int]) -> None:
+def decr(_context: Context, place: Reference) -> None:
     """Take one away."""
     place[0][place[1]] = num(place[0][place[1]] - 1.0)
 
 
 @predefined("PROC Add(INOUT num Name, num AddValue)")
-def add(_context: Context, place: tuple[list, int], value: float) -> None:
+def add(_context: Context, place: Reference, value: float) -> None:
     """Add a value."""
     place[0][place[1]] = num(place[0][place[1]] + value)
 
 
 @predefined("PROC Clear(INOUT num Name)")
-def clear(_context: Context, place: tuple[list, int]) -> None:
+def clear(_context: Context, place: Reference) -> None:
     """Set to zero."""
     place[0][place[1]] = 0.0
 
@@ -97,14 +97,14 @@ def n_orient(_context: Context, rotation: list[float]) -> list[float]:
 
 
 @predefined("FUNC robtarget Offs(robtarget Point, num XOffset, num YOffset, num ZOffset)")
-def offs(_context: Context, point: list, x: float, y: float, z: float) -> list:
+def offs(_context: Context, point: Value, x: float, y: float, z: float) -> Value:
     """A target moved along the axes of the work object."""
     trans, *rest = point
     return [[num(a + b) for a, b in zip(trans, (x, y, z), strict=True)], *[list(item) for item in rest]]
 
 
 @predefined("FUNC robtarget RelTool(robtarget Point, num Dx, num Dy, num Dz)")
-def rel_tool(_context: Context, point: list, x: float, y: float, z: float) -> list:
+def rel_tool(_context: Context, point: Value, x: float, y: float, z: float) -> Value:
     """A target moved along the axes of the tool."""
     trans, rotation, *rest = point
     moved = _rotate(rotation, (x, y, z))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
-from doormill_ros.simulation.controller.rapid.library.registry import predefined
+from doormill_ros.simulation.controller.rapid.library.predefined import predefined
 from doormill_ros.simulation.controller.rapid.operators import num
-from doormill_ros.simulation.controller.rapid.scope import Context
+from doormill_ros.simulation.controller.rapid.scope import Context, Reference
 from doormill_ros.simulation.controller.rapid.types import Value, format_value
 
 #: Characters of a line on the pendant.
@@ -59,7 +59,7 @@ def err_write(
 
 
 @predefined("PROC BookErrNo(VAR errnum ErrorName)")
-def book_err_no(context: Context, place: tuple[list, int]) -> None:
+def book_err_no(context: Context, place: Reference) -> None:
     """Give an error of the program's own a number; only one that is still -1 may be booked."""
     if place[0][place[1]] != -1.0:
         raise RapidStop("BookErrNo: the error number is booked already, allowed is one that is -1")
@@ -88,27 +88,27 @@ def exit_cycle(context: Context) -> None:
 
 
 @predefined("PROC ClkReset(VAR clock Clock)")
-def clk_reset(_context: Context, place: tuple[list, int]) -> None:
+def clk_reset(_context: Context, place: Reference) -> None:
     """Set a clock to zero."""
     place[0][place[1]] = (0.0, None)
 
 
 @predefined("PROC ClkStart(VAR clock Clock)")
-def clk_start(context: Context, place: tuple[list, int]) -> None:
+def clk_start(context: Context, place: Reference) -> None:
     """Start a clock."""
     total, since = place[0][place[1]] or (0.0, None)
     place[0][place[1]] = (total, context.machine.now() if since is None else since)
 
 
 @predefined("PROC ClkStop(VAR clock Clock)")
-def clk_stop(context: Context, place: tuple[list, int]) -> None:
+def clk_stop(context: Context, place: Reference) -> None:
     """Stop a clock."""
     total, since = place[0][place[1]] or (0.0, None)
     place[0][place[1]] = (total + (context.machine.now() - since if since is not None else 0.0), None)
 
 
 @predefined("FUNC num ClkRead(VAR clock Clock)")
-def clk_read(context: Context, place: tuple[list, int]) -> float:
+def clk_read(context: Context, place: Reference) -> float:
     """Seconds on a clock."""
     total, since = place[0][place[1]] or (0.0, None)
     return num(total + (context.machine.now() - since if since is not None else 0.0))

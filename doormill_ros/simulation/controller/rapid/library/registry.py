@@ -1,10 +1,14 @@
-"""Collects predefined routines under the heads that RAPID documents for them."""
+"""The files of predefined routines, and how a program gets them: a new file is one more name in LIBRARY."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
+from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.library import files, motion, numbers, pendant, signals, strings
+from doormill_ros.simulation.controller.rapid.library.predefined import ROUTINES
 from doormill_ros.simulation.controller.rapid.parser import parse_signature
 from doormill_ros.simulation.controller.rapid.scope import (
     ABSENT,
@@ -15,32 +19,14 @@ from doormill_ros.simulation.controller.rapid.scope import (
     describe_parameters,
     resolve_type,
 )
+from doormill_ros.simulation.controller.rapid.types import Value
 
-#: (head, function) in the order of import.
-_ROUTINES: list[tuple[str, Callable[..., Any]]] = []
-
-
-def predefined(head: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    r"""Register a function as a RAPID routine.
-
-    The function takes the context and one argument for each parameter: a value; True or False for
-    a switch; None for an optional argument that was not given; (list, index) for VAR, PERS and
-    INOUT; (value, type) or (list, index, type) for anytype.
-
-    Args:
-        head: As RAPID writes it, for example `FUNC num StrLen(string Str)`.
-    """
-
-    def register(function: Callable[..., Any]) -> Callable[..., Any]:
-        _ROUTINES.append((head, function))
-        return function
-
-    return register
+LIBRARY = (files, motion, numbers, pendant, signals, strings)
 
 
 def install(context: Context, types: Names, routines: Names) -> None:
     """Declare every predefined routine for one program."""
-    for head, function in _ROUTINES:
+    for head, function in ROUTINES:
         signature = _parsed(head)
         kind = resolve_type(types, signature.type_name, "predefined", 0) if signature.type_name else None
         parameters = describe_parameters(signature, types, "predefined")
@@ -48,17 +34,13 @@ def install(context: Context, types: Names, routines: Names) -> None:
         routines.add(signature.name, info)
 
 
-def _adapt(function: Callable[..., Any], context: Context) -> Callable[[Frame], Any]:
-    def run(arguments: Frame) -> Any:
+def _adapt(function: Callable[..., Any], context: Context) -> Callable[[Frame], Value]:
+    def run(arguments: Frame) -> Value:
         return function(context, *[None if a is ABSENT else a for a in arguments])
 
     return run
 
 
-_CACHE: dict[str, Any] = {}
-
-
-def _parsed(head: str) -> Any:
-    if head not in _CACHE:
-        _CACHE[head] = parse_signature(head)
-    return _CACHE[head]
+@cache
+def _parsed(head: str) -> s.Routine:
+    return parse_signature(head)

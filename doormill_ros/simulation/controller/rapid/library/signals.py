@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from doormill_ros.simulation.controller.rapid.faults import RapidFault
-from doormill_ros.simulation.controller.rapid.library.registry import predefined
-from doormill_ros.simulation.controller.rapid.scope import Context
+from doormill_ros.simulation.controller.rapid.library.predefined import predefined
+from doormill_ros.simulation.controller.rapid.scope import Context, Reference
 
 
 @predefined("PROC SetDO(\\num SDelay \\switch Sync, signaldo Signal, num Value)")
@@ -54,7 +54,7 @@ def _wait(
     what: str,
     condition: Callable[[], bool],
     seconds: float | None,
-    flag: tuple[list, int] | None,
+    flag: Reference | None,
 ) -> None:
     """Wait; running out of time sets the flag, or is ERR_WAIT_MAXTIME without one."""
     met = context.machine.wait(condition, seconds)
@@ -66,7 +66,7 @@ def _wait(
 
 @predefined("PROC WaitDI(signaldi Signal, num Value \\num MaxTime \\VAR bool TimeFlag)")
 def wait_di(
-    context: Context, signal: str, value: float, seconds: float | None, flag: tuple[list, int] | None
+    context: Context, signal: str, value: float, seconds: float | None, flag: Reference | None
 ) -> None:
     """Wait until a digital input has a value."""
     machine = context.machine
@@ -75,7 +75,7 @@ def wait_di(
 
 @predefined("PROC WaitDO(signaldo Signal, num Value \\num MaxTime \\VAR bool TimeFlag)")
 def wait_do(
-    context: Context, signal: str, value: float, seconds: float | None, flag: tuple[list, int] | None
+    context: Context, signal: str, value: float, seconds: float | None, flag: Reference | None
 ) -> None:
     """Wait until a digital output has a value."""
     machine = context.machine
@@ -88,7 +88,7 @@ def wait_until(
     in_position: bool,
     condition: Callable[[], bool],
     seconds: float | None,
-    flag: tuple[list, int] | None,
+    flag: Reference | None,
     _poll_rate: float | None,
 ) -> None:
     """Wait until a condition holds."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
-from doormill_ros.simulation.controller.rapid.library.registry import predefined
+from doormill_ros.simulation.controller.rapid.library.predefined import predefined
 from doormill_ros.simulation.controller.rapid.literals import parse_literal
 from doormill_ros.simulation.controller.rapid.operators import join
 from doormill_ros.simulation.controller.rapid.scope import Context
@@ -80,7 +80,7 @@ def str_map(_context: Context, text: str, source: str, target: str) -> str:
 
 
 @predefined("FUNC bool StrToVal(string Str, INOUT anytype Val)")
-def str_to_val(_context: Context, text: str, place: tuple[list, int, AnyType]) -> bool:
+def str_to_val(_context: Context, text: str, place: tuple[list[Value], int, AnyType]) -> bool:
     """Read a literal; the data keeps its value when the text is none of its type."""
     container, index, kind = place
     value = parse_literal(text, kind)
