@@ -10,9 +10,10 @@ import numpy as np
 import yaml
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import rotate_wrench
 from doormill_ros.measurements.errors import LoadingTestError
 from doormill_ros.measurements.loading import Loadings
-from doormill_ros.measurements.sensor import rotate_wrench, sensor_to_flange
+from doormill_ros.measurements.sensor import sensor_to_flange
 from doormill_ros.resources import resource
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot, load_robot
@@ -148,7 +149,7 @@ def _data(document: dict[str, Any], force_joint4: float | None) -> ThesisData:
             # Mx and My are the lever of the force from the sensor, which the load point already holds; only
             # the couple about the spindle axis is a load of its own.
             at_tool = np.concatenate([wrench_flange[:3], [0.0, 0.0, wrench_flange[5]]])
-            force, moment = np.split(rotate_wrench(at_tool, R_base_flange), 2)
+            force, moment = np.split(rotate_wrench(R_base_flange, at_tool), 2)
         else:
             force = R_base_flange @ np.array([weight if f is None else f for f in entry["force_flange"]])
         components = entry.get("simulated_components")
