@@ -96,7 +96,8 @@ def apply(T_a_b: FloatArray, p_b: FloatArray) -> FloatArray:
 
 def quaternion_xyzw(T_a_b: FloatArray) -> FloatArray:
     """Unit quaternion (x, y, z, w) of R_a_b with w >= 0; shape (..., 4). ROS order."""
-    return Rotation.from_matrix(np.asarray(T_a_b)[..., :3, :3]).as_quat(canonical=True)
+    quaternion: FloatArray = Rotation.from_matrix(np.asarray(T_a_b)[..., :3, :3]).as_quat(canonical=True)
+    return quaternion
 
 
 def quaternion_wxyz(T_a_b: FloatArray) -> FloatArray:
@@ -126,7 +127,8 @@ def from_wxyz(position: FloatArray, quaternion: FloatArray) -> FloatArray:
 
 def rotation_x(angle: float) -> FloatArray:
     """R_a_b for a turn of b by `angle` [rad] about the x axis of a; shape (3, 3)."""
-    return Rotation.from_euler("x", angle).as_matrix()
+    R_a_b: FloatArray = Rotation.from_euler("x", angle).as_matrix()
+    return R_a_b
 
 
 def rotation_z(angle: float) -> FloatArray:
@@ -138,13 +140,15 @@ def rotation_z(angle: float) -> FloatArray:
 def rotation_from_vector(vector: FloatArray) -> FloatArray:
     """R_a_b, shape (..., 3, 3), for turns of b by vectors in the axes of a, shape (..., 3) [rad]."""
     vector = np.asarray(vector, dtype=float)
-    return Rotation.from_rotvec(vector.reshape(-1, 3)).as_matrix().reshape(*vector.shape, 3)
+    R_a_b: FloatArray = Rotation.from_rotvec(vector.reshape(-1, 3)).as_matrix().reshape(*vector.shape, 3)
+    return R_a_b
 
 
 def vector_from_rotation(R_a_b: FloatArray) -> FloatArray:
     """The shortest vectors, shape (..., 3) [rad], with which `rotation_from_vector` gives R_a_b, shape (..., 3, 3)."""
     R_a_b = np.asarray(R_a_b, dtype=float)
-    return Rotation.from_matrix(R_a_b.reshape(-1, 3, 3)).as_rotvec().reshape(R_a_b.shape[:-1])
+    vector: FloatArray = Rotation.from_matrix(R_a_b.reshape(-1, 3, 3)).as_rotvec().reshape(R_a_b.shape[:-1])
+    return vector
 
 
 def displacement(twist: FloatArray) -> FloatArray:

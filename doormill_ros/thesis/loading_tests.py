@@ -18,7 +18,7 @@ from doormill_ros.resources import resource
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.units import deg_to_rad
+from doormill_ros.units import GRAVITY, deg_to_rad
 
 SCHEMA = "doormill/thesis-loading-tests/1"
 _UM = 1e-6
@@ -123,15 +123,12 @@ def load_thesis_data(path: Path | None = None, force_joint4: float | None = None
         raise LoadingTestError(f"{path} does not hold loading tests as {SCHEMA}: {error!r}") from error
 
 
-#: Standard gravity [m/s^2]; the thesis does not say what it used (197 N / 20.120 kg is 9.791).
-GRAVITY = 9.80665
-
-
 def _data(document: dict[str, Any], force_joint4: float | None) -> ThesisData:
     robot = load_robot(document["robot"])
     kinematics = Kinematics(robot)
     angle = float(np.arctan2(*document["sensor_mounting"]))
     table = {name: np.array(row, dtype=float) for name, row in document["table_4_2"].items()}
+    # The thesis does not say which gravity it used: 197 N / 20.120 kg is 9.791 m/s^2.
     weight = document["load_mass"] * GRAVITY if force_joint4 is None else force_joint4
     tests = []
     for index, entry in enumerate(document["tests"]):
