@@ -13,6 +13,7 @@ point and is written in the axes of a stated frame.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -95,7 +96,8 @@ def apply(T_a_b: FloatArray, p_b: FloatArray) -> FloatArray:
 
 def quaternion_xyzw(T_a_b: FloatArray) -> FloatArray:
     """Unit quaternion (x, y, z, w) of R_a_b with w >= 0; shape (..., 4). ROS order."""
-    return Rotation.from_matrix(np.asarray(T_a_b)[..., :3, :3]).as_quat(canonical=True)
+    quaternion: FloatArray = Rotation.from_matrix(np.asarray(T_a_b)[..., :3, :3]).as_quat(canonical=True)
+    return quaternion
 
 
 def quaternion_wxyz(T_a_b: FloatArray) -> FloatArray:
@@ -125,25 +127,88 @@ def from_wxyz(position: FloatArray, quaternion: FloatArray) -> FloatArray:
 
 def rotation_x(angle: float) -> FloatArray:
     """R_a_b for a turn of b by `angle` [rad] about the x axis of a; shape (3, 3)."""
-    return Rotation.from_euler("x", angle).as_matrix()
+    R_a_b: FloatArray = Rotation.from_euler("x", angle).as_matrix()
+    return R_a_b
+
+
+def rotation_z(angle: float) -> FloatArray:
+    """R_a_b for a turn of b by `angle` [rad] about the z axis of a; shape (3, 3)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def rotation_from_vector(vector: FloatArray) -> FloatArray:
+    """R_a_b, shape (..., 3, 3), for turns of b by vectors in the axes of a, shape (..., 3) [rad]."""
+    vector = np.asarray(vector, dtype=float)
+    R_a_b: FloatArray = Rotation.from_rotvec(vector.reshape(-1, 3)).as_matrix().reshape(*vector.shape, 3)
+    return R_a_b
+
+
+def vector_from_rotation(R_a_b: FloatArray) -> FloatArray:
+    """The shortest vectors, shape (..., 3) [rad], with which `rotation_from_vector` gives R_a_b, shape (..., 3, 3)."""
+    R_a_b = np.asarray(R_a_b, dtype=float)
+    vector: FloatArray = Rotation.from_matrix(R_a_b.reshape(-1, 3, 3)).as_rotvec().reshape(R_a_b.shape[:-1])
+    return vector
+
+
+def displacement(twist: FloatArray) -> FloatArray:
+    """Transforms, shape (..., 4, 4), that move and turn by twists, shape (..., 6) [m, rad], each part for itself."""
+    twist = np.asarray(twist, dtype=float)
+    T_a_b = np.zeros((*twist.shape[:-1], 4, 4))
+    T_a_b[..., :3, :3] = rotation_from_vector(twist[..., 3:])
+    T_a_b[..., :3, 3] = twist[..., :3]
+    T_a_b[..., 3, 3] = 1.0
+    return T_a_b
 
 
 def apply_twist(T_a_b: FloatArray, twist: FloatArray) -> FloatArray:
-    """Move frame b by a small twist given in the axes of frame a, taken at the origin of b.
+    """Move frames b by small twists given in the axes of frame a, taken at the origin of b.
 
     Args:
-        T_a_b: Pose of b in a, shape (4, 4).
-        twist: Translation [m] and rotation vector [rad], shape (6,).
+        T_a_b: Poses of b in a, shape (..., 4, 4).
+        twist: Translation [m] and rotation vector [rad], shape (..., 6).
 
     Returns:
-        The displaced T_a_b, shape (4, 4).
+        The displaced T_a_b, shape (..., 4, 4).
     """
-    twist = np.asarray(twist, dtype=float)
-    rotation = Rotation.from_rotvec(twist[3:]).as_matrix() @ T_a_b[:3, :3]
-    return transform(rotation, T_a_b[:3, 3] + twist[:3])
+    moved = displacement(twist)
+    moved[..., :3, :3] = moved[..., :3, :3] @ T_a_b[..., :3, :3]
+    moved[..., :3, 3] += T_a_b[..., :3, 3]
+    return moved
 
 
 def twist_between(T_a_b: FloatArray, T_a_c: FloatArray) -> FloatArray:
-    """The twist, shape (6,) [m, rad], axes of a, that `apply_twist` needs to move b onto c."""
-    rotvec = Rotation.from_matrix(T_a_c[:3, :3] @ T_a_b[:3, :3].T).as_rotvec()
-    return np.concatenate([T_a_c[:3, 3] - T_a_b[:3, 3], rotvec])
+    """Twists, shape (..., 6) [m, rad], axes of a, that `apply_twist` needs to move b onto c, shapes (..., 4, 4)."""
+    turn = vector_from_rotation(T_a_c[..., :3, :3] @ np.swapaxes(T_a_b[..., :3, :3], -1, -2))
+    return np.concatenate([T_a_c[..., :3, 3] - T_a_b[..., :3, 3], turn], axis=-1)
+
+
+def shift_wrench(wrench: FloatArray, arm: FloatArray) -> FloatArray:
+    """The same load, stated at another point: M_new = M_old - arm x F.
+
+    Args:
+        wrench: Force and moment at the old point, shape (..., 6) [N, N m].
+        arm: From the old point to the new one, same axes, shape (..., 3) [m].
+
+    Returns:
+        The wrench at the new point, shape (..., 6).
+    """
+    wrench = np.asarray(wrench, dtype=float)
+    moment = wrench[..., 3:] - np.cross(arm, wrench[..., :3])
+    return np.concatenate([wrench[..., :3], moment], axis=-1)
+
+
+def rotate_wrench(R_a_b: FloatArray, wrench_b: FloatArray) -> FloatArray:
+    """Write a wrench in other axes; the point it acts at stays.
+
+    Args:
+        R_a_b: Rotations, shape (..., 3, 3).
+        wrench_b: Force and moment in the axes of b, shape (..., 6) [N, N m].
+
+    Returns:
+        The wrench in the axes of a, shape (..., 6).
+    """
+    wrench_b = np.asarray(wrench_b, dtype=float)
+    force = np.einsum("...ij,...j->...i", R_a_b, wrench_b[..., :3])
+    moment = np.einsum("...ij,...j->...i", R_a_b, wrench_b[..., 3:])
+    return np.concatenate([force, moment], axis=-1)

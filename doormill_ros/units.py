@@ -1,19 +1,22 @@
-"""The only place where millimetres, degrees and revolutions per minute become SI and back."""
+"""The only place where millimetres, micrometres, degrees and revolutions per minute become SI and back."""
 
 from __future__ import annotations
 
 import math
 from typing import TypeVar
 
-import numpy as np
+from doormill_ros.arrays import FloatArray
 
-Number = TypeVar("Number", float, np.ndarray)
+Number = TypeVar("Number", float, FloatArray)
 
 MM = 1e-3  #: metres in a millimetre
+UM = 1e-6  #: metres in a micrometre; also radians in a microradian
 DEG = math.pi / 180.0  #: radians in a degree
 RPM = 2.0 * math.pi / 60.0  #: radians per second in a revolution per minute
 INCH = 25.4e-3  #: metres in an inch
 FOOT = 12.0 * INCH  #: metres in a foot
+#: Standard acceleration of free fall [m/s^2] (3rd CGPM 1901), along base -z; what weighs a load here takes it.
+GRAVITY = 9.80665
 
 
 def mm_to_m(value: Number) -> Number:
@@ -24,6 +27,21 @@ def mm_to_m(value: Number) -> Number:
 def m_to_mm(value: Number) -> Number:
     """Metres to millimetres."""
     return value / MM
+
+
+def m_to_um(value: Number) -> Number:
+    """Metres to micrometres, radians to microradians."""
+    return value * 1e6
+
+
+def s_to_ms(value: Number) -> Number:
+    """Seconds to milliseconds."""
+    return value * 1e3
+
+
+def rad_s_to_rpm(value: Number) -> Number:
+    """Radians per second to revolutions per minute."""
+    return value / RPM
 
 
 def deg_to_rad(value: Number) -> Number:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.correction.poses import displace, twist_to
+from doormill_ros.frames import apply_twist, twist_between
 
 MAX_ITERATIONS = 25
 FULL_STEPS = 8
@@ -50,7 +50,7 @@ def compensate(
 ) -> Compensation:
     """Iterate joint angles until the loaded tool is back on the nominal poses.
 
-    The loaded tool stands at `displace(forward(q), deflect(q))`, with the deflection taken at the
+    The loaded tool stands at `apply_twist(forward(q), deflect(q))`, with the deflection taken at the
     true posture q of every step. What is missing to the nominal pose is made up through the
     inverse Jacobian of the nominal posture; the deflection changes so little over a correction
     of a millimetre that three or four steps reach a micrometre. Orientation is corrected too.
@@ -76,7 +76,7 @@ def compensate(
     for iterations in range(1, MAX_ITERATIONS + 1):
         T_base_commanded = kinematics.forward(q) @ T_flange_tool
         deflection = deflect(q)
-        missing = twist_to(displace(T_base_commanded, deflection), T_base_tool)  # (n, 6)
+        missing = twist_between(apply_twist(T_base_commanded, deflection), T_base_tool)  # (n, 6)
         size = np.maximum(
             np.linalg.norm(missing[:, :3], axis=1),
             np.linalg.norm(missing[:, 3:], axis=1) * ROTATION_PER_METRE,

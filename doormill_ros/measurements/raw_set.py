@@ -28,9 +28,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import rotate_wrench, rotation_z
 from doormill_ros.measurements.loading import Loadings
 from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
-from doormill_ros.measurements.sensor import rotate_wrench, rotation_about_z
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.steady import SteadyWindow, steady_window
 from doormill_ros.robot.chain import JOINTS
@@ -201,13 +201,13 @@ class _Reader:
         if "unloaded" in force:
             unloaded = self._window(force, "unloaded", read_force_log, where)
             mean, variance = mean - unloaded.mean, variance + unloaded.standard_error**2
-        R_base_sensor = self.kinematics.forward(q)[:3, :3] @ rotation_about_z(self.rotation)
+        R_base_sensor = self.kinematics.forward(q)[:3, :3] @ rotation_z(self.rotation)
         # The larger of the three deviations for all axes: they are turned by R_base_sensor.
         spread = np.repeat(np.sqrt(variance.reshape(2, 3).max(axis=1)), 3)
         return {
             "load_link": JOINTS,
             "load_point": self.load_point,
-            "wrench": rotate_wrench(mean, R_base_sensor),
+            "wrench": rotate_wrench(R_base_sensor, mean),
             "wrench_std": np.hypot(spread, floor),
         }
 

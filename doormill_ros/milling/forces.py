@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import rotation_z
 from doormill_ros.measurements.raw_files import Recording
-from doormill_ros.measurements.sensor import MOUNTING_ROTATION, rotation_about_z, sensor_to_flange
+from doormill_ros.measurements.sensor import MOUNTING_ROTATION, sensor_to_flange
 from doormill_ros.milling.errors import SegmentError
 from doormill_ros.milling.payload import Payload
 
@@ -69,7 +70,7 @@ def process_wrench(
             raise SegmentError(
                 "the spindle weight can only be removed when the flange's orientation is known; give R_base_flange"
             )
-        readings = payload.remove(readings, np.asarray(R_base_flange) @ rotation_about_z(rotation))
+        readings = payload.remove(readings, np.asarray(R_base_flange) @ rotation_z(rotation))
     return sensor_to_flange(readings, rotation)
 
 
@@ -99,6 +100,23 @@ def segment_forces(
     if air is not None:
         wrench = wrench - wrench[_rows(log, "air", air)].mean(axis=0)
     return [_segment(name, wrench[_rows(log, name, span)]) for name, span in segments.items()]
+
+
+def lever_arm(wrenches: FloatArray) -> float:
+    """Distance along z between a sensor and the point where pure forces explain its moments.
+
+    Least squares over Mx = -a Fy and My = a Fx.
+
+    Args:
+        wrenches: Sensor readings, z along the tool, shape (n, 6) [N, N m].
+
+    Returns:
+        The arm a [m].
+    """
+    wrenches = np.asarray(wrenches, dtype=float)
+    forces = np.concatenate([-wrenches[:, 1], wrenches[:, 0]])  # (2 n,)
+    moments = np.concatenate([wrenches[:, 3], wrenches[:, 4]])
+    return float(forces @ moments / (forces @ forces))
 
 
 def labelled_forces(wrench: FloatArray, labels: FloatArray) -> list[SegmentForce]:

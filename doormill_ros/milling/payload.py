@@ -17,8 +17,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.milling.errors import PayloadError
-
-STANDARD_GRAVITY = 9.80665  #: m/s^2
+from doormill_ros.units import GRAVITY
 
 #: Largest condition number of the scaled equations that still tells weight from offset.
 _WORST_CONDITION = 1e4
@@ -91,7 +90,7 @@ def identify_payload(readings: FloatArray, R_base_sensor: FloatArray) -> Payload
 
 def _gravity_in_sensor(R_base_sensor: FloatArray) -> FloatArray:
     """Gravity written in sensor axes, shape (..., 3) [m/s^2]: minus g times the third row of R."""
-    return -STANDARD_GRAVITY * np.asarray(R_base_sensor, dtype=float)[..., 2, :]
+    return -GRAVITY * np.asarray(R_base_sensor, dtype=float)[..., 2, :]
 
 
 def _solve(design: FloatArray, target: FloatArray) -> FloatArray:

@@ -25,7 +25,7 @@ from doormill_ros.recipes.features.face_plate import FacePlate
 from doormill_ros.recipes.features.lock_case import LockCase
 from doormill_ros.recipes.solid import Prism, prism
 from doormill_ros.recipes.wrench import check_segments
-from doormill_ros.units import m_to_mm
+from doormill_ros.units import m_to_mm, rad_s_to_rpm
 
 if TYPE_CHECKING:
     from doormill_ros.recipes.recipe import Recipe
@@ -117,11 +117,10 @@ def _check_speeds(feature: Feature, path: str) -> None:
     spindle = cutting.spindle(tool)
     if spindle > tool.max_spindle_speed * (1.0 + 1e-9):
         key = "spindle_speed_rpm" if cutting.spindle_speed is not None else "surface_speed_m_min"
-        rpm = 60.0 / 6.283185307179586
         raise SpindleTooFast(
             f"{path}.cutting.{key}",
-            f"found {spindle * rpm:.0f} rpm for {tool.name!r}, allowed are at most "
-            f"{tool.max_spindle_speed * rpm:.0f} rpm",
+            f"found {rad_s_to_rpm(spindle):.0f} rpm for {tool.name!r}, allowed are at most "
+            f"{rad_s_to_rpm(tool.max_spindle_speed):.0f} rpm",
             found=spindle,
         )
     chip = cutting.chip(tool)

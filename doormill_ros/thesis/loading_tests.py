@@ -10,14 +10,15 @@ import numpy as np
 import yaml
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import rotate_wrench
 from doormill_ros.measurements.errors import LoadingTestError
 from doormill_ros.measurements.loading import Loadings
-from doormill_ros.measurements.sensor import rotate_wrench, sensor_to_flange
+from doormill_ros.measurements.sensor import sensor_to_flange
 from doormill_ros.resources import resource
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.units import deg_to_rad
+from doormill_ros.units import GRAVITY, deg_to_rad
 
 SCHEMA = "doormill/thesis-loading-tests/1"
 _UM = 1e-6
@@ -122,15 +123,12 @@ def load_thesis_data(path: Path | None = None, force_joint4: float | None = None
         raise LoadingTestError(f"{path} does not hold loading tests as {SCHEMA}: {error!r}") from error
 
 
-#: Standard gravity [m/s^2]; the thesis does not say what it used (197 N / 20.120 kg is 9.791).
-GRAVITY = 9.80665
-
-
 def _data(document: dict[str, Any], force_joint4: float | None) -> ThesisData:
     robot = load_robot(document["robot"])
     kinematics = Kinematics(robot)
     angle = float(np.arctan2(*document["sensor_mounting"]))
     table = {name: np.array(row, dtype=float) for name, row in document["table_4_2"].items()}
+    # The thesis does not say which gravity it used: 197 N / 20.120 kg is 9.791 m/s^2.
     weight = document["load_mass"] * GRAVITY if force_joint4 is None else force_joint4
     tests = []
     for index, entry in enumerate(document["tests"]):
@@ -148,7 +146,7 @@ def _data(document: dict[str, Any], force_joint4: float | None) -> ThesisData:
             # Mx and My are the lever of the force from the sensor, which the load point already holds; only
             # the couple about the spindle axis is a load of its own.
             at_tool = np.concatenate([wrench_flange[:3], [0.0, 0.0, wrench_flange[5]]])
-            force, moment = np.split(rotate_wrench(at_tool, R_base_flange), 2)
+            force, moment = np.split(rotate_wrench(R_base_flange, at_tool), 2)
         else:
             force = R_base_flange @ np.array([weight if f is None else f for f in entry["force_flange"]])
         components = entry.get("simulated_components")

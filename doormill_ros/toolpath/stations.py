@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.correction.wrench import turned
+from doormill_ros.frames import rotate_wrench
 from doormill_ros.toolpath.curve import points_of
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
@@ -43,7 +43,7 @@ def stations_of(steps: Sequence[Step], T_base_door: FloatArray) -> Stations:
     m, k = len(steps), len(FRACTIONS)
     poses = stations_along(steps, T_base_door, np.repeat(np.arange(m), k), np.tile(FRACTIONS, m))
     R_base_tool = T_base_door[:3, :3] @ np.array([s.R_door_tool for s in steps])  # (m, 3, 3)
-    wrench = turned(R_base_tool, np.array([s.wrench_tool for s in steps]))
+    wrench = rotate_wrench(R_base_tool, np.array([s.wrench_tool for s in steps]))
     return Stations(poses.reshape(m, k, 4, 4), wrench)
 
 

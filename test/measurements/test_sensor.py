@@ -9,9 +9,7 @@ import pytest
 
 from doormill_ros.measurements.sensor import (
     MOUNTING_ROTATION,
-    rotate_wrench,
     sensor_to_flange,
-    shift_wrench,
 )
 
 # Appendices A.8, A.10, A.12, A.13.
@@ -42,17 +40,3 @@ def test_rotation_by_hand():
     turned = sensor_to_flange(np.array([1.0, 0, 0, 0, 1.0, 0]))
     a = math.atan2(219.25, 226.66)
     assert turned == pytest.approx([math.cos(a), math.sin(a), 0, -math.sin(a), math.cos(a), 0])
-
-
-def test_many_wrenches_and_many_rotations():
-    rng = np.random.default_rng(1)
-    wrench = rng.normal(size=(7, 6))
-    R = np.stack([np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(7)])
-    got = rotate_wrench(wrench, R)
-    for i in range(7):
-        assert got[i] == pytest.approx(np.concatenate([R[i] @ wrench[i, :3], R[i] @ wrench[i, 3:]]))
-
-
-def test_shift_by_hand():
-    """10 N along y, 0.2 m in front along z: 0.2 z x 10 y = -2 N m about x."""
-    assert shift_wrench([0, 10.0, 0, 0, 0, 0], np.array([0, 0, 0.2])) == pytest.approx([0, 10, 0, -2, 0, 0])

@@ -9,11 +9,13 @@ import pytest
 import yaml
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.frames import shift_wrench
 from doormill_ros.measurements.raw_files import read_force_log
 from doormill_ros.milling.errors import PayloadError, SegmentError
 from doormill_ros.milling.forces import (
     THESIS_FORCES,
     labelled_forces,
+    lever_arm,
     process_wrench,
     segment_forces,
 )
@@ -175,3 +177,47 @@ def test_payload_refusals():
     upside_down = np.array([-reading(np.zeros(6), r) for r in R])
     with pytest.raises(PayloadError, match="mass of -26"):
         identify_payload(upside_down, R @ R_FS)
+
+
+# Table 4.8 of the thesis: left line, top turn, right line, bottom turn; N and N m.
+TABLE_4_8 = np.array(
+    [
+        [-209, 29, 12, -5, -43, 3],
+        [-100, 13, 25, -3, -26, 2],
+        [-62, 3, -11, -1, -8, 2],
+        [-13, 2, -22, -1, 4, 0],
+    ],
+    dtype=float,
+)
+
+
+def test_the_arm_behind_pure_forces_is_found():
+    rng = np.random.default_rng(5)
+    force = rng.normal(size=(10, 3)) * 100
+    wrench = np.concatenate([force, np.cross([0, 0, 0.25], force)], axis=1)
+    assert lever_arm(wrench) == pytest.approx(0.25, abs=1e-12)
+    assert shift_wrench(wrench, np.array([0, 0, 0.25]))[:, 3:] == pytest.approx(np.zeros((10, 3)), abs=1e-12)
+
+
+def test_table_4_8_is_read_a_hand_behind_the_tool_tip():
+    """The strongest segment alone, -43 = a (-209), gives 0.206 m; all four together nearly the same."""
+    arm = lever_arm(TABLE_4_8)
+    assert arm == pytest.approx(43 / 209, abs=0.005)
+    left = shift_wrench(TABLE_4_8, np.array([0.0, 0.0, arm]))[0]
+    # What is left of 43 N m is what rounding to 1 N m can leave, and 1 % of the arm.
+    assert np.abs(left[3:5]).max() < 1.1
+
+
+def test_recipes_take_the_same_arm(cell_recipe):
+    for feature in cell_recipe.features:
+        given_at = np.array([0.0, 0.0, feature.wrench_point])
+        for name, row in zip(("left_line", "top_turn", "right_line", "bottom_turn"), TABLE_4_8, strict=True):
+            assert feature.wrench(name) == pytest.approx(shift_wrench(row, given_at), abs=1e-9)
+        assert feature.wrench_point == pytest.approx(lever_arm(TABLE_4_8), abs=5e-4)
+
+
+@pytest.fixture
+def cell_recipe():
+    from doormill_ros.recipes.documents import load_recipe
+
+    return load_recipe("thesis_190_0deg")

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
-from doormill_ros.correction.poses import displace
+from doormill_ros.frames import apply_twist
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.toolpath.program import MotionKind
 
@@ -44,7 +44,7 @@ def execute(program, robot, kinematics, T_flange_tool, model=None, corrected=Tru
     actual = T
     if model is not None:
         direction = moving(q, motion)
-        actual = displace(T, model.deflection(q, wrench, T_flange_tool[:3, 3], direction))
+        actual = apply_twist(T, model.deflection(q, wrench, T_flange_tool[:3, 3], direction))
     cutting = np.array([m.cutting for m in program.motions])[motion]
     feature = np.array([m.feature for m in program.motions])[motion]
     return ExecutedPath(time, actual, T, q, motion, cutting, feature, wrench)

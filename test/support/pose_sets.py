@@ -68,7 +68,7 @@ def potential(q: np.ndarray) -> float:
         R = R @ Rotation.from_euler("z", q[k] + dh[k, 0]).as_matrix()
         p = p + R @ np.array([dh[k, 2], 0.0, dh[k, 1]])
         R = R @ Rotation.from_euler("x", dh[k, 3]).as_matrix()
-        energy += mass * 9.81 * (p + R @ np.array(com))[2]
+        energy += mass * 9.80665 * (p + R @ np.array(com))[2]
     return energy
 
 

@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis, diagnose_problem
 from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.frames import rotate_wrench
 from doormill_ros.measurements.measurement_set import MeasurementSet, Noise, Reflector
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
@@ -121,8 +122,7 @@ def diagnose_part(
     joined = {name: np.concatenate([getattr(c, name) for c in contours]) for name in vars(contours[0])}
     tip, n = np.asarray(T_flange_tool)[:3, 3], len(joined["q"])
     along = joined["deviation"] - joined["sent"]
-    R_base_flange = Kinematics(robot).forward(joined["q"])[:, :3, :3]
-    wrench = [np.einsum("nji,nj->ni", R_base_flange, joined["wrench"][:, i : i + 3]) for i in (0, 3)]
+    R_flange_base = np.swapaxes(Kinematics(robot).forward(joined["q"])[:, :3, :3], 1, 2)
     data = MeasurementSet(
         path=Path("part"),
         robot=robot.name,
@@ -138,7 +138,7 @@ def diagnose_part(
         temperature=np.full(n, np.nan),
         q=joined["q"],
         direction=joined["direction"],
-        wrench=np.hstack(wrench),
+        wrench=rotate_wrench(R_flange_base, joined["wrench"]),
         reflector=np.full(n, "tool"),
         displacement=along[:, None] * joined["normal"],
     )

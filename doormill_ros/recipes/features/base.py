@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import transform
+from doormill_ros.frames import shift_wrench, transform
 from doormill_ros.recipes.cutting import Cutting, Direction, Passes
 from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, DoorSize, Side
 from doormill_ros.recipes.errors import UnknownReference, WrongType
@@ -146,9 +146,7 @@ class Feature:
 
         A wrench known at p becomes M_tcp = M_p + (p - tcp) x F.
         """
-        wrench = self.wrench_table.get(segment)
-        wrench[3:] += np.cross([0.0, 0.0, -self.wrench_point], wrench[:3])
-        return wrench
+        return shift_wrench(self.wrench_table.get(segment), np.array([0.0, 0.0, self.wrench_point]))
 
     @property
     def segment_names(self) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import rotate_wrench, rotation_z
 from doormill_ros.robot.kinematics import Kinematics
 
 
@@ -131,12 +132,9 @@ def build_load_case(
     n = len(q)
     frames = kinematics.link_frames(q)
     axes, origin = frames[..., :3, :3], frames[..., :3, 3]
-    force, couple = wrench[:, :3], wrench[:, 3:]
     if wrench_rotation is not None:
-        c, s = np.cos(wrench_rotation), np.sin(wrench_rotation)
-        to_base = axes[:, 6] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        force = np.einsum("nij,nj->ni", to_base, force)
-        couple = np.einsum("nij,nj->ni", to_base, couple)
+        wrench = rotate_wrench(axes[:, 6] @ rotation_z(wrench_rotation), wrench)
+    force, couple = wrench[:, :3], wrench[:, 3:]
     load = origin[:, 6] + axes[:, 6] @ np.asarray(load_point, dtype=float)
     moment = couple[:, None] + np.cross(load[:, None] - origin, force[:, None])
     joint_axes = axes[:, :6, :, 2]

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import displacement
 
 FRAMES = 7
 AXES = 6  #: translation x, y, z, rotation x, y, z
@@ -28,16 +29,6 @@ def direction(frame: int, axis: int) -> int:
 def joint_turn(joint: int) -> int:
     """Direction in which joint 1..6 turns."""
     return direction(joint - 1, 5)
-
-
-def exp_twist(twist: FloatArray) -> FloatArray:
-    """Displacement for twists (..., 6); translation and rotation vector taken separately, shape (..., 4, 4)."""
-    T = np.zeros((*twist.shape[:-1], 4, 4))
-    flat = twist[..., 3:].reshape(-1, 3)
-    T[..., :3, :3] = Rotation.from_rotvec(flat).as_matrix().reshape(*twist.shape[:-1], 3, 3)
-    T[..., :3, 3] = twist[..., :3]
-    T[..., 3, 3] = 1.0
-    return T
 
 
 def link_transforms(dh: FloatArray, q: FloatArray) -> FloatArray:
@@ -67,7 +58,7 @@ def frames(links: FloatArray, twists: FloatArray | None = None) -> FloatArray:
         if k:
             T = T @ links[:, k - 1]
         if twists is not None:
-            T = T @ exp_twist(twists[:, k])
+            T = T @ displacement(twists[:, k])
         out[:, k] = T
     return out
 
@@ -81,7 +72,9 @@ class Placement:
 
     def moved(self, base: FloatArray, target: FloatArray) -> Placement:
         """Shifted by a twist of the base (base axes) and one of the flange (flange axes), shape (6,)."""
-        return Placement(self.T_tracker_base @ exp_twist(base), exp_twist(target) @ self.T_flange_target)
+        return Placement(
+            self.T_tracker_base @ displacement(base), displacement(target) @ self.T_flange_target
+        )
 
 
 def residual(

@@ -10,8 +10,8 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.chain import frames, link_transforms
+from doormill_ros.units import GRAVITY
 
-GRAVITY = 9.81  #: m / s^2, along base -z
 #: Motion that turns a play from one flank to the other [rad]: shorter moves are taken in proportion.
 CROSSING = 2e-3
 

@@ -5,8 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.diagnosis.pose.placement import fit_placement
+from doormill_ros.frames import displacement
 from doormill_ros.measurements.errors import PosePlacementError
-from doormill_ros.robot_model.pose.chain import Placement, exp_twist, frames, link_transforms
+from doormill_ros.robot_model.pose.chain import Placement, frames, link_transforms
 
 
 @pytest.fixture
@@ -14,7 +15,7 @@ def scene(invented):
     rng = np.random.default_rng(11)
     q = rng.uniform(-2.5, 2.5, (200, 6))
     T = frames(link_transforms(invented["dh"], q))
-    true = Placement(exp_twist(rng.normal(scale=2.0, size=6)), exp_twist(0.3 * rng.normal(size=6)))
+    true = Placement(displacement(rng.normal(scale=2.0, size=6)), displacement(0.3 * rng.normal(size=6)))
     seen = true.T_tracker_base @ T[:, -1] @ true.T_flange_target
     position = seen[:, :3, 3] + rng.normal(0.0, 1.5e-5, (200, 3))
     rotation = Rotation.from_rotvec(rng.normal(0.0, 6e-5, (200, 3))).as_matrix() @ seen[:, :3, :3]

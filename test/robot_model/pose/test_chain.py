@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from doormill_ros.frames import displacement
 from doormill_ros.robot_model.pose.chain import (
     DIRECTIONS,
     Placement,
     derivatives,
     direction,
-    exp_twist,
     frames,
     joint_turn,
     link_transforms,
@@ -26,7 +26,7 @@ def q():
 @pytest.fixture
 def placement():
     rng = np.random.default_rng(4)
-    return Placement(exp_twist(rng.normal(size=6)), exp_twist(0.2 * rng.normal(size=6)))
+    return Placement(displacement(rng.normal(size=6)), displacement(0.2 * rng.normal(size=6)))
 
 
 def test_nominal_poses(q, invented):
@@ -70,7 +70,7 @@ def test_derivatives_are_those_of_the_residual(q, invented, placement):
         moved = T.copy()
         frame = where // 6
         # Move the frame and everything beyond it by a small twist in its own axes.
-        shift = T[:, frame] @ exp_twist(step.reshape(-1, 7, 6)[:, frame]) @ np.linalg.inv(T[:, frame])
+        shift = T[:, frame] @ displacement(step.reshape(-1, 7, 6)[:, frame]) @ np.linalg.inv(T[:, frame])
         moved[:, -1] = shift @ T[:, -1]
         error = residual(moved, placement, target[:, :3, 3], target[:, :3, :3])
         np.testing.assert_allclose(-error / h, D[:, where], atol=2e-5)

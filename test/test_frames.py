@@ -1,0 +1,95 @@
+"""Displacements of many poses against scipy's matrix exponential, and wrenches by the work they do."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
+
+from doormill_ros.frames import (
+    apply_twist,
+    rotate_wrench,
+    rotation_from_vector,
+    rotation_x,
+    rotation_z,
+    shift_wrench,
+    twist_between,
+    vector_from_rotation,
+)
+
+VECTORS = st.lists(st.floats(-1.7, 1.7), min_size=3, max_size=3)
+
+
+def skew(v):
+    return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+
+
+@given(VECTORS, st.sampled_from([1.0, 1e-3, 1e-7, 0.0]))
+def test_rotation_is_the_matrix_exponential(vector, scale):
+    rotvec = scale * np.array(vector)
+    assert rotation_from_vector(rotvec[None])[0] == pytest.approx(expm(skew(rotvec)), abs=1e-14)
+
+
+@given(VECTORS, st.sampled_from([1.0, 1e-3, 1e-7, 0.0]))
+def test_vector_and_rotation_are_inverse(vector, scale):
+    rotvec = scale * np.array(vector)
+    back = vector_from_rotation(rotation_from_vector(rotvec[None]))[0]
+    assert back == pytest.approx(rotvec, abs=1e-12)
+
+
+def poses(n, seed=1):
+    rng = np.random.default_rng(seed)
+    T = np.tile(np.eye(4), (n, 1, 1))
+    T[:, :3, :3] = Rotation.random(n, rng=rng).as_matrix()
+    T[:, :3, 3] = rng.normal(size=(n, 3))
+    return T, rng.normal(scale=0.01, size=(n, 6))
+
+
+def test_many_poses_move_like_each_alone():
+    T, twist = poses(20)
+    moved = apply_twist(T, twist)
+    for one, t, m in zip(T, twist, moved, strict=True):
+        assert m == pytest.approx(apply_twist(one, t), abs=1e-13)
+        assert twist_between(one[None], m[None])[0] == pytest.approx(twist_between(one, m), abs=1e-12)
+        assert twist_between(one, m) == pytest.approx(t, abs=1e-12)
+
+
+def test_moving_keeps_the_power_on_every_twist():
+    """A rigid body's velocity at the new point, times the moved wrench, is the same power."""
+    rng = np.random.default_rng(3)
+    wrench, twist, arm = rng.normal(size=(50, 6)), rng.normal(size=(50, 6)), np.array([0.1, -0.3, 0.7])
+    there = np.concatenate([twist[:, :3] + np.cross(twist[:, 3:], arm), twist[:, 3:]], axis=1)
+    power = np.einsum("ni,ni->n", wrench, twist)
+    assert np.einsum("ni,ni->n", shift_wrench(wrench, arm), there) == pytest.approx(power, abs=1e-12)
+
+
+def test_turning_keeps_the_power():
+    rng = np.random.default_rng(4)
+    wrench, twist = rng.normal(size=(20, 6)), rng.normal(size=(20, 6))
+    R = Rotation.random(20, rng=rng).as_matrix()
+    power = np.einsum("ni,ni->n", wrench, twist)
+    assert np.einsum("ni,ni->n", rotate_wrench(R, wrench), rotate_wrench(R, twist)) == pytest.approx(
+        power, abs=1e-12
+    )
+
+
+def test_shift_by_hand():
+    """10 N along y, 0.2 m in front along z: 0.2 z x 10 y = -2 N m about x."""
+    moment = shift_wrench([0, 10.0, 0, 0, 0, 0], np.array([0, 0, -0.2]))
+    assert moment == pytest.approx([0, 10, 0, -2, 0, 0])
+
+
+def test_many_wrenches_and_many_rotations():
+    rng = np.random.default_rng(1)
+    wrench = rng.normal(size=(7, 6))
+    R = np.stack([np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(7)])
+    got = rotate_wrench(R, wrench)
+    assert len(got) == 7
+    for i in range(7):
+        assert got[i] == pytest.approx(np.concatenate([R[i] @ wrench[i, :3], R[i] @ wrench[i, 3:]]))
+
+
+@pytest.mark.parametrize(("turn", "axis"), [(rotation_x, [1, 0, 0]), (rotation_z, [0, 0, 1])])
+def test_turns_about_an_axis(turn, axis):
+    assert turn(0.3) == pytest.approx(expm(0.3 * skew(np.array(axis))), abs=1e-14)
