@@ -1,6 +1,6 @@
 """How far the diagnosis brings the measured UR10: whole procedure repeated without the rows it is judged on.
 
-python bench/diagnosis_ur10.py [--folds 5] [--only blocks|series] [--data ../shared/data/ur10]
+python bench/diagnosis_ur10.py [--folds 5] [--only blocks|series] [--data test/data/ur10]
 
 Unlike the figures in diagnosis.json, where the list of causes and orders comes from all rows, everything is
 done anew here for every part left out: search, selection, fit.
@@ -10,11 +10,16 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import sys
 import time
 from pathlib import Path
 
 import numpy as np
 
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+# ruff: noqa: E402
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
 from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.placement import fit_placement
@@ -58,9 +63,7 @@ def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--folds", type=int, default=5, help="every so many-th block is left out together")
-    parser.add_argument(
-        "--data", type=Path, default=Path(__file__).resolve().parents[2] / "shared" / "data" / "ur10"
-    )
+    parser.add_argument("--data", type=Path, default=ROOT / "test" / "data" / "ur10")
     parser.add_argument("--only", choices=("blocks", "series"), help="leave out these alone")
     chosen = parser.parse_args()
     sets = [read_pose_set(chosen.data / name) for name in NAMES]

@@ -20,6 +20,7 @@ from doormill_ros.milling.forces import (
     segment_forces,
 )
 from doormill_ros.milling.payload import Payload, identify_payload
+from support.source_tree import DATA
 
 ANGLE = math.atan2(219.25, 226.66)
 # Sensor axes in flange axes, written out here again so that the sign is checked against this file.
@@ -83,8 +84,8 @@ def test_weight_left_in_is_the_spindles_weight(tmp_path):
     assert raw["air"][:3] - offset[:3] == pytest.approx([MASS * G, 0, 0], abs=1.5)
 
 
-def test_thesis_forces_are_the_reference_ones(request):
-    facts = yaml.safe_load((request.config.rootpath / "../shared/reference/thesis-facts.yaml").read_text())
+def test_thesis_forces_are_the_reference_ones():
+    facts = yaml.safe_load((DATA / "thesis" / "facts.yaml").read_text(encoding="utf-8"))
     table = facts["milling"]["forces_N_Nm"]
     assert {k: list(v) for k, v in THESIS_FORCES.items()} == table
 

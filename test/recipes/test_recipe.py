@@ -1,5 +1,4 @@
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,13 +9,12 @@ from doormill_ros.recipes.documents import load_recipe, parse_yaml, shipped_reci
 from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, DoorSize, Side
 from doormill_ros.recipes.errors import DuplicateField, FieldError, UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
-
-FACTS = Path(__file__).resolve().parents[3] / "shared" / "reference" / "thesis-facts.yaml"
+from support.source_tree import DATA
 
 
 @pytest.fixture(scope="module")
 def facts():
-    return yaml.safe_load(FACTS.read_text(encoding="utf-8"))
+    return yaml.safe_load((DATA / "thesis" / "facts.yaml").read_text(encoding="utf-8"))
 
 
 def test_door_limits_are_those_of_the_thesis(facts):

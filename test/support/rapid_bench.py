@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,8 +18,7 @@ from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import Program
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram
-
-THESIS_TEXT = Path(__file__).parents[3] / "shared" / "reference" / "000_f245df7d6396abb7.txt"
+from support.thesis_listings import load_listings
 
 
 class BareMachine:
@@ -156,41 +154,10 @@ def controller(tmp_path: Path, arm: ControllerArm) -> Callable[..., WatchedContr
     return controller_
 
 
-#: What the printed listings need before they parse, and why; each must be found exactly once.
-REPAIRS = (
-    ("3.37", "VAR num poscf1\n", "VAR num poscf1;\n", "the semicolon is missing"),
-    ("3.40", "Target 23 :=", "Target_23 :=", "the underscore was lost in print"),
-    (
-        "3.41",
-        "Mill_UiA}\\WObj:=wobj0\n",
-        "Mill_UiA\\WObj:=wobj0;\n",
-        "a brace too many, the semicolon is missing",
-    ),
-    (
-        "3.41",
-        "MoveL Target 21,v20,z0,Mill UiA\\",
-        "MoveL Target_21,v20,z0,Mill_UiA\\",
-        "two underscores were lost",
-    ),
-    ("3.41", "Target Home2", "Target_Home2", "the underscore was lost in print"),
-)
-
-
 @pytest.fixture(scope="session")
 def thesis_listings() -> dict[str, str]:
-    """The fenced listings by figure number, repaired."""
-    if not THESIS_TEXT.is_file():
-        pytest.skip("the thesis' text is not beside the repository")
-    text = THESIS_TEXT.read_text(encoding="utf-8")
-    found = {
-        figure: code
-        for code, figure in re.findall(r"```\n(.*?)```(?:(?!```).)*?Figure (3\.\d+):", text, re.DOTALL)
-    }
-    listings = {figure: found[figure] for figure in ("3.36", "3.37", "3.38", "3.39", "3.40", "3.41")}
-    for figure, wrong, right, _why in REPAIRS:
-        assert listings[figure].count(wrong) == 1, (figure, wrong)
-        listings[figure] = listings[figure].replace(wrong, right)
-    return listings
+    """The thesis' listings by figure number, repaired."""
+    return load_listings()[0]
 
 
 THESIS_TARGETS = ["init", "10", "11", "12", "13", "14", "15", "init2", "20", "21", "22", "23", "24", "25"]

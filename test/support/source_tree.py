@@ -7,6 +7,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "doormill_ros"
+DATA = ROOT / "test" / "data"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
 

@@ -8,21 +8,18 @@ import pytest
 
 from doormill_ros.milling import speeds
 from doormill_ros.milling.speeds import SURFACE_FOOT_PER_MINUTE, THESIS_CUTTER
-from doormill_ros.resources import share_directory
 from doormill_ros.thesis.comparison import compare_with_simulation
 from doormill_ros.thesis.contradictions.search import find_contradictions
 from doormill_ros.thesis.fit import fit_thesis, overall_std
 from doormill_ros.thesis.loading_tests import load_thesis_data
 from doormill_ros.thesis.recovery import recover
 from doormill_ros.units import INCH, MM, RPM
+from support.source_tree import ROOT
 
 
 @pytest.fixture(scope="module")
 def page():
-    path = share_directory() / "docs" / "thesis.md"
-    if not path.is_file():
-        pytest.skip("docs/ does not ship with an installed package")
-    return path.read_text(encoding="utf-8")
+    return (ROOT / "docs" / "thesis.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

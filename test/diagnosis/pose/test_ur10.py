@@ -1,24 +1,22 @@
 """The measured UR10: a sixth of its rows, which causes and how well blocks left out are predicted."""
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses, rmse
 from doormill_ros.measurements.pose_set import read_pose_set
+from support.source_tree import DATA
 
-DATA = Path(__file__).resolve().parents[4] / "shared" / "data" / "ur10"
 NAMES = ("grid", "joint-configurations", "random-poses")
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"needs the measured series in {DATA}")
 
 
 @pytest.fixture(scope="module")
 def found():
     sets = []
     for name, every in zip(NAMES, (10, 2, 3), strict=True):
-        data = read_pose_set(DATA / name)
+        data = read_pose_set(DATA / "ur10" / name)
         rows = np.arange(len(data))[::every]
         columns = ("row", "time", "temperature", "q", "position", "rotation", "placement")
         sets.append(dataclasses.replace(data, **{column: getattr(data, column)[rows] for column in columns}))

@@ -8,10 +8,11 @@ import pytest
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.frames import inverse, quaternion_wxyz
 from doormill_ros.simulation.controller.process import listed_process
-from doormill_ros.simulation.controller.rapid.errors import RapidRuntimeError
+from doormill_ros.simulation.controller.rapid.errors import RapidRuntimeError, RapidSyntaxError
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import Program
 from doormill_ros.toolpath.program import MillingProgram
+from support.thesis_listings import Repair, load_listings
 
 NAMES = ["init", "10", "11", "12", "13", "14", "15", "init2", "20", "21", "22", "23", "24", "25"]
 DOORS = ["thesis_190_0deg", "thesis_190_2deg", "thesis_1350_0deg", "thesis_1350_2deg"]
@@ -69,6 +70,15 @@ def test_the_thesis_program_mills_our_two_hinge_file_unchanged(name, door, thesi
     ] == expected
     path = controller.executed_path()
     assert set(path.motion[path.cutting]) == {i for i, m in enumerate(program.motions) if m.cutting}
+
+
+@pytest.mark.parametrize("repair", load_listings()[1], ids=lambda repair: repair.printed)
+def test_what_the_thesis_prints_there_is_no_rapid(repair: Repair, thesis_module):
+    text, listing = thesis_module(), load_listings()[0][repair.figure]
+    parse_module(text, "Thesis.mod")
+    assert (text.count(listing), listing.count(repair.meant)) == (1, 1)
+    with pytest.raises(RapidSyntaxError):
+        parse_module(text.replace(listing, listing.replace(repair.meant, repair.printed)), "Thesis.mod")
 
 
 def test_every_number_arrives_within_half_a_decimal_and_float32(door, thesis_controller):

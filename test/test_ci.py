@@ -1,0 +1,117 @@
+"""`.ci/run` judges a clone, passes the verdict on and leaves nothing behind."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from support.source_tree import ROOT
+
+#: Gates that tell where they run and with what; `slow` waits until it is stopped.
+MAKEFILE = """
+lint:
+\t@pwd; ls -A; env | sort; echo "argument $(DISTRO)"
+test:
+\t@echo "3 passed"; test ! -e fail || exit 1; if [ -e slow ]; then echo $$$$ > "$(MARK)"; sleep 600; fi
+"""
+IDENTITY = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_SYSTEM": os.devnull} | {
+    f"GIT_{who}_{what}": f"gate@{who}.example".lower()
+    for who in ("AUTHOR", "COMMITTER")
+    for what in ("NAME", "EMAIL")
+}
+
+
+@pytest.fixture
+def project(tmp_path: Path):
+    """A small repository with the script: project(files to commit) gives its folder."""
+
+    def project_(*names: str) -> Path:
+        folder = tmp_path / "project"
+        (folder / ".ci").mkdir(parents=True)
+        shutil.copy(ROOT / ".ci" / "run", folder / ".ci" / "run")
+        (folder / "Makefile").write_text(MAKEFILE)
+        for name in names:
+            (folder / name).touch()
+        for command in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "All"]):
+            subprocess.run(["git", *command], cwd=folder, check=True, env={**os.environ, **IDENTITY})
+        return folder
+
+    return project_
+
+
+def start(folder: Path, *arguments: str, **environment: str) -> subprocess.Popen[str]:
+    scratch = folder.parent / "scratch"
+    scratch.mkdir()
+    return subprocess.Popen(
+        [folder / ".ci" / "run", *arguments],
+        env={**os.environ, **environment, "TMPDIR": str(scratch)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def left_behind(folder: Path) -> list[str]:
+    return os.listdir(folder.parent / "scratch")
+
+
+def test_the_gates_see_a_clone_of_what_is_committed_and_nothing_else(project) -> None:
+    folder = project("committed")
+    (folder / "not-committed").touch()
+    process = start(
+        folder,
+        "DISTRO=jazzy",
+        PIP_INDEX_URL="https://index.example",
+        https_proxy="http://proxy.example",
+        PYTHONPATH=str(folder),
+        VIRTUAL_ENV=str(folder / ".venv"),
+        DOORMILL_WHEELS="1",
+        PATH=f"{folder / 'bin'}:{os.environ['PATH']}",
+    )
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 0, errors
+    place, *lines = output.splitlines()
+    assert not Path(place).is_relative_to(folder)
+    assert "committed" in lines
+    assert "not-committed" not in lines
+    assert "what is not committed is not looked at" in errors
+    assert {"PIP_INDEX_URL=https://index.example", "https_proxy=http://proxy.example"} <= set(lines)
+    assert not [line for line in lines if line.startswith(("PYTHONPATH=", "VIRTUAL_ENV=", "DOORMILL_"))]
+    assert str(folder) not in output
+    assert "argument jazzy" in lines
+    assert lines[-1] == "3 passed"
+    assert left_behind(folder) == []
+
+
+def test_a_gate_that_fails_fails_the_run(project) -> None:
+    folder = project("fail")
+    process = start(folder)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert "3 passed" in output
+    assert "'make test' failed" in errors
+    assert left_behind(folder) == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_ends_its_gate_and_cleans_up(
+    project, number: signal.Signals, tmp_path: Path
+) -> None:
+    folder, mark = project("slow"), tmp_path / "mark"
+    process = start(folder, f"MARK={mark}")
+    while not (mark.exists() and mark.read_text().strip()):
+        assert process.poll() is None
+        time.sleep(0.05)
+    shell = int(mark.read_text())
+    process.send_signal(number)
+    process.communicate(timeout=60)
+    assert process.returncode == 128 + number
+    assert not Path(f"/proc/{shell}").exists()
+    assert left_behind(folder) == []

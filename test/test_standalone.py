@@ -1,0 +1,160 @@
+"""The repository stands alone: nothing it reads lies beside it, and no test waits for what is not there."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from support.outside_paths import leading_out
+from support.source_tree import DATA, ROOT
+
+FOLDERS = ("test", "bench", "bags", "docs", "scripts", "launch", "config", "rapid", "requirements", ".ci")
+SINGLE = ("Makefile", "activate", "README.md", "setup.py", "setup.cfg", "pyproject.toml", "package.xml")
+TEXT = {".py", ".md", ".sh", ".yaml", ".json", ".xml", ".txt", ".toml", ".cfg", ".mod", ".rviz", ""}
+FILES = sorted(
+    path
+    for path in [
+        *(p for folder in FOLDERS for p in (ROOT / folder).rglob("*")),
+        *(ROOT / "doormill_ros").rglob("*.py"),
+        *(ROOT / "doormill_interfaces").rglob("*"),
+        *(ROOT / name for name in SINGLE),
+    ]
+    if path.is_file() and path.suffix in TEXT and "__pycache__" not in path.parts
+)
+#: Names that tests give to the product to be refused, the user's own recipes, places of the operating system.
+MEANT = {
+    "doormill_ros/recipes/engine.py": [
+        "Path(url.database).expanduser()",
+        "Path(text).expanduser()",
+        "Path.home()",
+    ],
+    "scripts/relocate_wheels.py": ["place /opt/python/"],
+    "test/abb/test_transport_rws.py": ["string '../x'"],
+    "test/recipes/test_bad_recipes.py": ["string '../etc/passwd'"],
+    "test/simulation/controller/test_rapid_library.py": [
+        "string 'Open \"HOME:../f.txt\", f \\\\Read;'",
+        "string 'Open \"HOME:/../../f.txt\", f \\\\Read;'",
+    ],
+    "test/simulation/controller/test_rws_server.py": [
+        "string '$home/../secret.txt'",
+        "string '$home/..%2fsecret.txt'",
+    ],
+    "test/support/postgres.py": ["place /usr/lib/postgresql"],
+}
+BAD = {
+    "test/deep/test_it.py": """
+from pathlib import Path
+from support.source_tree import ROOT
+HERE = Path(__file__).resolve().parent
+A = Path(__file__).resolve().parents[3] / "facts.yaml"
+B = HERE.parent.parent.parent
+C = ROOT.parent
+D = ROOT / "test/../../facts.yaml"
+def test_it(request):
+    assert (request.config.rootpath / "../facts.yaml").is_file() or (somewhere / "..").is_dir()
+    assert Path("/home/somebody/facts.yaml").read_text() or Path.home() or "see ~/facts"
+""",
+    "bench/run.py": "from pathlib import Path\nprint(Path(__file__).parent.parent.parent, '--data ../series')\n",
+    "docs/page.md": "[text](../../beside.md)\n`diagnose ../series` and `cat /work/facts`\n",
+    "scripts/go.sh": 'cd "$(dirname "$0")/../.."\n',
+    "Makefile": "run:\n\tcd .. && ls\n",
+}
+GOOD = {
+    "test/deep/test_it.py": """
+from pathlib import Path
+from support.source_tree import DATA, ROOT
+A = Path(__file__).resolve().parents[2] / "docs" / "a.md"
+B = DATA.parent.parent, "1..22 and so on...", "/door/pose"
+""",
+    "docs/page.md": "[text](../README.md), 100..199\n",
+    "scripts/go.sh": 'cd "$(dirname "$0")/.."\n',
+}
+
+
+def relative(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def test_the_scan_sees_the_repository() -> None:
+    seen = {relative(path) for path in FILES}
+    assert {"Makefile", ".ci/run", "docs/diagnosis-ur10.md", "bench/diagnosis_ur10.py"} <= seen
+    assert {"test/diagnosis/pose/test_ur10.py", "bags/make_bags.py", "scripts/bootstrap.sh"} <= seen
+    assert len(seen) > 600
+
+
+def test_no_path_leaves_the_repository() -> None:
+    itself = {Path(__file__).resolve(), ROOT / "test" / "support" / "outside_paths.py"}
+    found = {relative(path): sorted(leading_out(ROOT, path)) for path in FILES if path not in itself}
+    assert {name: leaks for name, leaks in found.items() if leaks} == {
+        name: sorted(meant) for name, meant in MEANT.items()
+    }
+
+
+def write(folder: Path, files: dict[str, str]) -> dict[str, list[str]]:
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return {name: leading_out(folder, folder / name) for name in files}
+
+
+def test_the_scan_finds_what_leaves(tmp_path: Path) -> None:
+    found = write(tmp_path, BAD)
+    assert len(found["docs/page.md"]) == 3
+    assert {name for name, leaks in found.items() if not leaks} == set()
+    python = " ".join(found["test/deep/test_it.py"])
+    for part in (
+        "parents[3]",
+        "HERE.parent.parent",
+        "ROOT.parent",
+        "test/../../facts",
+        "rootpath / '../",
+        "somewhere / '..'",
+    ):
+        assert part in python
+    for part in ("/home/somebody", "Path.home()", "~/facts"):
+        assert part in python
+
+
+def test_the_scan_lets_pass_what_stays(tmp_path: Path) -> None:
+    assert write(tmp_path, GOOD) == {name: [] for name in GOOD}
+
+
+def test_no_file_speaks_of_the_workplace() -> None:
+    """The project speaks of the project alone."""
+    words = ("/work/", "shared/contracts", "helper-", "issues show", "claude", "anthropic")
+    found = {
+        relative(path): [w for w in words if w in path.read_text(encoding="utf-8").lower()]
+        for path in FILES
+        if path != Path(__file__).resolve()
+    }
+    assert {name: said for name, said in found.items() if said} == {}
+
+
+def skipping(text: str) -> set[str]:
+    """Names by which a test file may leave tests out."""
+    names = {getattr(node, "attr", getattr(node, "id", "")) for node in ast.walk(ast.parse(text))}
+    return names & {"skip", "skipif", "importorskip", "xfail", "skipTest", "SkipTest"}
+
+
+def test_no_test_is_left_out() -> None:
+    """What is missing fails with a sentence; a test that is skipped says nothing."""
+    assert skipping("import pytest\npytestmark = pytest.mark.skipif(True, reason='')") == {"skipif"}
+    files = sorted((ROOT / "test").rglob("*.py"))
+    assert len(files) > 150
+    assert {relative(path): skipping(path.read_text(encoding="utf-8")) for path in files} == {
+        relative(path): set() for path in files
+    }
+
+
+@pytest.mark.parametrize("entry", sorted(path.name for path in DATA.iterdir() if path.name != "README.md"))
+def test_data_name_their_origin_and_licence(entry: str) -> None:
+    row = re.search(rf"^\| `{re.escape(entry)}[`/].*$", (DATA / "README.md").read_text("utf-8"), re.MULTILINE)
+    assert row, f"{entry} is not in test/data/README.md"
+    if "MIT" in row[0]:
+        licence = (DATA / entry / "LICENSE.md").read_text("utf-8")
+        assert licence.startswith("MIT License")
+        assert "Copyright (c)" in licence
