@@ -8,17 +8,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.recipes.door import DoorSize
 
 DEGREES_OF_FREEDOM = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
-
-
-@dataclass(frozen=True)
-class DoorSize:
-    """The door as its recipe gives it [m]."""
-
-    width: float
-    height: float
-    thickness: float
 
 
 @dataclass(frozen=True, eq=False)

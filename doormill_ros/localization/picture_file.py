@@ -1,0 +1,40 @@
+"""Pictures as files: grey in, drawn ones out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from doormill_ros.arrays import ByteArray
+from doormill_ros.localization.errors import BadPicture
+
+
+def read_picture(path: Path) -> ByteArray:
+    """Grey picture, shape (h, w), from a PNG or JPEG file; colours are turned to grey.
+
+    Raises:
+        BadPicture: There is no such file, or it holds no picture.
+    """
+    picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+    if picture is None:
+        raise BadPicture(f"{path} is no picture that can be read; give PNG or JPEG", path=str(path))
+    return np.asarray(picture, dtype=np.uint8)
+
+
+def write_picture(picture: ByteArray, path: Path) -> None:
+    """Write an rgb picture, shape (h, w, 3), as the file's suffix says: .png or .jpg.
+
+    Raises:
+        BadPicture: The suffix is of no kind of picture, or the file cannot be written.
+    """
+    try:
+        written = cv2.imwrite(str(path), picture[..., ::-1])
+    except cv2.error:  # a suffix that it does not know
+        written = False
+    if not written:
+        raise BadPicture(
+            f"the picture {path} cannot be written; name a .png or .jpg in a folder that exists",
+            path=str(path),
+        )
