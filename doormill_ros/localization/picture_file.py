@@ -17,7 +17,11 @@ def read_picture(path: Path) -> ByteArray:
     Raises:
         BadPicture: There is no such file, or it holds no picture.
     """
-    picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+    try:
+        data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+        picture = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if data.size else None
+    except OSError:
+        picture = None
     if picture is None:
         raise BadPicture(f"{path} is no picture that can be read; give PNG or JPEG", path=str(path))
     return np.asarray(picture, dtype=np.uint8)
@@ -27,14 +31,13 @@ def write_picture(picture: ByteArray, path: Path) -> None:
     """Write an rgb picture, shape (h, w, 3), as the file's suffix says: .png or .jpg.
 
     Raises:
-        BadPicture: The suffix is of no kind of picture, or the file cannot be written.
+        BadPicture: The suffix is of no kind of picture.
+        OSError: The file cannot be written.
     """
     try:
-        written = cv2.imwrite(str(path), picture[..., ::-1])
-    except cv2.error:  # a suffix that it does not know
-        written = False
-    if not written:
+        _, data = cv2.imencode(path.suffix, np.ascontiguousarray(picture[..., ::-1]))
+    except cv2.error as error:
         raise BadPicture(
-            f"the picture {path} cannot be written; name a .png or .jpg in a folder that exists",
-            path=str(path),
-        )
+            f"the picture {path} has the suffix {path.suffix!r}, allowed are .png and .jpg", path=str(path)
+        ) from error
+    path.write_bytes(data.tobytes())

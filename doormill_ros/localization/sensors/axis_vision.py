@@ -17,7 +17,7 @@ from doormill_ros.localization.sensors.edge_rays import depth, miss
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 
@@ -76,6 +76,7 @@ class AxisVision:
     quality: PictureQuality
     seconds: float
     name: str = "axis_vision"
+    takes: ReadingKind = "pictures"
     cannot_see: str = (
         "the door beyond 15 cm from its corner, so a warped or twisted leaf; chips and dust on an edge "
         "count as edge unless they stand out; needs light, clean lenses and three calibrated places"

@@ -15,7 +15,7 @@ from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.sensors.edge_rays import EDGES, miss, seen
 from doormill_ros.localization.sensors.errors import BadSensorFile
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
 from doormill_ros.localization.settings import shipped_settings
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
@@ -44,6 +44,7 @@ class OneCamera:
     rotation_deviation: float
     seconds: float
     name: str = "one_camera"
+    takes: ReadingKind = "picture"
     cannot_see: str = (
         "x and the rotations about y and z: a door 1 mm off in x moves in y by a quarter of that in the picture, "
         "and the covariance can only allow for it; the door beyond 15 cm from its corner"

@@ -15,7 +15,7 @@ from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
 from doormill_ros.localization.sensors.faces import heights, normals
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
 from doormill_ros.localization.sensors.spots import Spot, check_faces
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
@@ -80,6 +80,7 @@ class TouchProbe:
     accuracy: float
     correlation_length: float
     name: str = "touch_probe"
+    takes: ReadingKind = "points"
     cannot_see: str = (
         "what lies between the points; with six points a chip under one of them; the robot's own "
         "geometric error, which cancels only where the same robot mills in the posture it probed in"
