@@ -11,7 +11,7 @@ NODES = [
     "bag_recorder",
     "cell_simulator",
 ]
-TOOLS = ["cell", "replay", "recipes", "identify", "diagnose", "workspace", "report"]
+TOOLS = ["calibrate", "cell", "replay", "recipes", "identify", "diagnose", "locate", "workspace", "report"]
 
 
 def share(*folders):

@@ -19,10 +19,12 @@ from doormill_ros.cell.layout import CellLayout, DoorOffset, load_layout  # noqa
 from doormill_ros.frames import apply, apply_twist, twist_between  # noqa: E402
 from doormill_ros.localization.errors import LocalizationError  # noqa: E402
 from doormill_ros.localization.sensors.registry import SENSORS  # noqa: E402
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize  # noqa: E402
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate  # noqa: E402
+from doormill_ros.recipes.door import DoorSize  # noqa: E402
 from doormill_ros.simulation.picture.picture import render_picture  # noqa: E402
 from doormill_ros.simulation.picture.scene import Edges, PictureScene  # noqa: E402
 from doormill_ros.units import DEG, MM  # noqa: E402
+from support.door_cases import SIZES as DOORS  # noqa: E402
 from support.sensors.axis_vision import AxisVisionRig  # noqa: E402
 from support.sensors.photoelectric import PhotoelectricRig  # noqa: E402
 from support.sensors.touch_probe import TouchProbeRig  # noqa: E402
@@ -30,7 +32,6 @@ from support.sensors.touch_probe import TouchProbeRig  # noqa: E402
 PAGE = ROOT / "docs" / "sensors.md"
 FIGURE = ROOT / "docs" / "images" / "sensors.svg"
 BEGIN, END = "<!-- begin: bench/compare_sensors.py -->", "<!-- end -->"
-DOORS = (DoorSize(0.290, 1.2, 0.030), DoorSize(0.826, 2.04, 0.040), DoorSize(1.350, 3.0, 0.100))
 CHEAP_TRIALS = 20  # trials of a sensor without pictures for each one with
 # What is milled: a hinge low, a hinge at 1.0 m, on the hinge edge.
 HINGES = np.array([[0.0, 0.0, 0.15], [0.0, 0.0, 1.0]])

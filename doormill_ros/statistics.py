@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.arrays import BoolArray, Float32Array, FloatArray, IntArray
 
 #: Standard deviation of a normal distribution in its median absolute deviations.
 NORMAL_STD = 1.4826
@@ -17,7 +17,7 @@ CHI_SQUARE_MEDIAN = {1: 0.455, 2: 1.386, 3: 2.366, 4: 3.357, 5: 4.351, 6: 5.348}
 GROSS_SHARE = 0.1
 
 
-def median(values: FloatArray) -> float:
+def median(values: FloatArray | Float32Array) -> float:
     """Upper median of values of any shape, at least one."""
     flat = values.flatten()
     middle = flat.size // 2
@@ -25,7 +25,7 @@ def median(values: FloatArray) -> float:
     return float(flat[middle])
 
 
-def column_medians(values: FloatArray) -> FloatArray:
+def column_medians(values: Float32Array) -> Float32Array:
     """Upper median of each column of (n, m), shape (m,)."""
     middle = len(values) // 2
     rows = np.ascontiguousarray(values.T)

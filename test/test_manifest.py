@@ -96,6 +96,6 @@ def entry_points() -> dict[str, str]:
 
 
 def test_every_executable_has_a_main() -> None:
-    assert len(entry_points()) == 13
+    assert len(entry_points()) == 15
     for name, module in entry_points().items():
         assert callable(importlib.import_module(module).main), name

@@ -12,7 +12,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import column_medians
 
@@ -34,8 +34,8 @@ class Band:
 
     across: FloatArray
     along: FloatArray
-    map_u: FloatArray
-    map_v: FloatArray
+    map_u: Float32Array
+    map_v: Float32Array
 
     @property
     def step(self) -> float:
@@ -66,8 +66,8 @@ def band(view: FaceView, edge: str, reach: float, inside: float) -> Band:
     factors = (ACROSS, ALONG) if edge == HINGE else (ALONG, ACROSS)
     at = (view.pixels(np.stack(pair, axis=-1)) + 0.5) / factors - 0.5
     left, right = _lagrange(along.size), _lagrange(across.size).T
-    maps = ((left @ at[..., i] @ right).astype(np.float32) for i in range(2))
-    return Band(across, along, *maps)
+    map_u, map_v = ((left @ at[..., i] @ right).astype(np.float32) for i in range(2))
+    return Band(across, along, map_u, map_v)
 
 
 _NODES = 0.5 - 0.5 * np.cos(np.pi * (np.arange(7) + 0.5) / 7)  # Chebyshev's, between 0 and 1
@@ -75,7 +75,8 @@ _NODES = 0.5 - 0.5 * np.cos(np.pi * (np.arange(7) + 0.5) / 7)  # Chebyshev's, be
 
 def _stretch(samples: FloatArray) -> FloatArray:
     """The nodes between the first and the last sample."""
-    return samples[0] + _NODES * (samples[-1] - samples[0])
+    nodes: FloatArray = samples[0] + _NODES * (samples[-1] - samples[0])
+    return nodes
 
 
 @lru_cache(maxsize=64)
@@ -85,7 +86,7 @@ def _lagrange(count: int) -> FloatArray:
     return powers @ np.linalg.inv(np.vander(_NODES))
 
 
-def reduced(picture: FloatArray) -> dict[str, FloatArray]:
+def reduced(picture: ByteArray) -> dict[str, Float32Array]:
     """The picture averaged down for each edge, by halvings, which the library does fast."""
     height, width = picture.shape
     half = cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
@@ -115,14 +116,14 @@ class Steps:
     """
 
     where: Band
-    rows: FloatArray
-    segments: FloatArray
+    rows: Float32Array
+    segments: Float32Array
     centres: FloatArray
     middle: float
     tilts: FloatArray
-    scores: FloatArray
-    texture: FloatArray
-    brightness: FloatArray
+    scores: Float32Array
+    texture: Float32Array
+    brightness: Float32Array
 
     def along_line(
         self, across: float, tilt: float, start: float, stop: float, quantile: float = 0.5
@@ -138,7 +139,7 @@ class Steps:
         return float(found[int(quantile * (found.size - 1) + 0.5)])
 
 
-def find_steps(small: FloatArray, where: Band, tilts: FloatArray, free: float, reach: float) -> Steps:
+def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float, reach: float) -> Steps:
     """Steps of a reduced picture in a band.
 
     The median over pieces lets chips, dust, screws and clamps cover almost half of the edge.
@@ -166,7 +167,7 @@ def find_steps(small: FloatArray, where: Band, tilts: FloatArray, free: float, r
     centres = where.along[used].reshape(pieces, per).mean(axis=1)
     middle = float(centres.mean())
 
-    def scores(columns: FloatArray, tilts: FloatArray) -> FloatArray:
+    def scores(columns: IntArray, tilts: FloatArray) -> Float32Array:
         shift = np.rint(np.outer(tilts, centres - middle) / where.step).astype(np.intp)  # (k, pieces)
         rim = max(int(np.abs(shift).max()), 1)
         padded = np.empty((count + 2 * rim, pieces), dtype=segments.dtype)  # lines may leave the band
@@ -174,7 +175,8 @@ def find_steps(small: FloatArray, where: Band, tilts: FloatArray, free: float, r
         at = (columns * pieces)[:, None] + ((shift + rim) * pieces + np.arange(pieces))[:, None]
         picked = np.take(padded, at)  # (k, columns, pieces)
         picked.partition(pieces // 2, axis=-1)
-        return picked[..., pieces // 2]
+        middles: Float32Array = picked[..., pieces // 2]
+        return middles
 
     near = int(np.searchsorted(where.across, reach)) + WING + 1
     inside = np.minimum(np.arange(count) + WING, count - 1)

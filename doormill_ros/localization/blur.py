@@ -8,9 +8,9 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import ndtr
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization.profiles import Profiles
-from doormill_ros.localization.texture import PIXEL_VARIANCE, Surface, covariance_function, step_design
+from doormill_ros.localization.texture import PIXEL_VARIANCE, Variograms, covariance_function, step_design
 
 _FINE = 2  # bins a pixel
 _BLURS = np.geomspace(0.45, 9.0, 18)  # px
@@ -44,7 +44,7 @@ def _templates(half: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     return design, np.eye(place.size) - design @ np.linalg.pinv(design), place
 
 
-def _lay_over(shape: FloatArray, index: FloatArray, size: int) -> tuple[FloatArray, FloatArray]:
+def _lay_over(shape: Float32Array, index: IntArray, size: int) -> tuple[FloatArray, FloatArray]:
     """Mean and its standard error (size,) of `shape` in the bins `index`; index `size` is nowhere."""
     index = index.ravel()
     count = np.bincount(index, minlength=size + 1)[:size]
@@ -58,7 +58,7 @@ def _lay_over(shape: FloatArray, index: FloatArray, size: int) -> tuple[FloatArr
     return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many)
 
 
-def edge_spread(profiles: Profiles, shift: FloatArray, near: FloatArray) -> Spread:
+def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Spread:
     """Blur and singleness of an edge.
 
     Args:
@@ -85,7 +85,8 @@ def edge_spread(profiles: Profiles, shift: FloatArray, near: FloatArray) -> Spre
 def _left_over(projector: FloatArray, mean: FloatArray) -> FloatArray:
     """Mean square (b,) of what each blur leaves of a profile unexplained."""
     left = projector @ mean
-    return np.einsum("bm,bm->b", left, left) / mean.size
+    squares: FloatArray = np.einsum("bm,bm->b", left, left) / mean.size
+    return squares
 
 
 def _lowest(costs: FloatArray) -> float:
@@ -97,7 +98,7 @@ def _lowest(costs: FloatArray) -> float:
     return float(_BLURS[i] * (_BLURS[1] / _BLURS[0]) ** move)
 
 
-def textured_blur(spread: Spread, step: float, inside: Surface, outside: Surface) -> float:
+def textured_blur(spread: Spread, step: float, inside: Variograms, outside: Variograms) -> float:
     """Blur of an edge [px] with streaks along it taken for what they are, by generalised least squares.
 
     Streaks lie over each other in all rows and remain in the mean profile, where they look
@@ -132,5 +133,6 @@ def textured_blur(spread: Spread, step: float, inside: Surface, outside: Surface
 
 
 @lru_cache(maxsize=4)
-def _lags(size: int) -> FloatArray:
-    return np.abs(np.arange(size)[:, None] - np.arange(size))
+def _lags(size: int) -> IntArray:
+    lag: IntArray = np.abs(np.arange(size)[:, None] - np.arange(size))
+    return lag

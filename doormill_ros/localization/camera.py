@@ -101,23 +101,19 @@ class CameraModel:
         if hasattr(
             cv2, "undistortPointsIter"
         ):  # OpenCV 4, the newest that does with a ROS 2 installation's numpy 1
-            return cv2.undistortPointsIter(
+            rays = cv2.undistortPointsIter(
                 pixels, self.k, self.distortion, None, None, criteria=_UNDISTORT_STOP
-            )[:, 0]
-        return cv2.undistortPoints(pixels, self.k, self.distortion, criteria=_UNDISTORT_STOP)[:, 0]
+            )
+        else:
+            rays = cv2.undistortPoints(pixels, self.k, self.distortion, criteria=_UNDISTORT_STOP)
+        ideal: FloatArray = rays[:, 0]
+        return ideal
 
     def project(self, points: FloatArray, width: float) -> FloatArray:
         """Pixels (..., 2) of points in base (..., 3) [m], the slider standing at `width`."""
         T_base_camera = self.T_base_camera(width)
         seen = (np.asarray(points) - T_base_camera[:3, 3]) @ T_base_camera[:3, :3]
         return self.distort(seen[..., :2] / seen[..., 2:])
-
-    def on_plane(self, rays: FloatArray, width: float, x: float) -> FloatArray:
-        """Base y, z (n, 2) [m] where rays (n, 2) meet the plane base x = `x` [m]."""
-        T_base_camera = self.T_base_camera(width)
-        directions = rays @ T_base_camera[:3, :2].T + T_base_camera[:3, 2]
-        reach = (x - T_base_camera[0, 3]) / directions[:, :1]
-        return T_base_camera[1:3, 3] + reach * directions[:, 1:]
 
 
 def load_camera(path: Path | None = None) -> CameraModel:

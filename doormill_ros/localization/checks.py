@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import DoorOffset, PlacementLimits
 from doormill_ros.localization.blur import Spread
 from doormill_ros.localization.camera import CameraModel
@@ -21,7 +21,7 @@ from doormill_ros.localization.errors import (
     UnderExposed,
     WrongEdge,
 )
-from doormill_ros.localization.fit import LineFit, PoseFit
+from doormill_ros.localization.fit import CornerFit, LineFit
 from doormill_ros.localization.profiles import WHITE, Profiles
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.statistics import share
@@ -37,7 +37,7 @@ _DOUBLE, _DOUBLE_SCATTER, _DOUBLE_STREAKS = 0.02, 3.5, 2.0
 
 
 def check_input(
-    picture: FloatArray, camera: CameraModel | None, age: float, settings: LocalizerSettings
+    picture: ByteArray, camera: CameraModel | None, age: float, settings: LocalizerSettings
 ) -> None:
     """Whether the picture is one, is new and belongs to the camera info.
 
@@ -65,7 +65,7 @@ def check_input(
         )
 
 
-def check_exposure(picture: FloatArray, strict: bool = False) -> None:
+def check_exposure(picture: ByteArray, strict: bool = False) -> None:
     """Whether the picture is neither black nor white; `strict` when no edge was found in it.
 
     Raises:
@@ -166,7 +166,7 @@ def edge_in_edge() -> WrongEdge:
     )
 
 
-def check_square(fit: PoseFit) -> None:
+def check_square(fit: CornerFit) -> None:
     """Whether the two lines stand at a right angle.
 
     Raises:

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray, IntArray
 from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find_steps, reduced
 from doormill_ros.localization.errors import NoEdge, WrongEdge
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
@@ -71,7 +71,7 @@ def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
 
 
 @lru_cache(maxsize=256)
-def _distant_pairs(count: int) -> tuple[FloatArray, FloatArray]:
+def _distant_pairs(count: int) -> tuple[IntArray, IntArray]:
     """Numbers i < j of the pairs of `count` pieces that are at least a quarter of them apart."""
     return np.triu_indices(count, max(count // 4, 1))
 
@@ -96,8 +96,8 @@ def refine(steps: Steps, line: Line) -> Line:
     # Steps sit between samples: step j compares the samples before j with those from j on.
     d = where.across[0] + where.step * (centre[good] + np.minimum(np.maximum(place[good], -half), half) - 0.5)
     # Median of the slopes between distant pieces: a clamp or chips on a quarter of them do no harm.
-    i, j = _distant_pairs(s.size)
-    slope = median((d[j] - d[i]) / (s[j] - s[i]))
+    first, second = _distant_pairs(s.size)
+    slope = median((d[second] - d[first]) / (s[second] - s[first]))
     at = median(d - slope * s)
     for _ in range(3):
         weight = 1.0 / np.maximum(np.abs(d - at - slope * s), 0.3 * where.step) ** 1.5
@@ -146,7 +146,7 @@ def search_bands(view: FaceView, limit: float, rotation: float) -> dict[str, Ban
     return out
 
 
-def search(picture: FloatArray, view: FaceView, limit: float, rotation: float) -> FloatArray:
+def search(picture: ByteArray, view: FaceView, limit: float, rotation: float) -> FloatArray:
     """Rough pose of the corner of the door's face: y, z [m] and rotation [rad], shape (3,).
 
     Args:
@@ -179,7 +179,7 @@ def search(picture: FloatArray, view: FaceView, limit: float, rotation: float) -
         lines[edge] = [refine(steps[edge], line) for line in lines[edge]]
     # A line that no other meets at a right angle is a shadow or a tool. Of what remains the innermost
     # two are the face's, or nothing is: to fall back on lines further out would be to guess.
-    square = [[abs(h.tilt + b.tilt) < _PARALLEL for b in lines[BOTTOM]] for h in lines[HINGE]]
+    square = np.array([[abs(h.tilt + b.tilt) < _PARALLEL for b in lines[BOTTOM]] for h in lines[HINGE]])
     inside = [[np.abs(meet(h, b)[:2]).max() < limit + _STRAY for b in lines[BOTTOM]] for h in lines[HINGE]]
     if np.any(np.logical_and(square, inside)):
         square = np.logical_and(square, inside)

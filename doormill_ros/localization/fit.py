@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.statistics import NORMAL_STD, median
 
 _PIECE = 6.0e-3  # length over which deviations are averaged [m]; a sawn edge wanders over 2 mm
@@ -47,7 +47,7 @@ class LineFit:
     place_variance: float
     slope_variance: float
     residuals: FloatArray
-    inliers: FloatArray
+    inliers: BoolArray
     scatter: float
     variance: float
     freedom: float
@@ -71,7 +71,7 @@ def _weighted_line(along: FloatArray, across: FloatArray, weight: FloatArray) ->
 
 
 def fit_line(
-    along: FloatArray, across: FloatArray, usable: FloatArray, guess: tuple[float, float], rounds: int = 4
+    along: FloatArray, across: FloatArray, usable: BoolArray, guess: tuple[float, float], rounds: int = 4
 ) -> LineFit:
     """Robust line through edge points.
 
@@ -134,7 +134,8 @@ def _unchipped(along: FloatArray, residual: FloatArray, weight: FloatArray) -> F
     part = sums[:, 2 * half + 1 :] - sums[:, : along.size]
     average = np.abs(part[0] / part[1])
     limit = _CHIP_CUT * (NORMAL_STD * median(average) + _FINEST)
-    return np.minimum(np.maximum(2 - 2 * average / limit, 0.0), 1.0)
+    kept: FloatArray = np.minimum(np.maximum(2 - 2 * average / limit, 0.0), 1.0)
+    return kept
 
 
 def _point_variance(along: FloatArray, residual: FloatArray, weight: FloatArray) -> tuple[float, float]:
@@ -172,7 +173,7 @@ def pooled(lines: dict[str, LineFit]) -> dict[str, LineFit]:
 
 
 @dataclass(frozen=True, eq=False)
-class PoseFit:
+class CornerFit:
     """The door's pose from its two lines.
 
     Attributes:
@@ -188,7 +189,7 @@ class PoseFit:
     square_deviation: float
 
 
-def fit_pose(hinge: LineFit, bottom: LineFit, squareness: float) -> PoseFit:
+def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float) -> CornerFit:
     """Join the two lines of a door that was cut at a right angle.
 
     Args:
@@ -218,7 +219,7 @@ def fit_pose(hinge: LineFit, bottom: LineFit, squareness: float) -> PoseFit:
     jacobian = np.array([[1, 0, -lever_h, 0], [0, 1, lever_b, lever_b], [0, 0, 1, 0]])
     states = np.zeros((4, 4))
     states[0, 0], states[1, 1], states[2:, 2:] = hinge.place_variance, bottom.place_variance, angles
-    return PoseFit(
+    return CornerFit(
         np.array([y, z, turn]),
         jacobian @ states @ jacobian.T,
         float(turn_b - turn_h),

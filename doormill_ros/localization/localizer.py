@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.coarse import search, search_bands
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
-from doormill_ros.localization.fit import PoseFit, fit_pose
+from doormill_ros.localization.fit import CornerFit, fit_corner
 from doormill_ros.localization.result import EdgeTrace, Localization
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.localization.tracing import Trace, trace_edges
@@ -20,7 +20,7 @@ _WIDE = 2.5  # factor on the limits when looking for a door that stands out of r
 
 
 def localize(
-    picture: FloatArray,
+    picture: ByteArray,
     camera: CameraModel | None,
     layout: CellLayout,
     width: float,
@@ -48,7 +48,7 @@ def localize(
     checks.check_exposure(picture)
     view = face_view(camera, layout, float(width), float(thickness))
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
-    fit = fit_pose(traces[HINGE].line, traces[BOTTOM].line, settings.squareness)
+    fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness)
     checks.check_square(fit)
     offset = DoorOffset(*(float(v) for v in fit.pose))
     checks.check_range(offset, layout.limits)
@@ -65,7 +65,7 @@ def localize(
         quality=_quality(traces, fit.covariance, settings),
         corner=view.pixels(fit.pose[:2]),
         pixel=float(view.pixel),
-        edges=tuple(_edge_trace(view, trace, fit) for trace in traces.values()),
+        edges=(_edge_trace(view, traces[HINGE], fit), _edge_trace(view, traces[BOTTOM], fit)),
     )
 
 
@@ -75,7 +75,7 @@ def prepare(camera: CameraModel, layout: CellLayout, width: float, thickness: fl
     search_bands(view, max(layout.limits.y, layout.limits.z), layout.limits.rotation)
 
 
-def _rough_pose(picture: FloatArray, view: FaceView, layout: CellLayout) -> FloatArray:
+def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> FloatArray:
     """Pose to about a pixel; when there is none, the most telling reason."""
     limit, rotation = max(layout.limits.y, layout.limits.z), layout.limits.rotation
     try:
@@ -90,14 +90,15 @@ def _rough_pose(picture: FloatArray, view: FaceView, layout: CellLayout) -> Floa
         raise
 
 
-def _covariance(fit: PoseFit, view: FaceView, settings: LocalizerSettings) -> FloatArray:
+def _covariance(fit: CornerFit, view: FaceView, settings: LocalizerSettings) -> FloatArray:
     """Covariance of the pose with what the picture cannot tell."""
     sight = np.array([*view.sight(fit.pose[:2]), 0.0])  # shift of the corner per distance of the face
-    return (
+    covariance: FloatArray = (
         fit.covariance
         + np.diag(np.square(settings.mounting_deviation))
         + settings.thickness_deviation**2 * np.outer(sight, sight)
     )
+    return covariance
 
 
 def _quality(traces: dict[str, Trace], covariance: FloatArray, settings: LocalizerSettings) -> float:
@@ -112,7 +113,7 @@ def _quality(traces: dict[str, Trace], covariance: FloatArray, settings: Localiz
     return float(np.clip(min(margins), 0.0, 1.0))
 
 
-def _edge_trace(view: FaceView, trace: Trace, fit: PoseFit) -> EdgeTrace:
+def _edge_trace(view: FaceView, trace: Trace, fit: CornerFit) -> EdgeTrace:
     edge = trace.profiles.edge
     return EdgeTrace(
         name=edge,

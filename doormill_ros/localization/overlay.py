@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray, IntArray
 from doormill_ros.localization.result import Localization
 from doormill_ros.units import m_to_mm, rad_to_deg
 
@@ -16,11 +16,12 @@ _ENLARGED = 20  # the ellipse of uncertainty is drawn that much too large
 _SIGMAS = 2.0
 
 
-def _fixed(pixels: FloatArray) -> FloatArray:
-    return np.rint(np.asarray(pixels) * 2**_BITS).astype(np.int32)
+def _fixed(pixels: FloatArray) -> IntArray:
+    fixed: IntArray = np.rint(np.asarray(pixels) * 2**_BITS).astype(np.int32)
+    return fixed
 
 
-def _write(out: FloatArray, lines: list[str]) -> None:
+def _write(out: ByteArray, lines: list[str]) -> None:
     """Text on a darkened panel in the upper left corner."""
     pitch, width = 36, 760
     panel = out[20 : 40 + pitch * len(lines), 20:width]
@@ -34,10 +35,11 @@ def _ellipse(localization: Localization) -> FloatArray:
     values, axes = np.linalg.eigh(localization.covariance[:2, :2])
     angle = np.linspace(0, 2 * np.pi, 60)
     circle = np.stack([np.cos(angle), np.sin(angle)]) * np.sqrt(np.maximum(values, 0))[:, None]
-    return localization.corner - (axes @ circle).T * (_SIGMAS * _ENLARGED / localization.pixel)
+    outline: FloatArray = localization.corner - (axes @ circle).T * (_SIGMAS * _ENLARGED / localization.pixel)
+    return outline
 
 
-def draw_overlay(picture: FloatArray, localization: Localization) -> FloatArray:
+def draw_overlay(picture: ByteArray, localization: Localization) -> ByteArray:
     """The picture with edge points, lines, pose and uncertainty.
 
     Points that agree with their line are green rings, the others red; the lines are yellow; the
@@ -50,7 +52,7 @@ def draw_overlay(picture: FloatArray, localization: Localization) -> FloatArray:
     Returns:
         The drawn picture, rgb, uint8, shape (h, w, 3).
     """
-    out = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
+    out: ByteArray = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
     for edge in localization.edges:
         for colour, chosen, every in ((_GREEN, edge.inlier, _EVERY), (_RED, ~edge.inlier, 2)):
             for point in _fixed(edge.pixels[chosen][::every]):

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization.texture import PHASES, phase_places, step_design
 from doormill_ros.localization.view import HINGE, FaceView
 from doormill_ros.statistics import median
@@ -39,15 +39,15 @@ class Profiles:
     """
 
     edge: str
-    lines: FloatArray
-    centre: FloatArray
-    values: FloatArray
+    lines: IntArray
+    centre: IntArray
+    values: Float32Array
     place: FloatArray
     pixels: FloatArray
-    level: FloatArray
-    contrast: FloatArray
-    clipped: FloatArray
-    edge_like: FloatArray
+    level: Float32Array
+    contrast: Float32Array
+    clipped: BoolArray
+    edge_like: BoolArray
 
     @property
     def step(self) -> float:
@@ -56,14 +56,12 @@ class Profiles:
 
 
 @lru_cache(maxsize=64)
-def plain_weights(half: int, blur: float) -> FloatArray:
+def plain_weights(half: int, blur: float) -> Float32Array:
     """Least squares weights (PHASES, 3, w) of level, step and shift x step on untextured surfaces."""
     return np.linalg.pinv(step_design(phase_places(half), blur)).astype(np.float32)
 
 
-def gather(
-    picture: FloatArray, edge: str, lines: FloatArray, centre: FloatArray, span: FloatArray
-) -> FloatArray:
+def gather(picture: ByteArray, edge: str, lines: IntArray, centre: IntArray, span: IntArray) -> ByteArray:
     """Pixels at `centre + span` of each of `lines`, rows for the hinge edge, columns for the bottom edge."""
     height, width = picture.shape
     last, run, step = (width - 1, width, 1) if edge == HINGE else (height - 1, 1, width)
@@ -77,7 +75,7 @@ def gather(
 
 def crossing(
     view: FaceView, edge: str, pose: FloatArray, half: int, start: float
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[IntArray, FloatArray]:
     """Rows that cross the predicted edge and the columns where they do (bottom edge: the other way)."""
     along = start + _ALONG * (view.length(edge) + 0.025 - start)
     pixels = view.pixels(view.line(edge, pose, along))
@@ -93,11 +91,11 @@ def crossing(
 
 
 def measure(
-    picture: FloatArray,
+    picture: ByteArray,
     view: FaceView,
     edge: str,
     pose: FloatArray,
-    weights: FloatArray,
+    weights: Float32Array,
     every: int = 1,
     start: float = 0.8e-3,
 ) -> Profiles:

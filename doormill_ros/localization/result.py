@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.cell.layout import DoorOffset
 
 
@@ -26,7 +26,7 @@ class EdgeTrace:
 
     name: str
     pixels: FloatArray
-    inlier: FloatArray
+    inlier: BoolArray
     line: FloatArray
     residual: float
     contrast: float

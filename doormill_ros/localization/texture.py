@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import ndtr
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import Float32Array, FloatArray, IntArray
 from doormill_ros.statistics import NORMAL_STD, median
 
 PHASES = 4  # sub-pixel phases for which weights are kept
@@ -43,7 +43,7 @@ def phase_places(half: int) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Variograms:
     """Texture of a surface beside an edge as variograms, gamma(0..lags) [grey levels^2].
 
     Attributes:
@@ -60,7 +60,7 @@ class Surface:
         return bool(self.lasting.max() < self.rows.max() / _AVERAGED)
 
 
-def surface(strip: FloatArray, lags: int, apart: int, most: float) -> Surface:
+def learn_variograms(strip: Float32Array, lags: int, apart: int, most: float) -> Variograms:
     """Learn the texture of rows of pixels (n, m); where lag >= m the last value is kept.
 
     Args:
@@ -84,7 +84,7 @@ def surface(strip: FloatArray, lags: int, apart: int, most: float) -> Surface:
     doubt = _DOUBT * rows / np.sqrt(pairs * np.arange(rows.size, 0, -1))
     lasting = np.maximum(_variogram(0.5 * (cross + cross.T)) - doubt, 0.0)
     last = np.minimum(np.arange(lags + 1), rows.size - 1)
-    return Surface(
+    return Variograms(
         rows[last] * min(1.0, most**2 / rows.max()),
         lasting[last] * min(1.0, most**2 / (lasting.max() + 1e-9)),
     )
@@ -99,7 +99,7 @@ def _variogram(products: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=8)
-def _lags(size: int) -> tuple[FloatArray, FloatArray]:
+def _lags(size: int) -> tuple[IntArray, IntArray]:
     """Lag of each pair of pixels (size^2,), and how many pairs each lag has."""
     lag = np.abs(np.arange(size)[:, None] - np.arange(size)).ravel()
     return lag, np.bincount(lag)
@@ -117,7 +117,7 @@ def covariance_function(gamma: FloatArray, fine: int = 1) -> FloatArray:
     return fine * np.fft.irfft(spectrum, 2 * count * fine)[: count * fine + 1]
 
 
-def step_weights(half: int, blur: float, inside: Surface, outside: Surface) -> FloatArray:
+def step_weights(half: int, blur: float, inside: Variograms, outside: Variograms) -> Float32Array:
     """Generalised least squares weights (PHASES, 3, w) of level, step and shift x step.
 
     Each side of the edge has its own texture, which ends there. Weights so one-sided would turn a
@@ -149,14 +149,14 @@ def step_weights(half: int, blur: float, inside: Surface, outside: Surface) -> F
     return weights[:, :3].astype(np.float32)
 
 
-def streaks(common: FloatArray) -> float:
+def streaks(common: Float32Array) -> float:
     """Standard deviation of what all rows of a strip have in common (m,), a slope aside [grey levels]."""
     place = np.arange(common.size) - (common.size - 1) / 2
     common = common - common.mean()
     return float(np.std(common - place * (place @ common) / (place @ place)))
 
 
-def step_inside(common: FloatArray, step: float) -> int | None:
+def step_inside(common: Float32Array, step: float) -> int | None:
     """Another step in the face beside an edge, as its distance from the strip's outer end [px], or None.
 
     Then what was taken for the edge of the face is that of something behind it: a rebate's lip
@@ -183,7 +183,7 @@ class Push:
     slope: float
 
 
-def push(strip: FloatArray, along: FloatArray, weights: FloatArray, blur: float, step: float) -> Push:
+def push(strip: Float32Array, along: IntArray, weights: Float32Array, blur: float, step: float) -> Push:
     """How far texture like that in `strip` pushes a line fitted to edge points.
 
     Args:

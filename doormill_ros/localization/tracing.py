@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization import checks
 from doormill_ros.localization.blur import Spread, edge_spread, textured_blur
 from doormill_ros.localization.fit import LineFit, fit_line, pooled
 from doormill_ros.localization.profiles import Profiles, crossing, gather, measure, plain_weights
 from doormill_ros.localization.settings import LocalizerSettings
-from doormill_ros.localization.texture import push, step_inside, step_weights, streaks, surface
+from doormill_ros.localization.texture import learn_variograms, push, step_inside, step_weights, streaks
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 from doormill_ros.statistics import NORMAL_STD, column_medians, median, share
 
@@ -93,14 +93,14 @@ class _Lens:
     """
 
     spread: Spread
-    weights: FloatArray
-    face: FloatArray
-    rows: FloatArray
+    weights: Float32Array
+    face: Float32Array
+    rows: IntArray
     streaks: float
     inner: float | None
 
 
-def _lens(picture: FloatArray, view: FaceView, pose: FloatArray, wide: Profiles, line: LineFit) -> _Lens:
+def _lens(picture: ByteArray, view: FaceView, pose: FloatArray, wide: Profiles, line: LineFit) -> _Lens:
     """Learn blur and texture along an edge that runs where `pose` says, from rows read about it and their line."""
     edge = wide.edge
     lines, at = crossing(view, edge, pose, 0, -5.0e-3)
@@ -118,7 +118,7 @@ def _lens(picture: FloatArray, view: FaceView, pose: FloatArray, wide: Profiles,
     common = column_medians(some * (level.mean() / level))
     inner = step_inside(common, wide.step)
     apart, most = max(round(_LASTING / view.pixel / _EVERY), 1), _TEXTURE * abs(wide.step)
-    inside, outside = surface(strip, _WIDEST, apart, most), surface(back, _WIDEST, apart, most)
+    inside, outside = (learn_variograms(side, _WIDEST, apart, most) for side in (strip, back))
     spread = replace(spread, blur=textured_blur(spread, wide.step, inside, outside))
     reach = _PLAIN_REACH if inside.plain and outside.plain else _REACH
     half = min(max(int(np.ceil(reach * spread.blur + 2.0)), 4), _WIDE_HALF)
@@ -133,7 +133,7 @@ def _lens(picture: FloatArray, view: FaceView, pose: FloatArray, wide: Profiles,
 
 
 def _focus(
-    picture: FloatArray, view: FaceView, poses: dict[str, FloatArray], settings: LocalizerSettings
+    picture: ByteArray, view: FaceView, poses: dict[str, FloatArray], settings: LocalizerSettings
 ) -> tuple[dict[str, FloatArray], dict[str, Profiles], dict[str, LineFit]]:
     """Poses to about half a pixel, with windows wide enough for what the search leaves open; rows and lines."""
     weights = plain_weights(_WIDE_HALF, _WIDE_BLUR)
@@ -150,7 +150,7 @@ def _focus(
 
 
 def trace_edges(
-    picture: FloatArray, view: FaceView, pose: FloatArray, settings: LocalizerSettings
+    picture: ByteArray, view: FaceView, pose: FloatArray, settings: LocalizerSettings
 ) -> dict[str, Trace]:
     """Read both edges.
 

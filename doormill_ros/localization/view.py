@@ -41,7 +41,8 @@ class FaceView:
         rotation = self._T_base_camera[:3, :3]
         self._corner_seen = (self._corner - self._T_base_camera[:3, 3]) @ rotation
         self._plane_seen = rotation[1:3]
-        self.pixel = (self._corner[0] - self._T_base_camera[0, 3]) / np.sqrt(camera.k[0, 0] * camera.k[1, 1])
+        distance = self._corner[0] - self._T_base_camera[0, 3]
+        self.pixel = float(distance / np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
 
     def pixels(self, points: FloatArray) -> FloatArray:
         """Pixels u, v (..., 2) of face points (..., 2) [m]."""
@@ -54,12 +55,14 @@ class FaceView:
         rotation = self._T_base_camera[:3, :3]
         ahead = rays @ rotation[:, :2].T + rotation[:, 2]
         reach = (self._corner[0] - self._T_base_camera[0, 3]) / ahead[:, :1]
-        return self._T_base_camera[1:3, 3] - self._corner[1:] + reach * ahead[:, 1:]
+        points: FloatArray = self._T_base_camera[1:3, 3] - self._corner[1:] + reach * ahead[:, 1:]
+        return points
 
     def sight(self, point: FloatArray) -> FloatArray:
         """Base y and z per x along the ray to a face point (2,) [m], shape (2,)."""
         start = self._T_base_camera[:3, 3]
-        return (self._corner[1:] + point - start[1:]) / (self._corner[0] - start[0])
+        shift: FloatArray = (self._corner[1:] + point - start[1:]) / (self._corner[0] - start[0])
+        return shift
 
     @lru_cache(maxsize=8)  # noqa: B019  views are few and live in a cache themselves
     def length(self, edge: str) -> float:

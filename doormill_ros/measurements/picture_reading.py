@@ -53,7 +53,8 @@ class DoorReading:
         places = np.vstack([moved, np.zeros(3)])
         more, less = (self._read(places, wrong(self.camera, sign * step)) for sign in (1.0, -1.0))
         change = (more - less) / (2.0 * step)
-        return change[:-1] - change[-1]
+        beside: FloatArray = change[:-1] - change[-1]
+        return beside
 
     def _read(self, places: FloatArray, believed: CameraModel) -> FloatArray:
         true, view = self._view(self.camera), self._view(believed)

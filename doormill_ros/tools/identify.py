@@ -11,24 +11,19 @@ import argparse
 import logging
 import sys
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 
 from doormill_ros.errors import DoormillError
 from doormill_ros.identification.outcome import Outcome, add_preload, outcome_of_loadings
-
-
-class _Parser(argparse.ArgumentParser):
-    """Complains in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}\n")
+from doormill_ros.tools.command_line import OneLineParser
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    top = _Parser(prog="identify", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    top = OneLineParser(
+        prog="identify", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     source = top.add_mutually_exclusive_group(required=True)
     source.add_argument("--data", metavar="DIR", type=Path, help="measurement set (set.yaml, trials.csv)")
     source.add_argument("--raw", metavar="DIR", type=Path, help="raw files with loading_tests.yaml")

@@ -7,12 +7,13 @@ from scipy.stats import chi2
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.frames import apply_twist, twist_between
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate
+from doormill_ros.recipes.door import DoorSize
 
 SIZES = (
-    DoorSize(0.290, 1.2, 0.030),
-    DoorSize(0.826, 2.04, 0.040),
-    DoorSize(1.350, 3.0, 0.100),
+    DoorSize(width=0.290, height=1.2, thickness=0.030),
+    DoorSize(width=0.826, height=2.04, thickness=0.040),
+    DoorSize(width=1.350, height=3.0, thickness=0.100),
 )
 LIMITS = np.array([0.0015, 0.009, 0.009, 0.0314, 0.006, 0.006])  # nine tenths of what the clamp allows
 

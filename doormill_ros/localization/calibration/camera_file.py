@@ -79,5 +79,6 @@ def write_document(document: dict[str, Any], path: Path) -> None:
     path.write_text(yaml.safe_dump(document, sort_keys=False, default_flow_style=None), encoding="utf-8")
 
 
-def _plain(values: FloatArray) -> list:
-    return np.asarray(values, dtype=float).tolist()
+def _plain(values: FloatArray) -> list[float] | list[list[float]]:
+    plain: list[float] | list[list[float]] = np.asarray(values, dtype=float).tolist()
+    return plain

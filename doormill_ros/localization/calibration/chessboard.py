@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 
 _WINDOW = 0.35  # half side of the refinement's window in squares: no other corner inside
 _STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-4)
@@ -34,7 +34,7 @@ class Chessboard:
         return grid
 
 
-def find_corners(picture: FloatArray, board: Chessboard) -> FloatArray | None:
+def find_corners(picture: ByteArray, board: Chessboard) -> FloatArray | None:
     """Inner corners in a grey picture (h, w), uint8: pixels (n, 2) in the board's order, or None.
 
     The sector-based detector finds boards that the older one misses; the gradient refinement after
@@ -48,4 +48,4 @@ def find_corners(picture: FloatArray, board: Chessboard) -> FloatArray | None:
     side = np.linalg.norm(np.diff(corners.reshape(board.rows, board.columns, 2), axis=1), axis=2).min()
     window = max(2, int(_WINDOW * side))
     refined = cv2.cornerSubPix(picture, corners.reshape(-1, 1, 2), (window, window), (-1, -1), _STOP)
-    return refined.reshape(-1, 2).astype(float)
+    return np.asarray(refined.reshape(-1, 2), dtype=float)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.frames import transform
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
@@ -21,7 +21,7 @@ from doormill_ros.localization.sensors.corner_edges import EdgeRays, PictureQual
 from doormill_ros.localization.sensors.edge_rays import depth, miss, seen
 from doormill_ros.localization.sensors.errors import SensorError
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
-from doormill_ros.localization.sensors.sensor import DoorSize
+from doormill_ros.recipes.door import DoorSize
 
 _FEWEST = 3
 # How far the camera may be from where its file has it, as a twist of the door [m, rad].
@@ -38,7 +38,7 @@ class MovedDoor:
         door: Its size.
     """
 
-    picture: FloatArray
+    picture: ByteArray
     move: FloatArray
     door: DoorSize
 
@@ -259,4 +259,5 @@ def _door_deviation(
     ]
     by_door, by_camera = (np.vstack([p[i] for p in parts]) for i in (1, 2))
     moves = -np.linalg.lstsq(by_door[:, 1:4], by_camera, rcond=None)[0]
-    return np.sqrt(np.diag(moves @ covariance @ moves.T))
+    deviation: FloatArray = np.sqrt(np.diag(moves @ covariance @ moves.T))
+    return deviation

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import Float32Array, FloatArray
 from doormill_ros.localization.calibration.chessboard import Chessboard
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
 from doormill_ros.statistics import NORMAL_STD
@@ -73,7 +74,7 @@ def calibrate_intrinsics(
                 f"{used.sum()} of {len(corners)} pictures are usable, at least {_FEWEST} are needed; take more",
                 usable=int(used.sum()),
             )
-        seen = [c.astype(np.float32) for c, use in zip(corners, used, strict=True) if use]
+        seen = [c.astype(np.float32) for c, use in zip(corners, used, strict=True) if use and c is not None]
         fit = _fit(points, seen, size, radial)
         errors = fit[7].ravel()
         centre = float(np.median(errors))
@@ -106,7 +107,9 @@ def calibrate_intrinsics(
     )
 
 
-def _fit(points: FloatArray, seen: list[FloatArray], size: tuple[int, int], radial: int) -> tuple:
+def _fit(
+    points: Float32Array, seen: list[Float32Array], size: tuple[int, int], radial: int
+) -> tuple[Any, ...]:  # as OpenCV, which has no types, gives it
     flags = 0
     for count, flag in ((1, cv2.CALIB_FIX_K2), (2, cv2.CALIB_FIX_K3)):
         flags |= flag if radial <= count else 0
@@ -122,8 +125,8 @@ def _fit(points: FloatArray, seen: list[FloatArray], size: tuple[int, int], radi
 
 
 def _deviations(
-    points: FloatArray,
-    seen: list[FloatArray],
+    points: Float32Array,
+    seen: list[Float32Array],
     k: FloatArray,
     distortion: FloatArray,
     poses: tuple[list[FloatArray], list[FloatArray]],
@@ -155,7 +158,7 @@ def _deviations(
     return out
 
 
-def _error(points: FloatArray, corners: FloatArray | None, k: FloatArray, distortion: FloatArray) -> float:
+def _error(points: Float32Array, corners: FloatArray | None, k: FloatArray, distortion: FloatArray) -> float:
     """RMS distance [px] of corners from where a camera sees the board, best placed."""
     if corners is None:
         return float("nan")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.frames import transform
 from doormill_ros.localization.camera import CameraModel
@@ -17,7 +17,8 @@ from doormill_ros.localization.sensors.edge_rays import depth, miss
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 
 
@@ -75,12 +76,13 @@ class AxisVision:
     quality: PictureQuality
     seconds: float
     name: str = "axis_vision"
+    takes: ReadingKind = "pictures"
     cannot_see: str = (
         "the door beyond 15 cm from its corner, so a warped or twisted leaf; chips and dust on an edge "
         "count as edge unless they stand out; needs light, clean lenses and three calibrated places"
     )
 
-    def locate(self, reading: dict[str, FloatArray], door: DoorSize) -> DoorPoseEstimate:
+    def locate(self, reading: dict[str, ByteArray], door: DoorSize) -> DoorPoseEstimate:
         """Pose of the door from one picture of each camera.
 
         Raises:
@@ -114,7 +116,7 @@ class AxisVision:
             {"edge_points": {f"{camera.name}{'xyz'[e.axis]}": len(e.rays) for camera, e in edges}},
         )
 
-    def _edges(self, camera: AxisCamera, reading: dict[str, FloatArray], door: DoorSize) -> list[EdgeRays]:
+    def _edges(self, camera: AxisCamera, reading: dict[str, ByteArray], door: DoorSize) -> list[EdgeRays]:
         picture = reading.get(camera.name)
         width, height = self.lens.size
         if picture is None or picture.shape != (height, width) or picture.dtype != np.uint8:
@@ -156,7 +158,8 @@ class AxisVision:
             column = 6 * self.cameras.index(camera)
             sway[part, column : column + 6] = miss(T_base_door, T_base_camera, e.axis, e.rays)[2]
             begin = part.stop
-        return out + sway * np.tile(mounting, len(self.cameras)) @ sway.T
+        covariance: FloatArray = out + sway * np.tile(mounting, len(self.cameras)) @ sway.T
+        return covariance
 
 
 def load_axis_vision(path: Path | None = None, layout: CellLayout | None = None) -> AxisVision:

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.sensors.edge_rays import EDGES, seen
 from doormill_ros.localization.sensors.edge_search import find_edge
 from doormill_ros.localization.sensors.errors import EdgeNotFound
-from doormill_ros.localization.sensors.sensor import DoorSize
+from doormill_ros.recipes.door import DoorSize
 
 # The two door axes whose edges bound each face, and so are seen by a camera that looks at it.
 BOUNDS = {"face": ("y", "z"), "bottom": ("x", "y"), "hinge": ("x", "z")}
@@ -49,7 +49,7 @@ class EdgeRays:
 
 
 def find_corner_edges(
-    picture: FloatArray,
+    picture: ByteArray,
     lens: CameraModel,
     T_base_camera: FloatArray,
     T_base_door: FloatArray,
@@ -113,4 +113,5 @@ def _inward(
     ahead = lens.distort(seen(T_base_door, T_base_camera, axis, along + 1e-4)) - guess
     across = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.linalg.norm(ahead, axis=1, keepdims=True)
     corner, inside = lens.distort(seen(T_base_door, T_base_camera, other, np.array([0.0, 1e-3])))
-    return across * np.sign(across @ (inside - corner))[:, None]
+    inward: FloatArray = across * np.sign(across @ (inside - corner))[:, None]
+    return inward

@@ -52,7 +52,8 @@ def miss(
     def derivative(dm: FloatArray) -> FloatArray:
         dline = R_base_camera.T @ dm  # (3, 6)
         dsize = (line[0] * dline[0] + line[1] * dline[1]) / size
-        return (points @ dline - np.outer(value, dsize)) / size
+        by_twist: FloatArray = (points @ dline - np.outer(value, dsize)) / size
+        return by_twist
 
     return value, derivative(by_door), derivative(by_camera)
 
@@ -60,7 +61,8 @@ def miss(
 def depth(T_base_door: FloatArray, T_base_camera: FloatArray, axis: int, along: FloatArray) -> FloatArray:
     """Distance ahead of the camera of edge points `along` (n,) [m] from the corner, shape (n,) [m]."""
     T_camera_door = inverse(T_base_camera) @ T_base_door
-    return T_camera_door[2, 3] + np.asarray(along) * T_camera_door[2, axis]
+    ahead: FloatArray = T_camera_door[2, 3] + np.asarray(along) * T_camera_door[2, axis]
+    return ahead
 
 
 def seen(T_base_door: FloatArray, T_base_camera: FloatArray, axis: int, along: FloatArray) -> FloatArray:

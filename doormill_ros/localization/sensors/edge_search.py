@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization.sensors.errors import EdgeNotFound
 from doormill_ros.statistics import NORMAL_STD
 
@@ -28,13 +28,13 @@ class EdgePoints:
         deviation: Standard deviation across the edge from the picture's noise [px].
     """
 
-    index: FloatArray
+    index: IntArray
     pixels: FloatArray
     deviation: float
 
 
 def find_edge(
-    picture: FloatArray,
+    picture: ByteArray,
     guess: FloatArray,
     inward: FloatArray,
     reach: float,
@@ -96,14 +96,15 @@ def find_edge(
     return EdgePoints(index, pixels, float(deviation))
 
 
-def _sample(picture: FloatArray, at: FloatArray, across: FloatArray, offsets: FloatArray) -> FloatArray:
+def _sample(picture: ByteArray, at: FloatArray, across: FloatArray, offsets: FloatArray) -> Float32Array:
     """Grey values at `at` + offsets * `across`, shape (n, m), float32."""
     places = at[:, None] + offsets[None, :, None] * across[:, None]
     u, v = places[..., 0].astype(np.float32), places[..., 1].astype(np.float32)
-    return cv2.remap(picture, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
+    values = cv2.remap(picture, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(values, dtype=np.float32)
 
 
-def _line(along: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _line(along: FloatArray, offset: FloatArray) -> tuple[BoolArray, FloatArray]:
     """The line offset = c0 + c1 along that most points agree with; which do, and (c0, c1)."""
     rng = np.random.default_rng(0)  # the same picture gives the same answer
     n, best = along.size, np.zeros(along.size, dtype=bool)
@@ -117,10 +118,11 @@ def _line(along: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray
     return best, np.array([start, slope])
 
 
-def _near(along: FloatArray, position: FloatArray, good: FloatArray) -> FloatArray:
+def _near(along: FloatArray, position: FloatArray, good: BoolArray) -> BoolArray:
     """Points within four robust standard deviations of the line through the good ones."""
     if good.sum() < 3:
         return good
     slope, start = np.polyfit(along[good], position[good], 1)
     off = np.abs(position - start - slope * along)
-    return off < 4.0 * max(NORMAL_STD * float(np.median(off[good])), 0.05)
+    near: BoolArray = off < 4.0 * max(NORMAL_STD * float(np.median(off[good])), 0.05)
+    return near

@@ -64,7 +64,7 @@ def fit_pose(T_start: FloatArray, linearise: Callable[[FloatArray], Linearised],
         model = linearise(T_base_door)
         residual, jacobian = whiten(model)
         check_rank(jacobian, what)
-        step = np.linalg.lstsq(jacobian, residual, rcond=None)[0]
+        step = np.asarray(np.linalg.lstsq(jacobian, residual, rcond=None)[0], dtype=float)
         T_base_door = apply_twist(T_base_door, step)
         if not np.all(np.isfinite(step)) or np.abs(step).max() > 1.0:
             break

@@ -8,15 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.sensors.edge_rays import EDGES, miss, seen
 from doormill_ros.localization.sensors.errors import BadSensorFile
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
 from doormill_ros.localization.settings import shipped_settings
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 
 _SEEN, _HELD = [1, 2, 3], [0, 4, 5]  # y, z, rotation x; x, rotations y, z
@@ -43,12 +44,13 @@ class OneCamera:
     rotation_deviation: float
     seconds: float
     name: str = "one_camera"
+    takes: ReadingKind = "picture"
     cannot_see: str = (
         "x and the rotations about y and z: a door 1 mm off in x moves in y by a quarter of that in the picture, "
         "and the covariance can only allow for it; the door beyond 15 cm from its corner"
     )
 
-    def locate(self, reading: FloatArray, door: DoorSize) -> DoorPoseEstimate:
+    def locate(self, reading: ByteArray, door: DoorSize) -> DoorPoseEstimate:
         """Pose of the door from one picture.
 
         Raises:

@@ -15,8 +15,9 @@ from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, 
 from doormill_ros.localization.sensors.faces import normals, ranges
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
 from doormill_ros.localization.sensors.spots import Spot, check_faces
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.units import m_to_mm
 
@@ -43,6 +44,7 @@ class Photoelectric:
     deviation: float
     seconds: float
     name: str = "photoelectric"
+    takes: ReadingKind = "distances"
     cannot_see: str = (
         "a chip, a chamfer or dust under a beam, since six readings for six unknowns leave no check; "
         "glossy paint; a door turned far"

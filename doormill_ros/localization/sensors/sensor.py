@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from pathlib import Path
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.layout import CellLayout
+from doormill_ros.recipes.door import DoorSize
 
+#: What a sensor reads: a picture, one picture of each camera, distances along beams, or touched points.
+ReadingKind = Literal["picture", "pictures", "distances", "points"]
 DEGREES_OF_FREEDOM = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
-
-
-@dataclass(frozen=True)
-class DoorSize:
-    """The door as its recipe gives it [m]."""
-
-    width: float
-    height: float
-    thickness: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,20 +57,41 @@ class DoorSensor(Protocol):
 
     Attributes:
         name: As in the registry.
+        takes: What a reading of it is, as `readings.read_readings` reads it from a file.
         cannot_see: What it is blind for, in words.
     """
 
-    name: str
-    cannot_see: str
+    @property
+    def name(self) -> str: ...  # noqa: D102  fields of the class that is a sensor
 
+    @property
+    def takes(self) -> ReadingKind: ...  # noqa: D102
+
+    @property
+    def cannot_see(self) -> str: ...  # noqa: D102
+
+    # Each sensor has arrays of its own; no type says more than Any of all of them.
     def locate(self, reading: Any, door: DoorSize) -> DoorPoseEstimate:
         """Pose of the door from one reading.
 
         Args:
-            reading: What the sensor delivers; each sensor says which arrays.
+            reading: Of the kind `takes`: a picture, shape (h, w), uint8; pictures by camera name; distances,
+                shape (n,) [m]; or points in base axes, shape (n, 3) [m].
             door: The door in the clamp.
 
         Raises:
             LocalizationError: The reading gives no pose that can be trusted.
+        """
+        ...
+
+
+class SensorLoader(Protocol):
+    """Makes a sensor of its configuration file; None for the one that ships, and for the cell's layout."""
+
+    def __call__(self, path: Path | None = None, layout: CellLayout | None = None) -> DoorSensor:
+        """The sensor.
+
+        Raises:
+            BadSensorFile: The file lacks a key or holds a value out of bounds.
         """
         ...

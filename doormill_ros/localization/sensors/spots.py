@@ -10,7 +10,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.sensors.errors import BadSensorFile
 from doormill_ros.localization.sensors.faces import OUTWARD
-from doormill_ros.localization.sensors.sensor import DoorSize
+from doormill_ros.recipes.door import DoorSize
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,9 @@ from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
 from doormill_ros.localization.sensors.faces import heights, normals
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
 from doormill_ros.localization.sensors.spots import Spot, check_faces
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 
 _NEEDED = 6
@@ -79,6 +80,7 @@ class TouchProbe:
     accuracy: float
     correlation_length: float
     name: str = "touch_probe"
+    takes: ReadingKind = "points"
     cannot_see: str = (
         "what lies between the points; with six points a chip under one of them; the robot's own "
         "geometric error, which cancels only where the same robot mills in the posture it probed in"
@@ -124,11 +126,12 @@ class TouchProbe:
         """Of the heights of points (k, 3) over faces with normals n (k, 3), base; shape (k, k)."""
         apart = np.linalg.norm(points[:, None] - points[None], axis=2)
         alike = np.exp(-0.5 * (apart / self.correlation_length) ** 2)
-        return (
+        covariance: FloatArray = (
             self.accuracy**2 * alike * (n @ n.T)  # axes of the robot's error are independent
             + self.common**2
             + self.random**2 * np.eye(len(points))
         )
+        return covariance
 
     def approach(self, door: DoorSize, count: int) -> FloatArray:
         """Where the search for each of the first `count` points begins, base [m], shape (count, 3)."""

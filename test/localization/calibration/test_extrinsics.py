@@ -9,7 +9,7 @@ from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPic
 from doormill_ros.localization.calibration.extrinsics import Knowledge, MovedDoor, calibrate_extrinsics
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.sensors.corner_edges import PictureQuality
-from doormill_ros.localization.sensors.sensor import DoorSize
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from support.door_cases import assert_honest
 from support.sensors.axis_vision import AxisVisionRig
@@ -40,7 +40,7 @@ def moved_doors(rig, seed):
     rng, known, out = np.random.default_rng([seed, 9]), Knowledge(), []
     misplaced = rng.normal(0, np.repeat([known.place, known.turn], 3))
     for number, (thickness, move) in enumerate(MOVES):
-        door = DoorSize(0.826, 2.04, thickness)
+        door = DoorSize(width=0.826, height=2.04, thickness=thickness)
         T_base_door = load_layout().T_base_door(door.width, thickness)
         T_base_door = apply_twist(T_base_door, misplaced)
         T_base_door[:3, 3] += np.array(move) + rng.normal(0, known.move, 3) * np.any(move)
@@ -103,6 +103,8 @@ def test_a_wrong_move_in_the_list_is_noticed(rig):
 
 
 def test_two_pictures_are_too_few(rig):
-    empty = MovedDoor(np.zeros((1080, 1920), np.uint8), np.zeros(3), DoorSize(0.8, 2.0, 0.04))
+    empty = MovedDoor(
+        np.zeros((1080, 1920), np.uint8), np.zeros(3), DoorSize(width=0.8, height=2.0, thickness=0.04)
+    )
     with pytest.raises(TooFewPictures, match="2 pictures"):
         calibrate_extrinsics([empty, empty], load_camera(), load_layout(), QUALITY)

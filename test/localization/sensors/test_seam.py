@@ -6,7 +6,8 @@ import pytest
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.frames import check_transform
 from doormill_ros.localization.sensors.registry import SENSORS
-from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM, DoorSize
+from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene
 from doormill_ros.units import DEG, MM
@@ -14,7 +15,7 @@ from support.sensors.axis_vision import AxisVisionRig
 from support.sensors.photoelectric import PhotoelectricRig
 from support.sensors.touch_probe import TouchProbeRig
 
-DOOR = DoorSize(0.826, 2.04, 0.040)
+DOOR = DoorSize(width=0.826, height=2.04, thickness=0.040)
 OFFSET = DoorOffset(3.0 * MM, -2.0 * MM, 0.7 * DEG)
 T_BASE_DOOR = load_layout().T_base_door(DOOR.width, DOOR.thickness, OFFSET)
 

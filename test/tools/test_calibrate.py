@@ -6,10 +6,10 @@ import pytest
 import yaml
 
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.localization.calibration.main import main
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture.scene import Sensor
+from doormill_ros.tools.calibrate import main
 from support.board_pictures import CAMERA, SIZE, TRUE_K, views
 from support.sensors.axis_vision import AxisVisionRig
 from support.sensors.chessboard import render_chessboard

@@ -1,4 +1,4 @@
-"""Calibrate the camera: `python -m doormill_ros.localization.calibration.main intrinsics|extrinsics|lens`.
+"""calibrate: the camera, `calibrate intrinsics|extrinsics|lens`.
 
 Lengths on the command line and in the list of moves are millimetres.
 """
@@ -9,10 +9,8 @@ import argparse
 import sys
 from pathlib import Path
 
-import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.calibration.camera_file import (
@@ -27,8 +25,9 @@ from doormill_ros.localization.calibration.extrinsics import MovedDoor, calibrat
 from doormill_ros.localization.calibration.intrinsics import calibrate_intrinsics
 from doormill_ros.localization.calibration.lens_check import check_lens
 from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.picture_file import read_picture
 from doormill_ros.localization.sensors.corner_edges import PictureQuality
-from doormill_ros.localization.sensors.sensor import DoorSize
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.units import m_to_mm, mm_to_m, rad_to_deg
 
@@ -48,7 +47,7 @@ def main(argv: list[str] | None = None) -> int:
 def _intrinsics(arguments: argparse.Namespace) -> list[str]:
     columns, rows = arguments.board
     board = Chessboard(columns, rows, mm_to_m(arguments.square))
-    pictures = [_picture(path) for path in arguments.pictures]
+    pictures = [read_picture(path) for path in arguments.pictures]
     sizes = {picture.shape[::-1] for picture in pictures}
     if len(sizes) != 1:
         raise BadCalibrationFile(f"the pictures have sizes {sorted(sizes)}, allowed is one; sort them")
@@ -81,9 +80,9 @@ def _extrinsics(arguments: argparse.Namespace) -> list[str]:
         width, height = mm_to_m(float(document["width"])), mm_to_m(float(document["height"]))
         moved = [
             MovedDoor(
-                _picture(arguments.moves.parent / entry["picture"]),
+                read_picture(arguments.moves.parent / entry["picture"]),
                 mm_to_m(np.array(entry["move"], dtype=float).reshape(3)),
-                DoorSize(width, height, mm_to_m(float(entry.get("thickness", document.get("thickness"))))),
+                DoorSize(height, width, mm_to_m(float(entry.get("thickness", document.get("thickness"))))),
             )
             for entry in document["pictures"]
         ]
@@ -131,15 +130,8 @@ def _lens(arguments: argparse.Namespace) -> list[str]:
     return lines
 
 
-def _picture(path: Path) -> FloatArray:
-    picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
-    if picture is None:
-        raise BadCalibrationFile(f"{path} is no picture that can be read; give PNG or JPEG", path=str(path))
-    return picture
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="calibration", description=__doc__)
+    parser = argparse.ArgumentParser(prog="calibrate", description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     shipped = resource("config/camera.yaml")
 

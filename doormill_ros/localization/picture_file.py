@@ -1,0 +1,43 @@
+"""Pictures as files: grey in, drawn ones out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from doormill_ros.arrays import ByteArray
+from doormill_ros.localization.errors import BadPicture
+
+
+def read_picture(path: Path) -> ByteArray:
+    """Grey picture, shape (h, w), from a PNG or JPEG file; colours are turned to grey.
+
+    Raises:
+        BadPicture: There is no such file, or it holds no picture.
+    """
+    try:
+        data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+        picture = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if data.size else None
+    except OSError:
+        picture = None
+    if picture is None:
+        raise BadPicture(f"{path} is no picture that can be read; give PNG or JPEG", path=str(path))
+    return np.asarray(picture, dtype=np.uint8)
+
+
+def write_picture(picture: ByteArray, path: Path) -> None:
+    """Write an rgb picture, shape (h, w, 3), as the file's suffix says: .png or .jpg.
+
+    Raises:
+        BadPicture: The suffix is of no kind of picture.
+        OSError: The file cannot be written.
+    """
+    try:
+        _, data = cv2.imencode(path.suffix, np.ascontiguousarray(picture[..., ::-1]))
+    except cv2.error as error:
+        raise BadPicture(
+            f"the picture {path} has the suffix {path.suffix!r}, allowed are .png and .jpg", path=str(path)
+        ) from error
+    path.write_bytes(data.tobytes())
