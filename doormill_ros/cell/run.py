@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
-from doormill_ros.cell.errors import RunCanceledError, StageRefusedError, StageTimeoutError
+from doormill_ros.cell.errors import CellBusyError, RunCanceledError, StageRefusedError
+from doormill_ros.cell.waiting import wait_until
+
+REMEMBERED = 16  # runs that ended
+
+Value = TypeVar("Value")
 
 
 def new_run_id() -> str:
@@ -30,6 +36,22 @@ class StageLimits:
     milling: float = 600.0
 
 
+@dataclass(frozen=True)
+class Clock:
+    """The time of a run: `monotonic` for its limits, `wall` for what it says [s]."""
+
+    monotonic: Callable[[], float] = time.monotonic
+    wall: Callable[[], float] = time.time
+
+
+class StageAnswer(Protocol):
+    """What every stage says of its part of a run."""
+
+    accepted: bool
+    error_code: int
+    reason: str
+
+
 @dataclass
 class Run:
     """A run in hand. `deliver` and `cancel` come from any thread, `wait_for` from the run's own.
@@ -37,31 +59,35 @@ class Run:
     Attributes:
         run_id: Unique name.
         door_id: What is milled.
+        clock: Its time.
         not_before: What comes of a picture taken earlier does not count [s since the epoch]: before the
             controller's request the door may not be clamped yet.
         times: Wall-clock time at which each stage was heard of [s since the epoch].
+        pictured: When the picture was taken that the stage's answer is about [s since the epoch].
     """
 
     run_id: str
     door_id: str
+    clock: Clock = field(default_factory=Clock)
     not_before: float = float("inf")
     times: dict[str, float] = field(default_factory=dict)
+    pictured: dict[str, float] = field(default_factory=dict)
     _heard: dict[str, Any] = field(default_factory=dict)
     _canceled: bool = False
     _changed: threading.Condition = field(default_factory=threading.Condition)
 
-    def deliver(self, stage: str, answer: Any, pictured: float) -> None:
+    def deliver(self, stage: str, answer: StageAnswer, pictured: float) -> None:
         """Note the answer of a stage; the first one that belongs to the request counts.
 
         Args:
             stage: Which stage.
-            answer: With `accepted`, `error_code` and `reason`.
+            answer: What it says.
             pictured: When the picture was taken that the answer is about [s since the epoch].
         """
         with self._changed:
             if stage not in self._heard and pictured >= self.not_before:
                 self._heard[stage] = answer
-                self.times[stage] = time.time()
+                self.times[stage], self.pictured[stage] = self.clock.wall(), pictured
                 self._changed.notify_all()
 
     def forget(self) -> None:
@@ -81,7 +107,7 @@ class Run:
         with self._changed:
             self._changed.notify_all()
 
-    def wait_until(self, condition: Callable[[], Any], limit: float, otherwise: str) -> Any:
+    def wait_until(self, condition: Callable[[], Value | None], limit: float, otherwise: str) -> Value:
         """The first true value of `condition`.
 
         Args:
@@ -93,16 +119,14 @@ class Run:
             StageTimeoutError: Nothing within the limit.
             RunCanceledError: The run was canceled.
         """
-        deadline = time.monotonic() + limit
-        with self._changed:
-            while not (value := condition()):
-                if self._canceled:
-                    raise RunCanceledError("the run was canceled; start it again when the cell is free")
-                left = deadline - time.monotonic()
-                if left <= 0.0:
-                    raise StageTimeoutError(f"{otherwise} (waited {limit:g} s)", limit=limit)
-                self._changed.wait(min(left, 0.05))
+
+        def look() -> Value | None:
+            value = condition()
+            if not value and self._canceled:
+                raise RunCanceledError("the run was canceled; start it again when the cell is free")
             return value
+
+        return wait_until(self._changed, look, limit, otherwise, self.clock.monotonic)
 
     def wait_for(
         self, stage: str, limit: float, otherwise: str, unless: Callable[[], bool] = lambda: False
@@ -119,3 +143,54 @@ class Run:
         if not answer.accepted:
             raise StageRefusedError(answer.reason, answer.error_code)
         return answer
+
+
+class RunDesk:
+    """Keeps the run in hand, one at a time, and passes on to it what is heard; from any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._run: Run | None = None
+        self._ended: deque[str] = deque(maxlen=REMEMBERED)
+
+    def begin(self, door_id: str) -> Run:
+        """A run of its own for a door.
+
+        Raises:
+            CellBusyError: Another door is being milled.
+        """
+        with self._lock:
+            if self._run is not None:
+                raise CellBusyError(
+                    f"door {door_id} was refused: {self._run.door_id} is being milled; wait until it is done"
+                )
+            self._run = Run(new_run_id(), door_id)
+            return self._run
+
+    def end(self) -> None:
+        """The run in hand is over."""
+        with self._lock:
+            if self._run is not None:
+                self._ended.append(self._run.run_id)
+            self._run = None
+
+    def deliver(self, stage: str, run_id: str, answer: StageAnswer, pictured: float) -> bool:
+        """Pass a stage's answer to the run in hand, see `Run.deliver`; False when it belongs to no run of this desk."""
+        run = self._run
+        if run is None or run_id != run.run_id:
+            # A second picture of a run may be answered when its door is milled already.
+            return run_id in self._ended
+        run.deliver(stage, answer, pictured)
+        return True
+
+    def notify(self) -> None:
+        """Let the run in hand, if any, look again."""
+        run = self._run
+        if run is not None:
+            run.notify()
+
+    def cancel(self) -> None:
+        """End the run in hand, if any, at its next wait."""
+        run = self._run
+        if run is not None:
+            run.cancel()

@@ -11,17 +11,18 @@ from builtin_interfaces.msg import Time
 from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Bool, String
 
-from doormill_interfaces.msg import AbbStatus, TargetArray
+from doormill_interfaces.msg import AbbStatus, DoorLocalization, TargetArray
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file
 from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
 from doormill_ros.errors import DoormillError
+from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.program import program_of
-from doormill_ros.nodes.managed_node import ERROR, OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.mill_door import MillDoorServer
+from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, Parameter
 from doormill_ros.nodes.run import run_nodes
 
 
@@ -55,9 +56,11 @@ class AbbBridge(ManagedNode):
         Parameter("limit.milling", 600.0, "longest wait for the end of milling [s]", 1.0, 36000.0),
     )
 
+    handshake: Handshake
+
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("abb_bridge", **kwargs)
-        self._action = MillDoorServer(self, ReentrantCallbackGroup())
+        self._action = MillDoorServer(self, self, self._give_up, ReentrantCallbackGroup())
 
     def setup(self) -> None:
         """Open the transport, clear the controller, subscribe."""
@@ -79,7 +82,7 @@ class AbbBridge(ManagedNode):
         self._loop.start()
         self._action.open()
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
-        self.subscribe(topics.DOOR_LOCALIZATION, lambda m: self._action.deliver("localization", m))
+        self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
         self.every(0.5, self._watch)
 
     def stop(self) -> None:
@@ -126,6 +129,13 @@ class AbbBridge(ManagedNode):
         return TransportOptions(
             self.value("address"), Path(certificate) if certificate else None, self.value("insecure")
         )
+
+    def _give_up(self, reason: str) -> None:
+        if self.configured:
+            self.handshake.abort(reason)
+
+    def _take_localization(self, message: DoorLocalization) -> None:
+        self._action.deliver("localization", message)
 
     def _take_targets(self, message: TargetArray) -> None:
         if self._action.deliver("targets", message) or not message.accepted:

@@ -7,28 +7,28 @@ import os
 import sys
 import threading
 import time
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable
 from datetime import UTC, datetime
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.qos import qos_document
 from doormill_ros.nodes.frame_publisher import frame_topics
-from doormill_ros.nodes.managed_node import ERROR, OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.message_types import is_hidden, matching, message_class, type_name
+from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, Parameter
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.recording.bag_filler import BagFiller
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received
 from doormill_ros.recording.errors import UnknownTypeError
-from doormill_ros.recording.schema import FEEDBACK
 
 DISCOVERY_PERIOD = 0.5  # s
-WRITE_PERIOD = 0.1  # s
 SETTLING = 0.2  # s, for messages on their way when the recording ends
 NICENESS = 5  # of the process: the door comes first
 REMEMBERED = 32  # samples of each topic by which one that is delivered again is recognized
@@ -58,19 +58,17 @@ class BagRecorder(ManagedNode):
         self._subscribed: set[str] = set()
         self._taps: list[tuple[Any, Callable[[bytes, Any], None]]] = []
         self._skipped: set[str] = set()
-        self._lock = threading.Lock()
         self._discovering = threading.Lock()
         self._queue = BoundedQueue(self.value("queue_size"))
         self._writer = BagWriter(Path(folder), self.value("split_size"))
-        self._failure = ""
+        self._filler = BagFiller(self._queue, self._writer)
         self._wanted = False
         self._excluded = {self.resolve_topic_name(name) for name in self.value("exclude").split()}
         for topic in (*topics.ALL, *frame_topics()):
             name = self.resolve_topic_name(topic.name)
             if name not in self._excluded:
-                self._record(name, _type_name(topic.type), topic.type, topic.offered)
-        self._thread = threading.Thread(target=self._write, name="bag_writer", daemon=True)
-        self._thread.start()
+                self._record(name, type_name(topic.type), topic.type, topic.offered)
+        self._filler.start()
         self.every(DISCOVERY_PERIOD, self._discover)
         self.get_logger().info(f"recording into {folder}")
 
@@ -88,12 +86,11 @@ class BagRecorder(ManagedNode):
 
     def teardown(self) -> None:
         """Write what still waits and close the bag."""
-        self._queue.close()
-        self._thread.join()
-        if self._queue.dropped:
-            self.get_logger().warning(_dropped_text(self._queue.dropped))
-        with self._lock:
-            self._writer.close(self._queue.dropped)
+        try:
+            self._filler.stop()
+        finally:
+            if self._queue.dropped:
+                self.get_logger().warning(_dropped_text(self._queue.dropped))
 
     def _discover(self) -> None:
         # Activation and timer may come at once from two threads; one subscription each is wanted.
@@ -105,22 +102,20 @@ class BagRecorder(ManagedNode):
         for name, types in self.get_topic_names_and_types():
             if name in self._subscribed or name in self._skipped:
                 continue
-            if name in self._excluded or (_is_hidden(name) and not self.value("include_hidden_topics")):
+            if name in self._excluded or (is_hidden(name) and not self.value("include_hidden_topics")):
                 self._skipped.add(name)
                 continue
             offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
             if not offers:
                 continue
             try:
-                self._record(name, types[0], _message_class(types[0]), _matching(offers))
+                self._record(name, types[0], message_class(types[0]), matching(offers))
             except (ImportError, AttributeError, UnknownTypeError):
                 self._skipped.add(name)
                 self.get_logger().warning(f"{name} is not recorded: {types[0]} is not installed here")
 
-    def _record(self, name: str, type_name: str, message_type: Any, offered: QoSProfile) -> None:
-        with self._lock:
-            self._writer.add_topic(name, type_name, [qos_document(offered)])
-
+    def _record(self, name: str, kind: str, message_type: Any, offered: QoSProfile) -> None:
+        self._filler.add_topic(name, kind, [qos_document(offered)])
         latest: deque[tuple[Any, Any]] = deque(maxlen=REMEMBERED)
 
         # Both arguments are needed: with one, rclpy does not tell when the message was sent.
@@ -156,29 +151,11 @@ class BagRecorder(ManagedNode):
             while (taken := subscription.handle.take_message(subscription.msg_type, True)) is not None:
                 receive(*taken)
 
-    def _write(self) -> None:
-        while not self._queue.closed:
-            received = self._queue.take(WRITE_PERIOD)
-            written = 0
-            try:
-                with self._lock:
-                    for item in received:
-                        self._writer.write(item.topic, item.data, item.received_ns, item.published_ns)
-                        written += 1
-                    self._writer.flush()
-            except OSError as error:
-                self._queue.close(failed=True)
-                with self._lock:
-                    lost = Counter(self._writer.abandon())
-                lost.update(item.topic for item in received[written:])
-                self._queue.count_dropped(lost)
-                self._failure = f"the bag cannot be written: {error}; free the disk and restart the recorder"
-
     def _report(self) -> None:
         dropped = sum(self._queue.dropped.values())
         counts = {"messages": sum(f.message_count for f in self._writer.record.files), "dropped": dropped}
-        if self._failure:
-            self.report(ERROR, f"{self._failure}; {_dropped_text(self._queue.dropped)}", **counts)
+        if self._filler.failure:
+            self.report(ERROR, f"{self._filler.failure}; {_dropped_text(self._queue.dropped)}", **counts)
         elif dropped:
             self.report(WARN, _dropped_text(self._queue.dropped), **counts)
         else:
@@ -188,40 +165,6 @@ class BagRecorder(ManagedNode):
 def _dropped_text(dropped: dict[str, int]) -> str:
     counts = ", ".join(f"{count} of {topic}" for topic, count in sorted(dropped.copy().items()))
     return f"messages that are not in the bag: {counts or 'none'}"
-
-
-def _type_name(message_type: Any) -> str:
-    package, kind, _ = message_type.__module__.split(".", 2)
-    return f"{package}/{kind}/{message_type.__name__}"
-
-
-def _is_hidden(topic: str) -> bool:
-    """True for what ROS' tools leave out by default: a part of the name begins with an underscore."""
-    return any(part.startswith("_") for part in topic.split("/"))
-
-
-def _message_class(name: str) -> Any:
-    """The class of a message type by its full name.
-
-    Raises:
-        ImportError, AttributeError: The type's package is not installed.
-    """
-    package, kind, message = name.split("/")
-    module = import_module(f"{package}.{kind}")
-    if feedback := FEEDBACK.fullmatch(name):
-        return getattr(module, feedback[2]).Impl.FeedbackMessage
-    return getattr(module, message)
-
-
-def _matching(offers: list[QoSProfile]) -> QoSProfile:
-    """The strictest request that every publisher satisfies."""
-    reliable = all(o.reliability == ReliabilityPolicy.RELIABLE for o in offers)
-    latched = all(o.durability == DurabilityPolicy.TRANSIENT_LOCAL for o in offers)
-    return QoSProfile(
-        depth=100,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-    )
 
 
 def main() -> int:

@@ -14,11 +14,12 @@ from std_msgs.msg import Bool, Header
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, RunResult
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME
+from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
-from doormill_ros.nodes.convert.picture import picture_message
-from doormill_ros.nodes.convert.recipe import recipe_of
-from doormill_ros.nodes.managed_node import OK, ManagedNode, Parameter
+from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.reporting_node import OK, Parameter
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera, Sensor
@@ -140,15 +141,5 @@ class CameraSimulator(ManagedNode):
 
     def _camera_info(self, header: Header) -> CameraInfo:
         header.frame_id = CAMERA_FRAME
-        k = self._camera.matrix
         rows, columns = self._camera.shape
-        return CameraInfo(
-            header=header,
-            height=rows,
-            width=columns,
-            distortion_model="plumb_bob",
-            d=[float(v) for v in self._camera.brown],
-            k=[float(v) for v in k.ravel()],
-            r=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-            p=[float(v) for v in np.hstack([k, np.zeros((3, 1))]).ravel()],
-        )
+        return camera_info_message(self._camera.matrix, self._camera.brown, (columns, rows), header)

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from types import TracebackType
+from typing import Generic, TypeVar
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
@@ -16,8 +17,10 @@ from doormill_ros.nodes.run import init, shut_down
 
 STOP_LIMIT = 2.0  # s
 
+Driver = TypeVar("Driver", bound=Node)
 
-class Composition:
+
+class Composition(Generic[Driver]):
     """Managed nodes and one node beside them that drives them; a context manager.
 
     When it is left, nothing of the nodes stays: what they had latched would reach the next composition
@@ -31,13 +34,16 @@ class Composition:
 
     Attributes:
         nodes: The managed nodes.
+        driver: The node beside them; there from when the composition is entered.
     """
+
+    driver: Driver
 
     def __init__(
         self,
         arguments: Sequence[str],
         managed: Sequence[Callable[[], ManagedNode]],
-        beside: Callable[[], Node],
+        beside: Callable[[], Driver],
         threads: int,
     ) -> None:
         self._arguments = arguments
@@ -49,7 +55,7 @@ class Composition:
         self._executor: MultiThreadedExecutor | None = None
         self._thread: threading.Thread | None = None
 
-    def __enter__(self) -> Composition:
+    def __enter__(self) -> Composition[Driver]:
         init(self._arguments)
         try:
             self._start()
@@ -67,29 +73,15 @@ class Composition:
         for make in self._managed:
             self.nodes.append(make())
             self._all.append(self.nodes[-1])
-        self._all.append(self._beside())
-        self._executor = MultiThreadedExecutor(num_threads=self._threads)
+        self.driver = self._beside()
+        self._all.append(self.driver)
+        executor = self._executor = MultiThreadedExecutor(num_threads=self._threads)
         for node in self._all:
-            self._executor.add_node(node)
-        self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
+            executor.add_node(node)
+        self._thread = threading.Thread(target=_spin, args=(executor,), name="executor", daemon=True)
         self._thread.start()
         for node in self.nodes:
             node.bring_up()
-
-    @property
-    def driver(self) -> Node:
-        """The node beside the managed ones."""
-        return self._all[-1]
-
-    def _spin(self) -> None:
-        # An interrupt takes the context away from under the executor.
-        try:
-            self._executor.spin()
-        except ExternalShutdownException:
-            pass
-        except Exception:
-            if rclpy.ok():
-                raise
 
     def _stop(self) -> None:
         shut_down(self.nodes)
@@ -104,3 +96,14 @@ class Composition:
         self._all.clear()
         self.nodes.clear()
         rclpy.try_shutdown()
+
+
+def _spin(executor: MultiThreadedExecutor) -> None:
+    # An interrupt takes the context away from under the executor.
+    try:
+        executor.spin()
+    except ExternalShutdownException:
+        pass
+    except Exception:
+        if rclpy.ok():
+            raise

@@ -12,12 +12,11 @@ from doormill_interfaces.msg import DoorPlacement, DoorRecipe, RunResult, Target
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
+from doormill_ros.messages.from_message import program_of, recipe_of, transform_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.executed import executed_message, milled_message
-from doormill_ros.nodes.convert.geometry import transform_of
-from doormill_ros.nodes.convert.program import program_of
-from doormill_ros.nodes.convert.recipe import recipe_of
-from doormill_ros.nodes.managed_node import OK, ManagedNode, Parameter
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.reporting_node import OK, Parameter
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.milled_part import inspect

@@ -11,23 +11,24 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped
 from rclpy.time import Time
 from sensor_msgs.msg import CameraInfo, Image
-from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
-from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError
-from doormill_ros.localization.localizer import localize, prepare
+from doormill_ros.localization.localizer import prepare
 from doormill_ros.localization.overlay import draw_overlay
 from doormill_ros.localization.result import Localization
+from doormill_ros.messages.from_message import camera_of, picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
-from doormill_ros.nodes.convert.picture import camera_of, picture_message, picture_of
-from doormill_ros.nodes.frame_publisher import FramePublisher
-from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.convert.picture import picture_message
+from doormill_ros.nodes.frame_publisher import frame_publisher
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.reporting_node import OK, WARN, Parameter
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.pipeline.look import look
 from doormill_ros.robot.urdf import LinkPose
 
 FREE = (1, 2, 3)  # rows of the 6 x 6 pose covariance: y, z, rotation about x
@@ -59,7 +60,7 @@ class DoorLocalizer(ManagedNode):
         self._pose = self.publisher(topics.DOOR_POSE)
         self._localization = self.publisher(topics.DOOR_LOCALIZATION)
         self._overlay = self.publisher(topics.DOOR_OVERLAY)
-        self._frames = FramePublisher(self) if self.value("frames") else None
+        self._frames = frame_publisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
         self.subscribe(topics.IMAGE, self._take_picture)
@@ -106,14 +107,8 @@ class DoorLocalizer(ManagedNode):
         answer.header.frame_id = BASE_FRAME
         begun = time.perf_counter()
         try:
-            picture = picture_of(message)
-            found = localize(
-                picture,
-                self._camera,
-                self._layout,
-                recipe.width,
-                recipe.thickness,
-                age=age if self.value("check_age") else 0.0,
+            found = look(
+                message, self._camera, self._layout, recipe, age=age if self.value("check_age") else 0.0
             )
         except LocalizationError as error:
             answer.duration = time.perf_counter() - begun
@@ -125,9 +120,9 @@ class DoorLocalizer(ManagedNode):
         answer.duration = time.perf_counter() - begun
         self._publish(answer, found)
         self.report(OK, "door found", door_id=recipe.door_id, residual=found.residual, quality=found.quality)
-        self.later("show", lambda: self._show(message.header, picture, found, recipe.width))
+        self.later("show", lambda: self._show(message, found, recipe.width))
 
-    def _show(self, header: Header, picture: FloatArray, found: Localization, width: float) -> None:
+    def _show(self, message: Image, found: Localization, width: float) -> None:
         """What people look at."""
         if self._frames is not None:
             T_base_camera = (self._camera or self._mounted).T_base_camera(width)
@@ -139,8 +134,8 @@ class DoorLocalizer(ManagedNode):
             )
         step = self.value("overlay_step")
         if step:
-            overlay = draw_overlay(picture, found)[::step, ::step]
-            self._overlay.publish(picture_message(overlay, header))
+            overlay = draw_overlay(picture_of(message), found)[::step, ::step]
+            self._overlay.publish(picture_message(overlay, message.header))
 
     def _publish(self, answer: DoorLocalization, found: Localization) -> None:
         answer.accepted = True

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,15 +16,17 @@ from rclpy.parameter import Parameter
 from doormill_ros.abb import signals
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.errors import StageTimeoutError
+from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.composition import Composition
 from doormill_ros.nodes.door_localizer import DoorLocalizer
+from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
 from doormill_ros.nodes.replay_driver import ReplayDriver
 from doormill_ros.recipes.database import RecipeDatabase
-from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.replay.answer import Answer
+from doormill_ros.recording.replay.live import LiveRun
 from doormill_ros.recording.replay.offline import LAST_REPLAYED
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.simulation.recorded_controller import (
@@ -78,12 +79,12 @@ def replay_live(run: RecordedRun, options: LiveOptions) -> list[Answer]:
         events = _events(run)
         arguments = ["replay", "--ros-args", "-r", f"__ns:=/replay_{os.getpid()}"]
         nodes = _nodes(run, options, folder)
-        beside = partial(ReplayDriver, run, options.rate, repeats_the_end(run))
         with (
-            Composition(arguments, nodes, beside, THREADS) as cell,
+            Composition(arguments, nodes, ReplayDriver, THREADS) as cell,
             RecordedController(home, events, options.rate) as controller,
         ):
-            return cell.driver.replay(controller.begin, _clock_setter(cell))
+            live = LiveRun(run, cell.driver, options.rate, repeats_the_end(run))
+            return live.replay(controller.begin, _age_check(cell.nodes))
 
 
 def _events(run: RecordedRun) -> list[ControllerEvent]:
@@ -101,7 +102,7 @@ def repeats_the_end(run: RecordedRun) -> bool:
     if result is None:
         return False
     without_picture = not run.pictures and result.error_code == StageTimeoutError.code
-    return (
+    return bool(
         result.error_code <= LAST_REPLAYED or without_picture or result.error_code == MillingFaultError.code
     )
 
@@ -135,13 +136,17 @@ def _database(run: RecordedRun, folder: Path) -> str:
         if run.recipe is None:
             database.add_shipped()
         else:
-            recipe = Recipe.from_document(json.loads(run.recipe.document))
+            recipe = recipe_of(run.recipe)
             # Each save is one version more.
             database.save_all([recipe] * max(1, int(run.recipe.version)), run.recipe.author or "replay")
     return url
 
 
-def _clock_setter(cell: Composition) -> Callable[[bool], None]:
+def _age_check(nodes: Sequence[ManagedNode]) -> Callable[[bool], None]:
     """Switches the localizer's check of the pictures' age."""
-    localizer = next(node for node in cell.nodes if isinstance(node, DoorLocalizer))
-    return lambda checked: localizer.set_parameters([Parameter("check_age", value=checked)])
+    localizer = next(node for node in nodes if isinstance(node, DoorLocalizer))
+
+    def switch(checked: bool) -> None:
+        localizer.set_parameters([Parameter("check_age", value=checked)])
+
+    return switch

@@ -1,54 +1,52 @@
-"""The action mill_door: takes one door through all stages and says how it ended."""
+"""The action mill_door: its goals, feedback and results; what happens in between is the course of the run."""
 
 from __future__ import annotations
 
-import hashlib
-import threading
-import time
-from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, fields
+from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import CallbackGroup
 
 from doormill_interfaces.action import MillDoor
-from doormill_interfaces.msg import RunResult, StageTimes, TargetArray
+from doormill_interfaces.msg import RunResult, StageTimes
 from doormill_interfaces.srv import GetRecipe
-from doormill_ros.abb.handshake.state import HandshakeState
-from doormill_ros.abb.link_errors import MillingFaultError
-from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefusedError
-from doormill_ros.cell.run import Run, StageLimits, new_run_id
+from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
+from doormill_ros.cell.run import RunDesk, StageLimits
 from doormill_ros.errors import DoormillError
+from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.geometry import seconds_of
-
-if TYPE_CHECKING:
-    from doormill_ros.nodes.abb_bridge import AbbBridge
-
-ASK_AGAIN = 1.0  # s
-REMEMBERED = 16  # runs that ended
-#: States that a run which was handed over can only reach once the controller has ended it.
-ENDED = (HandshakeState.DONE, HandshakeState.FAILED, HandshakeState.REQUESTED)
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.pipeline.course import Course, Handover, RecipeAnswer, RunEnd
 
 
 class MillDoorServer:
-    """Serves one goal at a time; a second one is answered, not queued."""
+    """Serves one goal at a time; a second one is answered, not queued.
 
-    def __init__(self, bridge: AbbBridge, group: CallbackGroup) -> None:
-        """Offer the action for as long as the node lives, so that a refused goal always gets an answer."""
-        self._bridge = bridge
-        self._lock = threading.Lock()
-        self._run: Run | None = None
-        self._ended: deque[str] = deque(maxlen=REMEMBERED)
-        self._get_recipe: Any = None
+    The action is offered for as long as the node lives, so that a refused goal always gets an answer.
+
+    Args:
+        node: Owner, with the parameters `limit.*`.
+        handover: The link to the controller; asked for anything only while the node is active.
+        give_up: Called with the reason when a run came to nothing.
+        group: Lets goals, cancellations and answers come at once.
+    """
+
+    def __init__(
+        self, node: ManagedNode, handover: Handover, give_up: Callable[[str], None], group: CallbackGroup
+    ) -> None:
+        self._node = node
+        self._handover = handover
+        self._give_up = give_up
         self._group = group
-        self._result = bridge.create_publisher(
+        self._desk = RunDesk()
+        self._recipes: _Recipes | None = None
+        self._result = node.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
         )
         self._server = ActionServer(
-            bridge,
+            node,
             MillDoor,
             "mill_door",
             self._execute,
@@ -59,13 +57,14 @@ class MillDoorServer:
 
     def open(self) -> None:
         """Connect to the recipe database."""
-        self._get_recipe = self._bridge.create_client(GetRecipe, "recipes/get", callback_group=self._group)
+        self._recipes = _Recipes(self._node, self._group)
 
     def close(self) -> None:
         """Disconnect."""
         self.cancel()
-        self._bridge.destroy_client(self._get_recipe)
-        self._get_recipe = None
+        if self._recipes is not None:
+            self._recipes.close()
+        self._recipes = None
 
     def destroy(self) -> None:
         """Withdraw the action."""
@@ -73,228 +72,106 @@ class MillDoorServer:
 
     def deliver(self, stage: str, message: Any) -> bool:
         """Pass a stage's answer to the run in hand; False when it belongs to no run of this server."""
-        run = self._run
-        if run is None or message.run_id != run.run_id:
-            # A second picture of a run may be answered when its door is milled already.
-            return message.run_id in self._ended
-        run.deliver(stage, message, seconds_of(message.header.stamp))
-        return True
+        return self._desk.deliver(stage, message.run_id, message, seconds_of(message.header.stamp))
 
     def notify(self) -> None:
         """The handshake changed."""
-        run = self._run
-        if run is not None:
-            run.notify()
+        self._desk.notify()
 
     def cancel(self) -> None:
         """End the run in hand, if any."""
-        run = self._run
-        if run is not None:
-            run.cancel()
+        self._desk.cancel()
 
     def _cancel(self, goal: Any) -> CancelResponse:
         self.cancel()
         return CancelResponse.ACCEPT
 
     def _execute(self, goal: Any) -> MillDoor.Result:
-        door_id = goal.request.door_id
-        if not self._lock.acquire(blocking=False):
-            busy = self._run.door_id if self._run else "another door"
-            error = CellBusyError(
-                f"door {door_id} was refused: {busy} is being milled; wait until it is done"
-            )
+        try:
+            run = self._desk.begin(goal.request.door_id)
+        except CellBusyError as error:
             goal.abort()
             return MillDoor.Result(error_code=error.code, message=error.message)
-        run = self._run = Run(new_run_id(), door_id)
-        result = MillDoor.Result(run_id=run.run_id)
-        try:
-            self._mill(run, goal, result)
-        except DoormillError as error:
-            result.error_code = error.stage_code if isinstance(error, StageRefusedError) else error.code
-            result.message = f"door {door_id}: {error.message}"
-            result.target_file = result.sha256 = ""
-        except Exception as error:
-            self._bridge.get_logger().error(f"run {run.run_id} ended by {type(error).__name__}: {error}")
-            result.error_code = DoormillError.code
-            result.message = f"door {door_id}: {type(error).__name__}: {error}; see the bridge's log"
-            result.target_file = result.sha256 = ""
-        finally:
-            self._ended.append(run.run_id)
-            self._run = None
-            self._lock.release()
-        self._finish(run, goal, result)
-        return result
+        end = RunEnd(run.run_id, run.door_id)
 
-    def _finish(self, run: Run, goal: Any, result: MillDoor.Result) -> None:
-        if not result.success and self._bridge.configured:
-            self._bridge.handshake.abort(result.message)
-        message = RunResult(
-            run_id=run.run_id,
-            door_id=run.door_id,
-            success=result.success,
-            error_code=result.error_code,
-            message=result.message,
-            target_file=result.target_file,
-            sha256=result.sha256,
-            largest_correction=result.largest_correction,
-            times=result.times,
-        )
-        message.header.stamp = self._bridge.get_clock().now().to_msg()
-        if self._bridge.context.ok():
+        def tell(stage: str, progress: float) -> None:
+            goal.publish_feedback(MillDoor.Feedback(stage=stage, progress=progress))
+
+        try:
+            if not self._node.active or self._recipes is None:
+                raise NodeInactiveError(
+                    "the ABB bridge is not active; activate it (ros2 lifecycle set /abb_bridge activate)"
+                )
+            course = Course(run, self._recipes, self._handover, self._limits(), tell)
+            end = course.end
+            course.mill()
+        except DoormillError as error:
+            end.refuse(error.code, error.message)
+        except Exception as error:
+            self._node.get_logger().error(f"run {run.run_id} ended by {type(error).__name__}: {error}")
+            end.refuse(DoormillError.code, f"{type(error).__name__}: {error}; see the bridge's log")
+        finally:
+            self._desk.end()
+        return self._finish(end, goal)
+
+    def _limits(self) -> StageLimits:
+        names = [field.name for field in fields(StageLimits)]
+        return StageLimits(**{name: self._node.value(f"limit.{name}") for name in names})
+
+    def _finish(self, end: RunEnd, goal: Any) -> MillDoor.Result:
+        """Tell everybody how the run ended."""
+        if not end.success:
+            self._give_up(end.message)
+        values = {**asdict(end), "times": StageTimes(**asdict(end.times))}
+        result = MillDoor.Result(**_values_of(values, MillDoor.Result))
+        message = RunResult(**_values_of(values, RunResult))
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        if self._node.context.ok():
             self._result.publish(message)
-        log = self._bridge.get_logger()
+        log = self._node.get_logger()
         # rclpy ties a severity to the line that logs.
-        if result.success:
-            log.info(result.message)
+        if end.success:
+            log.info(end.message)
         else:
-            log.warning(result.message)
-        if result.success:
+            log.warning(end.message)
+        if end.success:
             goal.succeed()
         elif goal.is_cancel_requested:
             goal.canceled()
         else:
             goal.abort()
+        return result
 
-    def _limits(self) -> StageLimits:
-        names = StageLimits.__dataclass_fields__
-        return StageLimits(**{name: self._bridge.value(f"limit.{name}") for name in names})
 
-    def _mill(self, run: Run, goal: Any, result: MillDoor.Result) -> None:
-        """From recipe to the end of milling; fills `result` as far as it gets."""
-        bridge, limits, times = self._bridge, self._limits(), StageTimes()
-        result.times = times
-        if not bridge.active:
-            raise NodeInactiveError(
-                "the ABB bridge is not active; activate it (ros2 lifecycle set /abb_bridge activate)"
-            )
-        handshake = bridge.handshake
+def _values_of(values: dict[str, Any], message_type: Any) -> dict[str, Any]:
+    """Those of the values for which a message has a field of that name."""
+    return {name: values[name] for name in message_type.get_fields_and_field_types() if name in values}
 
-        def stage(name: str, progress: float) -> None:
-            goal.publish_feedback(MillDoor.Feedback(stage=name, progress=progress))
 
-        stage("recipe", 0.0)
-        result.recipe_version = self._fetch_recipe(run, limits).version
-        targets, request_number = self._measure(run, limits, stage, times)
-        result.largest_correction = targets.largest_correction
-        data = bridge.submit(targets, request_number)
-        stage("targets", 0.4)
-        try:
-            announced = run.wait_until(
-                lambda: self._announced(run),
-                limits.ready,
-                "the target file was not written and verified; see abb/status",
-            )
-        except DoormillError:
-            with suppress(OSError):  # the reason counts more than the copy
-                bridge.file_away(run.run_id, data)
-            raise
-        path = bridge.file_away(run.run_id, data)  # the controller does not wait for the copy
-        times.targets_to_ready = announced["ready"] - announced["writing"]
-        times.request_to_ready = announced["ready"] - announced["requested"]
-        stage("ready", 0.6)
-        outcome = run.wait_until(
-            lambda: handshake.outcome(run.run_id),
-            limits.read + limits.ready,  # the handshake itself gives up after limits.read
-            "the controller does not read the target file",
-        )
-        self._refuse_unless(outcome.handed_over, outcome.reason, outcome.error_code)
-        stage("milling", 0.7)
-        run.wait_until(
-            lambda: handshake.snapshot.state in ENDED,
-            limits.milling,
-            "the controller did not report the end of milling; look at its pendant",
-        )
-        end = handshake.snapshot
-        if end.state is not HandshakeState.DONE:
-            raise MillingFaultError(end.reason)
-        stage("milling", 1.0)
-        result.success = True
-        result.target_file = str(path)
-        result.sha256 = hashlib.sha256(data).hexdigest()
-        result.message = (
-            f"door {run.door_id} milled: {len(targets.targets)} targets, largest correction "
-            f"{targets.largest_correction * 1e3:.3f} mm, ready {times.request_to_ready * 1e3:.0f} ms after the request"
-        )
+class _Recipes:
+    """The service recipes/get as a run asks it."""
 
-    def _measure(
-        self, run: Run, limits: StageLimits, stage: Callable[[str, float], None], times: StageTimes
-    ) -> tuple[TargetArray, int]:
-        """Targets from a picture that was taken for the controller's present request, and its number.
+    def __init__(self, node: ManagedNode, group: CallbackGroup) -> None:
+        self._node = node
+        self._client = node.create_client(GetRecipe, "recipes/get", callback_group=group)
 
-        A request that falls and rises meanwhile (the door was clamped anew) makes the picture worthless.
-        """
-        handshake = self._bridge.handshake
-        while True:
-            stage("picture", 0.1)
-            number = self._wait_for_request(run, limits)
+    @property
+    def ready(self) -> bool:
+        """The service is there."""
+        return bool(self._client.service_is_ready())
 
-            def over(number: int = number) -> bool:
-                now = handshake.snapshot
-                return now.request_number != number or not now.accepts_submission
+    def ask(self, door_id: str, run_id: str, hear: Callable[[RecipeAnswer], None]) -> None:
+        """Send a request."""
 
-            found = run.wait_for(
-                "localization",
-                limits.picture,
-                "no picture of the door was localized; check that the camera sends pictures on "
-                "camera/image_raw and that /door_localizer is active",
-                over,
-            )
-            if found is not None:
-                times.picture_to_pose = run.times["localization"] - seconds_of(found.header.stamp)
-                stage("pose", 0.3)
-                targets = run.wait_for(
-                    "targets",
-                    limits.targets,
-                    "no targets came for the door's pose; check that /path_generator is active",
-                    over,
-                )
-                if targets is not None:
-                    times.pose_to_targets = run.times["targets"] - run.times["localization"]
-                    return targets, number
-            run.forget()
+        def answered(future: Any) -> None:
+            response = future.result()
+            if response is not None:
+                version = int(response.recipe.version)
+                hear(RecipeAnswer(response.success, response.error_code, response.message, version))
 
-    def _wait_for_request(self, run: Run, limits: StageLimits) -> int:
-        """Number of the controller's request; from its beginning on pictures count."""
-        handshake = self._bridge.handshake
-        run.wait_until(
-            lambda: handshake.snapshot.accepts_submission,
-            limits.request,
-            "the controller does not ask for targets; check that its program runs and the door is clamped",
-        )
-        snapshot = handshake.snapshot
-        requested = snapshot.times.get(HandshakeState.REQUESTED.value, snapshot.since)
-        run.not_before = time.time() - (time.monotonic() - requested)
-        return snapshot.request_number
+        request = GetRecipe.Request(door_id=door_id, run_id=run_id)
+        self._client.call_async(request).add_done_callback(answered)
 
-    def _announced(self, run: Run) -> dict[str, float] | None:
-        """Times of the handshake once ready went up for the run; raises when the run ended before."""
-        snapshot = self._bridge.handshake.snapshot
-        outcome = self._bridge.handshake.outcome(run.run_id)
-        if snapshot.run_id == run.run_id and HandshakeState.READY.value in snapshot.times:
-            return snapshot.times
-        if outcome is not None:
-            self._refuse_unless(False, outcome.reason, outcome.error_code)
-        return None
-
-    def _fetch_recipe(self, run: Run, limits: StageLimits) -> Any:
-        missing = "the recipe database does not answer; check that /recipe_database is active"
-        request = GetRecipe.Request(door_id=run.door_id, run_id=run.run_id)
-        asked: list[Any] = []
-
-        def answered() -> Any:
-            # A database that was restarted a moment ago may miss the first request.
-            if self._get_recipe.service_is_ready() and time.monotonic() - self._asked_at > ASK_AGAIN:
-                self._asked_at = time.monotonic()
-                asked.append(self._get_recipe.call_async(request))
-                asked[-1].add_done_callback(lambda _: run.notify())
-            return next((future for future in asked if future.done()), None)
-
-        self._asked_at = float("-inf")
-        response = run.wait_until(answered, limits.recipe, missing).result()
-        self._refuse_unless(response.success, response.message, response.error_code)
-        return response.recipe
-
-    @staticmethod
-    def _refuse_unless(good: bool, reason: str, code: int) -> None:
-        if not good:
-            raise StageRefusedError(reason, code)
+    def close(self) -> None:
+        """Give the client back."""
+        self._node.destroy_client(self._client)

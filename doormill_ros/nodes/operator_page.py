@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections import deque
 from contextlib import suppress
@@ -11,20 +10,17 @@ from typing import Any
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.action import ActionClient
-from rclpy.callback_groups import ReentrantCallbackGroup
 from sensor_msgs.msg import Image
 
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe, RunResult
-from doormill_interfaces.srv import ListRecipes
-from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
+from doormill_ros.arrays import ByteArray
 from doormill_ros.localization.errors import BadPicture
+from doormill_ros.messages.from_message import picture_of, seconds_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.geometry import seconds_of
-from doormill_ros.nodes.convert.picture import picture_of
-from doormill_ros.nodes.managed_node import ERROR, OK, ManagedNode, Parameter
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.operator_control import ACTION, ActionControl
+from doormill_ros.nodes.reporting_node import ERROR, OK, Parameter
 from doormill_ros.operator.history import append_history, load_history
 from doormill_ros.operator.page_server import PageServer, is_loopback
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
@@ -34,9 +30,6 @@ from doormill_ros.operator.state import EndedRun, ViewStore
 BRIDGE = "abb_bridge"
 SILENCE = 5.0  # s; nodes report on themselves every second
 KEPT_PICTURES = 4
-OFFERED_DOORS = 20
-DATABASE_LIMIT = 5.0  # s
-ACTION = "mill_door"
 FEEDBACK = topics.Topic(
     f"{ACTION}/_action/feedback", MillDoor.Impl.FeedbackMessage, topics.EVENT, topics.EVENT
 )
@@ -67,7 +60,7 @@ class OperatorPage(ManagedNode):
         self._bridge_heard = float("-inf")
         self._pictures: deque[Image] = deque(maxlen=KEPT_PICTURES)
         host = self.value("host")
-        control = _Control(self) if self._token else None
+        control = ActionControl(self, self.store) if self._token else None
         hosts = (host, "127.0.0.1", "localhost", "[::1]") if is_loopback(host) else ("*",)
         app = create_app(self.store, control, self._token, hosts)
         self._server = PageServer(app, host, self.value("port")).start()
@@ -117,7 +110,7 @@ class OperatorPage(ManagedNode):
         colours = np.asarray(overlay.data, dtype=np.uint8).reshape(overlay.height, overlay.width, 3)
         self._show(colours, f"Picture of {taken} with the door's edges as they were found")
 
-    def _show(self, picture: FloatArray, caption: str) -> None:
+    def _show(self, picture: ByteArray, caption: str) -> None:
         data = encode_picture(picture)
         self.store.update(lambda view: view.with_picture(data, MEDIA_TYPE, caption))
 
@@ -141,71 +134,11 @@ class OperatorPage(ManagedNode):
                 self._bridge_heard = time.monotonic()
                 self._look_for_bridge()
             fault = status.message if status.level == ERROR else ""
-            self.store.update(lambda view, name=status.name, text=fault: view.with_fault(name, text))
+            self._take_fault(status.name, fault)
+
+    def _take_fault(self, node: str, message: str) -> None:
+        self.store.update(lambda view: view.with_fault(node, message))
 
     def _look_for_bridge(self) -> None:
         present = time.monotonic() - self._bridge_heard < SILENCE
         self.store.update(lambda view: view.with_bridge(present))
-
-
-class _Control:
-    """What the page asks of the action mill_door; called from the web server's threads."""
-
-    def __init__(self, node: OperatorPage) -> None:
-        self._node = node
-        group = ReentrantCallbackGroup()
-        self._goals = node.keep(
-            ActionClient.destroy, ActionClient(node, MillDoor, ACTION, callback_group=group)
-        )
-        self._recipes = node.keep(
-            node.destroy_client, node.create_client(ListRecipes, "recipes/list", callback_group=group)
-        )
-        # With no goal named, the action ends whatever run is in hand, no matter who started it.
-        self._cancel = node.keep(
-            node.destroy_client,
-            node.create_client(
-                MillDoor.Impl.CancelGoalService, f"{ACTION}/_action/cancel_goal", callback_group=group
-            ),
-        )
-
-    def mill(self, door_id: str) -> str:
-        """Start milling a door."""
-        view = self._node.store.view
-        if view.run_id:
-            raise CellBusyError(
-                f"door {door_id} was not started: {view.door_id} is being milled; wait until it is done"
-            )
-        self._require(self._goals.server_is_ready())
-        self._node.get_logger().info(f"door {door_id!r} is started from the operator's page")
-        sent = self._goals.send_goal_async(MillDoor.Goal(door_id=door_id))
-        sent.add_done_callback(lambda f: f.result().get_result_async().add_done_callback(self._ended))
-        return f"door {door_id} is started"
-
-    def cancel(self) -> str:
-        """End the run in hand."""
-        self._require(self._cancel.service_is_ready())
-        self._node.get_logger().info("the run in hand is canceled from the operator's page")
-        self._cancel.call_async(MillDoor.Impl.CancelGoalService.Request())
-        return "the run in hand, if any, is canceled"
-
-    def doors(self, prefix: str) -> list[str]:
-        """Doors of the recipe database."""
-        request = ListRecipes.Request(door_id_prefix=prefix, limit=OFFERED_DOORS)
-        answered = threading.Event()
-        future = self._recipes.call_async(request)
-        future.add_done_callback(lambda _: answered.set())
-        if not answered.wait(DATABASE_LIMIT):
-            raise NodeInactiveError(
-                "the recipe database does not answer; check that /recipe_database is running"
-            )
-        return [record.door_id for record in future.result().recipes]
-
-    def _ended(self, future: Any) -> None:
-        result = future.result().result
-        # A goal that never became a run is told of nowhere else.
-        if not result.run_id:
-            self._node.store.update(lambda view: view.with_notice(result.message))
-
-    def _require(self, ready: bool) -> None:
-        if not (ready and self._node.active):
-            raise NodeInactiveError("the action mill_door is not served; check that /abb_bridge is running")

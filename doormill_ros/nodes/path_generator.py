@@ -13,25 +13,21 @@ from std_msgs.msg import Header, String
 
 from doormill_interfaces.msg import DoorRecipe, TargetArray
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
+from doormill_ros.messages.from_message import nanoseconds_of, recipe_of, transform_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.geometry import nanoseconds_of, path_message, transform_of
+from doormill_ros.nodes.convert.geometry import path_message
 from doormill_ros.nodes.convert.markers import no_markers, program_markers
 from doormill_ros.nodes.convert.program import program_into
-from doormill_ros.nodes.convert.recipe import recipe_of
-from doormill_ros.nodes.frame_publisher import FramePublisher
-from doormill_ros.nodes.managed_node import OK, WARN, ManagedNode, Parameter
+from doormill_ros.nodes.frame_publisher import frame_publisher
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.reporting_node import OK, WARN, Parameter
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
-from doormill_ros.robot_model.extended_model import load_model_of
-from doormill_ros.toolpath.door_checks import check_door
-from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.settings import load_settings
 
 
 class PathGenerator(ManagedNode):
@@ -54,11 +50,7 @@ class PathGenerator(ManagedNode):
 
     def setup(self) -> None:
         """Load robot and compliance model; subscribe."""
-        self._layout = load_layout()
-        self._robot = load_robot(self.value("robot") or self._layout.robot)
-        self._model_name = self.value("robot_model") or self._robot.name
-        self._model = load_model_of(self._robot, self._model_name)
-        self._settings = load_settings()
+        self._setup = load_setup(self.value("robot"), self.value("robot_model"))
         self._recipe: DoorRecipe | None = None
         self._door: Recipe | None = None
         self._early: PoseStamped | None = None
@@ -68,13 +60,13 @@ class PathGenerator(ManagedNode):
         self._markers = self.publisher(topics.PATH_MARKERS)
         self._joints = self.publisher(topics.PATH_JOINT_STATES)
         self._description = self.publisher(topics.ROBOT_DESCRIPTION)
-        self._frames = FramePublisher(self) if self.value("frames") else None
+        self._frames = frame_publisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_POSE, self._take_pose)
 
     def start(self) -> None:
         """Describe the robot to who draws it."""
-        self._description.publish(String(data=self._robot.urdf.read_text(encoding="utf-8")))
+        self._description.publish(String(data=self._setup.robot.urdf.read_text(encoding="utf-8")))
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         if self._recipe is not None and self._recipe.run_id != recipe.run_id:
@@ -98,17 +90,14 @@ class PathGenerator(ManagedNode):
             run_id=recipe.run_id,
             door_id=recipe.door_id,
             recipe_version=recipe.version,
-            robot_model=self._model_name,
+            robot_model=self._setup.model_name,
             header=Header(stamp=pose.header.stamp, frame_id=BASE_FRAME),
         )
         begun = time.perf_counter()
         try:
             door = self._door if self._door is not None else recipe_of(recipe)
             T_base_door = transform_of(pose.pose)
-            program = generate_program(
-                door, T_base_door, self._layout, self._robot, self._model, settings=self._settings
-            )
-            answer.cycle_time = check_door(program, door, self._robot, self._settings).time
+            planned = plan(door, T_base_door, self._setup)
         except DoormillError as error:
             answer.duration = time.perf_counter() - begun
             answer.error_code = error.code
@@ -116,7 +105,9 @@ class PathGenerator(ManagedNode):
             self._targets.publish(answer)
             self.report(WARN, f"door {recipe.door_id}: {error.message}", error_code=error.code)
             return
+        program = planned.program
         answer.accepted = True
+        answer.cycle_time = planned.check.time
         program_into(answer, program)
         answer.duration = time.perf_counter() - begun
         self._targets.publish(answer)
@@ -138,7 +129,7 @@ class PathGenerator(ManagedNode):
 
     def _show_robot(self, header: Header, q: FloatArray) -> None:
         """The robot in the posture of the program's first target."""
-        urdf = self._robot.urdf
+        urdf = self._setup.robot.urdf
         # Joint states have no use for a frame, but viewers report an empty one as missing.
         self._joints.publish(
             JointState(header=header, name=joint_names(urdf), position=[float(v) for v in q])
@@ -146,7 +137,9 @@ class PathGenerator(ManagedNode):
         if self._frames is not None:
             links = link_poses(urdf, q)
             self._frames.show(links)
-            self._frames.show_static([LinkPose(links[-1].child, TOOL_FRAME, self._layout.T_flange_tool)])
+            self._frames.show_static(
+                [LinkPose(links[-1].child, TOOL_FRAME, self._setup.layout.T_flange_tool)]
+            )
 
 
 def main() -> int:

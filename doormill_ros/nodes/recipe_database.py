@@ -12,7 +12,8 @@ from doormill_interfaces.msg import DoorRecipe
 from doormill_interfaces.srv import GetRecipe, ImportRecipes, ListRecipes
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
-from doormill_ros.nodes.managed_node import OK, ManagedNode, Parameter
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.reporting_node import OK, Parameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recipes.database import RecipeDatabase
 

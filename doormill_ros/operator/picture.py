@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray
 
 LONGEST_SIDE = 1280  # pixels
 MEDIA_TYPE = "image/jpeg"
@@ -18,7 +18,7 @@ _OPTIONS = [
 ]
 
 
-def encode_picture(picture: FloatArray) -> bytes:
+def encode_picture(picture: ByteArray) -> bytes:
     """JPEG of a picture, made smaller where a tablet would not show more.
 
     Args:

@@ -7,7 +7,7 @@ import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
 from importlib.resources import files
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Protocol, TypeVar
 
 from fastapi import Depends, FastAPI, HTTPException, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
@@ -20,6 +20,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from doormill_ros.errors import DoormillError
 from doormill_ros.operator.state import ViewStore
 from doormill_ros.operator.token import authorizes
+
+Value = TypeVar("Value")
 
 LONGEST_ID = 100  # characters
 KEEP_ALIVE = 5.0  # s, the longest silence on the event stream
@@ -102,8 +104,6 @@ def create_app(
     Raises:
         ValueError: Control without a token.
     """
-    if control is not None and not token:
-        raise ValueError("control of the cell needs a token; pass one made by new_token()")
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(hosts))
 
@@ -112,6 +112,8 @@ def create_app(
         _serve_file(app, path, name, media_type)
     _serve_view(app, store, control is not None)
     if control is not None:
+        if not token:
+            raise ValueError("control of the cell needs a token; pass one made by new_token()")
         _serve_control(app, control, token)
     return app
 
@@ -177,7 +179,7 @@ def _serve_control(app: FastAPI, control: Control, token: str) -> None:
                 {"WWW-Authenticate": "Bearer"},
             )
 
-    async def answer(action: Callable[..., Any], *arguments: str) -> Any:
+    async def answer(action: Callable[..., Value], *arguments: str) -> Value:
         try:
             return await run_in_threadpool(action, *arguments)
         except DoormillError as error:

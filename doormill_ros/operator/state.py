@@ -102,13 +102,13 @@ class CellView:
         if any(run.run_id == other.run_id for other in self.history):
             return self
         run = replace(run, door_id=_short(run.door_id), message=_short(run.message))
-        idle = {"run_id": "", "door_id": "", "stage": "", "progress": 0.0}
+        in_hand = self.run_id not in ("", run.run_id)
+        view = self if in_hand else replace(self, run_id="", door_id="", stage="", progress=0.0)
         return replace(
-            self,
+            view,
             refusal="" if run.success else run.message,
             notice="",
             history=(run, *self.history)[:HISTORY],
-            **(idle if self.run_id in ("", run.run_id) else {}),
         )
 
     def with_history(self, runs: tuple[EndedRun, ...]) -> CellView:

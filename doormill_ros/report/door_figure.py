@@ -11,9 +11,9 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply, inverse
+from doormill_ros.messages.from_message import program_of, transform_of
 from doormill_ros.recipes.drawing import draw_recipe
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.recording.messages import program_of, transform_of
 
 EXAGGERATION = 20.0  # corrections are tenths of a millimetre, holes are some ten millimetres wide
 NOMINAL, CORRECTED = "#1a73c8", "#d04a1a"

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from doormill_ros.messages.from_message import picture_of
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
-from doormill_ros.recording.messages import picture_of
 from doormill_ros.units import m_to_mm
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
-from doormill_ros.recording.messages import transform_of
+from doormill_ros.messages.from_message import transform_of
 from doormill_ros.report.figures import svg
 from doormill_ros.report.run_record import HandshakeStep
 from doormill_ros.units import m_to_mm, rad_to_deg

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.errors import EmptyBagError
 
@@ -54,11 +55,6 @@ class RunRecord:
         return self.latest.get(topic)
 
 
-def seconds(stamp: Any) -> float:
-    """Seconds since the epoch of a time message."""
-    return stamp.sec + 1e-9 * stamp.nanosec
-
-
 def read_run(bag: Path) -> RunRecord:
     """The last run of a bag.
 
@@ -74,7 +70,7 @@ def read_run(bag: Path) -> RunRecord:
         if topic in LATEST:
             record.latest[topic] = item.message
         elif topic == STATUS:
-            steps.append((seconds(item.message.since), item.message.state, item.message.reason))
+            steps.append((seconds_of(item.message.since), item.message.state, item.message.reason))
     result = record.get("run/result")
     if result is None:
         raise EmptyBagError(

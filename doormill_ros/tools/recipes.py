@@ -115,8 +115,8 @@ def _draw(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
         print(draw_recipe(recipe).save(path))
         return
     # What draws takes a second to import, and only this asks for it.
+    from doormill_ros.pipeline.preview import preview
     from doormill_ros.toolpath.drawing import draw_program, save_png
-    from doormill_ros.toolpath.preview import preview
 
     (robot,) = preview(recipe, model=arguments.robot_model)
     if path.suffix.lower() == ".svg":
@@ -127,8 +127,8 @@ def _draw(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
 
 
 def _check(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
+    from doormill_ros.pipeline.preview import preview
     from doormill_ros.toolpath.door_checks import cycle_budget, text_table
-    from doormill_ros.toolpath.preview import preview
 
     robots = preview(_chosen(database, arguments), arguments.robots, arguments.robot_model)
     for robot in robots:

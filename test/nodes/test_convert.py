@@ -13,9 +13,10 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
 from doormill_interfaces.msg import TargetArray
-from doormill_ros.nodes.convert.geometry import path_message, transform_of
+from doormill_ros.messages.from_message import program_of, transform_of
+from doormill_ros.nodes.convert.geometry import path_message
 from doormill_ros.nodes.convert.markers import program_markers
-from doormill_ros.nodes.convert.program import program_into, program_of
+from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target

@@ -24,8 +24,9 @@ from visualization_msgs.msg import Marker
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import from_xyzw, rotation_x, transform
 from doormill_ros.localization.camera import load_camera
+from doormill_ros.messages.from_message import transform_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.geometry import pose_message, transform_of
+from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.recipe import recipe_message
 from doormill_ros.nodes.convert.transforms import tf_message_class, transform_message
 from doormill_ros.nodes.path_generator import PathGenerator

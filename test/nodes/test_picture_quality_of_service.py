@@ -23,7 +23,7 @@ from support.cell_processes import CellProcesses
     "offered", [qos_profile_sensor_data, topics.PICTURE], ids=["sensor data", "reliable"]
 )
 def test_a_picture_of_a_camera_driver_is_localized(offered: QoSProfile, tmp_path: Path) -> None:
-    recipe = shipped_recipes()["standard_door"]
+    recipe, camera = shipped_recipes()["standard_door"], load_camera()
     picture = render_picture(PictureScene(width=recipe.width, thickness=recipe.thickness), 1)
     with CellProcesses(tmp_path, nodes=("recipe_database", "door_localizer")) as cell:
         found = cell.subscribe(topics.DOOR_LOCALIZATION)
@@ -35,7 +35,7 @@ def test_a_picture_of_a_camera_driver_is_localized(offered: QoSProfile, tmp_path
             # A driver sends picture after picture; some may be lost.
             stamp = cell.node.get_clock().now().to_msg()
             message = picture_message(picture, camera_header(stamp))
-            info.publish(camera_info_message(load_camera(), message.header))
+            info.publish(camera_info_message(camera.k, camera.distortion, camera.size, message.header))
             image.publish(message)
             return any(m.accepted for m in found)
 

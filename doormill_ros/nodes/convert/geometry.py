@@ -5,28 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, Vector3, Wrench
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import quaternion_xyzw
-from doormill_ros.recording.messages import nanoseconds_of, transform_of, twist_of, wrench_of
-
-__all__ = [
-    "fill_pose",
-    "nanoseconds_of",
-    "path_message",
-    "pose_message",
-    "pose_values",
-    "seconds_of",
-    "transform_of",
-    "twist_message",
-    "twist_of",
-    "wrench_message",
-    "wrench_of",
-]
 
 
 def pose_message(T_a_b: FloatArray) -> Pose:
@@ -41,7 +25,8 @@ def pose_values(T_a_b: Sequence[FloatArray]) -> list[list[float]]:
     if len(T_a_b) == 0:
         return []
     stacked = np.array(T_a_b, dtype=float)
-    return np.hstack([stacked[:, :3, 3], quaternion_xyzw(stacked)]).tolist()
+    values: list[list[float]] = np.hstack([stacked[:, :3, 3], quaternion_xyzw(stacked)]).tolist()
+    return values
 
 
 def fill_pose(message: Pose, values: list[float]) -> None:
@@ -73,8 +58,3 @@ def wrench_message(wrench: FloatArray) -> Wrench:
 def twist_message(twist: FloatArray) -> Twist:
     """Small displacement from shape (6,), translation first [m, rad]."""
     return Twist(linear=_vector(twist[:3]), angular=_vector(twist[3:]))
-
-
-def seconds_of(stamp: Time) -> float:
-    """Seconds since the epoch."""
-    return stamp.sec + 1e-9 * stamp.nanosec

@@ -8,14 +8,10 @@ import numpy as np
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.localization.camera import CameraModel
-from doormill_ros.recording.messages import camera_of, picture_of
-
-__all__ = ["camera_info_message", "camera_of", "picture_message", "picture_of"]
+from doormill_ros.arrays import ByteArray, FloatArray
 
 
-def picture_message(picture: FloatArray, header: Header) -> Image:
+def picture_message(picture: ByteArray, header: Header) -> Image:
     """mono8 from shape (height, width), rgb8 from shape (height, width, 3); uint8."""
     height, width = picture.shape[:2]
     channels = 1 if picture.ndim == 2 else 3
@@ -32,18 +28,26 @@ def picture_message(picture: FloatArray, header: Header) -> Image:
     return message
 
 
-def camera_info_message(camera: CameraModel, header: Header) -> CameraInfo:
-    """Intrinsics and distortion (plumb_bob) of a camera model."""
-    width, height = camera.size
-    k = np.asarray(camera.k, dtype=float)
+def camera_info_message(
+    k: FloatArray, distortion: FloatArray, size: tuple[int, int], header: Header
+) -> CameraInfo:
+    """Intrinsics and distortion (plumb_bob) of a camera.
+
+    Args:
+        k: Camera matrix, shape (3, 3) [pixels].
+        distortion: k1, k2, p1, p2, k3, shape (5,).
+        size: Width and height [pixels].
+        header: Of the picture that it goes with.
+    """
+    width, height = size
     p = np.hstack([k, np.zeros((3, 1))])
     return CameraInfo(
         header=header,
         width=int(width),
         height=int(height),
         distortion_model="plumb_bob",
-        d=[float(v) for v in camera.distortion],
-        k=[float(v) for v in k.ravel()],
+        d=[float(v) for v in distortion],
+        k=[float(v) for v in np.ravel(k)],
         r=[float(v) for v in np.eye(3).ravel()],
         p=[float(v) for v in p.ravel()],
     )

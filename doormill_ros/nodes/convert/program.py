@@ -10,10 +10,7 @@ from doormill_interfaces.msg import Target as TargetMessage
 from doormill_interfaces.msg import TargetArray
 from doormill_ros.arrays import FloatArray
 from doormill_ros.nodes.convert.geometry import fill_pose, pose_values
-from doormill_ros.recording.messages import program_of
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
-
-__all__ = ["program_into", "program_of"]
 
 KINDS = {
     MotionKind.JOINT: MotionMessage.MOVE_J,

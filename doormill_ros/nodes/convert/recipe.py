@@ -14,7 +14,7 @@ from doormill_ros.recipes.recipe import Recipe
 
 
 def recipe_message(recipe: Recipe, run_id: str, header: Header) -> DoorRecipe:
-    """A recipe for a run; the JSON document is what `recipe_of` reads."""
+    """A recipe for a run; the JSON document is what `messages.from_message.recipe_of` reads."""
     header.frame_id = DOOR_FRAME
     return DoorRecipe(
         header=header,
@@ -43,15 +43,6 @@ def recipe_message(recipe: Recipe, run_id: str, header: Header) -> DoorRecipe:
         ],
         document=json.dumps(recipe.to_document(), sort_keys=True),
     )
-
-
-def recipe_of(message: DoorRecipe) -> Recipe:
-    """The recipe of a message, checked again.
-
-    Raises:
-        RecipeError: The document in the message is not a valid recipe.
-    """
-    return Recipe.from_document(json.loads(message.document))
 
 
 def summary_message(record: RecipeRecord) -> RecipeSummary:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.frames import quaternion_xyzw
-from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.messages.from_message import nanoseconds_of, program_of, transform_of
+from doormill_ros.toolpath.program import MillingProgram, Motion, Target
 
 Value = bool | int | str | float | list[float]
 
@@ -25,10 +30,11 @@ MAKERS = {
     RECIPE: "the recipe database (doormill_ros/recipes)",
     LOCALIZATION: "the localizer (doormill_ros/localization)",
     TARGETS: "path and correction (doormill_ros/toolpath, doormill_ros/correction)",
-    TARGET_FILE: "the RAPID writer (doormill_ros/abb/target_file.py)",
-    RESULT: "the run (doormill_ros/nodes/mill_door.py)",
+    TARGET_FILE: "the RAPID writer (doormill_ros/abb/target_file)",
+    RESULT: "the run (doormill_ros/pipeline/course.py)",
 }
 SAVED = ("version", "author", "created")
+ACCEPTED: dict[str, Any] = {"accepted": True, "error_code": 0}
 COVARIANCE = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))  # y, z, rotation in the 6 x 6 matrix
 
 
@@ -54,93 +60,172 @@ class Answer:
         """The stage gave a result and no refusal."""
         return bool(self.values.get("accepted", True))
 
+    @property
+    def error_code(self) -> int:
+        """Code of the refusal, 0 when there was none."""
+        code = self.values.get("error_code", 0)
+        return code if isinstance(code, int) else 0
+
 
 def refusal(topic: str, stamp_ns: int, code: int, reason: str) -> Answer:
     """The answer of a stage that refused."""
     return Answer(topic, stamp_ns, {"accepted": False, "error_code": code, "reason": reason})
 
 
-def recipe_answer(document: dict[str, Any], version: int) -> Answer:
-    """A recipe as the database gave it; of its JSON content all but who saved it when."""
-    values: dict[str, Value] = {"version": int(version)}
-    _flatten(values, "document", {k: v for k, v in document.items() if k not in SAVED})
-    return Answer(RECIPE, 0, values)
+def recipe_of(message: Any) -> Answer:
+    """What a doormill_interfaces/DoorRecipe answers: of its JSON content all but who saved it when."""
+    document = {k: v for k, v in json.loads(message.document).items() if k not in SAVED}
+    return Answer(RECIPE, 0, _flat({"version": int(message.version), "document": _by_index(document)}))
 
 
-def _flatten(values: dict[str, Value], name: str, content: Any) -> None:
-    if isinstance(content, dict):
-        for key, value in content.items():
-            _flatten(values, f"{name}.{key}", value)
-    elif isinstance(content, list):
-        for index, value in enumerate(content):
-            _flatten(values, f"{name}[{index}]", value)
-    elif content is not None:
-        values[name] = content
-
-
-def _pose(values: dict[str, Value], name: str, T_a_b: FloatArray) -> None:
-    values[f"{name}.position"] = T_a_b[:3, 3].tolist()
-    values[f"{name}.orientation"] = quaternion_xyzw(T_a_b).tolist()
+def localization_of(message: Any) -> Answer:
+    """What a doormill_interfaces/DoorLocalization answers."""
+    stamp_ns = nanoseconds_of(message.header.stamp)
+    if not message.accepted:
+        return refusal(LOCALIZATION, stamp_ns, int(message.error_code), message.reason)
+    return localization_answer(
+        stamp_ns,
+        transform_of(message.pose.pose),
+        DoorOffset(message.offset_y, message.offset_z, message.offset_rotation),
+        np.array(message.pose.covariance).reshape(6, 6),
+        message.residual,
+        message.quality,
+    )
 
 
 def localization_answer(
     stamp_ns: int,
     T_base_door: FloatArray,
-    offset: Any,
+    offset: DoorOffset,
     covariance: FloatArray,
     residual: float,
     quality: float,
 ) -> Answer:
-    """A door that was found; `covariance` has shape (6, 6) or, of y, z and rotation, (3, 3)."""
-    values: dict[str, Value] = {"accepted": True, "error_code": 0}
-    _pose(values, "pose.pose", T_base_door)
-    values |= {"offset_y": offset.y, "offset_z": offset.z, "offset_rotation": offset.rotation}
+    """A door that was found.
+
+    Args:
+        stamp_ns: Of the picture [ns since the epoch].
+        T_base_door: Where the door stands, shape (4, 4).
+        offset: From its nominal place.
+        covariance: Of a whole pose, shape (6, 6), or of y, z and rotation, shape (3, 3) [m, rad].
+        residual: Rms distance of the edge points from their lines [m].
+        quality: Distance from the limits of refusal, 0..1.
+    """
     shift = 0 if covariance.shape == (6, 6) else 1
-    for row, column in COVARIANCE:
-        values[f"pose.covariance[{6 * row + column}]"] = float(covariance[row - shift, column - shift])
-    values |= {"residual": float(residual), "quality": float(quality)}
-    return Answer(LOCALIZATION, stamp_ns, values)
+    shared = {
+        f"pose.covariance[{6 * row + column}]": float(covariance[row - shift, column - shift])
+        for row, column in COVARIANCE
+    }
+    content = {
+        "pose.pose": _pose(T_base_door),
+        "offset_y": offset.y,
+        "offset_z": offset.z,
+        "offset_rotation": offset.rotation,
+        **shared,
+        "residual": float(residual),
+        "quality": float(quality),
+    }
+    return Answer(LOCALIZATION, stamp_ns, _flat(ACCEPTED | content))
+
+
+def targets_of(message: Any) -> Answer:
+    """What a doormill_interfaces/TargetArray answers."""
+    stamp_ns = nanoseconds_of(message.header.stamp)
+    if not message.accepted:
+        return refusal(TARGETS, stamp_ns, int(message.error_code), message.reason)
+    return targets_answer(stamp_ns, program_of(message), message.cycle_time, message.robot_model)
 
 
 def targets_answer(stamp_ns: int, program: MillingProgram, cycle_time: float, robot_model: str) -> Answer:
-    """A program that was generated."""
-    values: dict[str, Value] = {"accepted": True, "error_code": 0, "recipe_version": program.recipe_version}
-    values |= {"targets.length": len(program.targets), "motions.length": len(program.motions)}
-    values["robot_model"] = robot_model
-    for index, target in enumerate(program.targets):
-        name = f"targets[{index}]"
-        values[f"{name}.name"] = target.name
-        _pose(values, f"{name}.nominal", target.T_base_tool_nominal)
-        _pose(values, f"{name}.corrected", target.T_base_tool_corrected)
-        values[f"{name}.joint_positions"] = np.asarray(target.q, dtype=float).tolist()
-        for axis in ("cf1", "cf4", "cf6", "cfx"):
-            values[f"{name}.{axis}"] = int(getattr(target.conf, axis))
-        _six(values, f"{name}.wrench", ("force", "torque"), target.wrench)
-        _six(values, f"{name}.deflection", ("linear", "angular"), target.deflection)
-    for index, motion in enumerate(program.motions):
-        name = f"motions[{index}]"
-        values[f"{name}.kind"] = motion.kind.value
-        values[f"{name}.target"] = motion.target
-        values[f"{name}.via"] = -1 if motion.via is None else motion.via
-        values[f"{name}.speed"] = float(motion.speed)
-        values[f"{name}.zone"] = motion.zone
-        values[f"{name}.feature"] = motion.feature
-        values[f"{name}.cutting"] = motion.cutting
-        values[f"{name}.spindle_speed"] = float(motion.spindle_speed)
-        _six(values, f"{name}.wrench", ("force", "torque"), motion.wrench)
-    values["largest_correction"] = program.largest_correction
-    values["cycle_time"] = float(cycle_time)
-    return Answer(TARGETS, stamp_ns, values)
+    """A program that was generated; `cycle_time` in s."""
+    content = {
+        "recipe_version": program.recipe_version,
+        "targets.length": len(program.targets),
+        "motions.length": len(program.motions),
+        "robot_model": robot_model,
+        **{f"targets[{index}]": _target(target) for index, target in enumerate(program.targets)},
+        **{f"motions[{index}]": _motion(motion) for index, motion in enumerate(program.motions)},
+        "largest_correction": program.largest_correction,
+        "cycle_time": float(cycle_time),
+    }
+    return Answer(TARGETS, stamp_ns, _flat(ACCEPTED | content))
 
 
-def _six(values: dict[str, Value], name: str, halves: tuple[str, str], vector: FloatArray) -> None:
-    values[f"{name}.{halves[0]}"] = np.asarray(vector[:3], dtype=float).tolist()
-    values[f"{name}.{halves[1]}"] = np.asarray(vector[3:], dtype=float).tolist()
+def target_file_answer(stamp_ns: int, data: bytes, sha256: str = "", by_line: bool = True) -> Answer:
+    """A RAPID target file.
 
-
-def target_file_answer(stamp_ns: int, data: bytes, sha256: str) -> Answer:
-    """A RAPID target file, line by line; without content only its checksum is compared."""
-    lines = data.decode("ascii", errors="replace").split("\n") if data else []
+    Args:
+        stamp_ns: Of the picture it came from [ns since the epoch].
+        data: Its content; empty where only the checksum is known.
+        sha256: That checksum; empty for that of `data`.
+        by_line: Compare line by line, not the checksum alone.
+    """
+    lines = data.decode("ascii", errors="replace").split("\n") if data and by_line else []
     values: dict[str, Value] = {f"line {number}": line for number, line in enumerate(lines, start=1)}
-    values["sha256"] = sha256
+    values["sha256"] = sha256 or hashlib.sha256(data).hexdigest()
     return Answer(TARGET_FILE, stamp_ns, values)
+
+
+def result_answer(success: bool, error_code: int, message: str) -> Answer:
+    """How a run ended; what a success says of its timing is not compared."""
+    values: dict[str, Value] = {"success": bool(success), "error_code": int(error_code)}
+    return Answer(RESULT, 0, values if success else {**values, "message": message})
+
+
+def _target(target: Target) -> dict[str, Any]:
+    """Fields of a doormill_interfaces/Target."""
+    conf = target.conf
+    return {
+        "name": target.name,
+        "nominal": _pose(target.T_base_tool_nominal),
+        "corrected": _pose(target.T_base_tool_corrected),
+        "joint_positions": target.q,
+        "cf1": conf.cf1,
+        "cf4": conf.cf4,
+        "cf6": conf.cf6,
+        "cfx": conf.cfx,
+        "wrench": {"force": target.wrench[:3], "torque": target.wrench[3:]},
+        "deflection": {"linear": target.deflection[:3], "angular": target.deflection[3:]},
+    }
+
+
+def _motion(motion: Motion) -> dict[str, Any]:
+    """Fields of a doormill_interfaces/Motion."""
+    return {
+        "kind": motion.kind.value,
+        "target": motion.target,
+        "via": -1 if motion.via is None else motion.via,
+        "speed": float(motion.speed),
+        "zone": motion.zone,
+        "feature": motion.feature,
+        "cutting": motion.cutting,
+        "spindle_speed": float(motion.spindle_speed),
+        "wrench": {"force": motion.wrench[:3], "torque": motion.wrench[3:]},
+    }
+
+
+def _pose(T_a_b: FloatArray) -> dict[str, FloatArray]:
+    return {"position": T_a_b[:3, 3], "orientation": quaternion_xyzw(T_a_b)}
+
+
+def _by_index(content: Any) -> Any:
+    """JSON content with its lists as mappings from "[0]", "[1]", ...: each entry is compared for itself."""
+    if isinstance(content, dict):
+        return {key: _by_index(value) for key, value in content.items()}
+    if isinstance(content, list):
+        return {f"[{index}]": _by_index(value) for index, value in enumerate(content)}
+    return content
+
+
+def _flat(content: Mapping[str, Any]) -> dict[str, Value]:
+    """Values by their path; arrays are vectors, what is None is left out."""
+    values: dict[str, Value] = {}
+    for key, value in content.items():
+        if isinstance(value, Mapping):
+            for path, inner in _flat(value).items():
+                values[f"{key}{path}" if path.startswith("[") else f"{key}.{path}"] = inner
+        elif isinstance(value, np.ndarray):
+            values[key] = value.astype(float).tolist()
+        elif value is not None:
+            values[key] = value
+    return values

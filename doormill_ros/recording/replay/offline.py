@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.errors import DoormillError
-from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError, StalePicture
-from doormill_ros.localization.localizer import localize
+from doormill_ros.messages.from_message import camera_of, nanoseconds_of, recipe_of, transform_of
+from doormill_ros.pipeline.look import look
+from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.database import RecipeDatabase
-from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.recording.messages import camera_of, nanoseconds_of, picture_of, transform_of
 from doormill_ros.recording.replay.answer import (
     LOCALIZATION,
     STAGES,
@@ -24,16 +22,12 @@ from doormill_ros.recording.replay.answer import (
     Answer,
     localization_answer,
     refusal,
+    result_answer,
     target_file_answer,
     targets_answer,
 )
-from doormill_ros.recording.replay.recorded_run import RecordedRun, result_answer
-from doormill_ros.robot.description import load_robot
-from doormill_ros.robot_model.extended_model import load_model_of
-from doormill_ros.toolpath.door_checks import check_door
-from doormill_ros.toolpath.generate import generate_program
+from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.settings import load_settings
 
 LAST_REPLAYED = 399  #: recipe, localization and path; what the controller refuses depends on the controller
 OFFLINE_STAGES = STAGES[1:]  #: the recipe is what was recorded
@@ -87,7 +81,7 @@ def _without_recipe(run: RecordedRun, options: OfflineOptions) -> list[Answer]:
 
 
 @lru_cache(maxsize=1)
-def _cell() -> tuple[Any, Any]:
+def _cell() -> tuple[CellLayout, CameraModel]:
     return load_layout(), load_camera()
 
 
@@ -103,8 +97,7 @@ def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
     age = (recorded_ns - stamp_ns) * 1e-9 - message.duration if stale else 0.0
     try:
         camera = None if info is None else camera_of(info, mounted)
-        pixels = picture_of(picture)
-        found = localize(pixels, camera, layout, run.recipe.width, run.recipe.thickness, age=age)
+        found = look(picture, camera, layout, run.recipe, age=age)
     except LocalizationError as error:
         return refusal(LOCALIZATION, stamp_ns, error.code, error.message)
     return localization_answer(
@@ -112,11 +105,7 @@ def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
     )
 
 
-@lru_cache(maxsize=4)
-def _robot_and_model(robot_name: str, model_name: str) -> tuple[Any, Any]:
-    layout, _ = _cell()
-    robot = load_robot(robot_name or layout.robot)
-    return robot, load_model_of(robot, model_name)
+_setup = lru_cache(maxsize=4)(load_setup)
 
 
 def _generate(
@@ -127,17 +116,14 @@ def _generate(
     pose = run.poses.get(stamp_ns)
     if pose is None:
         return refusal(TARGETS, stamp_ns, 0, "the bag holds no pose of this time"), None
-    layout, _ = _cell()
     model_name = options.robot_model or message.robot_model
-    settings = load_settings()
     try:
-        robot, model = _robot_and_model(options.robot, model_name)
-        recipe = Recipe.from_document(json.loads(run.recipe.document))
-        program = generate_program(recipe, transform_of(pose), layout, robot, model, settings=settings)
-        cycle_time = check_door(program, recipe, robot, settings).time
+        setup = _setup(options.robot, model_name)
+        planned = plan(recipe_of(run.recipe), transform_of(pose), setup)
     except DoormillError as error:
         return refusal(TARGETS, stamp_ns, error.code, error.message), None
-    return targets_answer(stamp_ns, program, cycle_time, model_name), program
+    program = planned.program
+    return targets_answer(stamp_ns, program, planned.check.time, model_name), program
 
 
 def _target_file(run: RecordedRun, stamp_ns: int, program: MillingProgram) -> list[Answer]:
@@ -146,8 +132,7 @@ def _target_file(run: RecordedRun, stamp_ns: int, program: MillingProgram) -> li
         return []
     data = render_target_file(program, run.run_id)
     # A bag without the file's content has its checksum.
-    content = data if run.target_files else b""
-    return [target_file_answer(stamp_ns, content, hashlib.sha256(data).hexdigest())]
+    return [target_file_answer(stamp_ns, data, by_line=bool(run.target_files))]
 
 
 def _result(run: RecordedRun, found: list[Answer]) -> Answer:
@@ -155,8 +140,8 @@ def _result(run: RecordedRun, found: list[Answer]) -> Answer:
     for topic in (LOCALIZATION, TARGETS):
         refused = next((a for a in found if a.topic == topic), None)
         if refused is not None and not refused.accepted:
-            code, reason = refused.values["error_code"], refused.values["reason"]
-            return result_answer(False, int(code), f"door {run.door_id}: {reason}")
+            reason = refused.values["reason"]
+            return result_answer(False, refused.error_code, f"door {run.door_id}: {reason}")
     if run.result.error_code <= LAST_REPLAYED:
         return result_answer(True, 0, "")
     return _as_recorded(run, f"what ended the run (code {run.result.error_code}) is no stage's answer")

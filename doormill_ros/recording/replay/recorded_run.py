@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.messages.from_message import nanoseconds_of
 from doormill_ros.recording.bag_reader import BagMessage, read_bag, topics_of
 from doormill_ros.recording.errors import EmptyBagError
-from doormill_ros.recording.messages import nanoseconds_of, program_of, transform_of
 from doormill_ros.recording.replay.answer import (
-    RESULT,
     Answer,
-    localization_answer,
-    recipe_answer,
-    refusal,
+    localization_of,
+    recipe_of,
+    result_answer,
     target_file_answer,
-    targets_answer,
+    targets_of,
 )
 
 RECIPE, PICTURE, CAMERA_INFO = "door/recipe", "camera/image_raw", "camera/camera_info"
@@ -68,60 +62,21 @@ class RecordedRun:
     @property
     def door_id(self) -> str:
         """Door of the run."""
-        return (self.recipe or self.result).door_id
+        return str((self.recipe or self.result).door_id)
 
     def answers(self) -> list[Answer]:
         """What was recorded of every stage."""
         found = [] if self.recipe is None else [recipe_of(self.recipe)]
         found += [localization_of(message) for _, message in self.localizations]
-        for message in self.targets:
-            found.append(targets_of(message))
+        found += [targets_of(message) for message in self.targets]
         accepted = [m for m in self.targets if m.accepted]
         if accepted and self.result is not None and (self.target_files or self.result.sha256):
             data = self.target_files[-1] if self.target_files else b""
             stamp_ns = nanoseconds_of(accepted[0].header.stamp)
-            found.append(target_file_answer(stamp_ns, data, _sha256(data, self.result.sha256)))
+            found.append(target_file_answer(stamp_ns, data, "" if data else self.result.sha256))
         if self.result is not None:
             found.append(result_answer(self.result.success, self.result.error_code, self.result.message))
         return found
-
-
-def result_answer(success: bool, error_code: int, message: str) -> Answer:
-    """How a run ended; what a success says of its timing is not compared."""
-    values = {"success": bool(success), "error_code": int(error_code)}
-    return Answer(RESULT, 0, values if success else {**values, "message": message})
-
-
-def _sha256(data: bytes, otherwise: str) -> str:
-    return hashlib.sha256(data).hexdigest() if data else otherwise
-
-
-def recipe_of(message: Any) -> Answer:
-    """The answer that a doormill_interfaces/DoorRecipe holds."""
-    return recipe_answer(json.loads(message.document), message.version)
-
-
-def localization_of(message: Any) -> Answer:
-    """The answer that a doormill_interfaces/DoorLocalization holds."""
-    stamp_ns = nanoseconds_of(message.header.stamp)
-    if not message.accepted:
-        return refusal("/" + LOCALIZATION, stamp_ns, int(message.error_code), message.reason)
-    return localization_answer(
-        stamp_ns,
-        transform_of(message.pose.pose),
-        DoorOffset(message.offset_y, message.offset_z, message.offset_rotation),
-        np.array(message.pose.covariance).reshape(6, 6),
-        message.residual,
-        message.quality,
-    )
-
-
-def targets_of(message: Any) -> Answer:
-    """The answer that a doormill_interfaces/TargetArray holds."""
-    stamp_ns = nanoseconds_of(message.header.stamp)
-    if not message.accepted:
-        return refusal("/" + TARGETS, stamp_ns, int(message.error_code), message.reason)
-    return targets_answer(stamp_ns, program_of(message), message.cycle_time, message.robot_model)
 
 
 class _Collector:
@@ -130,7 +85,7 @@ class _Collector:
     def __init__(self) -> None:
         self.runs: dict[str, RecordedRun] = {}
         self._in_hand: RecordedRun | None = None
-        self._info: Any = None
+        self._info: BagMessage | None = None
         self._early: list[BagMessage] = []
         self._requested = False
 
@@ -138,41 +93,44 @@ class _Collector:
         return self.runs.setdefault(run_id, RecordedRun(run_id))
 
     def recipe(self, item: BagMessage) -> None:
-        self._in_hand = self._run(item.message.run_id)
-        self._in_hand.recipe = item.message
-        self._in_hand.begun_ns = item.stamp_ns
-        self._in_hand.requests.append((item.stamp_ns, self._requested))
+        run = self._in_hand = self._run(item.message.run_id)
+        run.recipe = item.message
+        run.begun_ns = item.stamp_ns
+        run.requests.append((item.stamp_ns, self._requested))
         begun = nanoseconds_of(item.message.header.stamp)
         for picture in self._early:
             if nanoseconds_of(picture.message.header.stamp) >= begun:
-                self._keep(picture)
+                self._keep(run, picture)
         self._early.clear()
 
     def picture(self, item: BagMessage) -> None:
         stamp = nanoseconds_of(item.message.header.stamp)
-        if self._in_hand is None or stamp < nanoseconds_of(self._in_hand.recipe.header.stamp):
+        run = self._in_hand
+        if run is None or stamp < nanoseconds_of(run.recipe.header.stamp):
             self._early = [item]
         else:
-            self._keep(item)
+            self._keep(run, item)
 
-    def _keep(self, item: BagMessage) -> None:
+    def _keep(self, run: RecordedRun, item: BagMessage) -> None:
         stamp = nanoseconds_of(item.message.header.stamp)
-        self._in_hand.pictures[stamp] = item.message
-        self._in_hand.serialized[PICTURE, stamp] = item.data
+        run.pictures[stamp] = item.message
+        run.serialized[PICTURE, stamp] = item.data
         if self._info is not None:
-            self._keep_info(stamp, self._info)
+            self._keep_info(run, stamp, self._info)
 
-    def _keep_info(self, stamp: int, item: BagMessage) -> None:
-        self._in_hand.camera_infos[stamp] = item.message
-        self._in_hand.serialized[CAMERA_INFO, stamp] = item.data
+    @staticmethod
+    def _keep_info(run: RecordedRun, stamp: int, item: BagMessage) -> None:
+        run.camera_infos[stamp] = item.message
+        run.serialized[CAMERA_INFO, stamp] = item.data
 
     def camera_info(self, item: BagMessage) -> None:
         self._info = item
         # What carries a picture's own stamp belongs to it, even when it was recorded after it.
-        if self._in_hand is not None:
+        run = self._in_hand
+        if run is not None:
             stamp = nanoseconds_of(item.message.header.stamp)
-            if stamp in self._in_hand.pictures or not self._in_hand.camera_infos:
-                self._keep_info(stamp, item)
+            if stamp in run.pictures or not run.camera_infos:
+                self._keep_info(run, stamp, item)
 
     def pose(self, item: BagMessage) -> None:
         if self._in_hand is not None:

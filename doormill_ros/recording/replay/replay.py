@@ -8,7 +8,7 @@ from pathlib import Path
 
 from doormill_ros.recording.replay.answer import RECIPE, Answer
 from doormill_ros.recording.replay.compare import Difference, differences
-from doormill_ros.recording.replay.expectation import read_expectation, write_expectation
+from doormill_ros.recording.replay.expectation import read_expectation
 from doormill_ros.recording.replay.offline import OFFLINE_STAGES, replay_offline
 from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
 
@@ -78,9 +78,3 @@ def replay_bag(
         outcome.answers[run.run_id] = found
         outcome.found.extend(differences(run.run_id, expected, found, slack))
     return outcome
-
-
-def update_expectation(bag: Path) -> tuple[ReplayOutcome, Path]:
-    """Let what the code answers now be the expectation; the outcome tells what changed by that."""
-    outcome = replay_bag(bag)
-    return outcome, write_expectation(bag, outcome.answers)

@@ -6,14 +6,16 @@ bag is replayed by what a node computes with.
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.frames import from_xyzw
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.errors import BadPicture
+from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
@@ -26,6 +28,11 @@ KINDS = (MotionKind.JOINT, MotionKind.LINEAR, MotionKind.CIRCULAR)
 def nanoseconds_of(stamp: Any) -> int:
     """Nanoseconds since the epoch of a builtin_interfaces/Time."""
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def seconds_of(stamp: Any) -> float:
+    """Seconds since the epoch of a builtin_interfaces/Time."""
+    return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
 def transform_of(pose: Any) -> FloatArray:
@@ -56,7 +63,7 @@ def twist_of(message: Any) -> FloatArray:
     return np.array([v.x, v.y, v.z, w.x, w.y, w.z])
 
 
-def picture_of(message: Any) -> FloatArray:
+def picture_of(message: Any) -> ByteArray:
     """Grey picture, shape (height, width) uint8, from a sensor_msgs/Image.
 
     Raises:
@@ -81,7 +88,8 @@ def picture_of(message: Any) -> FloatArray:
     if channels == 1:
         return np.ascontiguousarray(rows)
     colour = rows.reshape(message.height, message.width, 3)
-    return (colour @ GREY[message.encoding] + 0.5).astype(np.uint8)
+    grey: FloatArray = colour @ GREY[message.encoding] + 0.5
+    return grey.astype(np.uint8)
 
 
 def camera_of(message: Any, mounted: CameraModel) -> CameraModel:
@@ -90,6 +98,15 @@ def camera_of(message: Any, mounted: CameraModel) -> CameraModel:
     distortion[: min(5, len(message.d))] = message.d[:5]
     k = np.array(message.k, dtype=float).reshape(3, 3)
     return mounted.with_intrinsics(k, distortion, (int(message.width), int(message.height)))
+
+
+def recipe_of(message: Any) -> Recipe:
+    """The recipe of a doormill_interfaces/DoorRecipe, checked again.
+
+    Raises:
+        RecipeError: The document in the message is not a valid recipe.
+    """
+    return Recipe.from_document(json.loads(message.document))
 
 
 def program_of(message: Any) -> MillingProgram:

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.robot.description import load_robot
-from doormill_ros.robot_model.extended_model import load_model_of
-from doormill_ros.toolpath.door_checks import DoorCheck, check_door
-from doormill_ros.toolpath.generate import generate_program
+from doormill_ros.toolpath.door_checks import DoorCheck
+from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
 
 
@@ -48,21 +46,18 @@ def preview(recipe: Recipe, robots: int = 1, model: str | None = None) -> list[P
     Raises:
         PathError: The door cannot be milled; the leaf class says why.
     """
-    layout, settings = load_layout(), load_settings()
-    robot = load_robot(layout.robot)
-    compliance = load_model_of(robot, model or "")
+    setup = load_setup(model=model or "")
     place = recipe.placement
     offset = DoorOffset() if place is None else DoorOffset(place.y, place.z, place.rotation)
-    T_base_door = layout.T_base_door(recipe.width, recipe.thickness, offset)
+    T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
+    shares: list[tuple[str, FloatArray, tuple[Operation, ...] | None]]
     if robots == 1:
         shares = [("only", T_base_door, None)]
     else:
-        both = split(recipe, T_base_door, settings)
+        both = split(recipe, T_base_door, setup.settings)
         shares = [(share.robot, share.T_base_door, share.operations) for share in both if share.operations]
-    found = []
+    previews = []
     for name, T_robot_door, operations in shares:
-        program = generate_program(
-            recipe, T_robot_door, layout, robot, compliance, operations=operations, settings=settings
-        )
-        found.append(Preview(name, T_robot_door, program, check_door(program, recipe, robot, settings)))
-    return found
+        planned = plan(recipe, T_robot_door, setup, operations)
+        previews.append(Preview(name, T_robot_door, planned.program, planned.check))
+    return previews

@@ -1,0 +1,46 @@
+"""Message classes by name, and what to ask of publishers that were found at run time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from doormill_ros.recording.schema import FEEDBACK
+
+
+def type_name(message_type: Any) -> str:
+    """Full name of a message class, for example "std_msgs/msg/Bool"."""
+    package, kind, _ = message_type.__module__.split(".", 2)
+    return f"{package}/{kind}/{message_type.__name__}"
+
+
+def is_hidden(topic: str) -> bool:
+    """True for what ROS' tools leave out by default: a part of the name begins with an underscore."""
+    return any(part.startswith("_") for part in topic.split("/"))
+
+
+def message_class(name: str) -> Any:
+    """The class of a message type by its full name.
+
+    Raises:
+        ImportError, AttributeError: The type's package is not installed.
+    """
+    package, kind, message = name.split("/")
+    module = import_module(f"{package}.{kind}")
+    if feedback := FEEDBACK.fullmatch(name):
+        return getattr(module, feedback[2]).Impl.FeedbackMessage
+    return getattr(module, message)
+
+
+def matching(offers: Sequence[QoSProfile]) -> QoSProfile:
+    """The strictest request that every publisher satisfies."""
+    reliable = all(o.reliability == ReliabilityPolicy.RELIABLE for o in offers)
+    latched = all(o.durability == DurabilityPolicy.TRANSIENT_LOCAL for o in offers)
+    return QoSProfile(
+        depth=100,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )

@@ -1,0 +1,169 @@
+"""A node that says how it is: parameters, diagnostics, and callbacks that report what goes wrong in them."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.lifecycle import LifecycleNode
+
+from doormill_ros.errors import DoormillError
+from doormill_ros.nodes import topics
+
+OK: bytes = DiagnosticStatus.OK
+WARN: bytes = DiagnosticStatus.WARN
+ERROR: bytes = DiagnosticStatus.ERROR
+DIAGNOSTICS_PERIOD = 1.0  # s
+DISPLAY_DELAY = 0.1  # s
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A declared parameter: name, default, what it means with its unit, allowed range."""
+
+    name: str
+    default: Any
+    description: str
+    low: float | None = None
+    high: float | None = None
+
+    def descriptor(self) -> ParameterDescriptor:
+        """The ROS descriptor."""
+        descriptor = ParameterDescriptor(description=self.description)
+        if self.low is None or self.high is None:
+            return descriptor
+        if isinstance(self.default, float):
+            descriptor.floating_point_range = [FloatingPointRange(from_value=self.low, to_value=self.high)]
+        else:
+            descriptor.integer_range = [IntegerRange(from_value=int(self.low), to_value=int(self.high))]
+        return descriptor
+
+
+class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
+    """A node that outlives its callbacks' errors and tells of them on /diagnostics."""
+
+    PARAMETERS: tuple[Parameter, ...] = ()
+
+    def __init__(self, name: str, **kwargs: Any) -> None:
+        """Declare the parameters and start reporting on /diagnostics."""
+        super().__init__(name, **kwargs)
+        self._later: dict[str, Any] = {}
+        self._health: tuple[bytes, str, dict[str, Any]] = (WARN, "unconfigured", {})
+        for parameter in self.PARAMETERS:
+            self.declare_parameter(parameter.name, parameter.default, parameter.descriptor())
+        self._diagnostics = self.create_publisher(
+            DiagnosticArray, topics.DIAGNOSTICS.name, topics.DIAGNOSTICS.offered
+        )
+        self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
+
+    def value(self, name: str) -> Any:
+        """Current value of a parameter."""
+        return self.get_parameter(name).value
+
+    def guarded(self, callback: Callable[..., None]) -> Callable[..., None]:
+        """A callback that reports what went wrong instead of ending the node."""
+
+        def call(*args: Any) -> None:
+            try:
+                callback(*args)
+            except DoormillError as error:
+                self.report(ERROR, error.message, error_code=error.code)
+                self.get_logger().error(error.message)
+            except Exception as error:
+                if not self.context.ok():  # interrupted: nothing can be published any more
+                    return
+                self.report(ERROR, f"unexpected {type(error).__name__}: {error}")
+                self.get_logger().error(traceback.format_exc())
+
+        return call
+
+    def answering(self, callback: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+        """A service's callback whose errors become `error_code` and `message` of the answer."""
+
+        def answer(request: Any, response: Any) -> Any:
+            try:
+                return callback(request, response)
+            except DoormillError as error:
+                response.error_code, response.message = error.code, error.message
+                self.report(WARN, error.message, error_code=error.code)
+            except Exception as error:
+                response.error_code = DoormillError.code
+                response.message = (
+                    f"unexpected {type(error).__name__}: {error}; see the log of {self.get_name()}"
+                )
+                self.report(ERROR, response.message)
+                self.get_logger().error(traceback.format_exc())
+            return response
+
+        return answer
+
+    def attempt(self, what: str, action: Callable[[], None]) -> bool:
+        """Do something that may fail; False when it did, which is then reported and logged once."""
+        try:
+            action()
+        except DoormillError as error:
+            message = error.message
+        except Exception as error:
+            message = f"{type(error).__name__}: {error}"
+            self.get_logger().error(traceback.format_exc())
+        else:
+            return True
+        if self._health[1] != f"could not {what}: {message}":
+            self.get_logger().error(f"could not {what}: {message}")
+        self.report(ERROR, f"could not {what}: {message}")
+        return False
+
+    def report(self, level: bytes, message: str, **values: Any) -> None:
+        """Set what the node says of itself on /diagnostics.
+
+        What is not well, or well again, is published at once; a healthy node's news wait for the next round:
+        each message wakes every process that listens, in the middle of a run.
+        """
+        healthy = level == OK and self._health[0] == OK
+        changed = (level, message) != self._health[:2]
+        self._health = (level, message, values)
+        if changed and not healthy:
+            self._publish_diagnostics()
+
+    def later(self, name: str, callback: Callable[[], None]) -> None:
+        """Call once, a moment from now; one that still waits under the same name gives way.
+
+        For what only people look at: drawn at once, it would take a core from the run in hand.
+        """
+
+        def call() -> None:
+            self._forget_later(name)
+            guarded()
+
+        guarded = self.guarded(callback)
+        self._forget_later(name)
+        self._later[name] = self.create_timer(DISPLAY_DELAY, call)
+
+    def forget_later(self) -> None:
+        """Call nothing any more of what was to be called later."""
+        for name in list(self._later):
+            self._forget_later(name)
+
+    def _forget_later(self, name: str) -> None:
+        timer = self._later.pop(name, None)
+        if timer is not None:
+            self.destroy_timer(timer)
+
+    def _publish_diagnostics(self) -> None:
+        if not self.context.ok():
+            return
+        level, message, values = self._health
+        status = DiagnosticStatus(
+            level=level,
+            name=self.get_fully_qualified_name().lstrip("/"),
+            message=message,
+            hardware_id="doormill",
+            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(array)

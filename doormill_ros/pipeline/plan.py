@@ -1,0 +1,92 @@
+"""From a door's pose and its recipe to the program that mills it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.robot.description import Robot, load_robot
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel
+from doormill_ros.robot_model.extended_model import load_model_of
+from doormill_ros.toolpath.door_checks import DoorCheck, check_door
+from doormill_ros.toolpath.generate import generate_program
+from doormill_ros.toolpath.operation import Operation
+from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.settings import PathSettings, load_settings
+
+
+@dataclass(frozen=True, eq=False)
+class MillingSetup:
+    """What a program depends on beside recipe and pose.
+
+    Attributes:
+        layout: Tool and fixture of the cell.
+        robot: Which robot mills.
+        model: How it gives way under the process wrench.
+        model_name: What the model is called where programs are written down.
+        settings: Values of config/toolpath.yaml.
+    """
+
+    layout: CellLayout
+    robot: Robot
+    model: ComplianceModel
+    model_name: str
+    settings: PathSettings
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A program and its margins and times."""
+
+    program: MillingProgram
+    check: DoorCheck
+
+
+def load_setup(robot: str = "", model: str = "") -> MillingSetup:
+    """Read config/ once, for any number of doors.
+
+    Args:
+        robot: Robot description in config/robots; empty: the one of config/cell.yaml.
+        model: Robot or model.yaml of a diagnosis that the correction takes; empty: the robot's joint springs.
+
+    Raises:
+        RobotError: There is no such robot, or its file is not of its form.
+        ExtendedModelError: There is no such model, or it is of another robot.
+        PoseModelError: The model's part from poses is not of its form.
+    """
+    layout = load_layout()
+    arm = load_robot(robot or layout.robot)
+    name = model or arm.name
+    return MillingSetup(layout, arm, load_model_of(arm, name), name, load_settings())
+
+
+def plan(
+    recipe: Recipe,
+    T_base_door: FloatArray,
+    setup: MillingSetup,
+    operations: Sequence[Operation] | None = None,
+) -> Plan:
+    """Generate the program of a door and check it as a whole.
+
+    Args:
+        recipe: What to mill.
+        T_base_door: Where the door stands, shape (4, 4).
+        setup: Robot, model, tool and settings.
+        operations: One robot's share of the work; None for the whole recipe.
+
+    Raises:
+        PathError: The leaf class says what makes the door impossible to mill.
+    """
+    program = generate_program(
+        recipe,
+        T_base_door,
+        setup.layout,
+        setup.robot,
+        setup.model,
+        operations=operations,
+        settings=setup.settings,
+    )
+    return Plan(program, check_door(program, recipe, setup.robot, setup.settings))
