@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.config import NotNegative, Section
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.sensors.edge_rays import EDGES, seen
@@ -24,11 +25,11 @@ _FEWEST = 6
 
 
 @dataclass(frozen=True)
-class PictureQuality:
+class PictureQuality(Section):
     """Standard deviation of a grey value and the smallest step across an edge [grey levels]."""
 
-    noise: float
-    min_contrast: float
+    noise: NotNegative
+    min_contrast: NotNegative
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.config import NotNegative, Section
 
 DEGREES_OF_FREEDOM = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
 
@@ -54,6 +55,14 @@ class DoorPoseEstimate:
     def blind(self) -> tuple[str, ...]:
         """Names of the degrees of freedom that were not measured."""
         return tuple(n for n, seen in zip(DEGREES_OF_FREEDOM, self.sees, strict=True) if not seen)
+
+
+@dataclass(frozen=True)
+class MountingDeviation(Section):
+    """How well a camera is mounted: standard deviations of its place [m] and of its direction [rad], each axis."""
+
+    position: NotNegative
+    rotation: NotNegative
 
 
 class DoorSensor(Protocol):
