@@ -1,228 +1,36 @@
 """The one way to read a configuration: a YAML file into a model, or one sentence about what is wrong in it.
 
-A model is a frozen dataclass below `Section`, its fields annotated with what they allow; pydantic does the rest.
+A model is a frozen dataclass below `values.Section`, its fields annotated with what they allow; pydantic reads it.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import functools
-import math
-import re
 import reprlib
 import types
 import typing
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, TypeVar
+from typing import Annotated, Any, TypeVar
 
-import numpy as np
-import yaml
-from pydantic import ConfigDict, Field, GetCoreSchemaHandler, TypeAdapter, ValidationError
-from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
+from pydantic import TypeAdapter, ValidationError
+from pydantic_core import ErrorDetails
 
-from doormill_ros.arrays import FloatArray
 from doormill_ros.errors import DoormillError
+from doormill_ros.yaml_text import NotYaml, parse
 
 Model = TypeVar("Model")
 Place = tuple[int | str, ...]  #: of a value in a document: keys and numbers of entries, outermost first
 
-# YAML 1.1 takes 1e-5 and 2.4e6 for text: a number with an exponent needs a point and a sign there.
-_EXPONENT = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+")
 
-
-class Section:
-    """Base of the models: beside its fields a mapping holds nothing."""
-
-    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
-
-
-def refused(allowed: str) -> PydanticCustomError:
-    """What a validator raises: the place and what was found there are added by whoever reads."""
-    return PydanticCustomError("allowed", "{allowed}", {"allowed": allowed})
-
-
-def contradiction(sentence: str) -> PydanticCustomError:
-    """What a validator raises that knows the whole sentence, the place included."""
-    return PydanticCustomError("sentence", "{sentence}", {"sentence": sentence})
-
-
-@dataclasses.dataclass(frozen=True)
-class Number:
-    """A finite number in a model; `low` and `high` are allowed themselves unless `above` is set."""
-
-    what: str
-    low: float = -math.inf
-    high: float = math.inf
-    above: bool = False
-    whole: bool = False
-
-    def check(self, value: object) -> float:
-        """The number; raises what pydantic expects of a validator."""
-        if isinstance(value, str) and _EXPONENT.fullmatch(value):
-            value = float(value)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise refused(self.what)
-        try:
-            number = float(value)
-        except OverflowError:
-            raise refused(self.what) from None
-        low_enough = self.low < number if self.above else self.low <= number
-        if not (math.isfinite(number) and low_enough and number <= self.high):
-            raise refused(self.what)
-        if self.whole and number != int(number):
-            raise refused(self.what)
-        return int(number) if self.whole else number
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.check)
-
-
-Finite = Annotated[float, Number("a finite number")]
-Positive = Annotated[float, Number("a positive number", 0.0, above=True)]
-NotNegative = Annotated[float, Number("a number from 0 up", 0.0)]
-Share = Annotated[float, Number("a number from 0 to 1", 0.0, 1.0)]
-Count = Annotated[int, Number("a positive whole number", 1.0, whole=True)]
-
-
-@dataclasses.dataclass(frozen=True)
-class Array:
-    """Nested lists of finite numbers of one shape in a model, a read-only float array in Python."""
-
-    shape: tuple[int, ...]
-    positive: bool = False
-
-    @property
-    def what(self) -> str:
-        """What is allowed, in words."""
-        size = " x ".join(str(extent) for extent in self.shape)
-        return f"{size} finite numbers{', all positive' if self.positive else ''}"
-
-    def check(self, value: object) -> FloatArray:
-        """The array; raises what pydantic expects of a validator."""
-        kind = Positive if self.positive else Finite
-        (entry,) = (part for part in typing.get_args(kind) if isinstance(part, Number))
-        numbers: list[float] = []
-        if not self._gather(value, self.shape, entry, numbers):
-            raise refused(self.what)
-        array = np.array(numbers, dtype=np.float64).reshape(self.shape)
-        array.setflags(write=False)
-        return array
-
-    def _gather(self, value: object, shape: tuple[int, ...], entry: Number, numbers: list[float]) -> bool:
-        if not shape:
-            try:
-                numbers.append(entry.check(value))
-            except PydanticCustomError:
-                return False
-            return True
-        if not isinstance(value, list | tuple) or len(value) != shape[0]:
-            return False
-        return all(self._gather(part, shape[1:], entry, numbers) for part in value)
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.check)
-
-
-@dataclasses.dataclass(frozen=True)
-class Exactly:
-    """One text in a model, such as the name of the file's form."""
-
-    what: str
-
-    def check(self, value: object) -> str:
-        """The text; raises what pydantic expects of a validator."""
-        if value != self.what:
-            raise refused(self.what)
-        return self.what
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.check)
-
-
-Vector3 = Annotated[FloatArray, Array((3,))]
-Name = Annotated[str, Field(strict=True, min_length=1)]
-
-
-class NotYaml(ValueError):
-    """A text that is no YAML document.
-
-    Attributes:
-        where: Line and column, empty where the parser does not say; begins with a blank.
-        problem: What the parser says, one line.
-    """
-
-    def __init__(self, problem: str, mark: yaml.Mark | None = None) -> None:
-        self.where = f" line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        self.problem = " ".join(problem.split())
-        super().__init__(f"not YAML{self.where}: {self.problem}")
-
-
-class DuplicateKey(NotYaml):
-    """A key that a mapping has twice.
-
-    Attributes:
-        key: The key.
-        line: Line of the second one, from 1.
-    """
-
-    def __init__(self, key: str, mark: yaml.Mark) -> None:
-        super().__init__(f"the key {key!r} is given twice", mark)
-        self.key = key
-        self.line = mark.line + 1
-
-
-class _Loader(yaml.SafeLoader):
-    """Refuses a key that is given twice, and leaves times as text.
-
-    The parser in Python, not the faster one in C: that one ends the process where lists are nested deeply.
-    """
-
-
-def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
-    seen = set()
-    for key, _ in node.value:
-        if not isinstance(key, yaml.ScalarNode):
-            raise yaml.constructor.ConstructorError(
-                None, None, "a field name must be plain text", key.start_mark
-            )
-        if key.value in seen:
-            raise DuplicateKey(str(key.value), key.start_mark)
-        seen.add(key.value)
-    return loader.construct_mapping(node, deep=True)
-
-
-_Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
-_Loader.add_constructor("tag:yaml.org,2002:timestamp", lambda loader, node: node.value)
-
-
-def parse(text: str) -> Any:
-    """The plain value of a YAML text: dict, list, str, int, float, bool and None.
-
-    Raises:
-        NotYaml: It is none, or names Python objects.
-        DuplicateKey: A mapping has a key twice.
-    """
-    try:
-        return yaml.load(text, Loader=_Loader)
-    except NotYaml:
-        raise
-    except yaml.MarkedYAMLError as error:
-        raise NotYaml(str(error.problem), error.problem_mark) from error
-    except RecursionError as error:
-        raise NotYaml("nested too deeply") from error
-    # A wrong value behind a tag, such as !!int x, ends in whatever Python says to it.
-    except (yaml.YAMLError, ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
-        raise NotYaml(str(error)) from error
-
-
-def read_document(path: Path, error: type[DoormillError], form: str = "") -> Any:
+def read_document(path: Path, error: type[DoormillError], advice: str = "correct the file") -> Any:
     """The plain value of a YAML file, for whoever looks at it before choosing a model.
 
     Args:
         path: The file.
         error: Leaf that is raised.
-        form: A file of the same form that ships, for the sentence's end.
+        advice: What to do, the sentence's end.
 
     Raises:
         DoormillError: `error`; there is no such file, no text in it or no YAML.
@@ -232,7 +40,7 @@ def read_document(path: Path, error: type[DoormillError], form: str = "") -> Any
     except OSError as cause:
         reason = cause.strerror or str(cause)
         raise error(
-            f"{path} cannot be read, {reason}; allowed is a YAML file, {_advice(form)}", path=str(path)
+            f"{path} cannot be read, {reason}; allowed is a YAML file, {advice}", path=str(path)
         ) from cause
     except ValueError as cause:  # not UTF-8, or a NUL in the path
         raise error(
@@ -242,27 +50,33 @@ def read_document(path: Path, error: type[DoormillError], form: str = "") -> Any
         return parse(text)
     except NotYaml as cause:
         raise error(
-            f"{path}{cause.where} is not YAML, {cause.problem}; {_advice(form)}", path=str(path)
+            f"{path} cannot be read, not YAML{cause.where}: {cause.problem}; {advice}", path=str(path)
         ) from cause
 
 
-def read(path: Path, model: type[Model], error: type[DoormillError], form: str = "") -> Model:
+def read(
+    path: Path, model: type[Model], error: type[DoormillError], advice: str = "correct the file"
+) -> Model:
     """A YAML file as a model.
 
     Args:
         path: The file.
         model: A dataclass below `Section`.
         error: Leaf that is raised.
-        form: A file of the same form that ships, for the sentence's end.
+        advice: What to do, the sentence's end.
 
     Raises:
         DoormillError: `error`; the sentence names the file, the key, what was found and what is allowed.
     """
-    return check(read_document(path, error, form), model, error, str(path), form)
+    return check(read_document(path, error, advice), model, error, str(path), advice)
 
 
 def check(
-    document: object, model: type[Model], error: type[DoormillError], name: str, form: str = ""
+    document: object,
+    model: type[Model],
+    error: type[DoormillError],
+    name: str,
+    advice: str = "correct the file",
 ) -> Model:
     """A parsed document as a model.
 
@@ -271,7 +85,7 @@ def check(
         model: A dataclass below `Section`.
         error: Leaf that is raised.
         name: Where the document comes from, for the sentence's beginning.
-        form: A file of the same form that ships, for the sentence's end.
+        advice: What to do, the sentence's end.
 
     Raises:
         DoormillError: `error`, as for `read`.
@@ -281,7 +95,7 @@ def check(
     except ValidationError as cause:
         details = first_error(cause)
         raise error(
-            f"{name}: {_sentence(model, details)}; {_advice(form)}",
+            f"{name}: {_sentence(model, details)}; {advice}",
             path=name,
             key=".".join(map(str, details["loc"])),
         ) from cause
@@ -348,10 +162,6 @@ def _sentence(model: type, details: ErrorDetails) -> str:
 
 def _verb(allowed: str) -> str:
     return "are" if allowed[0].isdigit() else "is"
-
-
-def _advice(form: str) -> str:
-    return f"compare it with {form}" if form else "correct the file"
 
 
 def keys_at(model: type, place: Place) -> tuple[str, ...]:

@@ -10,9 +10,10 @@ from pydantic import StrictBool
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.errors import BadCellFile
-from doormill_ros.config import Finite, Name, NotNegative, Section, Vector3, read
+from doormill_ros.config import read
 from doormill_ros.frames import rotation_x, transform
 from doormill_ros.resources import resource
+from doormill_ros.values import Finite, Name, NotNegative, Section, Vector3
 
 FORM = "config/cell.yaml"
 
@@ -115,7 +116,7 @@ def load_layout(path: Path | None = None) -> CellLayout:
     Raises:
         BadCellFile: A key is missing or unknown, or a value impossible.
     """
-    content = read(path or resource(FORM), _CellFile, BadCellFile, FORM)
+    content = read(path or resource(FORM), _CellFile, BadCellFile, f"compare it with {FORM}")
     T_flange_tool = transform(translation=content.tool.position)
     T_flange_tool.setflags(write=False)
     return CellLayout(

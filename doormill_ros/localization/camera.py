@@ -12,10 +12,11 @@ from pydantic import StrictBool
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.config import Array, Count, Finite, Section, Vector3, read
+from doormill_ros.config import read
 from doormill_ros.frames import transform
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.resources import resource
+from doormill_ros.values import Array, Count, Finite, Section, Vector3
 
 FORM = "config/camera.yaml"
 
@@ -168,7 +169,7 @@ def load_camera(path: Path | None = None) -> CameraModel:
         BadCameraFile: A key is missing or unknown, or a value out of bounds.
     """
     path = path or resource(FORM)
-    content = read(path, _CameraFile, BadCameraFile, FORM)
+    content = read(path, _CameraFile, BadCameraFile, f"compare it with {FORM}")
     mounting = content.mounting
     try:
         return CameraModel(

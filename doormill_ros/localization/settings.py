@@ -9,9 +9,10 @@ from typing import ClassVar
 
 from pydantic import ConfigDict
 
-from doormill_ros.config import NotNegative, Section, read
+from doormill_ros.config import read
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.resources import resource
+from doormill_ros.values import NotNegative, Section
 
 FORM = "config/camera.yaml"
 Triple = tuple[NotNegative, NotNegative, NotNegative]
@@ -60,7 +61,7 @@ def load_settings(path: Path | None = None) -> LocalizerSettings:
     Raises:
         BadCameraFile: A key is missing or unknown, or a value negative or of the wrong length.
     """
-    return read(path or resource(FORM), _CameraFile, BadCameraFile, FORM).localizer
+    return read(path or resource(FORM), _CameraFile, BadCameraFile, f"compare it with {FORM}").localizer
 
 
 @lru_cache(maxsize=1)

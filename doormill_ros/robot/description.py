@@ -11,12 +11,13 @@ from typing import Annotated, Any
 from pydantic import model_validator
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.config import Array, Exactly, Positive, Section, contradiction, found, read
+from doormill_ros.config import found, read
 from doormill_ros.resources import resource
 from doormill_ros.robot.denavit_hartenberg import table_of_chain
 from doormill_ros.robot.errors import RobotDescriptionError
 from doormill_ros.robot.urdf import JOINTS, read_chain
 from doormill_ros.units import deg_to_rad, rad_to_deg
+from doormill_ros.values import Array, Exactly, Positive, Section, contradiction
 
 SCHEMA = "doormill/robot/1"
 _FIGURES = ("reach", "payload", "limits", "max_velocity", "stiffness")

@@ -8,10 +8,11 @@ from pydantic.dataclasses import dataclass
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.config import Count, Finite, Positive, Section, Vector3, read
+from doormill_ros.config import read
 from doormill_ros.frames import transform
 from doormill_ros.resources import resource
 from doormill_ros.toolpath.errors import PathSettingsError
+from doormill_ros.values import Count, Finite, Positive, Section, Vector3
 
 FORM = "config/toolpath.yaml"
 
@@ -144,4 +145,4 @@ def load_settings(path: Path | None = None) -> PathSettings:
     Raises:
         PathSettingsError: A value is missing, unknown or impossible.
     """
-    return read(path or resource(FORM), PathSettings, PathSettingsError, FORM)
+    return read(path or resource(FORM), PathSettings, PathSettingsError, f"compare it with {FORM}")

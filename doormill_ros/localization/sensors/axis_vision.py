@@ -5,22 +5,24 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
-from doormill_ros.config import Array, Count, Finite, NotNegative, Positive, Section, Vector3, read
+from doormill_ros.config import read
 from doormill_ros.frames import transform
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.sensors.corner_edges import EdgeRays, PictureQuality, find_corner_edges
 from doormill_ros.localization.sensors.edge_rays import depth, miss
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
+from doormill_ros.localization.sensors.faces import Face
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
 from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize, MountingDeviation
 from doormill_ros.resources import resource
+from doormill_ros.values import Array, Count, Finite, NotNegative, Positive, Section, Vector3
 
 FORM = "config/sensors/axis_vision.yaml"
 
@@ -168,7 +170,7 @@ class _Camera(Section):
     """One camera; `right` and `down` are its picture's axes in base."""
 
     name: str | int
-    looks_at: Literal["face", "bottom", "hinge"]
+    looks_at: Face
     place: Vector3
     right: Vector3
     down: Vector3
@@ -216,7 +218,7 @@ def load_axis_vision(path: Path | None = None, layout: CellLayout | None = None)
         BadCameraFile: The intrinsics are out of bounds.
     """
     layout = layout or load_layout()
-    content = read(path or resource(FORM), _SensorFile, BadSensorFile, FORM)
+    content = read(path or resource(FORM), _SensorFile, BadSensorFile, f"compare it with {FORM}")
     lens = content.intrinsics
     return AxisVision(
         layout=layout,

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.config import NotNegative, Section
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.sensors.edge_rays import EDGES, seen
 from doormill_ros.localization.sensors.edge_search import find_edge
 from doormill_ros.localization.sensors.errors import EdgeNotFound
 from doormill_ros.localization.sensors.sensor import DoorSize
+from doormill_ros.values import NotNegative, Section
 
 # The two door axes whose edges bound each face, and so are seen by a camera that looks at it.
 BOUNDS = {"face": ("y", "z"), "bottom": ("x", "y"), "hinge": ("x", "z")}

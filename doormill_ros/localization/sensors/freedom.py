@@ -10,12 +10,13 @@ from pydantic import StrictBool
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
-from doormill_ros.config import NotNegative, Section, read
+from doormill_ros.config import read
 from doormill_ros.frames import twist_between
 from doormill_ros.localization.sensors.errors import BadSensorFile, PoseOutOfRange
 from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM, DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.units import m_to_mm, rad_to_deg
+from doormill_ros.values import NotNegative, Section
 
 FORM = "config/sensors/clamp.yaml"
 
@@ -70,7 +71,7 @@ def load_freedom(layout: CellLayout, path: Path | None = None) -> ClampFreedom:
     Raises:
         BadSensorFile: A key is missing or unknown, or a value impossible.
     """
-    content = read(path or resource(FORM), _ClampFile, BadSensorFile, FORM)
+    content = read(path or resource(FORM), _ClampFile, BadSensorFile, f"compare it with {FORM}")
     place, limits, held = layout.limits, content.limits, content.held
     return ClampFreedom(
         limits=np.array([limits.x, place.y, place.z, place.rotation, limits.tilt, limits.tilt]),

@@ -10,7 +10,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
-from doormill_ros.config import NotNegative, Section, read
+from doormill_ros.config import read
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.sensors.edge_rays import EDGES, miss, seen
@@ -19,6 +19,7 @@ from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize, MountingDeviation
 from doormill_ros.localization.settings import shipped_settings
 from doormill_ros.resources import resource
+from doormill_ros.values import NotNegative, Section
 
 FORM = "config/sensors/one_camera.yaml"
 
@@ -115,7 +116,7 @@ def load_one_camera(path: Path | None = None, layout: CellLayout | None = None) 
         BadSensorFile: A key is missing or unknown, or a value impossible.
     """
     layout = layout or load_layout()
-    content = read(path or resource(FORM), _SensorFile, BadSensorFile, FORM)
+    content = read(path or resource(FORM), _SensorFile, BadSensorFile, f"compare it with {FORM}")
     mounting = content.mounting_deviation
     return OneCamera(
         layout,

@@ -10,7 +10,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
-from doormill_ros.config import Count, NotNegative, Positive, Section, read
+from doormill_ros.config import read
 from doormill_ros.frames import apply
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, BeamMissed
 from doormill_ros.localization.sensors.faces import normals, ranges
@@ -20,6 +20,7 @@ from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
 from doormill_ros.localization.sensors.spots import Spot
 from doormill_ros.resources import resource
 from doormill_ros.units import m_to_mm
+from doormill_ros.values import Count, NotNegative, Positive, Section
 
 FORM = "config/sensors/photoelectric.yaml"
 
@@ -129,7 +130,7 @@ def load_photoelectric(path: Path | None = None, layout: CellLayout | None = Non
         BadSensorFile: A key is missing or unknown, a value impossible or a beam looks at no known face.
     """
     layout = layout or load_layout()
-    content = read(path or resource(FORM), _SensorFile, BadSensorFile, FORM)
+    content = read(path or resource(FORM), _SensorFile, BadSensorFile, f"compare it with {FORM}")
     sensor, count = content.sensor, content.readings
     # Quantising is uniform over a step. It does not average out while the noise is below the
     # step. The characteristic's error is bounded and unknown: as a wave of that amplitude.

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.config import NotNegative, Section
+from doormill_ros.values import NotNegative, Section
 
 DEGREES_OF_FREEDOM = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
 

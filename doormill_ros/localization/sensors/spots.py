@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from pydantic import StrictBool
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.config import Finite, Section
+from doormill_ros.localization.sensors.faces import Face
 from doormill_ros.localization.sensors.sensor import DoorSize
+from doormill_ros.values import Finite, Section
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Spot(Section):
         far_edge: Whether `y` counts from the far edge.
     """
 
-    face: Literal["face", "bottom", "hinge"]
+    face: Face
     y: Finite = 0.0
     z: Finite = 0.0
     depth: Finite = 0.0

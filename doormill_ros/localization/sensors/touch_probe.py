@@ -10,7 +10,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
-from doormill_ros.config import NotNegative, Positive, Section, read
+from doormill_ros.config import read
 from doormill_ros.frames import apply
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
 from doormill_ros.localization.sensors.faces import heights, normals
@@ -19,6 +19,7 @@ from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, DoorSize
 from doormill_ros.localization.sensors.spots import Spot
 from doormill_ros.resources import resource
+from doormill_ros.values import NotNegative, Positive, Section
 
 FORM = "config/sensors/touch_probe.yaml"
 
@@ -193,7 +194,7 @@ def load_touch_probe(path: Path | None = None, layout: CellLayout | None = None)
         BadSensorFile: A key is missing or unknown, a value impossible or a point lies on no known face.
     """
     layout = layout or load_layout()
-    content = read(path or resource(FORM), _SensorFile, BadSensorFile, FORM)
+    content = read(path or resource(FORM), _SensorFile, BadSensorFile, f"compare it with {FORM}")
     probe, robot = content.probe, content.robot
     # The robot gives way under the probe by at most this, at least a third of it: take two thirds.
     yields = robot.compliance * probe.trigger_force
