@@ -10,13 +10,12 @@ import stat
 from collections.abc import Mapping
 from pathlib import Path
 
-import yaml
-
 from doormill_ros.abb.link_errors import (
     CredentialsFormatError,
     CredentialsMissingError,
     CredentialsPermissionError,
 )
+from doormill_ros.yaml_text import parse
 
 USER_VARIABLE = "DOORMILL_CONTROLLER_USER"
 PASSWORD_VARIABLE = "DOORMILL_CONTROLLER_PASSWORD"
@@ -114,8 +113,8 @@ def _parse(path: Path, data: bytes) -> Credentials:
         problem = f"has more than {_MAX_SIZE} bytes"
     else:
         try:
-            document = yaml.safe_load(data.decode("utf-8"))
-        except (UnicodeDecodeError, yaml.YAMLError):
+            document = parse(data.decode("utf-8"))
+        except ValueError:  # not UTF-8, or not YAML
             problem = "is not YAML in UTF-8"
     if problem is None:
         entries = document if isinstance(document, dict) else {}

@@ -29,3 +29,4 @@ class StageRefusedError(CellError):
 CellBusyError = CellError.row("CellBusyError", 802, "Another door is being milled.")
 RunCanceledError = CellError.row("RunCanceledError", 803, "The run was canceled by whoever started it.")
 NodeInactiveError = CellError.row("NodeInactiveError", 804, "A node that the run needs is not active.")
+BadCellFile = CellError.row("BadCellFile", 806, "The cell's file lacks a key or is out of bounds.")

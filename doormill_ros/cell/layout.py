@@ -6,11 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import yaml
+from pydantic import StrictBool
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.errors import BadCellFile
+from doormill_ros.config import read
 from doormill_ros.frames import rotation_x, transform
 from doormill_ros.resources import resource
+from doormill_ros.values import Finite, Name, NotNegative, Section, Vector3
+
+FORM = "config/cell.yaml"
 
 
 @dataclass(frozen=True)
@@ -29,12 +34,12 @@ class DoorOffset:
 
 
 @dataclass(frozen=True)
-class PlacementLimits:
+class PlacementLimits(Section):
     """Largest absolute door offset that the cell accepts: y, z [m], rotation [rad]."""
 
-    y: float
-    z: float
-    rotation: float
+    y: NotNegative
+    z: NotNegative
+    rotation: NotNegative
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,11 +71,13 @@ class CellLayout:
             offset: Displacement from the nominal place; None for the nominal place.
         """
         offset = offset or DoorOffset()
-        origin = [
-            self.rear_face_x - thickness,
-            self.centre_y - width / 2.0 + offset.y,
-            self.bottom_z + offset.z,
-        ]
+        origin = np.array(
+            [
+                self.rear_face_x - thickness,
+                self.centre_y - width / 2.0 + offset.y,
+                self.bottom_z + offset.z,
+            ]
+        )
         return transform(rotation_x(offset.rotation), origin)
 
     def offset_of(self, T_base_door: FloatArray, width: float) -> DoorOffset:
@@ -82,16 +89,41 @@ class CellLayout:
         )
 
 
+@dataclass(frozen=True)
+class _Fixture(Section):
+    rear_face_x: Finite
+    centre_y: Finite
+    bottom_z: Finite
+
+
+@dataclass(frozen=True, eq=False)
+class _Tool(Section):
+    position: Vector3
+    measured: StrictBool = False
+
+
+@dataclass(frozen=True, eq=False)
+class _CellFile(Section):
+    robot: Name
+    fixture: _Fixture
+    placement_limits: PlacementLimits
+    tool: _Tool
+
+
 def load_layout(path: Path | None = None) -> CellLayout:
-    """Read config/cell.yaml, or another file of the same form."""
-    document = yaml.safe_load((path or resource("config/cell.yaml")).read_text(encoding="utf-8"))
-    T_flange_tool = transform(translation=np.array(document["tool"]["position"], dtype=float))
+    """Read config/cell.yaml, or another file of the same form.
+
+    Raises:
+        BadCellFile: A key is missing or unknown, or a value impossible.
+    """
+    content = read(path or resource(FORM), _CellFile, BadCellFile, f"compare it with {FORM}")
+    T_flange_tool = transform(translation=content.tool.position)
     T_flange_tool.setflags(write=False)
     return CellLayout(
-        robot=document["robot"],
-        rear_face_x=float(document["fixture"]["rear_face_x"]),
-        centre_y=float(document["fixture"]["centre_y"]),
-        bottom_z=float(document["fixture"]["bottom_z"]),
-        limits=PlacementLimits(**{k: float(v) for k, v in document["placement_limits"].items()}),
+        robot=content.robot,
+        rear_face_x=content.fixture.rear_face_x,
+        centre_y=content.fixture.centre_y,
+        bottom_z=content.fixture.bottom_z,
+        limits=content.placement_limits,
         T_flange_tool=T_flange_tool,
     )

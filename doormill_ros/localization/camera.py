@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated, Any
 
 import cv2
 import numpy as np
-import yaml
+from pydantic import StrictBool
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.config import read
 from doormill_ros.frames import transform
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.resources import resource
+from doormill_ros.values import Array, Count, Finite, Section, Vector3
+
+FORM = "config/camera.yaml"
 
 # Columns are camera x, y, z in base axes: z into the picture is base x, x right is -y, y down is -z.
 R_BASE_CAMERA_NOMINAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
@@ -116,24 +121,59 @@ class CameraModel:
         return self.distort(seen[..., :2] / seen[..., 2:])
 
 
+@dataclass(frozen=True, eq=False)
+class _Intrinsics(Section):
+    k: Annotated[FloatArray, Array((3, 3))]
+    measured: StrictBool = False
+    deviation: Any = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Distortion(Section):
+    coefficients: Annotated[FloatArray, Array((5,))]
+    measured: StrictBool = False
+    deviation: Any = None
+    covered: Any = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Mounting(Section):
+    x: Finite
+    slider_y: Finite
+    z: Finite
+    rotation_vector: Vector3
+    measured: StrictBool = False
+    deviation: Any = None
+
+
+@dataclass(frozen=True, eq=False)
+class _CameraFile(Section):
+    """What a calibration leaves in the file beside the camera is not looked at; `localizer` belongs to `settings`."""
+
+    size: tuple[Count, Count]
+    intrinsics: _Intrinsics
+    distortion: _Distortion
+    mounting: _Mounting
+    chessboard: Any = None
+    localizer: Any = None
+
+
 def load_camera(path: Path | None = None) -> CameraModel:
     """Read config/camera.yaml, or another file of the same form.
 
     Raises:
-        BadCameraFile: A key is missing or a value out of bounds.
+        BadCameraFile: A key is missing or unknown, or a value out of bounds.
     """
-    path = path or resource("config/camera.yaml")
-    document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    path = path or resource(FORM)
+    content = read(path, _CameraFile, BadCameraFile, f"compare it with {FORM}")
+    mounting = content.mounting
     try:
-        mounting = document["mounting"]
         return CameraModel(
-            k=document["intrinsics"]["k"],
-            distortion=document["distortion"]["coefficients"],
-            size=tuple(document["size"]),
-            position=[mounting["x"], mounting["slider_y"], mounting["z"]],
-            rotation_vector=mounting["rotation_vector"],
+            k=content.intrinsics.k,
+            distortion=content.distortion.coefficients,
+            size=content.size,
+            position=np.array([mounting.x, mounting.slider_y, mounting.z]),
+            rotation_vector=mounting.rotation_vector,
         )
-    except (KeyError, TypeError) as error:
-        raise BadCameraFile(
-            f"{path} lacks {error}; compare it with config/camera.yaml", path=str(path)
-        ) from error
+    except BadCameraFile as error:
+        raise BadCameraFile(f"{path}: {error.message}", path=str(path)) from error

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import ClassVar
 
-import yaml
+from pydantic import ConfigDict
 
+from doormill_ros.config import read
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.resources import resource
+from doormill_ros.values import NotNegative, Section
+
+FORM = "config/camera.yaml"
+Triple = tuple[NotNegative, NotNegative, NotNegative]
 
 
 @dataclass(frozen=True)
-class LocalizerSettings:
+class LocalizerSettings(Section):
     """The section `localizer` of config/camera.yaml.
 
     Attributes:
@@ -27,17 +33,26 @@ class LocalizerSettings:
             the clamp [m].
     """
 
-    squareness: float
-    max_age: float
-    max_blur: float
-    min_inlier_share: float
-    max_deviation: tuple[float, float, float]
-    mounting_deviation: tuple[float, float, float]
-    thickness_deviation: float
+    squareness: NotNegative
+    max_age: NotNegative
+    max_blur: NotNegative
+    min_inlier_share: NotNegative
+    max_deviation: Triple
+    mounting_deviation: Triple
+    thickness_deviation: NotNegative
 
     def picture_only(self) -> LocalizerSettings:
         """These settings where thickness, seat and mounting are known exactly: the covariance is the picture's own."""
         return replace(self, mounting_deviation=(0.0, 0.0, 0.0), thickness_deviation=0.0)
+
+
+@dataclass(frozen=True)
+class _CameraFile(Section):
+    """The other sections of the file belong to `camera.load_camera`."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="ignore")
+
+    localizer: LocalizerSettings
 
 
 def load_settings(path: Path | None = None) -> LocalizerSettings:
@@ -46,22 +61,7 @@ def load_settings(path: Path | None = None) -> LocalizerSettings:
     Raises:
         BadCameraFile: A key is missing or unknown, or a value negative or of the wrong length.
     """
-    path = path or resource("config/camera.yaml")
-    section = (yaml.safe_load(path.read_text(encoding="utf-8")) or {}).get("localizer") or {}
-    names = {f.name for f in fields(LocalizerSettings)}
-    if set(section) != names:
-        wrong = sorted(set(section) ^ names)
-        raise BadCameraFile(
-            f"section localizer of {path} lacks or does not know {', '.join(wrong)}; correct it"
-        )
-    values = {}
-    for name, value in section.items():
-        triple = name in ("max_deviation", "mounting_deviation")
-        numbers = tuple(float(v) for v in value) if triple else (float(value),)
-        if len(numbers) != (3 if triple else 1) or any(not v >= 0 for v in numbers):
-            raise BadCameraFile(f"{name} in {path} is {value}, allowed are numbers from 0 up; correct it")
-        values[name] = numbers if triple else numbers[0]
-    return LocalizerSettings(**values)
+    return read(path or resource(FORM), _CameraFile, BadCameraFile, f"compare it with {FORM}").localizer
 
 
 @lru_cache(maxsize=1)

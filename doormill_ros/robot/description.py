@@ -6,17 +6,18 @@ import functools
 import logging
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-import numpy as np
-import yaml
+from pydantic import model_validator
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.config import found, read
 from doormill_ros.resources import resource
 from doormill_ros.robot.denavit_hartenberg import table_of_chain
 from doormill_ros.robot.errors import RobotDescriptionError
 from doormill_ros.robot.urdf import JOINTS, read_chain
 from doormill_ros.units import deg_to_rad, rad_to_deg
+from doormill_ros.values import Array, Exactly, Positive, Section, contradiction
 
 SCHEMA = "doormill/robot/1"
 _FIGURES = ("reach", "payload", "limits", "max_velocity", "stiffness")
@@ -69,6 +70,69 @@ class Robot:
         return [name for name, origin in self.provenance.items() if not origin.measured]
 
 
+Joints = Annotated[FloatArray, Array((JOINTS,))]
+PositiveJoints = Annotated[FloatArray, Array((JOINTS,), positive=True)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Figure(Section):
+    source: str
+    measured: bool
+
+    @property
+    def provenance(self) -> Provenance:
+        return Provenance(self.source, self.measured)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Scalar(_Figure):
+    value: Positive
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _OfJoints(_Figure):
+    value: PositiveJoints
+    std: Any = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Limits(_Figure):
+    lower: Joints  # degrees
+    upper: Joints  # degrees
+
+
+@dataclass(frozen=True, eq=False)
+class _RobotFile(Section):
+    schema: Annotated[str, Exactly(SCHEMA)]
+    reach: _Scalar
+    payload: _Scalar
+    limits: _Limits
+    max_velocity: _OfJoints  # degrees per second
+    stiffness: _OfJoints
+    label: str = ""
+    urdf: str = "robot.urdf"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _say_where_from(cls, document: Any) -> Any:
+        """Every figure has its origin, whatever else is wrong with it."""
+        if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+            return document
+        for name in _FIGURES:
+            figure = document.get(name)
+            if not isinstance(figure, dict):
+                raise contradiction(
+                    f"it has no figure '{name}', allowed is one with value, source and measured"
+                )
+            source, measured = figure.get("source"), figure.get("measured")
+            if not source or not isinstance(source, str) or not isinstance(measured, bool):
+                raise contradiction(
+                    f"'{name}' has source {found(source)} and measured {found(measured)}, "
+                    "allowed are where it comes from and true or false"
+                )
+        return document
+
+
 def load_robot(name_or_path: str | Path) -> Robot:
     """Read a robot that ships with the project, or a folder or robot.yaml of one's own.
 
@@ -96,79 +160,28 @@ def load_robot(name_or_path: str | Path) -> Robot:
 @functools.cache
 def _load(path: Path) -> Robot:
     # Cached so that a figure nobody measured is warned of once, not once a cycle.
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise RobotDescriptionError(f"{path} cannot be read: {error}", path=str(path)) from error
-    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-        found = document.get("schema") if isinstance(document, dict) else type(document).__name__
-        raise RobotDescriptionError(f"{path} has schema {found}, allowed is {SCHEMA}", path=str(path))
-    figures = {name: _figure(path, document, name) for name in _FIGURES}
-    provenance = {name: _provenance(path, figure, name) for name, figure in figures.items()}
-    chain = read_chain(path.parent / str(document.get("urdf", "robot.urdf")))
-    lower = deg_to_rad(_vector(path, figures["limits"], "limits", "lower"))
-    upper = deg_to_rad(_vector(path, figures["limits"], "limits", "upper"))
+    content = read(path, _RobotFile, RobotDescriptionError)
+    urdf = path.parent / content.urdf
+    chain = read_chain(urdf)
+    lower, upper = deg_to_rad(content.limits.lower), deg_to_rad(content.limits.upper)
     _check_limits(path, lower, upper, chain.lower, chain.upper)
     robot = Robot(
         name=path.parent.name,
-        label=str(document.get("label", path.parent.name)),
-        urdf=path.parent / str(document.get("urdf", "robot.urdf")),
+        label=content.label or path.parent.name,
+        urdf=urdf,
         flange_link=chain.flange,
         dh=_frozen(table_of_chain(chain)),
         lower=_frozen(lower),
         upper=_frozen(upper),
-        max_velocity=_frozen(deg_to_rad(_positive(path, figures["max_velocity"], "max_velocity"))),
-        stiffness=_frozen(_positive(path, figures["stiffness"], "stiffness")),
-        payload=_scalar(path, figures["payload"], "payload"),
-        reach=_scalar(path, figures["reach"], "reach"),
-        provenance=provenance,
+        max_velocity=_frozen(deg_to_rad(content.max_velocity.value)),
+        stiffness=content.stiffness.value,
+        payload=content.payload.value,
+        reach=content.reach.value,
+        provenance={name: getattr(content, name).provenance for name in _FIGURES},
     )
     if robot.unmeasured():
         _log.warning("%s: nobody measured %s; see %s", robot.label, ", ".join(robot.unmeasured()), path)
     return robot
-
-
-def _figure(path: Path, document: dict[str, Any], name: str) -> dict[str, Any]:
-    figure = document.get(name)
-    if not isinstance(figure, dict):
-        raise RobotDescriptionError(f"{path} has no figure '{name}'; it needs value, source and measured")
-    return figure
-
-
-def _provenance(path: Path, figure: dict[str, Any], name: str) -> Provenance:
-    source, measured = figure.get("source"), figure.get("measured")
-    if not source or not isinstance(measured, bool):
-        raise RobotDescriptionError(
-            f"{path}: '{name}' has source {source!r} and measured {measured!r}; "
-            "say where it comes from and true or false"
-        )
-    return Provenance(str(source), measured)
-
-
-def _vector(path: Path, figure: dict[str, Any], name: str, key: str = "value") -> FloatArray:
-    try:
-        vector = np.array(figure.get(key), dtype=float)
-    except (TypeError, ValueError):
-        vector = np.empty(0)
-    if vector.shape != (JOINTS,) or not np.all(np.isfinite(vector)):
-        raise RobotDescriptionError(
-            f"{path}: '{name}' has {key} {figure.get(key)!r}, allowed are {JOINTS} finite numbers"
-        )
-    return vector
-
-
-def _positive(path: Path, figure: dict[str, Any], name: str) -> FloatArray:
-    vector = _vector(path, figure, name)
-    if np.any(vector <= 0):
-        raise RobotDescriptionError(f"{path}: '{name}' has {vector.tolist()}, allowed are positive numbers")
-    return vector
-
-
-def _scalar(path: Path, figure: dict[str, Any], name: str) -> float:
-    value = figure.get("value")
-    if not isinstance(value, int | float) or isinstance(value, bool) or not value > 0:
-        raise RobotDescriptionError(f"{path}: '{name}' has value {value!r}, allowed is a positive number")
-    return float(value)
 
 
 def _check_limits(

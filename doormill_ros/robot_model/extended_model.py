@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.config import read_document
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
@@ -141,10 +141,7 @@ def load_compliance_model(path_or_name: str | Path) -> ExtendedComplianceModel |
                 f"{path_or_name} is neither a model.yaml nor a robot: {error.message}", path=str(path_or_name)
             ) from error
         return _own_springs(robot)
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ExtendedModelError(f"{path} cannot be read: {error}", path=str(path)) from error
+    document = read_document(path, ExtendedModelError)
     if isinstance(document, dict) and document.get("schema") == POSE_SCHEMA:
         return load_pose_compliance(path)
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:

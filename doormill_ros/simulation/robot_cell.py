@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from doormill_ros.abb import signals
+from doormill_ros.config import read
 from doormill_ros.frames import quaternion_wxyz
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.controller import VirtualController
@@ -21,9 +21,17 @@ from doormill_ros.simulation.errors import EffectsFileError
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.program import MillingProgram, Target
 from doormill_ros.units import m_to_mm
+from doormill_ros.values import Name, Section
 
 NOT_CONNECTED = 9e9  #: RAPID's mark of an external axis that is not there
 SPEED_OF_OTHERS = (500.0, 5000.0, 1000.0)  #: reorientation and external axes of the predefined speeds
+
+
+@dataclass(frozen=True)
+class _Effect(Section):
+    cause: Name
+    where: str | int
+    parameters: dict[str, Any]
 
 
 def load_effects(path: Path) -> tuple[Mapping[str, Any], ...]:
@@ -32,15 +40,7 @@ def load_effects(path: Path) -> tuple[Mapping[str, Any], ...]:
     Raises:
         EffectsFileError: No such file, or no such list.
     """
-    try:
-        effects = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise EffectsFileError(f"{path} cannot be read: {error}", path=str(path)) from error
-    if not isinstance(effects, list) or not all(isinstance(e, dict) and "cause" in e for e in effects):
-        raise EffectsFileError(
-            f"{path} holds no list of effects; each has cause, where and parameters", path=str(path)
-        )
-    return tuple(effects)
+    return tuple(asdict(effect) for effect in read(path, list[_Effect], EffectsFileError))
 
 
 class RobotCellRun:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.config import read_document
 from doormill_ros.frames import rotate_wrench
 from doormill_ros.measurements.errors import LoadingTestError
 from doormill_ros.measurements.loading import Loadings
@@ -114,12 +114,12 @@ def load_thesis_data(path: Path | None = None, force_joint4: float | None = None
         LoadingTestError: The file does not have the form.
     """
     path = resource("config/loading_tests/thesis.yaml") if path is None else Path(path)
+    document = read_document(path, LoadingTestError)
     try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
         if document["schema"] != SCHEMA:
             raise LoadingTestError(f"{path} has schema {document['schema']!r}, allowed is {SCHEMA}")
         return _data(document, force_joint4)
-    except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError, IndexError) as error:
+    except (KeyError, TypeError, ValueError, IndexError) as error:
         raise LoadingTestError(f"{path} does not hold loading tests as {SCHEMA}: {error!r}") from error
 
 

@@ -92,7 +92,7 @@ def check_size(features: Sequence[str], settings: PathSettings) -> None:
     Raises:
         ProgramSizeError: There are too many.
     """
-    found, allowed = len(features), int(settings.checks.targets)
+    found, allowed = len(features), settings.checks.targets
     if found > allowed:
         feature, most = Counter(features).most_common(1)[0]
         raise ProgramSizeError(

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-import yaml
+from pydantic.dataclasses import dataclass
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.config import read
 from doormill_ros.frames import transform
 from doormill_ros.resources import resource
 from doormill_ros.toolpath.errors import PathSettingsError
+from doormill_ros.values import Count, Finite, Positive, Section, Vector3
+
+FORM = "config/toolpath.yaml"
 
 
 @dataclass(frozen=True)
-class Approach:
+class Approach(Section):
     """Motions in the air.
 
     Attributes:
@@ -33,18 +33,18 @@ class Approach:
         spindle_radius: Of spindle and holder [m].
     """
 
-    clearance: float
-    edge_clearance: float
-    retreats: tuple[float, ...]
-    rapid_speed: float
-    plunge_speed: float
-    nose: float
-    mill_radius: float
-    spindle_radius: float
+    clearance: Positive
+    edge_clearance: Positive
+    retreats: tuple[Positive, ...]
+    rapid_speed: Positive
+    plunge_speed: Positive
+    nose: Positive
+    mill_radius: Positive
+    spindle_radius: Positive
 
 
 @dataclass(frozen=True)
-class Correction:
+class Correction(Section):
     """Limits of the process force correction.
 
     Attributes:
@@ -56,16 +56,16 @@ class Correction:
         shortest: No segment is divided below this length [m].
     """
 
-    limit: float
-    tolerance: float
-    bend: float
-    blend: float
-    step: float
-    shortest: float
+    limit: Positive
+    tolerance: Positive
+    bend: Positive
+    blend: Positive
+    step: Positive
+    shortest: Positive
 
 
 @dataclass(frozen=True)
-class Checks:
+class Checks(Section):
     """Limits of the whole-door checks.
 
     Attributes:
@@ -78,17 +78,17 @@ class Checks:
         joint_speed_share: Allowed share of the joints' speed limits.
     """
 
-    targets: float
-    tools: float
-    joint_margin: float
-    wrist: float
-    elbow: float
-    shoulder: float
-    joint_speed_share: float
+    targets: Count
+    tools: Count
+    joint_margin: Positive
+    wrist: Positive
+    elbow: Positive
+    shoulder: Positive
+    joint_speed_share: Positive
 
 
 @dataclass(frozen=True)
-class Cycle:
+class Cycle(Section):
     """Accelerations, and the times that appendix A.1 of the thesis allows.
 
     Attributes:
@@ -101,17 +101,17 @@ class Cycle:
         total: One door from clamp to clamp [s].
     """
 
-    acceleration: float
-    joint_acceleration: float
-    hinges: float
-    hole_side: float
-    lock_case: float
-    probing: float
-    total: float
+    acceleration: Positive
+    joint_acceleration: Positive
+    hinges: Positive
+    hole_side: Positive
+    lock_case: Positive
+    probing: Positive
+    total: Positive
 
 
-@dataclass(frozen=True)
-class SecondRobot:
+@dataclass(frozen=True, eq=False)
+class SecondRobot(Section):
     """Where the second milling robot stands.
 
     Attributes:
@@ -119,17 +119,17 @@ class SecondRobot:
         rotation: About z [rad].
     """
 
-    position: tuple[float, float, float]
-    rotation: float
+    position: Vector3
+    rotation: Finite
 
     @property
     def T_base_second(self) -> FloatArray:
         """Its base frame in the first robot's, shape (4, 4)."""
-        return transform(Rotation.from_euler("z", self.rotation).as_matrix(), np.array(self.position))
+        return transform(Rotation.from_euler("z", self.rotation).as_matrix(), self.position)
 
 
 @dataclass(frozen=True)
-class PathSettings:
+class PathSettings(Section):
     """Everything in config/toolpath.yaml."""
 
     approach: Approach
@@ -145,50 +145,4 @@ def load_settings(path: Path | None = None) -> PathSettings:
     Raises:
         PathSettingsError: A value is missing, unknown or impossible.
     """
-    path = path or resource("config/toolpath.yaml")
-    document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    parts = {
-        "approach": Approach,
-        "correction": Correction,
-        "checks": Checks,
-        "cycle": Cycle,
-        "second_robot": SecondRobot,
-    }
-    if not isinstance(document, dict) or set(document) != set(parts):
-        found = sorted(document) if isinstance(document, dict) else type(document).__name__
-        raise PathSettingsError(
-            f"{path} holds {found}, allowed are exactly {sorted(parts)}; correct the file"
-        )
-    return PathSettings(**{name: _part(path, name, kind, document[name]) for name, kind in parts.items()})
-
-
-def _part(path: Path, name: str, kind: type, values: Any) -> Any:
-    known = [item.name for item in fields(kind)]
-    if not isinstance(values, dict) or set(values) != set(known):
-        found = sorted(values) if isinstance(values, dict) else type(values).__name__
-        raise PathSettingsError(f"{name} in {path} holds {found}, allowed are exactly {sorted(known)}")
-    if kind is SecondRobot:
-        return _second_robot(path, values)
-    numbers = {key: value for key, value in values.items() if key != "retreats"}
-    numbers |= {f"retreats[{i}]": value for i, value in enumerate(values.get("retreats", ()))}
-    for key, value in numbers.items():
-        good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-        if not good or value <= 0.0:
-            raise PathSettingsError(f"{name}.{key} in {path} is {value!r}, allowed is a positive number")
-    plain = {key: float(value) for key, value in values.items() if key != "retreats"}
-    if kind is Approach:
-        plain["retreats"] = tuple(float(value) for value in values["retreats"])
-    return kind(**plain)
-
-
-def _second_robot(path: Path, values: dict[str, Any]) -> SecondRobot:
-    try:
-        position = np.array(values["position"], dtype=float)
-        rotation = float(values["rotation"])
-    except (TypeError, ValueError):
-        position, rotation = np.zeros(0), math.nan
-    if position.shape != (3,) or not np.all(np.isfinite([*position, rotation])):
-        raise PathSettingsError(
-            f"second_robot in {path} is {values!r}, allowed are three numbers for position, one for rotation"
-        )
-    return SecondRobot(tuple(position.tolist()), rotation)
+    return read(path or resource(FORM), PathSettings, PathSettingsError, f"compare it with {FORM}")

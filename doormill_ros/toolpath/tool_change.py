@@ -25,7 +25,7 @@ def check_tools(operations: Sequence[Operation], checks: Checks) -> None:
     first: dict[str, str] = {}
     for item in operations:
         first.setdefault(item.feature.tool.name, item.feature.id)
-    allowed = int(checks.tools)
+    allowed = checks.tools
     if len(first) > allowed:
         feature = list(first.values())[allowed]
         found = ", ".join(f"{tool} for {name}" for tool, name in first.items())

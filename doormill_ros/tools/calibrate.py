@@ -7,11 +7,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from pydantic import model_validator
 
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.config import read
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.calibration.camera_file import (
     read_document,
@@ -30,6 +33,40 @@ from doormill_ros.localization.sensors.corner_edges import PictureQuality
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.units import m_to_mm, mm_to_m, rad_to_deg
+from doormill_ros.values import Name, NotNegative, Positive, Section, Vector3, contradiction
+
+
+@dataclass(frozen=True, eq=False)
+class _Move(Section):
+    """One picture; move and thickness in millimetres."""
+
+    picture: Name
+    move: Vector3
+    thickness: Positive | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Moves(Section):
+    """The list of moves in docs/calibration.md, lengths in millimetres."""
+
+    width: Positive
+    height: Positive
+    pictures: tuple[_Move, ...]
+    thickness: Positive | None = None
+    noise: NotNegative = 2.0
+    min_contrast: NotNegative = 25.0
+
+    @model_validator(mode="after")
+    def _every_thickness(self) -> _Moves:
+        for i, entry in enumerate(self.pictures):
+            if entry.thickness is None and self.thickness is None:
+                raise contradiction(f"pictures.{i}.thickness is missing, allowed is one there or one for all")
+        return self
+
+    def size(self, entry: _Move) -> DoorSize:
+        """Size of the door in a picture [m]."""
+        thickness = entry.thickness or self.thickness or 0.0
+        return DoorSize(mm_to_m(self.width), mm_to_m(self.height), mm_to_m(thickness))
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -75,20 +112,14 @@ def _intrinsics(arguments: argparse.Namespace) -> list[str]:
 
 
 def _extrinsics(arguments: argparse.Namespace) -> list[str]:
-    document = read_document(arguments.moves)
-    try:
-        width, height = mm_to_m(float(document["width"])), mm_to_m(float(document["height"]))
-        moved = [
-            MovedDoor(
-                read_picture(arguments.moves.parent / entry["picture"]),
-                mm_to_m(np.array(entry["move"], dtype=float).reshape(3)),
-                DoorSize(height, width, mm_to_m(float(entry.get("thickness", document.get("thickness"))))),
-            )
-            for entry in document["pictures"]
-        ]
-        quality = PictureQuality(float(document.get("noise", 2.0)), float(document.get("min_contrast", 25.0)))
-    except (KeyError, TypeError, ValueError) as error:
-        raise BadCalibrationFile(f"{arguments.moves}: {error}; see docs/calibration.md") from error
+    content = read(arguments.moves, _Moves, BadCalibrationFile, "see docs/calibration.md")
+    moved = [
+        MovedDoor(
+            read_picture(arguments.moves.parent / entry.picture), mm_to_m(entry.move), content.size(entry)
+        )
+        for entry in content.pictures
+    ]
+    quality = PictureQuality(content.noise, content.min_contrast)
     found = calibrate_extrinsics(moved, load_camera(arguments.camera), load_layout(), quality)
     write_document(with_mounting(read_document(arguments.camera), found), arguments.out)
     deviation = np.sqrt(np.diag(found.covariance))

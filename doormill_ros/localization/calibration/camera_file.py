@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from doormill_ros import config
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.calibration.extrinsics import Extrinsics
@@ -20,10 +21,7 @@ def read_document(path: Path) -> dict[str, Any]:
     Raises:
         BadCalibrationFile: There is no such file or no mapping in it.
     """
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, yaml.YAMLError) as error:
-        raise BadCalibrationFile(f"{path} cannot be read: {error}", path=str(path)) from error
+    document = config.read_document(path, BadCalibrationFile, "see docs/calibration.md")
     if not isinstance(document, dict):
         raise BadCalibrationFile(f"{path} holds no mapping; see docs/calibration.md", path=str(path))
     return document

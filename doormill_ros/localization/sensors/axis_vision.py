@@ -5,21 +5,27 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.config import read
 from doormill_ros.frames import transform
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.sensors.corner_edges import BOUNDS, EdgeRays, PictureQuality, find_corner_edges
+from doormill_ros.localization.sensors.corner_edges import EdgeRays, PictureQuality, find_corner_edges
 from doormill_ros.localization.sensors.edge_rays import depth, miss
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
+from doormill_ros.localization.sensors.faces import Face
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
-from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
+from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, MountingDeviation, ReadingKind
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
+from doormill_ros.values import Array, Count, Finite, NotNegative, Positive, Section, Vector3
+
+FORM = "config/sensors/axis_vision.yaml"
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,43 +168,70 @@ class AxisVision:
         return covariance
 
 
+@dataclass(frozen=True, eq=False)
+class _Camera(Section):
+    """One camera; `right` and `down` are its picture's axes in base."""
+
+    name: str | int
+    looks_at: Face
+    place: Vector3
+    right: Vector3
+    down: Vector3
+    x: Finite | None = None
+
+    def camera(self) -> AxisCamera:
+        """As the sensor uses it."""
+        return AxisCamera(
+            name=str(self.name),
+            looks_at=self.looks_at,
+            place=self.place,
+            fixed_x=self.x,
+            rotation=np.column_stack([self.right, self.down, np.cross(self.right, self.down)]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Lens(Section):
+    size: tuple[Count, Count]
+    k: Annotated[FloatArray, Array((3, 3))]
+    distortion: Annotated[FloatArray, Array((5,))]
+
+
+@dataclass(frozen=True)
+class _Edges(Section):
+    roughness: NotNegative
+    correlation: Positive
+
+
+@dataclass(frozen=True, eq=False)
+class _SensorFile(Section):
+    cameras: tuple[_Camera, ...]
+    intrinsics: _Lens
+    mounting_deviation: MountingDeviation
+    edges: _Edges
+    picture: PictureQuality
+    exposure_time: NotNegative
+
+
 def load_axis_vision(path: Path | None = None, layout: CellLayout | None = None) -> AxisVision:
     """Read config/sensors/axis_vision.yaml, or another file of the same form.
 
     Raises:
-        BadSensorFile: A key is missing or a camera looks at no known face.
+        BadSensorFile: A key is missing or unknown, a value impossible or a camera looks at no known face.
         BadCameraFile: The intrinsics are out of bounds.
     """
-    path = path or resource("config/sensors/axis_vision.yaml")
     layout = layout or load_layout()
-    document = read_sensor_file(path)
-    try:
-        lens = document["intrinsics"]
-        cameras = tuple(_camera(entry) for entry in document["cameras"])
-        return AxisVision(
-            layout=layout,
-            freedom=load_freedom(layout),
-            lens=CameraModel(lens["k"], lens["distortion"], tuple(lens["size"]), np.zeros(3), np.zeros(3)),
-            cameras=cameras,
-            position_deviation=float(document["mounting_deviation"]["position"]),
-            rotation_deviation=float(document["mounting_deviation"]["rotation"]),
-            roughness=float(document["edges"]["roughness"]),
-            correlation=float(document["edges"]["correlation"]),
-            quality=PictureQuality(**{k: float(v) for k, v in document["picture"].items()}),
-            seconds=float(document["exposure_time"]),
-        )
-    except (KeyError, TypeError, ValueError) as error:
-        raise BadSensorFile(f"{path}: {error}; compare it with config/sensors/axis_vision.yaml") from error
-
-
-def _camera(entry: dict) -> AxisCamera:
-    if entry["looks_at"] not in BOUNDS:
-        raise ValueError(f"camera {entry['name']} looks at {entry['looks_at']!r}, allowed are {list(BOUNDS)}")
-    right, down = np.array(entry["right"], dtype=float), np.array(entry["down"], dtype=float)
-    return AxisCamera(
-        name=str(entry["name"]),
-        looks_at=entry["looks_at"],
-        place=np.array(entry["place"], dtype=float),
-        fixed_x=float(entry["x"]) if "x" in entry else None,
-        rotation=np.column_stack([right, down, np.cross(right, down)]),
+    content = read(path or resource(FORM), _SensorFile, BadSensorFile, f"compare it with {FORM}")
+    lens = content.intrinsics
+    return AxisVision(
+        layout=layout,
+        freedom=load_freedom(layout),
+        lens=CameraModel(lens.k, lens.distortion, lens.size, np.zeros(3), np.zeros(3)),
+        cameras=tuple(entry.camera() for entry in content.cameras),
+        position_deviation=content.mounting_deviation.position,
+        rotation_deviation=content.mounting_deviation.rotation,
+        roughness=content.edges.roughness,
+        correlation=content.edges.correlation,
+        quality=content.picture,
+        seconds=content.exposure_time,
     )

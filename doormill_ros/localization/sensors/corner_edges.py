@@ -14,6 +14,7 @@ from doormill_ros.localization.sensors.edge_rays import EDGES, seen
 from doormill_ros.localization.sensors.edge_search import find_edge
 from doormill_ros.localization.sensors.errors import EdgeNotFound
 from doormill_ros.recipes.door import DoorSize
+from doormill_ros.values import NotNegative, Section
 
 # The two door axes whose edges bound each face, and so are seen by a camera that looks at it.
 BOUNDS = {"face": ("y", "z"), "bottom": ("x", "y"), "hinge": ("x", "z")}
@@ -24,11 +25,11 @@ _FEWEST = 6
 
 
 @dataclass(frozen=True)
-class PictureQuality:
+class PictureQuality(Section):
     """Standard deviation of a grey value and the smallest step across an edge [grey levels]."""
 
-    noise: float
-    min_contrast: float
+    noise: NotNegative
+    min_contrast: NotNegative
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
 
+Face = Literal["face", "hinge", "bottom"]
 # Outward normals in door axes. All three faces pass through the door's origin.
-OUTWARD = {
+OUTWARD: dict[Face, FloatArray] = {
     "face": np.array([-1.0, 0.0, 0.0]),
     "hinge": np.array([0.0, -1.0, 0.0]),
     "bottom": np.array([0.0, 0.0, -1.0]),
 }
 
 
-def normals(names: tuple[str, ...]) -> FloatArray:
+def normals(names: tuple[Face, ...]) -> FloatArray:
     """Outward normals of the named faces in door axes, shape (n, 3)."""
     return np.array([OUTWARD[name] for name in names])
 

@@ -4,31 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import yaml
+from pydantic import StrictBool
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
+from doormill_ros.config import read
 from doormill_ros.frames import twist_between
 from doormill_ros.localization.sensors.errors import BadSensorFile, PoseOutOfRange
 from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.units import m_to_mm, rad_to_deg
+from doormill_ros.values import NotNegative, Section
 
-
-def read_sensor_file(path: Path) -> dict[str, Any]:
-    """A sensor's YAML file.
-
-    Raises:
-        BadSensorFile: It holds no mapping.
-    """
-    document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    if not isinstance(document, dict):
-        raise BadSensorFile(f"{path} holds no mapping; compare it with those in config/sensors")
-    return document
+FORM = "config/sensors/clamp.yaml"
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,21 +53,28 @@ class ClampFreedom:
                 )
 
 
+@dataclass(frozen=True)
+class _Figures(Section):
+    x: NotNegative  # [m]
+    tilt: NotNegative  # [rad]
+
+
+@dataclass(frozen=True)
+class _ClampFile(Section):
+    limits: _Figures
+    held: _Figures
+    measured: StrictBool = False
+
+
 def load_freedom(layout: CellLayout, path: Path | None = None) -> ClampFreedom:
     """Read config/sensors/clamp.yaml; y, z and rotation x are limited by the cell.
 
     Raises:
-        BadSensorFile: A key is missing.
+        BadSensorFile: A key is missing or unknown, or a value impossible.
     """
-    path = path or resource("config/sensors/clamp.yaml")
-    document = read_sensor_file(path)
-    try:
-        x, tilt = float(document["limits"]["x"]), float(document["limits"]["tilt"])
-        held_x, held_tilt = float(document["held"]["x"]), float(document["held"]["tilt"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise BadSensorFile(f"{path} lacks {error}; compare it with config/sensors/clamp.yaml") from error
-    place = layout.limits
+    content = read(path or resource(FORM), _ClampFile, BadSensorFile, f"compare it with {FORM}")
+    place, limits, held = layout.limits, content.limits, content.held
     return ClampFreedom(
-        limits=np.array([x, place.y, place.z, place.rotation, tilt, tilt]),
-        held=np.array([held_x, place.y, place.z, place.rotation, held_tilt, held_tilt]),
+        limits=np.array([limits.x, place.y, place.z, place.rotation, limits.tilt, limits.tilt]),
+        held=np.array([held.x, place.y, place.z, place.rotation, held.tilt, held.tilt]),
     )

@@ -10,15 +10,19 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.config import read
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.sensors.edge_rays import EDGES, miss, seen
 from doormill_ros.localization.sensors.errors import BadSensorFile
-from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
-from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
+from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom
+from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, MountingDeviation, ReadingKind
 from doormill_ros.localization.settings import shipped_settings
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
+from doormill_ros.values import NotNegative, Section
+
+FORM = "config/sensors/one_camera.yaml"
 
 _SEEN, _HELD = [1, 2, 3], [0, 4, 5]  # y, z, rotation x; x, rotations y, z
 _ALONG = np.linspace(0.012, 0.070, 12)  # m from the corner, where both edges show for every door
@@ -101,18 +105,26 @@ class OneCamera:
         return effect @ spread @ effect.T
 
 
+@dataclass(frozen=True)
+class _SensorFile(Section):
+    exposure_time: NotNegative
+    mounting_deviation: MountingDeviation
+
+
 def load_one_camera(path: Path | None = None, layout: CellLayout | None = None) -> OneCamera:
     """The camera of config/camera.yaml with config/sensors/one_camera.yaml, or another file of its form.
 
     Raises:
-        BadSensorFile: A key is missing.
+        BadSensorFile: A key is missing or unknown, or a value impossible.
     """
-    path = path or resource("config/sensors/one_camera.yaml")
     layout = layout or load_layout()
-    document = read_sensor_file(path)
-    try:
-        mounting = document["mounting_deviation"]
-        numbers = (mounting["position"], mounting["rotation"], document["exposure_time"])
-        return OneCamera(layout, load_freedom(layout), load_camera(), *(float(v) for v in numbers))
-    except (KeyError, TypeError, ValueError) as error:
-        raise BadSensorFile(f"{path}: {error}; compare it with config/sensors/one_camera.yaml") from error
+    content = read(path or resource(FORM), _SensorFile, BadSensorFile, f"compare it with {FORM}")
+    mounting = content.mounting_deviation
+    return OneCamera(
+        layout,
+        load_freedom(layout),
+        load_camera(),
+        mounting.position,
+        mounting.rotation,
+        content.exposure_time,
+    )

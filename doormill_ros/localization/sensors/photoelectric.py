@@ -10,16 +10,20 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.config import read
 from doormill_ros.frames import apply
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, BeamMissed
 from doormill_ros.localization.sensors.faces import normals, ranges
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
-from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
+from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
-from doormill_ros.localization.sensors.spots import Spot, check_faces
+from doormill_ros.localization.sensors.spots import Spot
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.units import m_to_mm
+from doormill_ros.values import Count, NotNegative, Positive, Section
+
+FORM = "config/sensors/photoelectric.yaml"
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,31 +104,51 @@ class Photoelectric:
         )
 
 
+@dataclass(frozen=True)
+class _Beam(Section):
+    """Figures of one distance sensor [m, s]; see config/sensors/photoelectric.yaml."""
+
+    range: tuple[Positive, Positive]
+    resolution: NotNegative
+    reading_time: NotNegative
+    linearity: NotNegative
+    noise: NotNegative
+
+
+@dataclass(frozen=True)
+class _SensorFile(Section):
+    sensor: _Beam
+    readings: Count
+    surface: NotNegative
+    mounting_deviation: NotNegative
+    stand_off: Positive
+    beams: tuple[Spot, ...]
+
+
 def load_photoelectric(path: Path | None = None, layout: CellLayout | None = None) -> Photoelectric:
     """Read config/sensors/photoelectric.yaml, or another file of the same form.
 
     Raises:
-        BadSensorFile: A key is missing or a beam looks at no known face.
+        BadSensorFile: A key is missing or unknown, a value impossible or a beam looks at no known face.
     """
-    path = path or resource("config/sensors/photoelectric.yaml")
     layout = layout or load_layout()
-    document = read_sensor_file(path)
-    try:
-        sensor, count = document["sensor"], int(document["readings"])
-        beams = tuple(Spot(**beam) for beam in document["beams"])
-        # Quantising is uniform over a step. It does not average out while the noise is below the
-        # step. The characteristic's error is bounded and unknown: as a wave of that amplitude.
-        variance = (
-            float(sensor["resolution"]) ** 2 / 12.0
-            + float(sensor["linearity"]) ** 2 / 2.0
-            + float(sensor["noise"]) ** 2 / count
-            + float(document["surface"]) ** 2
-            + float(document["mounting_deviation"]) ** 2
-        )
-        span = tuple(float(v) for v in sensor["range"])
-        stand_off, seconds = float(document["stand_off"]), count * float(sensor["reading_time"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise BadSensorFile(f"{path}: {error}; compare it with config/sensors/photoelectric.yaml") from error
-    check_faces(beams, path)
-    freedom = load_freedom(layout)
-    return Photoelectric(layout, freedom, beams, stand_off, span, float(np.sqrt(variance)), seconds)
+    content = read(path or resource(FORM), _SensorFile, BadSensorFile, f"compare it with {FORM}")
+    sensor, count = content.sensor, content.readings
+    # Quantising is uniform over a step. It does not average out while the noise is below the
+    # step. The characteristic's error is bounded and unknown: as a wave of that amplitude.
+    variance = (
+        sensor.resolution**2 / 12.0
+        + sensor.linearity**2 / 2.0
+        + sensor.noise**2 / count
+        + content.surface**2
+        + content.mounting_deviation**2
+    )
+    return Photoelectric(
+        layout,
+        load_freedom(layout),
+        content.beams,
+        content.stand_off,
+        sensor.range,
+        float(np.sqrt(variance)),
+        count * sensor.reading_time,
+    )

@@ -11,6 +11,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.recipes.door import DoorSize
+from doormill_ros.values import NotNegative, Section
 
 #: What a sensor reads: a picture, one picture of each camera, distances along beams, or touched points.
 ReadingKind = Literal["picture", "pictures", "distances", "points"]
@@ -50,6 +51,14 @@ class DoorPoseEstimate:
     def blind(self) -> tuple[str, ...]:
         """Names of the degrees of freedom that were not measured."""
         return tuple(n for n, seen in zip(DEGREES_OF_FREEDOM, self.sees, strict=True) if not seen)
+
+
+@dataclass(frozen=True)
+class MountingDeviation(Section):
+    """How well a camera is mounted: standard deviations of its place [m] and of its direction [rad], each axis."""
+
+    position: NotNegative
+    rotation: NotNegative
 
 
 class DoorSensor(Protocol):

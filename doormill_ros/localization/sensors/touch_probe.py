@@ -10,32 +10,36 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.config import read
 from doormill_ros.frames import apply
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile
 from doormill_ros.localization.sensors.faces import heights, normals
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
-from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom, read_sensor_file
+from doormill_ros.localization.sensors.freedom import ClampFreedom, load_freedom
 from doormill_ros.localization.sensors.sensor import DoorPoseEstimate, ReadingKind
-from doormill_ros.localization.sensors.spots import Spot, check_faces
+from doormill_ros.localization.sensors.spots import Spot
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
+from doormill_ros.values import NotNegative, Positive, Section
+
+FORM = "config/sensors/touch_probe.yaml"
 
 _NEEDED = 6
 
 
 @dataclass(frozen=True)
-class ProbingMotion:
+class ProbingMotion(Section):
     """How the robot moves between and at the points; see config/sensors/touch_probe.yaml [m, s]."""
 
-    speed: float
-    acceleration: float
-    settle: float
-    search_speed: float
-    measure_speed: float
-    back_off: float
-    clearance: float
-    clearance_known: float
-    detour: float
+    speed: Positive
+    acceleration: Positive
+    settle: NotNegative
+    search_speed: Positive
+    measure_speed: Positive
+    back_off: NotNegative
+    clearance: NotNegative
+    clearance_known: NotNegative
+    detour: NotNegative
 
     def travel(self, distance: float) -> float:
         """Time from rest to rest over a distance [m] with a trapezoidal speed profile [s]."""
@@ -154,39 +158,57 @@ class TouchProbe:
         return total
 
 
+@dataclass(frozen=True)
+class _Probe(Section):
+    """Figures of the probe [m, N]; see config/sensors/touch_probe.yaml."""
+
+    radius: Positive
+    radius_deviation: NotNegative
+    repeatability: NotNegative
+    pre_travel: NotNegative
+    pre_travel_deviation: NotNegative
+    trigger_force: NotNegative
+
+
+@dataclass(frozen=True)
+class _Robot(Section):
+    """Figures of the robot that carries it [m, m/N]; see config/sensors/touch_probe.yaml."""
+
+    repeatability: NotNegative
+    accuracy: NotNegative
+    correlation_length: Positive
+    compliance: NotNegative
+
+
+@dataclass(frozen=True)
+class _SensorFile(Section):
+    probe: _Probe
+    robot: _Robot
+    surface: NotNegative
+    motion: ProbingMotion
+    points: tuple[Spot, ...]
+    more_points: tuple[Spot, ...]
+
+
 def load_touch_probe(path: Path | None = None, layout: CellLayout | None = None) -> TouchProbe:
     """Read config/sensors/touch_probe.yaml, or another file of the same form.
 
     Raises:
-        BadSensorFile: A key is missing or a point lies on no known face.
+        BadSensorFile: A key is missing or unknown, a value impossible or a point lies on no known face.
     """
-    path = path or resource("config/sensors/touch_probe.yaml")
     layout = layout or load_layout()
-    document = read_sensor_file(path)
-    try:
-        probe, robot = ({k: float(v) for k, v in document[part].items()} for part in ("probe", "robot"))
-        points = tuple(Spot(**point) for point in document["points"] + document["more_points"])
-        motion = ProbingMotion(**{k: float(v) for k, v in document["motion"].items()})
-        # The robot gives way under the probe by at most this, at least a third of it: take two thirds.
-        yields = robot["compliance"] * probe["trigger_force"]
-        sensor = TouchProbe(
-            layout=layout,
-            freedom=load_freedom(layout),
-            points=points,
-            motion=motion,
-            height=probe["radius"] - probe["pre_travel"] - 2.0 / 3.0 * yields,
-            random=float(
-                np.sqrt(probe["repeatability"] ** 2 + robot["repeatability"] ** 2 + document["surface"] ** 2)
-            ),
-            common=float(
-                np.sqrt(
-                    probe["radius_deviation"] ** 2 + probe["pre_travel_deviation"] ** 2 + yields**2 / 27.0
-                )
-            ),
-            accuracy=robot["accuracy"],
-            correlation_length=robot["correlation_length"],
-        )
-    except (KeyError, TypeError, ValueError) as error:
-        raise BadSensorFile(f"{path}: {error}; compare it with config/sensors/touch_probe.yaml") from error
-    check_faces(points, path)
-    return sensor
+    content = read(path or resource(FORM), _SensorFile, BadSensorFile, f"compare it with {FORM}")
+    probe, robot = content.probe, content.robot
+    # The robot gives way under the probe by at most this, at least a third of it: take two thirds.
+    yields = robot.compliance * probe.trigger_force
+    return TouchProbe(
+        layout=layout,
+        freedom=load_freedom(layout),
+        points=content.points + content.more_points,
+        motion=content.motion,
+        height=probe.radius - probe.pre_travel - 2.0 / 3.0 * yields,
+        random=float(np.sqrt(probe.repeatability**2 + robot.repeatability**2 + content.surface**2)),
+        common=float(np.sqrt(probe.radius_deviation**2 + probe.pre_travel_deviation**2 + yields**2 / 27.0)),
+        accuracy=robot.accuracy,
+        correlation_length=robot.correlation_length,
+    )

@@ -6,21 +6,36 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import yaml
 
+from doormill_ros.config import read
 from doormill_ros.files import write_atomically
 from doormill_ros.recording.errors import BadExpectationError
 from doormill_ros.recording.replay.answer import STAGES, Answer
+from doormill_ros.values import Exactly, Section
 
 SCHEMA = "doormill/expected/1"
 FILE = "expected.yaml"
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _Dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 Answers = Mapping[str, Sequence[Answer]]  # by run id
+
+
+@dataclass(frozen=True)
+class _Answer(Section):
+    topic: str
+    stamp_ns: int
+    values: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class _Expectation(Section):
+    schema: Annotated[str, Exactly(SCHEMA)]
+    runs: dict[str, list[_Answer]]
 
 
 def read_expectation(bag: Path) -> dict[str, list[Answer]] | None:
@@ -32,28 +47,12 @@ def read_expectation(bag: Path) -> dict[str, list[Answer]] | None:
     path = bag / FILE
     if not path.exists():
         return None
-    try:
-        document = yaml.load(path.read_text(encoding="utf-8"), _Loader)
-        if document["schema"] != SCHEMA:
-            raise KeyError(f"schema {document['schema']!r} instead of {SCHEMA!r}")
-        return {
-            run_id: [Answer(a["topic"], int(a["stamp_ns"]), dict(a["values"])) for a in answers]
-            for run_id, answers in document["runs"].items()
-            if all(a["topic"] in STAGES for a in answers)
-        }
-    except (
-        OSError,
-        UnicodeDecodeError,
-        yaml.YAMLError,
-        KeyError,
-        TypeError,
-        ValueError,
-        AttributeError,
-    ) as error:
-        raise BadExpectationError(
-            f"{path} is no expectation of a replay: {error}; remove it or write it anew with replay --update",
-            path=str(path),
-        ) from error
+    content = read(path, _Expectation, BadExpectationError, "remove it or write it anew with replay --update")
+    return {
+        run_id: [Answer(a.topic, a.stamp_ns, a.values) for a in answers]
+        for run_id, answers in content.runs.items()
+        if all(a.topic in STAGES for a in answers)
+    }
 
 
 def write_expectation(bag: Path, answers: Answers) -> Path:

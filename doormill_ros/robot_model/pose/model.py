@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.config import read_document
 from doormill_ros.robot_model.errors import PoseModelError
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.registry import build_cause
@@ -86,10 +86,7 @@ def load_pose_model(path: Path) -> PoseModel:
         PoseModelError: It cannot be read or used.
     """
     path = path / "model.yaml" if path.is_dir() else path
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise PoseModelError(f"{path} cannot be read: {error}", path=str(path)) from error
+    document = read_document(path, PoseModelError)
     if not isinstance(document, dict) or document.get("schema") != SCHEMA:
         found = document.get("schema") if isinstance(document, dict) else type(document).__name__
         raise PoseModelError(f"{path} has schema {found}, allowed is {SCHEMA}", path=str(path))

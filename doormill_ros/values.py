@@ -1,0 +1,133 @@
+"""What the models of configurations are made of: sections without strange keys, numbers, arrays and names.
+
+What a type allows stands in words in its `what`, for the sentence about a value that is wrong.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+import typing
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from pydantic import ConfigDict, Field, GetCoreSchemaHandler
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from doormill_ros.arrays import FloatArray
+
+# YAML 1.1 takes 1e-5 and 2.4e6 for text: a number with an exponent needs a point and a sign there.
+_EXPONENT = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+")
+
+
+class Section:
+    """Base of the models: beside its fields a mapping holds nothing."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
+
+
+def refused(allowed: str) -> PydanticCustomError:
+    """What a validator raises: the place and what was found there are added by whoever reads."""
+    return PydanticCustomError("allowed", "{allowed}", {"allowed": allowed})
+
+
+def contradiction(sentence: str) -> PydanticCustomError:
+    """What a validator raises that knows the whole sentence, the place included."""
+    return PydanticCustomError("sentence", "{sentence}", {"sentence": sentence})
+
+
+@dataclasses.dataclass(frozen=True)
+class Number:
+    """A finite number in a model; `low` and `high` are allowed themselves unless `above` is set."""
+
+    what: str
+    low: float = -math.inf
+    high: float = math.inf
+    above: bool = False
+    whole: bool = False
+
+    def check(self, value: object) -> float:
+        """The number; raises what pydantic expects of a validator."""
+        if isinstance(value, str) and _EXPONENT.fullmatch(value):
+            value = float(value)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise refused(self.what)
+        try:
+            number = float(value)
+        except OverflowError:
+            raise refused(self.what) from None
+        low_enough = self.low < number if self.above else self.low <= number
+        if not (math.isfinite(number) and low_enough and number <= self.high):
+            raise refused(self.what)
+        if self.whole and number != int(number):
+            raise refused(self.what)
+        return int(number) if self.whole else number
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+Finite = Annotated[float, Number("a finite number")]
+Positive = Annotated[float, Number("a positive number", 0.0, above=True)]
+NotNegative = Annotated[float, Number("a number from 0 up", 0.0)]
+Count = Annotated[int, Number("a positive whole number", 1.0, whole=True)]
+
+
+@dataclasses.dataclass(frozen=True)
+class Array:
+    """Nested lists of finite numbers of one shape in a model, a read-only float array in Python."""
+
+    shape: tuple[int, ...]
+    positive: bool = False
+
+    @property
+    def what(self) -> str:
+        """What is allowed, in words."""
+        size = " x ".join(str(extent) for extent in self.shape)
+        return f"{size} finite numbers{', all positive' if self.positive else ''}"
+
+    def check(self, value: object) -> FloatArray:
+        """The array; raises what pydantic expects of a validator."""
+        kind = Positive if self.positive else Finite
+        (entry,) = (part for part in typing.get_args(kind) if isinstance(part, Number))
+        numbers: list[float] = []
+        if not self._gather(value, self.shape, entry, numbers):
+            raise refused(self.what)
+        array = np.array(numbers, dtype=np.float64).reshape(self.shape)
+        array.setflags(write=False)
+        return array
+
+    def _gather(self, value: object, shape: tuple[int, ...], entry: Number, numbers: list[float]) -> bool:
+        if not shape:
+            try:
+                numbers.append(entry.check(value))
+            except PydanticCustomError:
+                return False
+            return True
+        if not isinstance(value, list | tuple) or len(value) != shape[0]:
+            return False
+        return all(self._gather(part, shape[1:], entry, numbers) for part in value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+@dataclasses.dataclass(frozen=True)
+class Exactly:
+    """One text in a model, such as the name of the file's form."""
+
+    what: str
+
+    def check(self, value: object) -> str:
+        """The text; raises what pydantic expects of a validator."""
+        if value != self.what:
+            raise refused(self.what)
+        return self.what
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+Vector3 = Annotated[FloatArray, Array((3,))]
+Name = Annotated[str, Field(strict=True, min_length=1)]

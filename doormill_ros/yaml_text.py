@@ -1,0 +1,79 @@
+"""The plain value of a YAML text, or what is wrong with the text."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+
+
+class NotYaml(ValueError):
+    """A text that is no YAML document.
+
+    Attributes:
+        where: Line and column, empty where the parser does not say; begins with a blank.
+        problem: What the parser says, one line.
+    """
+
+    def __init__(self, problem: str, mark: yaml.Mark | None = None) -> None:
+        self.where = f" line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        self.problem = " ".join(problem.split())
+        super().__init__(f"not YAML{self.where}: {self.problem}")
+
+
+class DuplicateKey(NotYaml):
+    """A key that a mapping has twice.
+
+    Attributes:
+        key: The key.
+        line: Line of the second one, from 1.
+    """
+
+    def __init__(self, key: str, mark: yaml.Mark) -> None:
+        super().__init__(f"the key {key!r} is given twice", mark)
+        self.key = key
+        self.line = mark.line + 1
+
+
+class _Loader(yaml.SafeLoader):
+    """Refuses a key that is given twice, and leaves times as text.
+
+    The parser in Python, not the faster one in C: that one ends the process where lists are nested deeply.
+    """
+
+
+def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
+    seen = set()
+    for key, _ in node.value:
+        if not isinstance(key, yaml.ScalarNode):
+            raise yaml.constructor.ConstructorError(
+                None, None, "a field name must be plain text", key.start_mark
+            )
+        if key.value in seen:
+            raise DuplicateKey(str(key.value), key.start_mark)
+        seen.add(key.value)
+    return loader.construct_mapping(node, deep=True)
+
+
+_Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
+_Loader.add_constructor("tag:yaml.org,2002:timestamp", lambda loader, node: node.value)
+
+
+def parse(text: str) -> Any:
+    """The plain value of a YAML text: dict, list, str, int, float, bool and None.
+
+    Raises:
+        NotYaml: It is none, or names Python objects.
+        DuplicateKey: A mapping has a key twice.
+    """
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except NotYaml:
+        raise
+    except yaml.MarkedYAMLError as error:
+        raise NotYaml(str(error.problem), error.problem_mark) from error
+    except RecursionError as error:
+        raise NotYaml("nested too deeply") from error
+    # A wrong value behind a tag, such as !!int x, ends in whatever Python says to it.
+    except (yaml.YAMLError, ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
+        raise NotYaml(str(error)) from error
