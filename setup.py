@@ -14,11 +14,13 @@ NODES = [
 TOOLS = ["calibrate", "cell", "replay", "recipes", "identify", "diagnose", "locate", "workspace", "report"]
 
 
-def share(*folders):
-    """Every file below the folders, grouped by the share directory it is installed to."""
+def share(*folders, scripts=True):
+    """Every file below the folders, with or without Python, grouped by the share directory it is installed to."""
     groups = {}
     for folder in folders:
         for path in sorted(Path(folder).rglob("*")):
+            if path.suffix == ".py" and not scripts:
+                continue
             if path.is_file() and "__pycache__" not in path.parts:
                 groups.setdefault(f"share/{PACKAGE}/{path.parent}", []).append(str(path))
     return sorted(groups.items())
@@ -44,7 +46,8 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
-        *share("config", "launch", "rapid", "bags"),
+        *share("config", "launch", "rapid"),
+        *share("bags", scripts=False),
     ],
     zip_safe=True,
     maintainer="doormill_ros developers",

@@ -1,8 +1,13 @@
-"""Write a bag anew: one that was broken off gets its end, its index and its counts; any gets smaller."""
+"""Write a bag anew: one that was broken off gets its end, its index and its counts; any gets smaller.
+
+`. ./activate; python bags/repack.py BAG NEW [--without TOPIC ...] [--level 1..22]`
+"""
 
 from __future__ import annotations
 
+import argparse
 import functools
+import sys
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +16,9 @@ import mcap.writer
 import yaml
 import zstandard
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from doormill_ros.errors import DoormillError
 from doormill_ros.recording.bag_reader import bag_files
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.errors import UnreadableBagError
@@ -73,3 +81,26 @@ def _compression(level: int) -> Iterator[None]:
         yield
     finally:
         mcap.writer.zstandard = usual
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Repack as the command line says; 2 when that cannot be done."""
+    parser = argparse.ArgumentParser(
+        prog="repack", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("bag", type=Path, help="bag folder, finished or broken off")
+    parser.add_argument("new", type=Path, help="bag folder to write; must not exist or be empty")
+    parser.add_argument("--without", metavar="TOPIC", action="append", default=[], help="leave a topic out")
+    parser.add_argument("--level", type=int, choices=range(1, 23), default=3, help="of compression")
+    options = parser.parse_args(arguments)
+    try:
+        repack_bag(options.bag, options.new, options.without, options.level)
+    except DoormillError as error:
+        print(f"repack: {error.message}", file=sys.stderr)
+        return 2
+    print(options.new)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

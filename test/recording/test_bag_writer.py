@@ -6,6 +6,8 @@ import contextlib
 import random
 import string
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -20,6 +22,7 @@ from bags.repack import repack_bag
 from doormill_ros.recording.bag_reader import bag_files, is_broken_off, read_bag, topics_of
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.errors import BagExistsError, UnreadableBagError
+from support.source_tree import ROOT
 
 QOS = [
     {
@@ -157,6 +160,27 @@ def test_repacking_leaves_out_topics_and_gets_smaller(tmp_path: Path) -> None:
     ).stat().st_size
     with pytest.raises(UnreadableBagError, match="holds no"):
         repack_bag(tmp_path / "nowhere", tmp_path / "never")
+
+
+def test_repacking_is_a_command(tmp_path: Path) -> None:
+    """As docs/recording.md gives it."""
+    write(tmp_path / "bag", 10, close=False)
+    script = ROOT / "bags" / "repack.py"
+    assert "`python bags/repack.py BAG NEW`" in " ".join((ROOT / "docs" / "recording.md").read_text().split())
+
+    def repack(*arguments: object) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, script, *map(str, arguments)]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+
+    done = repack("bag", "new", "--without", "/flag")
+    assert (done.returncode, done.stdout) == (0, "new\n"), done.stderr
+    assert not is_broken_off(tmp_path / "new")
+    assert topics_of(tmp_path / "new") == ["/text"]
+    assert numbers(tmp_path / "new") == list(range(10))
+    refused = repack("bag", "new")
+    assert refused.returncode == 2
+    assert "not empty" in refused.stderr
+    assert "Traceback" not in refused.stderr
 
 
 class Finished:
