@@ -1,6 +1,7 @@
 """Tell what a simulation gets wrong: `diagnose --data DIR [--data DIR ...] [--check DIR ...] --out OUT`.
 
-With `--thesis` in place of `--data` it questions the thesis' own loading tests (tables 4.2 and 4.3).
+With `--thesis` in place of `--data` it questions the thesis' own loading tests (tables 4.2 and 4.3), with
+`--pictures DIR` the camera model by pictures of a door that was moved by known amounts.
 """
 
 from __future__ import annotations
@@ -66,6 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--data", metavar="DIR", type=Path, action="append", default=[], help="set to diagnose"
     )
     source.add_argument("--thesis", action="store_true", help="the loading tests that the thesis prints")
+    source.add_argument("--pictures", metavar="DIR", type=Path, help="pictures of a moved door")
     parser.add_argument(
         "--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only"
     )
@@ -85,6 +87,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 from doormill_ros.thesis.run import run_thesis
 
                 verdict = run_thesis(chosen.out)
+            elif chosen.pictures is not None:
+                from doormill_ros.diagnosis.camera.run import run_pictures
+
+                verdict = run_pictures(chosen.pictures, chosen.out, progress)
             else:
                 run = choose_runner([*chosen.data, *chosen.check])
                 verdict = run(chosen.data, chosen.check, chosen.out, progress)

@@ -20,6 +20,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.errors import DoormillError
+from doormill_ros.files import write_atomically
 from doormill_ros.frames import BASE_FRAME
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
@@ -99,7 +100,7 @@ def main(argv: list[str] | None = None) -> int:
         compared = _compare(located)
         if arguments.json is not None:
             text = json.dumps(_document(arguments.sensor, door, located, compared), indent=2, allow_nan=False)
-            arguments.json.write_text(text + "\n", encoding="utf-8")
+            write_atomically(arguments.json, text + "\n")
         _draw(arguments.overlay, located)
     except (DoormillError, OSError) as error:
         print(f"locate: {' '.join(str(error).split())}", file=sys.stderr)

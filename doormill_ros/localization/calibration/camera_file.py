@@ -10,6 +10,7 @@ import yaml
 
 from doormill_ros import config
 from doormill_ros.arrays import FloatArray
+from doormill_ros.files import write_atomically
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.calibration.extrinsics import Extrinsics
 from doormill_ros.localization.calibration.intrinsics import Intrinsics
@@ -74,7 +75,7 @@ def with_mounting(document: dict[str, Any], found: Extrinsics) -> dict[str, Any]
 
 def write_document(document: dict[str, Any], path: Path) -> None:
     """Write a camera document."""
-    path.write_text(yaml.safe_dump(document, sort_keys=False, default_flow_style=None), encoding="utf-8")
+    write_atomically(path, yaml.safe_dump(document, sort_keys=False, default_flow_style=None))
 
 
 def _plain(values: FloatArray) -> list[float] | list[list[float]]:

@@ -2,19 +2,17 @@
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.camera.causes import camera_causes
 from doormill_ros.diagnosis.camera.residuals import diagnose_pictures
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.measurements.picture_reading import DoorReading, Localisations, localisations_of
-from doormill_ros.simulation.picture.picture import render_picture
-from doormill_ros.simulation.picture.scene import PictureScene
+from support.moved_door import EVERY, THICKNESS, WIDTH
 
 STD = np.array([2e-5, 2e-5, 5e-5])
 CENTRE = np.array([0.004, -0.006])
@@ -95,20 +93,6 @@ def test_every_camera_cause_tells_its_pattern():
     assert len({cause.name for cause in camera_causes()}) == len(camera_causes()) == 7
     for cause in camera_causes():
         assert len(cause.pattern()) > 25
-
-
-WIDTH, THICKNESS = 1.0, 0.04
-EVERY = 30.0  #: time between two pictures [s]
-
-
-@pytest.fixture(scope="module")
-def photographed():
-    """Pictures of a door at 12 known places, two at each, by the camera as it truly is."""
-    cv2.setNumThreads(1)
-    rng = np.random.default_rng(9)
-    places = np.column_stack([rng.uniform(-0.008, 0.008, (12, 2)), rng.uniform(-0.025, 0.025, 12)])
-    moved = [DoorOffset(*place) for place in np.tile(places, (2, 1))]
-    return moved, [render_picture(PictureScene(WIDTH, THICKNESS, m), 300 + i) for i, m in enumerate(moved)]
 
 
 def believed(photographed, model):
