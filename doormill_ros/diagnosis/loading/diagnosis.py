@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.draws import ratio_interval
 from doormill_ros.diagnosis.loading.finding import Finding, make_findings, rmse
 from doormill_ros.diagnosis.loading.fit import MEDIAN, OUTLIER_SHARE, Fit
 from doormill_ros.diagnosis.loading.patterns import spoils, unnamed_patterns
@@ -220,7 +221,7 @@ def _outliers(best: Fit, components: int) -> FloatArray:
     n = len(cost)
     scale = max(1.0, float(np.median(cost)) / MEDIAN[components])
     limit = chi2.isf(0.01 / n, components) * scale
-    worst = np.argsort(cost)[::-1][: int(OUTLIER_SHARE * n)]
+    worst = np.argsort(-cost, kind="stable")[: int(OUTLIER_SHARE * n)]
     mask = np.zeros(n, dtype=bool)
     mask[worst[cost[worst] > limit]] = True
     return mask
@@ -233,10 +234,7 @@ def _gain(
     numbers = np.unique(problem.configuration[kept])
     before = np.array([np.sum(baseline.held_out[kept & (problem.configuration == c)] ** 2) for c in numbers])
     after = np.array([np.sum(extended.held_out[kept & (problem.configuration == c)] ** 2) for c in numbers])
-    draws = np.random.default_rng(0).integers(0, len(numbers), (2000, len(numbers)))
-    ratios = np.sqrt(after[draws].sum(axis=1) / before[draws].sum(axis=1))
-    low, high = np.quantile(ratios, [0.025, 0.975])
-    return float(np.sqrt(after.sum() / before.sum())), (float(low), float(high))
+    return ratio_interval(before, after)
 
 
 def _remarks(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.draws import ratio_interval
 from doormill_ros.diagnosis.pose.fit import Fitted, deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.orders import find_orders
 from doormill_ros.diagnosis.pose.selection import REAL, Score, eliminate, explained_cost, scores
@@ -28,7 +29,6 @@ STEP = 60.0
 AT_NOISE = 1.1
 #: Share of the excess over the noise that causes have to explain to be named when structure remains.
 MAIN_PART = 0.5
-_DRAWS = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,11 +218,7 @@ def _gain(
         squares = [np.sum(e[:, :3] ** 2, axis=1) * good for e, good in zip(errors, kept, strict=True)]
         return np.concatenate(by_block(squares))
 
-    old, new = sums(before), sums(after)
-    draws = np.random.default_rng(0).integers(0, len(old), (_DRAWS, len(old)))
-    ratios = np.sqrt(new[draws].sum(axis=1) / old[draws].sum(axis=1))
-    low, high = np.quantile(ratios, [0.025, 0.975])
-    return float(np.sqrt(new.sum() / old.sum())), (float(low), float(high))
+    return ratio_interval(sums(before), sums(after))
 
 
 def standard_deviations(fitted: Fitted) -> FloatArray:
