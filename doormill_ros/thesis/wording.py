@@ -25,9 +25,9 @@ def joint_3_sentence(found: ThesisDiagnosis) -> str:
     """What the tests say about the spring of joint 3, if it is the spring."""
     alone, both = found.joint_3
     return (
-        f"If it is the spring of joint 3, test 3 alone puts it at {found.joint_3_plain:.3f} of that of joint 1 when the "
-        f"load hangs straight down and bends joints 2 and 3 only ({alone:.3f} with the printed wrench and all joints), "
-        f"tests 3 and 5 together at {both:.3f}; table 4.1 says 0.689. What five lengths can decide: that the springs of "
-        "table 4.1 are too soft together, and that joint 2 or joint 3 is where. What they cannot: which of the two it "
+        f"If it is the spring of joint 3, test 3 alone puts it at {found.joint_3_plain:.3f} of joint 1's when the "
+        f"load hangs straight down and bends joints 2 and 3 only ({alone:.3f} with the printed wrench on all joints), "
+        f"tests 3 and 5 together at {both:.3f}; table 4.1 says 0.689. What five lengths can decide: table 4.1 makes "
+        "the springs too soft together, in joint 2 or in joint 3. What they cannot decide: which of the two it "
         "is, and whether it is a spring or friction."
     )

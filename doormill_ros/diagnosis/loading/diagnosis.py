@@ -9,7 +9,6 @@ import numpy as np
 from scipy.stats import chi2
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.draws import ratio_interval
 from doormill_ros.diagnosis.loading.finding import Finding, make_findings, rmse
 from doormill_ros.diagnosis.loading.fit import MEDIAN, OUTLIER_SHARE, Fit
 from doormill_ros.diagnosis.loading.patterns import spoils, unnamed_patterns
@@ -19,6 +18,7 @@ from doormill_ros.diagnosis.loading.stability import beaten, clustered, instabil
 from doormill_ros.measurements.measurement_set import MeasurementSet
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 from doormill_ros.robot_model.elastic.causes.registry import candidates
+from doormill_ros.statistics import bootstrap_ratio
 
 #: Chance of an innocent residual below which structure remains.
 STRUCTURE = 1e-4
@@ -234,7 +234,7 @@ def _gain(
     numbers = np.unique(problem.configuration[kept])
     before = np.array([np.sum(baseline.held_out[kept & (problem.configuration == c)] ** 2) for c in numbers])
     after = np.array([np.sum(extended.held_out[kept & (problem.configuration == c)] ** 2) for c in numbers])
-    return ratio_interval(before, after)
+    return bootstrap_ratio(before, after)
 
 
 def _remarks(

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.draws import uniform
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.diagnosis.loading.fit import Fit
 from doormill_ros.diagnosis.loading.problem import Problem
@@ -15,6 +14,7 @@ from doormill_ros.diagnosis.loading.search import EQUAL
 from doormill_ros.diagnosis.ranking import first_largest, ranked
 from doormill_ros.measurements.measurement_set import MeasurementSet, Reflector
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.statistics import uniform
 from doormill_ros.units import rad_to_deg
 
 PROPOSALS = 6  #: trials that are proposed
@@ -170,7 +170,7 @@ def _pool(data: MeasurementSet, seed: int) -> tuple[MeasurementSet, FloatArray]:
     low, high = data.q.min(axis=0), data.q.max(axis=0)
     middle, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, 0.5)
     _, first = np.unique(data.configuration, return_index=True)
-    postures = np.vstack([data.q[first][:8], middle + half * (2.0 * uniform(seed, (_POSTURES, 6)) - 1.0)])[
+    postures = np.vstack([data.q[first][:8], middle + half * (2.0 * uniform((_POSTURES, 6), seed) - 1.0)])[
         :_POSTURES
     ]
     reflectors = dict(data.reflectors)
@@ -278,8 +278,8 @@ def _sentence(names: tuple[str, str], trials: list[ProposedTrial], odds: float, 
     angles = ", ".join(f"{angle:.0f}" for angle in rad_to_deg(first.q))
     if odds < DECIDED:
         return (
-            f"No loading of this kind tells {names[0]} from {names[1]} at once (the best {len(trials)} trials have odds "
-            f"of {np.exp(min(odds, 20.0)):.1f} to 1): repeat these, or check one of them directly."
+            f"No loading of this kind tells {names[0]} from {names[1]} at once (the {len(trials)} best trials have odds"
+            f" of {np.exp(min(odds, 20.0)):.1f} to 1): repeat these, or check one of them directly."
         )
     purpose = (
         f"No other candidate is left; to confirm {names[0]} against the closest, {names[1]},"

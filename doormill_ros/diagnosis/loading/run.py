@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,7 @@ def run_measurement_sets(
     if shift is not None:
         more["path_shift"] = {"door": shift.door, "largest": shift.largest, "unit": "m"}
     if unchanged:
+        diagnosis = replace(diagnosis, remarks=(*diagnosis.remarks, unchanged))
         more["model_unchanged"] = unchanged
     if checked:
         more["checks"] = checked

@@ -15,6 +15,7 @@ CLUSTERED = 1e-3
 #: Chance with which an equal model loses in as many configurations.
 BEATEN = 0.05
 _SAME_CHANCE = 1e-3  #: share by which two chances differ that are not the same
+_ROUNDING = 1e-9  #: share of the largest value that is no difference
 _SAME = 0.1  #: difference of the cost of a configuration below which it speaks for neither model
 
 
@@ -23,20 +24,25 @@ def halves(problem: Problem) -> dict[str, FloatArray]:
     data, case = problem.data, problem.case
     force = np.linalg.norm(case.force, axis=1)
     cuts = {
-        "load": force > np.median(force),
-        "time": data.time > np.median(data.time),
-        "load up or down": case.force[:, 2] > 0.0,
-        "load left or right": case.force[:, 1] > 0.0,
+        "load": _above(force, float(np.median(force))),
+        "time": _above(data.time, float(np.median(data.time))),
+        "load up or down": _above(case.force[:, 2], 0.0),
+        "load left or right": _above(case.force[:, 1], 0.0),
     }
     for k in range(6):
         size = np.abs(case.torque[:, k])
-        cuts[f"torque of joint {k + 1}"] = size > np.median(size)
-        cuts[f"sign of the torque of joint {k + 1}"] = case.torque[:, k] > 0.0
-        cuts[f"angle of joint {k + 1}"] = data.q[:, k] > np.median(data.q[:, k])
+        cuts[f"torque of joint {k + 1}"] = _above(size, float(np.median(size)))
+        cuts[f"sign of the torque of joint {k + 1}"] = _above(case.torque[:, k], 0.0)
+        cuts[f"angle of joint {k + 1}"] = _above(data.q[:, k], float(np.median(data.q[:, k])))
     for name in data.reflectors:
         cuts[f"reflector {name}"] = data.reflector == name
     share = {name: mask.mean() for name, mask in cuts.items()}
     return {name: mask for name, mask in cuts.items() if 0.1 <= share[name] <= 0.9}
+
+
+def _above(values: FloatArray, limit: float) -> BoolArray:
+    """Values above a limit by more than rounding, shape (n,): those of one posture stay on one side of it."""
+    return values > limit + _ROUNDING * max(float(np.abs(values).max()), 1e-300)
 
 
 def instability(problem: Problem, found: Fit, cause: Cause) -> tuple[float, str, float]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.draws import ratio_interval
 from doormill_ros.diagnosis.pose.fit import Fitted, deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.orders import find_orders
 from doormill_ros.diagnosis.pose.selection import REAL, Score, eliminate, explained_cost, scores
@@ -22,6 +21,7 @@ from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orde
 from doormill_ros.robot_model.pose.causes.registry import candidates
 from doormill_ros.robot_model.pose.causes.session_step import find_step
 from doormill_ros.robot_model.pose.model import PoseModel
+from doormill_ros.statistics import bootstrap_ratio
 
 #: Fall of the sum of squares that makes a step worth a trial.
 STEP = 60.0
@@ -218,7 +218,7 @@ def _gain(
         squares = [np.sum(e[:, :3] ** 2, axis=1) * good for e, good in zip(errors, kept, strict=True)]
         return np.concatenate(by_block(squares))
 
-    return ratio_interval(sums(before), sums(after))
+    return bootstrap_ratio(sums(before), sums(after))
 
 
 def standard_deviations(fitted: Fitted) -> FloatArray:

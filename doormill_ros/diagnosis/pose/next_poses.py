@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.draws import uniform
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.document import BINS, covered
 from doormill_ros.diagnosis.ranking import first_largest
 from doormill_ros.robot_model.pose.chain import derivatives, direction, frames
 from doormill_ros.robot_model.pose.layout import design, frame_twists
 from doormill_ros.robot_model.pose.model import view_of
+from doormill_ros.statistics import uniform
 from doormill_ros.units import rad_to_deg
 
 #: Poses for a degree of an unvisited range that give the highest listed orders three samples a wave.
@@ -92,7 +92,7 @@ def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> FloatArray:
     Neither lower nor nearer to the axis of joint 1 nor farther out than any measured one.
     """
     problem = diagnosis.extended.problem
-    q = np.pi * (2.0 * uniform(seed, (_TRIED, 6)) - 1.0)
+    q = np.pi * (2.0 * uniform((_TRIED, 6), seed) - 1.0)
     offset = problem.placements[-1].T_flange_target[:, 3]
     target = frames(view_of(diagnosis.model, q).transforms)[:, -1] @ offset
     seen = []
