@@ -105,9 +105,15 @@ class MeasurementSet:
     @property
     def configuration(self) -> FloatArray:
         """Number of the posture of each trial, shape (n,), counted in order of appearance."""
-        seen: dict[tuple[int, ...], int] = {}
-        keys = np.round(self.q / SAME_ANGLE).astype(np.int64)
-        return np.array([seen.setdefault(tuple(key), len(seen)) for key in keys])
+        seen: list[FloatArray] = []
+        numbers = np.zeros(len(self), dtype=int)
+        for row, q in enumerate(self.q):
+            # Not by rounded angles: typed ones like to lie on the border between two.
+            same = np.flatnonzero(np.all(np.abs(np.array(seen).reshape(-1, 6) - q) < SAME_ANGLE, axis=1))
+            if not len(same):
+                seen.append(q)
+            numbers[row] = same[0] if len(same) else len(seen) - 1
+        return numbers
 
     @property
     def reflector_link(self) -> FloatArray:

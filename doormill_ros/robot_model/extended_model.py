@@ -88,13 +88,22 @@ class ExtendedComplianceModel:
 
 
 def model_document(
-    robot: str, joint_stiffness: FloatArray, causes: Sequence[SizedCause], source: str
+    robot: str, joint_stiffness: FloatArray, causes: Sequence[SizedCause], source: str, unchanged: str = ""
 ) -> dict[str, Any]:
-    """The content of model.yaml."""
+    """The content of model.yaml.
+
+    Args:
+        robot: Name of the robot.
+        joint_stiffness: Of the model that was questioned, shape (6,) [N m / rad].
+        causes: What was established.
+        source: Where the model comes from.
+        unchanged: Why no cause is in it although some are in question; empty when that is not so.
+    """
     return {
         "schema": SCHEMA,
         "robot": robot,
         "source": source,
+        **({"unchanged": unchanged} if unchanged else {}),
         "joint_stiffness": [float(k) for k in joint_stiffness],
         "causes": [
             {

@@ -6,18 +6,22 @@ them and must predict the others. What the printed data cannot decide is said so
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.diagnosis.loading.path_shift import DOOR, paths_apart
+from doormill_ros.diagnosis.ranking import ranked
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import candidates
 from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
+from doormill_ros.robot_model.extended_model import SizedCause
 from doormill_ros.thesis.loading_tests import ThesisData, ThesisTest
 from doormill_ros.thesis.recovery import recover, repeatability
 
@@ -26,7 +30,7 @@ TRACKER = 10e-6
 #: Tests whose lengths a model can be held against; where the reflector of test 6 sat is not printed.
 DECIDABLE = (1, 2, 3, 4, 5)
 #: A rival that fits within this of the best in squared deviations is as good (odds of 20 to 1).
-_AS_GOOD = 6.0
+AS_GOOD = 6.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,26 +58,59 @@ class ThesisRow:
 
 
 @dataclass(frozen=True, eq=False)
-class ThesisDiagnosis:
-    """All six tests.
+class ThesisCandidate:
+    """A cause fitted to tests 1 to 5.
 
     Attributes:
-        cause: The cause that brings the tests together best.
-        value: Its parameter.
-        std: Standard deviation of that.
-        confusable: Causes that do as well.
-        misfit: Squared deviations of tests 1 to 5 before and after.
-        rows: The tests.
-        test_6_range: Shortest and longest prediction of test 6 over the two sides of its reflector [m].
+        cause: The cause.
+        value, std: Its parameter and the standard deviation of that.
+        misfit: Squared deviations of the tests with it.
     """
 
     cause: Cause
     value: float
     std: float
-    confusable: tuple[Cause, ...]
-    misfit: tuple[float, float]
+    misfit: float
+
+
+@dataclass(frozen=True, eq=False)
+class ThesisDiagnosis:
+    """All six tests.
+
+    Attributes:
+        candidates: Causes that bring the tests together equally well, the closest fit first. They are one finding.
+        next_misfit: Squared deviations with the best cause that is none of them.
+        before: Squared deviations of tests 1 to 5 without any cause.
+        rows: The tests, extended by the first candidate.
+        test_6_range: Shortest and longest prediction of test 6 over the two sides of its reflector [m].
+        joint_3: Stiffness of joint 3 over that of joint 1 as test 3 alone says, and tests 3 and 5 together.
+        joint_3_plain: The first again with a load straight down that bends joints 2 and 3 only.
+        unchanged: Why model.yaml holds none of the candidates.
+    """
+
+    candidates: tuple[ThesisCandidate, ...]
+    next_misfit: float
+    before: float
     rows: tuple[ThesisRow, ...]
     test_6_range: tuple[float, float]
+    joint_3: tuple[float, float]
+    joint_3_plain: float
+    unchanged: str
+
+    @property
+    def cause(self) -> Cause:
+        """Of the closest fit."""
+        return self.candidates[0].cause
+
+    @property
+    def confusable(self) -> tuple[Cause, ...]:
+        """Those of the others."""
+        return tuple(candidate.cause for candidate in self.candidates[1:])
+
+    @property
+    def misfit(self) -> tuple[float, float]:
+        """Squared deviations of tests 1 to 5 before, and with the closest fit."""
+        return self.before, self.candidates[0].misfit
 
 
 @dataclass(frozen=True)
@@ -131,18 +168,22 @@ def read_preload_test(data: ThesisData) -> PreloadReading:
 def diagnose_thesis(data: ThesisData) -> ThesisDiagnosis:
     """Question the simulation of table 4.2."""
     stiffness = recover(data).stiffness
-    cases = {side: [_case(data, test, stiffness, side) for test in data.tests] for side in (1, -1)}
+    cases = {side: _cases(data, stiffness, side) for side in (1, -1)}
     std = float(np.hypot(TRACKER, repeatability(data)))
     measured = np.array([test.measured for test in data.tests])
     use = np.array([test.joint in DECIDABLE for test in data.tests])
 
-    def misfit(cause: Cause | None, theta: FloatArray, rows: FloatArray) -> FloatArray:
+    def misfit(cause: Cause | None, theta: FloatArray, rows: BoolArray) -> FloatArray:
         return (_lengths(data, cases[1], cause, theta)[rows] - measured[rows]) / std
 
+    def only(*joints: int) -> BoolArray:
+        return np.array([test.joint in joints for test in data.tests])
+
     library = [cause for cause in candidates(["ee"]) if cause.stage == "robot" and cause.size == 1]
-    fits = sorted(((_fit(misfit, cause, use), cause) for cause in library), key=lambda pair: pair[0][1])
-    (theta, best, slope), cause = fits[0]
-    confusable = tuple(other for (_, cost, _), other in fits[1:] if cost < best + _AS_GOOD)
+    fits = ranked([(cause, *_fit(misfit, cause, use)) for cause in library], lambda fit: fit[2])
+    good = [fit for fit in fits if fit[2] < fits[0][2] + AS_GOOD]
+    found = tuple(_candidate(*fit, cases[1][0]) for fit in good)
+    cause, theta, _, slope = good[0]
     plain = _lengths(data, cases[1], None, np.zeros(0))
     full = _lengths(data, cases[1], cause, theta)
     rows = []
@@ -166,19 +207,60 @@ def diagnose_thesis(data: ThesisData) -> ThesisDiagnosis:
                 LEFT_OUT[i],
             )
         )
-    value = cause.values(theta, cases[1][0])
-    step = 1e-4 * np.ones(1)
-    rate = float((cause.values(theta + step, cases[1][0]) - value)[0] / step[0])
+    spring = JointStiffness("joint 3")
+    third = [
+        float(spring.values(_fit(misfit, spring, only(*joints))[0], cases[1][0])[0] / stiffness[0])
+        for joints in ((3,), (3, 5))
+    ]
     sides = [float(_lengths(data, cases[side], cause, theta)[5]) for side in (1, -1)]
+    models = {repr(c.cause): [SizedCause(c.cause, np.array([c.value]))] for c in found}
     return ThesisDiagnosis(
-        cause=cause,
-        value=float(value[0]),
-        std=abs(rate) / np.sqrt(slope),
-        confusable=confusable,
-        misfit=(float(np.sum(misfit(None, np.zeros(0), use) ** 2)), best),
+        candidates=found,
+        next_misfit=fits[len(good)][2],
+        before=float(np.sum(misfit(None, np.zeros(0), use) ** 2)),
         rows=tuple(rows),
         test_6_range=(min(sides), max(sides)),
+        joint_3=(third[0], third[1]),
+        joint_3_plain=_plain_ratio(data, cases[1][2], stiffness),
+        unchanged=_unchanged(*paths_apart(data.robot.name, data.robot.dh, stiffness, models)),
     )
+
+
+def _candidate(cause: Cause, theta: FloatArray, cost: float, slope: float, case: LoadCase) -> ThesisCandidate:
+    value = float(cause.values(theta, case)[0])
+    step = 1e-4
+    rate = (float(cause.values(theta + step, case)[0]) - value) / step
+    return ThesisCandidate(cause, value, abs(rate) / float(np.sqrt(slope)), cost)
+
+
+def _unchanged(pair: tuple[str, str], apart: float) -> str:
+    return (
+        f"model.yaml is the unchanged model: five printed lengths cannot tell the candidates apart; {pair[0]} and "
+        f"{pair[1]} would send the tool up to {1e3 * apart:.3f} mm apart on the door {DOOR}."
+    )
+
+
+def _plain_ratio(data: ThesisData, case: LoadCase, stiffness: FloatArray) -> float:
+    """Stiffness of joint 3 over joint 1 by test 3 if its load hangs straight down and bends joints 2 and 3 only."""
+    test = data.test(3)
+    weight = float(np.linalg.norm(test.force_base))
+    moved = []
+    for k in (1, 2):
+        torque = float(
+            case.axis(k)[0] @ np.cross(_load_point(data, test) - case.origin[0, k], [0.0, 0.0, -weight])
+        )
+        moved.append(torque / stiffness[k] * case.joint_twist(k)[0, :3])
+    # |moved by joint 2 + s moved by joint 3| is what was measured: a quadratic equation for s.
+    a, b = float(moved[1] @ moved[1]), float(moved[0] @ moved[1])
+    c = float(moved[0] @ moved[0]) - test.measured**2
+    return float(stiffness[2] / stiffness[0] * a / (-b + np.sqrt(b * b - a * c)))
+
+
+def _load_point(data: ThesisData, test: ThesisTest) -> FloatArray:
+    """Where the load of a test acts, base frame, shape (3,) [m]."""
+    frame = Kinematics(data.robot).link_frames(test.q)[test.load_link]
+    point: FloatArray = frame[:3, :3] @ test.load_point + frame[:3, 3]
+    return point
 
 
 LEFT_OUT = (
@@ -192,6 +274,13 @@ LEFT_OUT = (
     "joint 5, which bends under the same rope; how much of it shows depends on the side of the reflector, which is "
     "not printed, so the deviation cannot be assigned",
 )
+
+
+def _cases(data: ThesisData, stiffness: FloatArray, side: int) -> list[LoadCase]:
+    """All tests, laws scaled by the largest torque of each joint in any of them: one friction torque for all."""
+    cases = [_case(data, test, stiffness, side) for test in data.tests]
+    largest = np.max([np.abs(case.torque[0]) for case in cases], axis=0)
+    return [replace(case, largest_torque=largest) for case in cases]
 
 
 def _case(data: ThesisData, test: ThesisTest, stiffness: FloatArray, side: int) -> LoadCase:
@@ -212,9 +301,7 @@ def _case(data: ThesisData, test: ThesisTest, stiffness: FloatArray, side: int) 
     )
     if test.load_link < 6:
         # A load on an inner link is felt by the joints before it only.
-        frame = kinematics.link_frames(test.q)[test.load_link]
-        at = frame[:3, :3] @ test.load_point + frame[:3, 3]
-        moment = np.cross(at - case.origin[0], test.force_base)[None]
+        moment = np.cross(_load_point(data, test) - case.origin[0], test.force_base)[None]
         moment[0, test.load_link :] = 0.0
         case = replace(
             case, moment=moment, torque=np.einsum("nki,nki->nk", case.axes[:, :6, :, 2], moment[:, :6])
@@ -254,7 +341,9 @@ def _own(data: ThesisData, case: LoadCase, test: ThesisTest, stiffness: FloatArr
     return abs(angle) * lever
 
 
-def _fit(misfit, cause: Cause, rows: FloatArray) -> tuple[FloatArray, float, float]:
+def _fit(
+    misfit: Callable[[Cause | None, FloatArray, BoolArray], FloatArray], cause: Cause, rows: BoolArray
+) -> tuple[FloatArray, float, float]:
     """Theta, squared deviations, and squared slope of the deviations by theta."""
     best = least_squares(
         lambda theta: misfit(cause, theta, rows), 0.1 * cause.scale, bounds=(cause.lower - 1e-9, cause.upper)

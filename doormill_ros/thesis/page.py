@@ -10,6 +10,7 @@ from doormill_ros.diagnosis.report.html import page, table
 from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
 from doormill_ros.diagnosis.report.wording import MICRO, micrometres, spoken, with_deviation
 from doormill_ros.thesis.diagnosis import PreloadReading, ThesisDiagnosis, ThesisRow
+from doormill_ros.thesis.wording import candidates_sentence, joint_3_sentence
 
 UM = 1e6  #: micrometres in a metre
 _WIDTH = 1132
@@ -17,22 +18,24 @@ _WIDTH = 1132
 
 def thesis_headline(found: ThesisDiagnosis) -> str:
     """The verdict in one line."""
-    value = with_deviation([found.value], [found.std], found.cause.parameters[0].unit)
-    return f"Partly explained: {spoken(found.cause)} is {value}; what tests 4 and 6 say cannot be decided"
+    names = ", ".join(spoken(candidate.cause) for candidate in found.candidates[:-1])
+    return (
+        f"Partly explained: {names} or {spoken(found.candidates[-1].cause)}; five lengths cannot decide which"
+    )
 
 
 def render_thesis_report(found: ThesisDiagnosis, gap: PreloadReading) -> str:
     """The page as HTML text without any outside resource."""
-    rivals = ", ".join(map(spoken, found.confusable))
     low, high = found.test_6_range
     lead = (
         "The simulation of table 4.2 lets the joint under test give way alone. With all springs of table 4.1 acting, "
-        f"tests 3 and 5 overshoot; one changed spring brings both to within {_percent(found)} of what was measured. "
-        f"It is not the only way: {rivals} would do as well."
+        f"tests 3 and 5 overshoot. {candidates_sentence(found)}"
     )
     parts = [
         f"<h2>Table 4.2: measured against simulated</h2>{_lengths(found)}{_table(found)}"
-        f"<p>Held out: the cause fitted without the test, so test 5 alone predicts test 3 and the other way round. "
+        f"<p>{escape(joint_3_sentence(found))}</p><p>{escape(found.unchanged)}</p>"
+        "<p>Extended: by the first of them. Held out: the cause fitted without the test, so test 5 alone predicts test "
+        "3 and the other way round. "
         f"Test 6 with all joints gives {micrometres(low)} or {micrometres(high)}, depending on the side on which its "
         "reflector sat, which is not printed.</p>",
         f"<h2>Table 4.3: joint 1 pre-loaded and not</h2>{_angles(gap)}{_readings(gap)}",
@@ -43,11 +46,6 @@ def render_thesis_report(found: ThesisDiagnosis, gap: PreloadReading) -> str:
         "parts the candidates for joint 3 from joint 2.</p>",
     ]
     return page(thesis_headline(found), lead, parts)
-
-
-def _percent(found: ThesisDiagnosis) -> str:
-    worst = max(abs(row.extended / row.measured - 1.0) for row in found.rows if row.joint in (3, 5))
-    return f"{100 * worst:.0f} %"
 
 
 def _lengths(found: ThesisDiagnosis) -> str:

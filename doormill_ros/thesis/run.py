@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.diagnosis.loading.document import MODEL_FILE, write_diagnosis
-from doormill_ros.robot_model.extended_model import SizedCause, model_document
+from doormill_ros.diagnosis.margin import Margin
+from doormill_ros.robot_model.extended_model import model_document
 from doormill_ros.thesis.diagnosis import (
+    AS_GOOD,
     PreloadReading,
+    ThesisCandidate,
     ThesisDiagnosis,
     diagnose_thesis,
     read_preload_test,
@@ -18,6 +21,7 @@ from doormill_ros.thesis.diagnosis import (
 from doormill_ros.thesis.loading_tests import load_thesis_data
 from doormill_ros.thesis.page import render_thesis_report
 from doormill_ros.thesis.recovery import recover
+from doormill_ros.thesis.wording import candidates_sentence, joint_3_sentence
 
 SCHEMA = "doormill/thesis-diagnosis/1"
 
@@ -30,17 +34,18 @@ def run_thesis(out: Path) -> str:
     """
     data = load_thesis_data()
     found, gap = diagnose_thesis(data), read_preload_test(data)
-    cause = SizedCause(found.cause, np.array([found.value]))
     model = model_document(
         data.robot.name,
         recover(data).stiffness,
-        [cause],
+        [],
         "the thesis' loading tests, verdict partly_explained",
+        found.unchanged,
     )
     write_diagnosis(out, _document(found, gap), model, render_thesis_report(found, gap))
+    names = " or ".join(f"{c.cause!r} ({c.value:.3g} {c.cause.parameters[0].unit})" for c in found.candidates)
     return (
-        f"partly_explained: {found.cause!r}, {found.value:.3g} +- {found.std:.2g} {found.cause.parameters[0].unit}; "
-        f"squared deviations of tests 1 to 5 {found.misfit[0]:.0f} -> {found.misfit[1]:.1f}"
+        f"partly_explained: {names}; squared deviations of tests 1 to 5 {found.before:.0f} -> {found.misfit[1]:.1f} to "
+        f"{found.candidates[-1].misfit:.1f}, which five lengths cannot decide"
     )
 
 
@@ -53,14 +58,16 @@ def _document(found: ThesisDiagnosis, gap: PreloadReading) -> dict[str, Any]:
             {
                 "cause": found.cause.name,
                 "where": found.cause.where,
-                "parameters": {
-                    found.cause.parameters[0].name: {
-                        "value": found.value,
-                        "std": found.std,
-                        "unit": found.cause.parameters[0].unit,
+                "parameters": _parameters(found.candidates[0]),
+                "confusable_with": [
+                    {
+                        "cause": c.cause.name,
+                        "where": c.cause.where,
+                        "parameters": _parameters(c),
+                        "score_difference": c.misfit - found.misfit[1],
                     }
-                },
-                "confusable_with": [{"cause": c.name, "where": c.where} for c in found.confusable],
+                    for c in found.candidates[1:]
+                ],
             }
         ],
         "misfit": {"before": found.misfit[0], "after": found.misfit[1]},
@@ -79,5 +86,22 @@ def _document(found: ThesisDiagnosis, gap: PreloadReading) -> dict[str, Any]:
             "friction": {"value": gap.friction, "std": gap.friction_std, "unit": "N m"},
             "stiffness_if_friction": gap.stiffness_if_friction,
         },
+        "joint_3_over_joint_1": {
+            "test 3": found.joint_3[0],
+            "test 3, load straight down on joints 2 and 3": found.joint_3_plain,
+            "tests 3 and 5": found.joint_3[1],
+        },
+        "remarks": [candidates_sentence(found), joint_3_sentence(found)],
         "extended_model": MODEL_FILE,
+        "model_unchanged": found.unchanged,
+        "margins": [
+            Margin(
+                "a further candidate does as well", found.next_misfit - found.misfit[1], AS_GOOD, "score"
+            ).document()
+        ],
     }
+
+
+def _parameters(candidate: ThesisCandidate) -> dict[str, Any]:
+    parameter = candidate.cause.parameters[0]
+    return {parameter.name: {"value": candidate.value, "std": candidate.std, "unit": parameter.unit}}

@@ -44,7 +44,16 @@ def test_the_thesis_table_is_what_the_code_gives():
         assert f"| {row.joint} | " + " | ".join(f"{1e6 * v:.1f}" for v in figures) + " |" in page
     low, high = found.test_6_range
     assert f"{1e6 * low:.0f} or {1e6 * high:.0f}" in page
-    assert f"({1e-6 * found.value:.2f} +- {1e-6 * found.std:.2f}) x 1e6 N m/rad" in page
+    friction, stiff_3, stiff_2 = found.candidates
+    assert (
+        f"friction in joint 3, {friction.value:.1f} +- {friction.std:.0f} N m | {friction.misfit:.2f}" in page
+    )
+    for name, one in (("joint 3", stiff_3), ("joint 2", stiff_2)):
+        size = f"({1e-6 * one.value:.2f} +- {1e-6 * one.std:.2f}) x 1e6 N m/rad"
+        assert f"stiffness of {name}, {size} | {one.misfit:.2f}" in page
+    for name in ("diagnosis-thesis.md", "thesis.md"):
+        for ratio in (found.joint_3_plain, found.joint_3[0], found.joint_3[1]):
+            assert f"{ratio:.3f}" in text(name)
     gap = read_preload_test(data)
     assert f"({1e5 * gap.gap:.1f} +- {1e5 * gap.gap_std:.1f}) x 1e-5 rad" in page
     assert f"{1e5 * gap.gap_ci95[0]:.1f} to {1e5 * gap.gap_ci95[1]:.1f}" in page

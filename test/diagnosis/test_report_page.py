@@ -14,7 +14,9 @@ SETS = {
     "consistent": ([], "Consistent: the simulation is off by"),
     "unexplained": ([RIPPLE], "Unexplained: the simulation is off by"),
 }
-THESIS = "Partly explained: stiffness in joint 3 is ("
+THESIS = (
+    "Partly explained: friction in joint 3, stiffness in joint 3 or stiffness in joint 2; five lengths cannot"
+)
 #: Texts that stick out of the picture they belong to, with half a pixel for rounding.
 OVERFLOWS = """() => [...document.querySelectorAll('svg text')].filter(t => {
     const a = t.getBoundingClientRect(), b = t.ownerSVGElement.getBoundingClientRect();
@@ -78,5 +80,6 @@ def test_causes_are_spoken_with_their_place():
         ("link_bending", "link 2", "bending in link 2"),
         ("tracker_scale", "tracker", "tracker scale"),
         ("reflector_position", "tip", "position of reflector tip"),
+        ("wrench_gain", "sensor", "sensor gain"),
     ):
         assert spoken(build_cause(name, where)) == words

@@ -60,6 +60,26 @@ def test_the_cause_brings_tests_3_and_5_together_also_when_held_out(found):
     assert found.misfit[1] < 0.1 * found.misfit[0]
 
 
+def test_friction_is_one_torque_for_all_tests(found):
+    """Figures of a program of its own, written from table 2.1 alone."""
+    by_key = {c.cause.key: c for c in found.candidates}
+    assert list(by_key) == [
+        ("joint_friction", "joint 3"),
+        ("joint_stiffness", "joint 3"),
+        ("joint_stiffness", "joint 2"),
+    ]
+    for key, value, misfit in (
+        (("joint_friction", "joint 3"), 54.3, 0.40),
+        (("joint_stiffness", "joint 3"), 2.08e6, 1.53),
+        (("joint_stiffness", "joint 2"), 2.66e6, 4.92),
+    ):
+        assert by_key[key].value == pytest.approx(value, rel=2e-3)
+        assert by_key[key].misfit == pytest.approx(misfit, abs=6e-3)
+    assert found.next_misfit == pytest.approx(6.52, abs=6e-3), "friction of joint 2, just too far behind"
+    assert found.joint_3_plain == pytest.approx(0.956, abs=6e-4)
+    assert found.joint_3[1] == pytest.approx(0.852, abs=6e-4)
+
+
 def test_what_the_printed_data_cannot_decide_is_said(found):
     names = {(c.name, c.where) for c in [found.cause, *found.confusable]}
     assert {("joint_stiffness", "joint 3"), ("joint_friction", "joint 3")} <= names
@@ -72,7 +92,9 @@ def test_what_the_printed_data_cannot_decide_is_said(found):
 
 def test_the_tool_writes_page_figures_and_model(found, tmp_path, capsys):
     assert main(["--thesis", "--out", str(tmp_path), "--quiet"]) == 0
-    assert capsys.readouterr().out.startswith("partly_explained: joint_stiffness at joint 3")
+    assert capsys.readouterr().out.startswith(
+        "partly_explained: joint_friction at joint 3 (54.3 N m) or joint_stiffness at joint 3 "
+    )
     document = json.loads((tmp_path / "diagnosis.json").read_text())
     assert [row["joint"] for row in document["table_4_2"]] == [1, 2, 3, 4, 5, 6]
     # The deviations that the thesis states for joints 3 to 6.
@@ -85,7 +107,20 @@ def test_the_tool_writes_page_figures_and_model(found, tmp_path, capsys):
     model = load_compliance_model(tmp_path)
     q, wrench = np.zeros((1, 6)), np.array([[0.0, 0.0, -300.0, 0.0, 0.0, 0.0]])
     plain = load_compliance_model("irb6600_175_255").deflection(q, wrench, np.zeros(3))
-    assert abs(model.deflection(q, wrench, np.zeros(3))[0, 2]) < abs(plain[0, 2]), "joint 3 is stiffer now"
+    np.testing.assert_allclose(
+        model.deflection(q, wrench, np.zeros(3)), plain, rtol=5e-3, err_msg="unchanged springs"
+    )
+    assert model.causes == ()
+    assert document["model_unchanged"] == found.unchanged
+    assert "five printed lengths cannot tell" in found.unchanged
+    assert found.unchanged in (tmp_path / "model.yaml").read_text().replace("\n  ", " ")
+    assert found.unchanged in page
+    figures = f"{found.joint_3_plain:.3f}", f"{found.joint_3[1]:.3f}"
+    assert figures == ("0.956", "0.852")
+    assert all(figure in page for figure in figures)
+    [margin] = document["margins"]
+    assert margin["value"] == pytest.approx(6.12, abs=0.01)
+    assert margin["threshold"] == 6.0
 
 
 def test_thesis_and_data_exclude_each_other(tmp_path, capsys):

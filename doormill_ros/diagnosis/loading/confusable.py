@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from doormill_ros.diagnosis.loading.fit import Fit, score_without
 from doormill_ros.diagnosis.loading.search import EQUAL, Search
 from doormill_ros.diagnosis.loading.stability import beaten
+from doormill_ros.diagnosis.ranking import QUANTUM
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 
 #: Fall of the score with one more number that chance reaches once in ten sets.
@@ -15,8 +18,28 @@ _NEAR = 40.0  #: score within which a model is worth another look at its kinked 
 _TRIED = 6  #: pairs of causes that are fitted in place of one
 
 
-def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[tuple[Cause, Fit]]:
-    """Causes that do as well in the place of one member, with the models that hold them; the best first.
+@dataclass(frozen=True, eq=False)
+class Equal:
+    """A cause that does as well as one that is named.
+
+    Attributes:
+        cause: The cause.
+        model: The model that holds it in the place of the named one.
+        behind: By how much the score of that model is larger.
+    """
+
+    cause: Cause
+    model: Fit
+    behind: float
+
+    @property
+    def tied(self) -> bool:
+        """Whether the data say nothing at all between the two: a fixed order chose the name."""
+        return abs(self.behind) <= QUANTUM
+
+
+def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[Equal]:
+    """Causes that do as well in the place of one member; the best first.
 
     Args:
         search: All models.
@@ -46,7 +69,8 @@ def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[tup
         for other in model.members:
             if all(other is not member for member in best.members):
                 found.setdefault(other.key, (other, model))
-    return list(found.values())
+    total = search.total(best)
+    return [Equal(other, model, search.total(model) - total) for other, model in found.values()]
 
 
 def _instead(search: Search, best: Fit, model: Fit, other: Cause) -> bool:

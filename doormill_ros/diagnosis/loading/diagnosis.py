@@ -18,6 +18,7 @@ from doormill_ros.diagnosis.loading.stability import beaten, clustered, instabil
 from doormill_ros.measurements.measurement_set import MeasurementSet
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 from doormill_ros.robot_model.elastic.causes.registry import candidates
+from doormill_ros.statistics import bootstrap_ratio
 
 #: Chance of an innocent residual below which structure remains.
 STRUCTURE = 1e-4
@@ -220,7 +221,7 @@ def _outliers(best: Fit, components: int) -> FloatArray:
     n = len(cost)
     scale = max(1.0, float(np.median(cost)) / MEDIAN[components])
     limit = chi2.isf(0.01 / n, components) * scale
-    worst = np.argsort(cost)[::-1][: int(OUTLIER_SHARE * n)]
+    worst = np.argsort(-cost, kind="stable")[: int(OUTLIER_SHARE * n)]
     mask = np.zeros(n, dtype=bool)
     mask[worst[cost[worst] > limit]] = True
     return mask
@@ -233,10 +234,7 @@ def _gain(
     numbers = np.unique(problem.configuration[kept])
     before = np.array([np.sum(baseline.held_out[kept & (problem.configuration == c)] ** 2) for c in numbers])
     after = np.array([np.sum(extended.held_out[kept & (problem.configuration == c)] ** 2) for c in numbers])
-    draws = np.random.default_rng(0).integers(0, len(numbers), (2000, len(numbers)))
-    ratios = np.sqrt(after[draws].sum(axis=1) / before[draws].sum(axis=1))
-    low, high = np.quantile(ratios, [0.025, 0.975])
-    return float(np.sqrt(after.sum() / before.sum())), (float(low), float(high))
+    return bootstrap_ratio(before, after)
 
 
 def _remarks(

@@ -10,6 +10,7 @@ import yaml
 
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.diagnosis.loading.finding import Finding
+from doormill_ros.diagnosis.ranking import QUANTUM
 from doormill_ros.files import write_atomically
 from doormill_ros.robot_model.extended_model import SizedCause, model_document
 
@@ -42,7 +43,21 @@ def _cause(finding: Finding) -> dict[str, Any]:
         "parameters": parameters_of(finding),
         "holdout_rmse_without": finding.without,
         "confusable_with": [{"cause": c.name, "where": c.where} for c in finding.confusable],
+        **({"tied_with": _tied(finding)} if finding.tied else {}),
     }
+
+
+def _tied(finding: Finding) -> list[dict[str, Any]]:
+    """What differs in score by less than counts, with the difference in whole quanta of a score."""
+    return [
+        {
+            "cause": equal.cause.name,
+            "where": equal.cause.where,
+            "score_difference": QUANTUM * round(equal.behind / QUANTUM),
+        }
+        for equal in finding.equals
+        if equal.tied
+    ]
 
 
 def parameters_of(finding: Finding) -> dict[str, dict[str, Any]]:
@@ -74,12 +89,13 @@ def write_diagnosis(out: Path, document: dict[str, Any], model: dict[str, Any], 
         write_atomically(out / name, text)
 
 
-def extended_model_document(diagnosis: Diagnosis) -> dict[str, Any]:
-    """The content of model.yaml."""
+def extended_model_document(diagnosis: Diagnosis, unchanged: str = "") -> dict[str, Any]:
+    """The content of model.yaml; without any cause where there is a reason for that."""
     data = diagnosis.problem.data
     return model_document(
         data.robot,
         data.joint_stiffness,
-        [SizedCause(finding.cause, finding.values) for finding in diagnosis.findings],
+        [] if unchanged else [SizedCause(finding.cause, finding.values) for finding in diagnosis.findings],
         f"diagnosis of {data.path.name}, verdict {diagnosis.verdict}",
+        unchanged,
     )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.confusable import equals
+from doormill_ros.diagnosis.loading.confusable import Equal, equals
 from doormill_ros.diagnosis.loading.fit import Fit, bounds, normal_equations
 from doormill_ros.diagnosis.loading.problem import Problem
 from doormill_ros.diagnosis.loading.search import Search
@@ -22,7 +22,7 @@ class Finding:
     Attributes:
         cause: The cause.
         values, std: Reported parameters and their standard deviations, in a row.
-        confusable: Other causes that would do as well.
+        equals: Other causes that would do as well.
         without: Held-out RMSE of the extended model less this cause [m].
         rivals: All alternatives in its place with their held-out scores, the best first.
     """
@@ -30,9 +30,19 @@ class Finding:
     cause: Cause
     values: FloatArray
     std: FloatArray
-    confusable: tuple[Cause, ...]
+    equals: tuple[Equal, ...]
     without: float
     rivals: tuple[tuple[Cause, float], ...]
+
+    @property
+    def confusable(self) -> tuple[Cause, ...]:
+        """Other causes that would do as well."""
+        return tuple(equal.cause for equal in self.equals)
+
+    @property
+    def tied(self) -> tuple[Cause, ...]:
+        """Those of them between which and the named one the data say nothing at all."""
+        return tuple(equal.cause for equal in self.equals if equal.tied)
 
 
 def rmse(residual: FloatArray, kept: FloatArray, components: int = 3) -> float:
@@ -48,10 +58,10 @@ def make_findings(
     findings = []
     for i, cause in enumerate(established):
         alternatives = [
-            model
+            equal.model
             for j, others in enumerate(doubles)
-            for _, model in others
-            if j != i and any(member is cause for member in model.members)
+            for equal in others
+            if j != i and any(member is cause for member in equal.model.members)
         ]
         findings.append(
             _make_finding(search, best, extended, cause, structure, kept, doubles[i], alternatives)
@@ -66,7 +76,7 @@ def _make_finding(
     cause: Cause,
     structure: bool,
     kept: FloatArray,
-    confusable: Sequence[tuple[Cause, Fit]],
+    same: Sequence[Equal],
     alternatives: Sequence[Fit],
 ) -> Finding:
     """Size a cause of the best model, its uncertainty and what could stand in its place.
@@ -78,7 +88,7 @@ def _make_finding(
         cause: The member to report.
         structure: Whether something remains unexplained; uncertainties then grow with it.
         kept: Trials that count, shape (n,).
-        confusable: What would do as well in its place, and the models that say so.
+        same: What would do as well in its place.
         alternatives: Models that hold this cause beside an equal of another one.
     """
     problem = search.problem
@@ -106,7 +116,7 @@ def _make_finding(
         cause=cause,
         values=values,
         std=std,
-        confusable=tuple(other for other, _ in confusable),
+        equals=tuple(same),
         without=rmse(search.without(extended, cause).held_out, kept, problem.components),
         rivals=tuple((other, found.held_out_score) for other, found in search.rivals(best, cause)),
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.problem import Prediction, Problem
+from doormill_ros.diagnosis.ranking import QUANTUM, ranks
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 
 GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
@@ -82,7 +83,7 @@ def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> Fl
     weights = np.minimum(1.0, _HUBER / size)
     spared = int(OUTLIER_SHARE * len(distance))
     if reject and spared:
-        worst = np.argsort(distance)[::-1][:spared]
+        worst = np.argsort(-distance, kind="stable")[:spared]
         weights[worst[distance[worst] > GROSS * scale2]] = 0.0
     return weights
 
@@ -96,11 +97,11 @@ def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[FloatArray]
         # Laws with a kink have many valleys: a few steps from every start show which are worth following.
         starts = [_descend(problem, members, theta, steps=2)[0] for theta in starts]
         costs = [robust_sum(problem.predict(members, theta).cost) for theta in starts]
-        starts = [starts[i] for i in np.argsort(costs)[:2]]
+        starts = [starts[i] for i in ranks(np.array(costs))[:2]]
     for theta in starts:
         found, weights = _descend(problem, members, theta)
         score = robust_sum(problem.predict(members, found).cost)
-        if best is None or score < best[0] - 1e-9:
+        if best is None or score < best[0] - QUANTUM:
             best = (score, found, weights)
     assert best is not None  # starts is never empty
     return _finish(problem, members, best[1], best[2], best[0])
@@ -161,13 +162,13 @@ def polish(problem: Problem, found: Fit) -> Fit:
                 theta[index] = value
                 theta, _ = _descend(problem, found.members, theta, steps=2, fixed=index)
                 tried.append((robust_sum(problem.predict(found.members, theta).cost), theta))
-            score, theta = min(tried, key=lambda pair: pair[0])
+            score, theta = tried[ranks(np.array([cost for cost, _ in tried]))[0]]
             at_zero = next(pair for pair in tried if pair[1][index] == 0.0 and pair is not tried[0])
             if at_zero[0] < score + _NOTHING:
                 found = _finish(problem, found.members, at_zero[1], found.weights, at_zero[0])
             elif theta is not found.theta:
                 again = fit(problem, found.members, [theta])
-                found = again if again.score < found.score else found
+                found = again if again.score < found.score - QUANTUM else found
     return found
 
 

@@ -11,18 +11,40 @@ from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.diagnosis.loading.fit import Fit
 from doormill_ros.diagnosis.loading.problem import Problem
 from doormill_ros.diagnosis.loading.search import EQUAL
+from doormill_ros.diagnosis.ranking import first_largest, ranked
 from doormill_ros.measurements.measurement_set import MeasurementSet, Reflector
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.statistics import uniform
 from doormill_ros.units import rad_to_deg
 
 PROPOSALS = 6  #: trials that are proposed
 _POSTURES = 24  #: postures that are considered
+HOPELESS = (
+    0.1  #: log odds of all proposed trials below which they are none: forty times as many would not decide
+)
 DECIDED = 4.6  #: log odds at which two models count as told apart: 100 to 1
 #: Loads considered, base axes.
 _LOADS = np.vstack([np.eye(3), -np.eye(3)])
 #: Where a reflector could be added: at the edge of the foot, or a hand's breadth off a link's frame [m].
 _NEW_BASE, _NEW = np.array([0.5, 0.4, 0.1]), np.array([0.15, 0.1, 0.1])
 _LOAD_NAMES = ("+x", "+y", "+z", "-x", "-y", "-z")
+
+
+#: What shows a cause without any loading of the robot.
+_DIRECT = {
+    "wrench_gain": "hang a known mass on the force sensor",
+    "wrench_frame_rotation": "hang a known mass on the force sensor and turn the flange",
+    "tracker_scale": "measure a scale bar of known length with the tracker",
+    "tracker_frame_rotation": "measure three fixed points of the robot's base with the tracker",
+    "thermal_drift": "measure a fixed point again and again without any load",
+    "reflector_position": "turn the last joints and measure where the reflector sits",
+    "joint_offset": "calibrate the zero positions of the joints",
+    "base_compliance": "put reflectors on the foot of the robot",
+    "joint_cross_compliance": "put reflectors on both sides of the joint's bearing",
+    "link_bending": "put reflectors on both ends of the link",
+    "tool_compliance": "put one reflector on the flange and one on the tool",
+}
+_OTHER = "load the joint alone, with small and large weights and from both sides"
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +78,7 @@ class NextMeasurement:
 
     Attributes:
         favourite, rival: What would be told apart.
-        trials: Proposed, the most telling first.
+        trials: Proposed, the most telling first; none where no loading helps.
         odds: Expected log odds of all proposed trials together.
         sentence: The same in one sentence.
         plan: All trials as a set without measured displacements.
@@ -96,6 +118,8 @@ def plan_next(diagnosis: Diagnosis, seed: int = 0) -> NextMeasurement:
             )
         )
     odds = float(sum(gains))
+    if odds < HOPELESS:
+        return NextMeasurement(*names, (), odds, _hopeless(names), None)
     return NextMeasurement(
         *names, tuple(trials), odds, _sentence(names, trials, odds, decided), _rows(pool, chosen)
     )
@@ -127,12 +151,13 @@ def _closest(diagnosis: Diagnosis) -> tuple[Fit, Fit, tuple[str, str]] | None:
                 (found.held_out_score - best.held_out_score, best, found, (repr(finding.cause), repr(other)))
             )
     if not options:
-        ranked = sorted((f for f in search.fits.values() if f is not best), key=search.total)
-        for found in ranked[:1]:
+        for found in search.ranked(f for f in search.fits.values() if f is not best)[:1]:
             options.append((search.total(found), best, found, (_title(best), _title(found))))
     if not options:
         return None
-    _, mine, other, names = min(options, key=lambda option: option[0])
+    _, mine, other, names = ranked(options, lambda option: option[0], lambda option: search.order(option[2]))[
+        0
+    ]
     return mine, other, names
 
 
@@ -142,11 +167,10 @@ def _title(found: Fit) -> str:
 
 def _pool(data: MeasurementSet, seed: int) -> tuple[MeasurementSet, FloatArray]:
     """Trials to choose from: postures within the tested range, six loads, two approaches, all reflectors."""
-    rng = np.random.default_rng(seed)
     low, high = data.q.min(axis=0), data.q.max(axis=0)
     middle, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, 0.5)
     _, first = np.unique(data.configuration, return_index=True)
-    postures = np.vstack([data.q[first][:8], middle + half * rng.uniform(-1.0, 1.0, (_POSTURES, 6))])[
+    postures = np.vstack([data.q[first][:8], middle + half * (2.0 * uniform((_POSTURES, 6), seed) - 1.0)])[
         :_POSTURES
     ]
     reflectors = dict(data.reflectors)
@@ -230,7 +254,7 @@ def _choose(mine: _Forecast, other: _Forecast) -> tuple[list[int], list[float]]:
         spread += mine.jacobian @ own @ mine.jacobian.transpose(0, 2, 1)
         information = 0.5 * np.einsum("ni,ni->n", gap, np.linalg.solve(spread, gap[:, :, None])[:, :, 0])
         information[chosen] = -1.0
-        i = int(np.argmax(information))
+        i = first_largest(information)
         chosen.append(i)
         gains.append(float(information[i]))
         slope = other.jacobian[i]
@@ -240,13 +264,22 @@ def _choose(mine: _Forecast, other: _Forecast) -> tuple[list[int], list[float]]:
     return chosen, gains
 
 
+def _hopeless(names: tuple[str, str]) -> str:
+    """That no loading of this kind helps, and what would."""
+    helps = dict.fromkeys(_DIRECT.get(name.split(" at ")[0], _OTHER) for name in names)
+    return (
+        f"No loading of this kind tells {names[0]} from {names[1]}: wherever the robot stands and however loaded, "
+        f"both predict the same. What would help: {', or '.join(helps)}."
+    )
+
+
 def _sentence(names: tuple[str, str], trials: list[ProposedTrial], odds: float, decided: bool) -> str:
     first = trials[0]
     angles = ", ".join(f"{angle:.0f}" for angle in rad_to_deg(first.q))
     if odds < DECIDED:
         return (
-            f"No loading of this kind tells {names[0]} from {names[1]} (the best {len(trials)} trials give odds of "
-            f"{np.exp(min(odds, 20.0)):.1f} to 1): check one of them directly."
+            f"No loading of this kind tells {names[0]} from {names[1]} at once (the {len(trials)} best trials have odds"
+            f" of {np.exp(min(odds, 20.0)):.1f} to 1): repeat these, or check one of them directly."
         )
     purpose = (
         f"No other candidate is left; to confirm {names[0]} against the closest, {names[1]},"

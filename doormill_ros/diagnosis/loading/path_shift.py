@@ -1,8 +1,10 @@
-"""What a diagnosis changes on a part: how far the extended model sends the tool elsewhere."""
+"""What a diagnosis changes on a part: how far the extended model sends the tool elsewhere, and how sure that is."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -18,6 +20,8 @@ from doormill_ros.toolpath.program import MillingProgram
 
 #: The door on which the models are compared: the thesis' tall one, where the arm reaches far.
 DOOR = "thesis_1350_0deg"
+#: Two causes that the data cannot part may send the tool this far apart, a tenth of the tolerance of a hinge [m].
+PART = 5e-5
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,84 @@ def path_shift(diagnosis: Diagnosis) -> PathShift | None:
     )
 
 
-def _program(robot: str, dh: FloatArray, stiffness: FloatArray, causes: list[SizedCause]) -> MillingProgram:
+def choices(diagnosis: Diagnosis) -> dict[str, list[SizedCause]]:
+    """What acts in the robot with every way in which the findings may be read, by the words for it; ours first."""
+    case = diagnosis.problem.case
+    named = [finding.cause for finding in diagnosis.findings]
+    found = {
+        " and ".join(map(repr, named)): [
+            SizedCause(f.cause, f.values) for f in diagnosis.findings if f.cause.of_robot
+        ]
+    }
+    for equal in (equal for finding in diagnosis.findings for equal in finding.equals):
+        # Of a model with an equal in it: what stands in no other model for anything unnamed or not believed.
+        members = [
+            cause
+            for cause in equal.model.members
+            if cause.named and (cause in named or cause not in diagnosis.best.members)
+        ]
+        found[" and ".join(map(repr, members))] = [
+            SizedCause(cause, cause.values(equal.model.theta[equal.model.part(cause)], case))
+            for cause in members
+            if cause.of_robot
+        ]
+    return found
+
+
+def paths_apart(
+    robot: str, dh: FloatArray, stiffness: FloatArray, models: Mapping[str, Sequence[SizedCause]]
+) -> tuple[tuple[str, str], float]:
+    """The two models that send the tool farthest apart, and how far [m]; 0 where there is no path to compare.
+
+    Args:
+        robot: Name of the robot.
+        dh: Its table, shape (6, 4).
+        stiffness: Joint springs of the model in question, shape (6,) [N m / rad].
+        models: Causes that act by the words for them.
+    """
+    names = list(models)
+    worst, apart = (names[0], names[-1]), 0.0
+    if len(models) < 2:
+        return worst, apart
+    try:
+        paths = {name: _targets(_program(robot, dh, stiffness, causes)) for name, causes in models.items()}
+    except DoormillError:
+        return worst, apart  # `path_shift` says why there is none
+    for one, two in combinations(paths, 2):
+        both = paths[one].keys() & paths[two].keys()
+        away = max(float(np.linalg.norm(paths[one][name] - paths[two][name])) for name in both)
+        if away > apart + 1e-9:
+            worst, apart = (one, two), away
+    return worst, apart
+
+
+def doubt(diagnosis: Diagnosis) -> str:
+    """Why the path gets no extended model, in a sentence; empty where all readings send the tool the same way."""
+    data = diagnosis.problem.data
+    (one, two), apart = paths_apart(data.robot, data.dh, data.joint_stiffness, choices(diagnosis))
+    if apart <= PART:
+        return ""
+    return (
+        f"model.yaml is the unchanged model: these data cannot tell {one} from {two}, and on the door {DOOR} the two "
+        f"would send the tool up to {1e3 * apart:.3f} mm apart, allowed are {1e3 * PART:.2f} mm."
+    )
+
+
+def _targets(program: MillingProgram) -> dict[str, FloatArray]:
+    """Corrected position of every target of a cut by its name, shape (3,) [m]."""
+    used = {
+        i
+        for motion in program.motions
+        if motion.cutting
+        for i in (motion.target, motion.via)
+        if i is not None
+    }
+    return {program.targets[i].name: program.targets[i].T_base_tool_corrected[:3, 3] for i in sorted(used)}
+
+
+def _program(
+    robot: str, dh: FloatArray, stiffness: FloatArray, causes: Sequence[SizedCause]
+) -> MillingProgram:
     layout, recipe = load_layout(), load_recipe(DOOR)
     T_base_door = layout.T_base_door(recipe.width, recipe.thickness, DoorOffset(0.0, 0.0, 0.0))
     model = ExtendedComplianceModel(robot, dh, stiffness, causes)

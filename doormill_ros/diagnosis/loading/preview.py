@@ -10,6 +10,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.fit import Fit, trial_weights
 from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.diagnosis.ranking import QUANTUM, ranks
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 
 _ALIKE = 1e-6  #: squared sine of the angle between two effects below which they are one
@@ -61,10 +62,10 @@ class Preview:
             of_block[numbers] = np.einsum(
                 "bi,bi->b", pull[at], np.linalg.solve(gram, pull[at][:, :, None])[:, :, 0]
             )
-        gains = np.zeros(len(self.candidates))
+        gains = np.full(len(self.candidates), -np.inf)
         chosen = np.zeros(len(self.candidates), dtype=int)
         for number, (index, gain) in enumerate(zip(self._owner, of_block, strict=True)):
-            if gain >= gains[index]:
+            if gain > gains[index] + QUANTUM:
                 gains[index], chosen[index] = gain, number
         return gains, chosen
 
@@ -94,5 +95,5 @@ class Preview:
         gram = np.eye(widest) * (1.0 + _ALIKE) - np.einsum("mij,mik->mjk", cross, cross)
         more = np.einsum("mi,mi->m", rest, np.linalg.solve(gram, rest[:, :, None])[:, :, 0])
         gains = np.sum(pull[first] ** 2, axis=1) + more
-        order = np.argsort(-gains)
-        return np.stack([first, second], axis=1)[order], gains[order]
+        order = ranks(-gains)
+        return np.stack([first, second], axis=1)[order], np.minimum.accumulate(gains[order])

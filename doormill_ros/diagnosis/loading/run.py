@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,9 @@ from doormill_ros.diagnosis.loading.document import (
     write_diagnosis,
 )
 from doormill_ros.diagnosis.loading.finding import rmse
+from doormill_ros.diagnosis.loading.margins import margins
 from doormill_ros.diagnosis.loading.next_measurement import NextMeasurement, plan_next
-from doormill_ros.diagnosis.loading.path_shift import path_shift
+from doormill_ros.diagnosis.loading.path_shift import doubt, path_shift
 from doormill_ros.diagnosis.loading.problem import Problem
 from doormill_ros.diagnosis.report.page import render_report
 from doormill_ros.measurements.join_sets import check_same_model, join_sets
@@ -45,21 +47,26 @@ def run_measurement_sets(
     checked = [check_set(diagnosis, other) for other in checks]
     progress("sending the extended model through the path generator")
     shift = path_shift(diagnosis)
+    unchanged = doubt(diagnosis)
     progress("writing the report")
     more: dict[str, Any] = {"next_trials": _trials(plan)}
     if shift is not None:
         more["path_shift"] = {"door": shift.door, "largest": shift.largest, "unit": "m"}
+    if unchanged:
+        diagnosis = replace(diagnosis, remarks=(*diagnosis.remarks, unchanged))
+        more["model_unchanged"] = unchanged
     if checked:
         more["checks"] = checked
+    more["margins"] = [margin.document() for margin in margins(diagnosis)]
     document = diagnosis_document(diagnosis, plan.sentence, **more)
     page = render_report(diagnosis, plan, checked, shift)
-    write_diagnosis(out, document, extended_model_document(diagnosis), page)
+    write_diagnosis(out, document, extended_model_document(diagnosis, unchanged), page)
     return verdict_line(diagnosis)
 
 
 def verdict_line(diagnosis: Diagnosis) -> str:
     """The verdict and what it rests on, in one line."""
-    names = " and ".join(map(repr, (finding.cause for finding in diagnosis.findings)))
+    names = " and ".join(" or ".join(map(repr, (f.cause, *f.tied))) for f in diagnosis.findings)
     before, after = (1e6 * value for value in diagnosis.holdout_rmse)
     floor = 1e6 * diagnosis.problem.noise_floor
     if diagnosis.verdict == "consistent":

@@ -12,6 +12,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.loading.fit import Fit, fit, polish
 from doormill_ros.diagnosis.loading.preview import Preview
 from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.diagnosis.ranking import QUANTUM, ranked, ranks
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 
 #: Score by which a cause must improve the held-out prediction. A pattern of pure noise reaches
@@ -63,6 +64,22 @@ class Search:
             + PATTERN_PENALTY * sum(not cause.named for cause in found.members)
         )
 
+    def order(self, found: Fit) -> tuple[int, int, list[int]]:
+        """What goes first among equals: the measuring chain before the robot, fewer numbers, the library's order."""
+        return (
+            sum(cause.of_robot for cause in found.members),
+            found.size,
+            sorted(self._place[cause.identity] for cause in found.members),
+        )
+
+    def ranked(self, fits: Iterable[Fit]) -> list[Fit]:
+        """Models by their totals, the best first."""
+        return ranked(fits, self.total, self.order)
+
+    @cached_property
+    def _place(self) -> dict[tuple[str, str, str], int]:
+        return {cause.identity: place for place, cause in enumerate(self.candidates)}
+
     def extensions(self, found: Fit) -> list[tuple[Cause, float]]:
         """Candidates that may join a model and by how much, to first order; the most promising first."""
         gains = self._preview.gains(found)
@@ -71,7 +88,7 @@ class Search:
             for cause, gain in zip(self.candidates, gains, strict=True)
             if may_join(found.members, cause)
         ]
-        allowed.sort(key=lambda pair: -pair[1])
+        allowed = [allowed[i] for i in ranks(np.array([-gain for _, gain in allowed]))]
         return [pair for i, pair in enumerate(allowed) if pair[1] > 0.5 * ENTRY or i < 3][:_SCREEN]
 
     @cached_property
@@ -115,15 +132,15 @@ class Search:
             if size > 1:
                 grown |= {child.identity: child for child in self._grow_by_pairs(smaller, best)}
             smaller = beam[0]
-            ranked = sorted(grown.values(), key=self.total)
-            if not ranked:
+            best_first = self.ranked(grown.values())
+            if not best_first:
                 break
-            names = " + ".join(map(repr, ranked[0].members))
+            names = " + ".join(map(repr, best_first[0].members))
             self.progress(f"models of {size}: {len(self.fits)} tried so far, best {names}")
-            if self.total(ranked[0]) > self.total(best) - ENTRY:
+            if self.total(best_first[0]) > self.total(best) - ENTRY:
                 break
-            best = ranked[0]
-            beam = ranked[:BEAM]
+            best = best_first[0]
+            beam = best_first[:BEAM]
         return self.polished(self._simplify(self._settle(self._prune(best))))
 
     def polished(self, found: Fit) -> Fit:
@@ -138,7 +155,7 @@ class Search:
         for _ in range(LARGEST):
             for cause in best.members:
                 rivals = self.rivals(best, cause)
-                if rivals and self.total(rivals[0][1]) < self.total(best) - 1e-6:
+                if rivals and self.ranked([best, rivals[0][1]])[0] is not best:
                     best = rivals[0][1]
                     break
             else:
@@ -180,7 +197,7 @@ class Search:
             self._polished.add(tried)
             theta = np.concatenate([found.theta[found.part(c)] for c in rest])
             again = fit(self.problem, rest, [theta])
-            if again.score < smaller.score - 1e-6:
+            if again.score < smaller.score - QUANTUM:
                 self.fits[again.identity] = smaller = again
         return smaller
 
@@ -191,7 +208,7 @@ class Search:
         for other, _ in self.extensions(rest):
             if other.identity != cause.identity:
                 swapped.append((other, self.add(rest, other)))
-        return sorted(swapped, key=lambda pair: self.total(pair[1]))
+        return ranked(swapped, lambda pair: self.total(pair[1]), lambda pair: self.order(pair[1]))
 
 
 def may_join(members: Sequence[Cause], cause: Cause) -> bool:

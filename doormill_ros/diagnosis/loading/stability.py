@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2, wilcoxon
+from scipy.stats import binom, chi2, wilcoxon
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.loading.fit import Fit
 from doormill_ros.diagnosis.loading.problem import Problem
 from doormill_ros.robot_model.elastic.causes.cause import Cause
@@ -14,6 +14,8 @@ from doormill_ros.robot_model.elastic.causes.cause import Cause
 CLUSTERED = 1e-3
 #: Chance with which an equal model loses in as many configurations.
 BEATEN = 0.05
+_SAME_CHANCE = 1e-3  #: share by which two chances differ that are not the same
+_ROUNDING = 1e-9  #: share of the largest value that is no difference
 _SAME = 0.1  #: difference of the cost of a configuration below which it speaks for neither model
 
 
@@ -22,20 +24,25 @@ def halves(problem: Problem) -> dict[str, FloatArray]:
     data, case = problem.data, problem.case
     force = np.linalg.norm(case.force, axis=1)
     cuts = {
-        "load": force > np.median(force),
-        "time": data.time > np.median(data.time),
-        "load up or down": case.force[:, 2] > 0.0,
-        "load left or right": case.force[:, 1] > 0.0,
+        "load": _above(force, float(np.median(force))),
+        "time": _above(data.time, float(np.median(data.time))),
+        "load up or down": _above(case.force[:, 2], 0.0),
+        "load left or right": _above(case.force[:, 1], 0.0),
     }
     for k in range(6):
         size = np.abs(case.torque[:, k])
-        cuts[f"torque of joint {k + 1}"] = size > np.median(size)
-        cuts[f"sign of the torque of joint {k + 1}"] = case.torque[:, k] > 0.0
-        cuts[f"angle of joint {k + 1}"] = data.q[:, k] > np.median(data.q[:, k])
+        cuts[f"torque of joint {k + 1}"] = _above(size, float(np.median(size)))
+        cuts[f"sign of the torque of joint {k + 1}"] = _above(case.torque[:, k], 0.0)
+        cuts[f"angle of joint {k + 1}"] = _above(data.q[:, k], float(np.median(data.q[:, k])))
     for name in data.reflectors:
         cuts[f"reflector {name}"] = data.reflector == name
     share = {name: mask.mean() for name, mask in cuts.items()}
     return {name: mask for name, mask in cuts.items() if 0.1 <= share[name] <= 0.9}
+
+
+def _above(values: FloatArray, limit: float) -> BoolArray:
+    """Values above a limit by more than rounding, shape (n,): those of one posture stay on one side of it."""
+    return values > limit + _ROUNDING * max(float(np.abs(values).max()), 1e-300)
 
 
 def instability(problem: Problem, found: Fit, cause: Cause) -> tuple[float, str, float]:
@@ -65,37 +72,74 @@ def instability(problem: Problem, found: Fit, cause: Cause) -> tuple[float, str,
         after = max(freedom - (rank - found.size), 1.0)
         scale = max((left - gain) / after, 1.0)
         probability = float(chi2.sf(max(gain, 0.0) / scale, max(rank - found.size, 1)))
-        if probability < worst:
+        # Two cuts that are each other's complement are equal but for rounding: the first of them stays.
+        if probability < worst * (1.0 - _SAME_CHANCE):
             worst, where = probability, name
             apart = float(np.linalg.norm(solution[found.size :])) / size
     return min(1.0, worst * len(cuts)), where, apart
 
 
-def clustered(problem: Problem, gross: FloatArray, seed: int = 0) -> bool:
+def clustered(problem: Problem, gross: BoolArray) -> bool:
     """Whether gross errors sit together in few configurations or on one reflector.
-
-    Slips of the hand fall anywhere; an unknown effect that shows in a few postures only does not.
 
     Args:
         problem: The set.
         gross: The trials in question, shape (n,).
-        seed: Of the 2000 shuffles they are compared with.
+    """
+    return clustering(problem, gross) < CLUSTERED
+
+
+def clustering(problem: Problem, gross: BoolArray) -> float:
+    """Chance with which slips of the hand, which fall anywhere, sit together as much as some trials do.
+
+    An unknown effect that shows in a few postures only does not fall anywhere. The smaller chance of two, by
+    configurations and by reflectors; 1 for fewer than three trials.
+
+    Args:
+        problem: The set.
+        gross: The trials in question, shape (n,).
     """
     if gross.sum() < 3:
-        return False
-    rng = np.random.default_rng(seed)
-    shuffles = np.stack([rng.permutation(gross) for _ in range(2000)])
-    for groups in (problem.configuration, problem.data.reflector):
-        _, number = np.unique(groups, return_inverse=True)
-        member = np.eye(number.max() + 1)[number]
-        together = float(np.sum((gross @ member) ** 2))
-        if np.mean(np.sum((shuffles @ member) ** 2, axis=1) >= together) < CLUSTERED:
-            return True
-    return False
+        return 1.0
+    return min(chance_together(groups, gross) for groups in (problem.configuration, problem.data.reflector))
 
 
-def turned_joint(problem: Problem, residual: FloatArray, gross: FloatArray) -> str:
-    """The joint that gross errors all point along as if it had turned too far; empty for none.
+def chance_together(groups: IntArray, chosen: BoolArray) -> float:
+    """Chance that as many rows drawn without replacement share groups as much as the chosen ones, exactly.
+
+    The measure is the sum of the squared numbers of chosen rows in each group. Independent binomial draws in
+    every group, on condition that they add up, are draws without replacement; the joint distribution of
+    their sum and of their sum of squares is built up group by group.
+
+    Args:
+        groups: Group of every row, shape (n,).
+        chosen: Shape (n,).
+    """
+    _, number, size = np.unique(groups, return_inverse=True, return_counts=True)
+    wanted = int(chosen.sum())
+    together = int(np.sum(np.bincount(number, weights=chosen) ** 2))
+    # Rows: how many were drawn so far; columns: sum of squares so far, all from `together` on in the last one.
+    chance = np.zeros((wanted + 1, together + 1))
+    chance[0, 0] = 1.0
+    for count in size:
+        after = np.zeros_like(chance)
+        shares = binom.pmf(np.arange(min(int(count), wanted) + 1), count, wanted / len(number))
+        for k, share in enumerate(shares):
+            square, left = min(k * k, together), wanted + 1 - k
+            after[k:, square:] += share * chance[:left, : together + 1 - square]
+            after[k:, together] += share * chance[:left, together + 1 - square :].sum(axis=1)
+        chance = after
+    return float(chance[wanted, together] / chance[wanted].sum())
+
+
+def turned_joint(problem: Problem, residual: FloatArray, gross: BoolArray) -> str:
+    """The joint that gross errors all point along as if it had turned too far; empty for none."""
+    joint, chance = turning(problem, residual, gross)
+    return joint if chance < CLUSTERED else ""
+
+
+def turning(problem: Problem, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:
+    """The joint that some trials point along most, and the chance that slips of the hand would as much.
 
     The cosine of a random direction with a given one is uniform, so 1 - |cos| is a chance; Fisher's
     sum joins those of all gross errors. A slip of the hand does not know where the axes are.
@@ -106,7 +150,7 @@ def turned_joint(problem: Problem, residual: FloatArray, gross: FloatArray) -> s
         gross: The trials in question, shape (n,).
     """
     if problem.components != 3 or not gross.any():
-        return ""
+        return "", 1.0
     away = residual[gross]
     chances = np.ones(6)
     for k in range(6):
@@ -118,7 +162,7 @@ def turned_joint(problem: Problem, residual: FloatArray, gross: FloatArray) -> s
         cosine = np.abs(np.sum(turn * away, axis=1)[moved]) / size[moved]
         joined = -2.0 * np.sum(np.log(np.maximum(1.0 - cosine, 1e-6)))
         chances[k] = chi2.sf(joined, 2 * int(moved.sum()))
-    return f"joint {chances.argmin() + 1}" if 6.0 * chances.min() < CLUSTERED else ""
+    return f"joint {chances.argmin() + 1}", min(6.0 * float(chances.min()), 1.0)
 
 
 def unevenness(problem: Problem, found: Fit, cause: Cause, weights: FloatArray) -> tuple[float, float]:

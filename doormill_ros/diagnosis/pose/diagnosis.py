@@ -21,6 +21,7 @@ from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orde
 from doormill_ros.robot_model.pose.causes.registry import candidates
 from doormill_ros.robot_model.pose.causes.session_step import find_step
 from doormill_ros.robot_model.pose.model import PoseModel
+from doormill_ros.statistics import bootstrap_ratio
 
 #: Fall of the sum of squares that makes a step worth a trial.
 STEP = 60.0
@@ -28,7 +29,6 @@ STEP = 60.0
 AT_NOISE = 1.1
 #: Share of the excess over the noise that causes have to explain to be named when structure remains.
 MAIN_PART = 0.5
-_DRAWS = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,11 +218,7 @@ def _gain(
         squares = [np.sum(e[:, :3] ** 2, axis=1) * good for e, good in zip(errors, kept, strict=True)]
         return np.concatenate(by_block(squares))
 
-    old, new = sums(before), sums(after)
-    draws = np.random.default_rng(0).integers(0, len(old), (_DRAWS, len(old)))
-    ratios = np.sqrt(new[draws].sum(axis=1) / old[draws].sum(axis=1))
-    low, high = np.quantile(ratios, [0.025, 0.975])
-    return float(np.sqrt(new.sum() / old.sum())), (float(low), float(high))
+    return bootstrap_ratio(sums(before), sums(after))
 
 
 def standard_deviations(fitted: Fitted) -> FloatArray:

@@ -10,9 +10,11 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.document import BINS, covered
+from doormill_ros.diagnosis.ranking import first_largest
 from doormill_ros.robot_model.pose.chain import derivatives, direction, frames
 from doormill_ros.robot_model.pose.layout import design, frame_twists
 from doormill_ros.robot_model.pose.model import view_of
+from doormill_ros.statistics import uniform
 from doormill_ros.units import rad_to_deg
 
 #: Poses for a degree of an unvisited range that give the highest listed orders three samples a wave.
@@ -61,7 +63,7 @@ def propose(diagnosis: PoseDiagnosis, seed: int = 0) -> NextPoses | None:
     for _ in range(min(PROPOSED, len(q))):
         own = np.array([spread[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] for i in range(len(q))])
         gain = 0.5 * np.linalg.slogdet(np.eye(6) + own)[1]
-        best = int(np.argmax(gain))
+        best = first_largest(gain)
         chosen.append(best)
         told.append(float(gain[best]))
         seen = slice(6 * best, 6 * best + 6)
@@ -90,7 +92,7 @@ def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> FloatArray:
     Neither lower nor nearer to the axis of joint 1 nor farther out than any measured one.
     """
     problem = diagnosis.extended.problem
-    q = np.random.default_rng(seed).uniform(-np.pi, np.pi, (_TRIED, 6))
+    q = np.pi * (2.0 * uniform((_TRIED, 6), seed) - 1.0)
     offset = problem.placements[-1].T_flange_target[:, 3]
     target = frames(view_of(diagnosis.model, q).transforms)[:, -1] @ offset
     seen = []

@@ -6,6 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.fit import Fitted
+from doormill_ros.diagnosis.ranking import ranks
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
 
 #: Highest order that is looked for: twice the input turns of a 1:100 gear and the second wave of that.
@@ -41,5 +42,5 @@ def find_orders(fitted: Fitted, joint: int, known: int) -> tuple[int, ...]:
     orders = np.arange(known + 1, HIGHEST + 1)
     scores = order_scores(fitted, joint, orders)
     limit = max(FACTOR * float(np.median(scores)), 25.0)
-    best = np.argsort(scores)[::-1][:MOST]
+    best = ranks(-scores)[:MOST]
     return tuple(sorted(int(orders[i]) for i in best if scores[i] > limit))

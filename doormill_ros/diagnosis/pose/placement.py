@@ -11,12 +11,11 @@ from doormill_ros.robot_model.pose.chain import Placement, derivatives, residual
 
 #: A residual this many robust standard deviations large loses weight (Huber).
 HUBER = 2.5
-_STARTS = 12
 _SAMPLE = 400
 
 
 def first_placement(T_base_flange: FloatArray, position: FloatArray, rotation: FloatArray) -> Placement:
-    """A placement without any guess: rotations alternately from many starts, then positions linearly.
+    """A placement without any guess: rotations alternately from twelve starts evenly spread, then positions linearly.
 
     Args:
         T_base_flange: Modelled flange poses, shape (n, 4, 4).
@@ -26,13 +25,13 @@ def first_placement(T_base_flange: FloatArray, position: FloatArray, rotation: F
     pick = np.unique(np.linspace(0, len(position) - 1, min(_SAMPLE, len(position))).astype(int))
     flange, seen = T_base_flange[pick, :3, :3], rotation[pick]
     best: tuple[float, FloatArray, FloatArray] | None = None
-    for start in Rotation.random(_STARTS, random_state=1).as_matrix():
+    for start in Rotation.create_group("T").as_matrix():
         R_flange_target = start
         for _ in range(80):
             R_tracker_base = _nearest(np.einsum("nij,nkj->ik", seen, flange @ R_flange_target))
             R_flange_target = _nearest(np.einsum("nji,njk->ik", R_tracker_base @ flange, seen))
         cost = float(np.median(np.abs(seen - R_tracker_base @ flange @ R_flange_target).sum(axis=(1, 2))))
-        if best is None or cost < best[0]:
+        if best is None or cost < best[0] * (1.0 - 1e-6):
             best = (cost, R_tracker_base, R_flange_target)
     assert best is not None
     _, R_tracker_base, R_flange_target = best

@@ -12,6 +12,7 @@ from doormill_ros.diagnosis.loading.document import write_diagnosis
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, check_together, diagnose_poses, rmse
 from doormill_ros.diagnosis.pose.document import BINS, bin_of, covered, pose_document
 from doormill_ros.diagnosis.pose.fit import deviation
+from doormill_ros.diagnosis.pose.margins import margins
 from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
 from doormill_ros.diagnosis.pose.placement import fit_placement
 from doormill_ros.diagnosis.pose.report import render_report
@@ -45,6 +46,7 @@ def run_pose_sets(
     sentence = plan_next(diagnosis, poses)
     progress("writing the report")
     document = pose_document(diagnosis, sentence, listed(poses), checks)
+    document["margins"] = [margin.document() for margin in margins(diagnosis)]
     source = f"diagnosis of {', '.join(one.name for one in sets)}, verdict {diagnosis.verdict}"
     series = [c for c in document["causes"] if c["where"].startswith("set")]
     write_diagnosis(

@@ -9,6 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.validation import AXES_OF_POSITION, Validation, by_block
+from doormill_ros.diagnosis.ranking import ranked
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 
 #: A cause earns its place when taking it away raises the held-out cost of the blocks by this many standard errors
@@ -117,7 +118,7 @@ def eliminate(validation: Validation, progress: Callable[[str], None]) -> tuple[
     remaining = list(range(len(layout.causes)))
     now = dict(zip(remaining, scores(validation, remaining, explained), strict=True))
     gone: list[Score] = []
-    while weak := sorted((i for i in remaining if now[i].status != REAL), key=lambda i: now[i].total):
+    while weak := ranked((i for i in remaining if now[i].status != REAL), lambda i: now[i].total):
         leave = weak[: (len(weak) + 1) // 2]
         gone += [now[i] for i in leave]
         remaining = [i for i in remaining if i not in leave]

@@ -15,7 +15,7 @@ from doormill_ros.diagnosis.loading.path_shift import PathShift
 from doormill_ros.diagnosis.report import pictures
 from doormill_ros.diagnosis.report.candidates import candidates_table
 from doormill_ros.diagnosis.report.html import charts, notes, page, section, tiles
-from doormill_ros.diagnosis.report.wording import micrometres, spoken, spoken_all, with_deviation
+from doormill_ros.diagnosis.report.wording import micrometres, spoken, spoken_findings, with_deviation
 from doormill_ros.units import rad_to_deg
 
 _SENTENCES = {
@@ -80,7 +80,7 @@ def render_report(
 
 def headline(diagnosis: Diagnosis) -> str:
     """The verdict in one line."""
-    names = spoken_all([finding.cause for finding in diagnosis.findings])
+    names = spoken_findings([(finding.cause, *finding.tied) for finding in diagnosis.findings])
     before, after = map(micrometres, diagnosis.holdout_rmse)
     floor = micrometres(diagnosis.problem.noise_floor)
     if diagnosis.verdict == "consistent":

@@ -14,19 +14,21 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def spoken(cause: Cause) -> str:
-    """A cause with its place: 'backlash in joint 1', 'wrench gain'."""
+    """A cause with its place: 'backlash in joint 1', 'sensor gain'."""
     words = cause.name.replace("_", " ")
     body, _, rest = words.partition(" ")
     if cause.where.startswith(("joint", "link")):
         return f"{rest if cause.where.startswith(body) else words} in {cause.where}"
+    if cause.where == "sensor":
+        return words.replace("wrench", "sensor")
     if cause.name == "reflector_position":
         return f"position of reflector {cause.where}"
     return words + (f" ({cause.variant})" if cause.variant else "")
 
 
-def spoken_all(causes: Sequence[Cause]) -> str:
-    """Several causes in one phrase."""
-    return " and ".join(map(spoken, causes))
+def spoken_findings(findings: Sequence[Sequence[Cause]]) -> str:
+    """Several findings in one phrase, each a cause and those that are tied with it: 'sensor gain or tracker scale'."""
+    return " and ".join(" or ".join(map(spoken, causes)) for causes in findings)
 
 
 def micrometres(length: float) -> str:
