@@ -19,7 +19,6 @@ from doormill_ros.identification.process_forces import (
     segment_forces,
 )
 from doormill_ros.measurements.raw_files import Recording, read_force_log
-from doormill_ros.milling.payload import Payload, identify_payload
 from support.source_tree import DATA
 from support.thesis_milling import THESIS_FORCES
 

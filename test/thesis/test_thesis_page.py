@@ -6,7 +6,6 @@ import re
 
 import pytest
 
-from doormill_ros.milling.speeds import SURFACE_FOOT_PER_MINUTE
 from doormill_ros.recipes.cutting import Cutting
 from doormill_ros.thesis.comparison import compare_with_simulation
 from doormill_ros.thesis.contradictions.search import find_contradictions
