@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -43,12 +44,17 @@ def imported(paths: Iterable[Path]) -> tuple[set[str], list[set[str]]]:
     modules = {module.split(".")[0] for path in paths for module in imports_of(path)}
     modules -= {*OWN, *sys.stdlib_module_names} - {"doormill_interfaces"}
     ros = {name for name in modules if name in _ROS or name.endswith(_ROS_ENDS)}
-    installed = packages_distributions()
     others = [
-        {_plain(name) for name in installed.get(module, [_DISTRIBUTIONS.get(module, module)])}
+        {_plain(name) for name in _installed().get(module, [_DISTRIBUTIONS.get(module, module)])}
         for module in sorted(modules - ros)
     ]
     return ros, others
+
+
+@cache
+def _installed() -> Mapping[str, list[str]]:
+    """Distributions by module; looking takes seconds."""
+    return packages_distributions()
 
 
 def _plain(name: str) -> str:
