@@ -5,13 +5,14 @@ No state is kept between two charts: settings hold while one is drawn.
 
 from __future__ import annotations
 
+import functools
 import io
 import re
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, ParamSpec, TypeVar
 
 import matplotlib
 import numpy as np
@@ -44,8 +45,19 @@ _STYLE = {
 }
 
 
-#: Decorator of whatever draws a chart: the settings hold while it is drawn.
-styled = matplotlib.rc_context(_STYLE)
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
+    """Decorate whatever draws a chart: the settings hold while it is drawn."""
+
+    @functools.wraps(draw)
+    def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
+        with matplotlib.rc_context(_STYLE):
+            return draw(*args, **kwargs)
+
+    return drawn
 
 
 class Curve(NamedTuple):
