@@ -27,7 +27,8 @@ _HEIGHT = 250  # px
 _BAND = "#dfe7ea"
 _PIXELS = 96.0  # an inch
 _DPI = 110.0  # of PNG files
-_LONGEST = 24  # letters of a bar's label
+_LABELS = 0.28  # share of the width that the labels of bars may take
+_LETTER = 6.3  # width of a letter [px], nearly
 _MANY = 1500  # dots from which a cloud is embedded as a picture: smaller, and quicker to show
 _STYLE = {
     "font.size": 8.0,
@@ -169,9 +170,9 @@ def bars(
             text, (max(row.values), place), (4.0, 0.0), textcoords="offset points", va="center_baseline"
         )
     # Room for the longest text at the end of the longest bar, beside a column of labels.
-    labels = [_short(row.label) for row in rows]
-    inner = width - 30.0 - 6.2 * max(map(len, labels), default=0)
-    room = 10.0 + 6.4 * max(map(len, behind), default=0)
+    labels = [_short(row.label, int(_LABELS * width / _LETTER)) for row in rows]
+    inner = width - 30.0 - _LETTER * max(map(len, labels), default=0)
+    room = 10.0 + _LETTER * max(map(len, behind), default=0)
     axes.set_xlim(0.0, top * inner / max(inner - room, 0.3 * inner))
     axes.set_yticks(range(len(rows)), labels)
     axes.tick_params(axis="y", length=0.0)
@@ -190,12 +191,12 @@ def sheet(height: float, width: float = WIDE) -> Figure:
     return Figure(figsize=(width / _PIXELS, height / _PIXELS), layout="constrained")
 
 
-def _short(label: str) -> str:
-    return label if len(label) <= _LONGEST else label[: _LONGEST - 1] + "…"
+def _short(label: str, longest: int) -> str:
+    return label if len(label) <= longest else label[: longest - 1] + "…"
 
 
 def _titled(figure: Figure, title: str) -> str:
-    figure.suptitle(title, x=0.01, ha="left", fontsize=9.5, fontweight="semibold")
+    figure.suptitle(title, x=0.01, ha="left", fontsize=9.5, fontweight="bold")
     return svg(figure, title)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
-from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED, WIDE, BarRow, Curve, bars, scatter
+from doormill_ros.pages.charts import BLUE, GREEN, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
 from doormill_ros.units import rad_to_deg
@@ -83,7 +83,12 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
             inside = [Curve(n, c, x[abs(y) < span], y[abs(y) < span]) for n, c, x, y in series]
             charts.append(
                 scatter(
-                    f"joint {k}, {title}", "recorded angle [deg]", "residual angle [mrad]", inside, band=span
+                    f"joint {k}, {title}",
+                    "recorded angle [deg]",
+                    "residual angle [mrad]",
+                    inside,
+                    width=HALF,
+                    limits=(-span, span),
                 )
             )
     return charts

@@ -24,7 +24,7 @@ def render_report(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
     curves = pictures.joint_curves(diagnosis)
     if curves:
         title = "The pattern that gave it away: each joint against its own angle"
-        sections.append(Section(title, [Text([_CURVES]), Charts(curves)]))
+        sections.append(Section(title, [Text([_CURVES]), Charts(curves, "halves")]))
     within, rejected = document["only_within_one_series"], document["rejected"]
     sections += [
         Section("Causes", [_causes(document)]),
