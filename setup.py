@@ -11,7 +11,18 @@ NODES = [
     "bag_recorder",
     "cell_simulator",
 ]
-TOOLS = ["calibrate", "cell", "replay", "recipes", "identify", "diagnose", "locate", "workspace", "report"]
+TOOLS = [
+    "calibrate",
+    "cell",
+    "replay",
+    "recipes",
+    "identify",
+    "diagnose",
+    "locate",
+    "workspace",
+    "report",
+    "thesis",
+]
 
 
 def share(*folders, scripts=True):

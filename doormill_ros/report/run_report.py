@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+import base64
 import json
+from html import escape
 from pathlib import Path
 from typing import Any
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from doormill_ros import __version__
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.files import write_atomically
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.report.door_figure import door_figure
-from doormill_ros.report.figures import correction_figure, deviation_figure, picture_url
-from doormill_ros.report.run_figures import deflection_figure, handshake_figure, pose_figure
+from doormill_ros.messages.from_message import program_of, transform_of
+from doormill_ros.pages.page import Charts, Facts, Listing, Page, Picture, Section, Text, render
+from doormill_ros.recipes.drawing import draw_recipe
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.report.figures import (
+    correction_figure,
+    deflection_figure,
+    deviation_figure,
+    handshake_figure,
+    picture_url,
+    pose_figure,
+)
 from doormill_ros.report.run_record import RunRecord, read_run
+from doormill_ros.toolpath.drawing import draw_program
 from doormill_ros.units import m_to_mm, rad_to_deg
 
 TARGET_LINES = 400  # of the RAPID file that the page shows
@@ -65,11 +75,6 @@ def _facts(record: RunRecord) -> dict[str, str]:
     return facts
 
 
-def _stage_times(result: Any) -> dict[str, float]:
-    names = ("picture_to_pose", "pose_to_targets", "targets_to_ready", "request_to_ready")
-    return {name.replace("_", " "): 1e3 * getattr(result.times, name) for name in names}
-
-
 def _target_lines(record: RunRecord) -> list[str]:
     """The RAPID file as recorded, also of a run that failed once it was handed over; of older bags from the disk."""
     message, result = record.get("abb/target_file"), record.get("run/result")
@@ -84,8 +89,27 @@ def _target_lines(record: RunRecord) -> list[str]:
     return [*lines[:TARGET_LINES], f"... {left} more lines"] if left > 0 else lines
 
 
+def _door(recipe: Any, targets: Any, pose: Any) -> str:
+    """The drawing of the recipe as an <img> element; with targets and a pose also the paths.
+
+    Args:
+        recipe: doormill_interfaces/DoorRecipe.
+        targets: Accepted doormill_interfaces/TargetArray, or None.
+        pose: geometry_msgs/Pose of the door in base_link, or None.
+    """
+    content = Recipe.from_document(json.loads(recipe.document))
+    if targets is None or pose is None:
+        drawing = draw_recipe(content)
+    else:
+        drawing = draw_program(content, program_of(targets), transform_of(pose))
+    # As a picture of its own: the drawing's style sheet must not reach the rest of the page.
+    data = base64.b64encode(drawing.to_svg().encode()).decode("ascii")
+    words = escape(f"Door {recipe.door_id} with its features")
+    return f'<img src="data:image/svg+xml;base64,{data}" alt="{words}">'
+
+
 def _figures(record: RunRecord) -> dict[str, str]:
-    """Heading and SVG of every picture that the record allows."""
+    """Heading and drawing of every picture that the record allows."""
     recipe, found = record.get("door/recipe"), record.get("door/localization")
     targets, executed = record.get("path/targets"), record.get("simulation/executed_path")
     milled, true = record.get("simulation/milled_door"), record.get("simulation/door_placement")
@@ -94,7 +118,7 @@ def _figures(record: RunRecord) -> dict[str, str]:
     figures = {}
     if recipe is not None:
         pose = localized.pose.pose if localized is not None else None
-        figures["Door and path"] = door_figure(recipe, accepted, pose)
+        figures["Door and path"] = _door(recipe, accepted, pose)
     if localized is not None:
         figures["Pose and uncertainty"] = pose_figure(localized, true, load_layout().limits)
     if milled is not None:
@@ -115,32 +139,47 @@ def _picture(record: RunRecord) -> str:
         return ""
 
 
+def _stage_times(result: Any) -> Facts:
+    names = ("picture_to_pose", "pose_to_targets", "targets_to_ready", "request_to_ready")
+    times = {name.replace("_", " "): 1e3 * getattr(result.times, name) for name in names}
+    return Facts(
+        [(name, f"{value:.1f} ms" if value > 0 else "not reached") for name, value in times.items()],
+        numbers=True,
+    )
+
+
+def _refusal(code: int, handed_over: bool) -> Text:
+    left = (
+        "The target file was handed over before; none was left" if handed_over else "No target file was left"
+    )
+    return Text([f"Error code {code}. {left} for the controller."])
+
+
 def render_report(record: RunRecord) -> str:
     """The whole page, self-contained."""
-    result = record.get("run/result")
-    recipe = record.get("door/recipe")
-    environment = Environment(
-        loader=PackageLoader("doormill_ros.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("run.html.j2").render(
-        success=result.success,
-        door_id=result.door_id,
-        message=result.message,
-        error_code=result.error_code,
-        facts=_facts(record),
-        times=_stage_times(result),
-        handshake=record.handshake,
-        timeline=handshake_figure(record.handshake) if record.handshake else "",
-        figures=_figures(record),
-        picture=_picture(record),
-        recipe=json.dumps(json.loads(recipe.document), indent=2) if recipe is not None else "",
-        target_lines=_target_lines(record),
-        counts=dict(sorted(record.counts.items())),
-    )
+    result, recipe = record.get("run/result"), record.get("door/recipe")
+    picture, target_lines = _picture(record), _target_lines(record)
+    top = [] if result.success else [_refusal(result.error_code, bool(target_lines))]
+    sections = [Section("", [*top, Facts(list(_facts(record).items()))])]
+    if picture:
+        sections.append(Section("Picture", [Picture(picture, "Picture of the door with found edges")]))
+    sections += [Section(title, [Charts([drawing], "wide")]) for title, drawing in _figures(record).items()]
+    steps = [(step.state, f"{step.begun:.3f} s", step.reason) for step in record.handshake]
+    timeline = [Charts([handshake_figure(record.handshake)], "wide")] if record.handshake else []
+    sections += [
+        Section("Stage times", [_stage_times(result)]),
+        Section("Handshake with the controller", [*timeline, Facts(steps, numbers=True)]),
+    ]
+    if target_lines:
+        sections.append(Section("RAPID target file", [Listing("\n".join(target_lines))]))
+    if recipe is not None:
+        document = json.dumps(json.loads(recipe.document), indent=2)
+        sections.append(Section("Recipe", [Listing(document)]))
+    counts = [(topic, str(count)) for topic, count in sorted(record.counts.items())]
+    sections.append(Section("Recorded topics", [Facts(counts, numbers=True)]))
+    verdict = "milled" if result.success else "refused"
+    title = f"Door {result.door_id}: {verdict}"
+    return render(Page(result.message, sections, title=title, good=result.success))
 
 
 def write_report(bag: Path, path: Path) -> None:

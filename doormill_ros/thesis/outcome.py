@@ -6,8 +6,10 @@ from typing import Any
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.identification.outcome import Outcome
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.thesis import printed_displacements, printed_methods
 from doormill_ros.thesis.comparison import TestComparison, compare_with_simulation
-from doormill_ros.thesis.contradictions.search import find_contradictions
+from doormill_ros.thesis.contradiction import Contradiction, Evidence
 from doormill_ros.thesis.fit import FIGURES, ThesisFit, fit_thesis, overall_std
 from doormill_ros.thesis.loading_tests import ThesisData
 from doormill_ros.thesis.recovery import Recovery, recover, repeatability
@@ -16,6 +18,12 @@ SOURCE = (
     "thesis; joint 1 from A.8, joint 2 from A.9, joints 3 to 6 from the ratios of table 4.1; deviations from "
     "repeated tests and from fitting all joints at once"
 )
+
+
+def find_contradictions(data: ThesisData, recovery: Recovery) -> list[Contradiction]:
+    """Prove every contradiction from the printed figures."""
+    evidence = Evidence(data, recovery, Kinematics(data.robot))
+    return [rule(evidence) for rule in (*printed_displacements.RULES, *printed_methods.RULES)]
 
 
 def outcome_of_thesis(data: ThesisData) -> Outcome:
@@ -27,7 +35,7 @@ def outcome_of_thesis(data: ThesisData) -> Outcome:
     contradictions = find_contradictions(data, recovery)
     lines = [*_stiffness_lines(data, recovery, fit, std), "", *_comparison_lines(sides), ""]
     lines.append("printed figures that contradict each other:")
-    lines += [f"- {c.name} ({c.places}): {c.finding}" for c in contradictions]
+    lines += map(str, contradictions)
     document = {
         "one_by_one": {
             "stiffness": recovery.stiffness,

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from html import escape
-
 import numpy as np
 
-from doormill_ros.diagnosis.report.html import page, table
-from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
-from doormill_ros.diagnosis.report.wording import MICRO, micrometres, spoken, with_deviation
+from doormill_ros.diagnosis.wording import MICRO, micrometres, spoken, with_deviation
+from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED, WIDE, BarRow, Curve, bars, scatter
+from doormill_ros.pages.page import Charts, Page, Section, Table, Text, render
 from doormill_ros.thesis.diagnosis import PreloadReading, ThesisDiagnosis, ThesisRow
 from doormill_ros.thesis.wording import candidates_sentence, joint_3_sentence
 
 UM = 1e6  #: micrometres in a metre
-_WIDTH = 1132
 
 
 def thesis_headline(found: ThesisDiagnosis) -> str:
@@ -31,36 +28,48 @@ def render_thesis_report(found: ThesisDiagnosis, gap: PreloadReading) -> str:
         "The simulation of table 4.2 lets the joint under test give way alone. With all springs of table 4.1 acting, "
         f"tests 3 and 5 overshoot. {candidates_sentence(found)}"
     )
-    parts = [
-        f"<h2>Table 4.2: measured against simulated</h2>{_lengths(found)}{_table(found)}"
-        f"<p>{escape(joint_3_sentence(found))}</p><p>{escape(found.unchanged)}</p>"
-        "<p>Extended: by the first of them. Held out: the cause fitted without the test, so test 5 alone predicts test "
+    held_out = (
+        "Extended: by the first of them. Held out: the cause fitted without the test, so test 5 alone predicts test "
         "3 and the other way round. "
         f"Test 6 with all joints gives {micrometres(low)} or {micrometres(high)}, depending on the side on which its "
-        "reflector sat, which is not printed.</p>",
-        f"<h2>Table 4.3: joint 1 pre-loaded and not</h2>{_angles(gap)}{_readings(gap)}",
-        "<h2>What to measure next</h2><p>Joint 1 with a second, larger weight, pre-loaded and not: the slope of the "
-        "pre-loaded readings is the spring alone, and the two readings above put it at "
-        f"{1e-6 * _closed(gap):.2f} or {1e-6 * gap.stiffness_if_friction:.2f} &times; 10&#8310; N m / rad. Test 3 "
-        "with a second reflector before joint 3: it shows what joint 2 does, and "
-        "parts the candidates for joint 3 from joint 2.</p>",
+        "reflector sat, which is not printed."
+    )
+    following = (
+        "Joint 1 with a second, larger weight, pre-loaded and not: the slope of the pre-loaded readings is the spring "
+        f"alone, and the two readings above put it at {1e-6 * _closed(gap):.2f} or "
+        f"{1e-6 * gap.stiffness_if_friction:.2f} × 10⁶ N m / rad. Test 3 with a second reflector before joint 3: it "
+        "shows what joint 2 does, and parts the candidates for joint 3 from joint 2."
+    )
+    sections = [
+        Section(
+            "Table 4.2: measured against simulated",
+            [
+                Charts([_lengths(found)], "wide"),
+                _table(found),
+                Text([joint_3_sentence(found), found.unchanged, held_out]),
+            ],
+        ),
+        Section(
+            "Table 4.3: joint 1 pre-loaded and not", [Charts([_angles(gap)], "wide"), Text([_readings(gap)])]
+        ),
+        Section("What to measure next", [Text([following])]),
     ]
-    return page(thesis_headline(found), lead, parts)
+    return render(Page(thesis_headline(found), sections, lead))
 
 
 def _lengths(found: ThesisDiagnosis) -> str:
-    rows: list[tuple[str, float, str]] = []
+    rows = []
     for row in found.rows:
         rows += [
-            (f"test {row.joint}: measured", UM * row.measured, GOOD),
-            ("thesis' simulation", UM * row.simulated, BEFORE),
-            ("all joint springs", UM * row.all_joints, OTHER),
-            ("extended", UM * row.extended, AFTER),
+            BarRow(f"test {row.joint}: measured", [UM * row.measured], [GREEN]),
+            BarRow("thesis' simulation", [UM * row.simulated], [RED]),
+            BarRow("all joint springs", [UM * row.all_joints], [GREY]),
+            BarRow("extended", [UM * row.extended], [BLUE]),
         ]
-    return Bars("displacement of the reflector", f"{MICRO}m", rows, width=_WIDTH).svg()
+    return bars("displacement of the reflector", f"{MICRO}m", rows, width=WIDE)
 
 
-def _table(found: ThesisDiagnosis) -> str:
+def _table(found: ThesisDiagnosis) -> Table:
     heads = (
         "Test",
         "Measured",
@@ -71,7 +80,7 @@ def _table(found: ThesisDiagnosis) -> str:
         "Held out",
         "What was left out",
     )
-    return table(heads, [_cells(row) for row in found.rows])
+    return Table(heads, [_cells(row) for row in found.rows])
 
 
 def _cells(row: ThesisRow) -> list[str]:
@@ -100,34 +109,34 @@ def _angles(gap: PreloadReading) -> str:
     opened, spring = UM * gap.torque / gap.stiffness_if_friction, _closed(gap)
     closed = opened - UM * gap.gap
     held = np.array([gap.friction, 2.0 * gap.torque])
-    return Scatter(
+    return scatter(
         "what either reading says of other loads",
         "torque [N m]",
         f"angle of joint 1 [{MICRO}rad]",
         [
-            ("not pre-loaded", BEFORE, point, np.array([opened])),
-            ("pre-loaded", AFTER, point, np.array([closed])),
+            Curve("not pre-loaded", RED, point, np.array([opened])),
+            Curve("pre-loaded", BLUE, point, np.array([closed])),
         ],
         [
-            (
+            Curve(
                 "not pre-loaded",
-                BEFORE,
+                RED,
                 torque[1:] * [0.02, 1.0],
                 UM * (torque[1:] * [0.02, 1.0] / spring + gap.gap),
             ),
-            ("pre-loaded", AFTER, torque, UM * torque / spring),
-            ("friction", OTHER, torque, UM * torque / gap.stiffness_if_friction),
-            ("friction", OTHER, held, UM * (held - gap.friction) / gap.stiffness_if_friction),
+            Curve("pre-loaded", BLUE, torque, UM * torque / spring),
+            Curve("friction", GREY, torque, UM * torque / gap.stiffness_if_friction),
+            Curve("friction", GREY, held, UM * (held - gap.friction) / gap.stiffness_if_friction),
         ],
-        width=_WIDTH,
-    ).svg()
+        width=WIDE,
+    )
 
 
 def _readings(gap: PreloadReading) -> str:
     low, high = (UM * v for v in gap.gap_ci95)
     return (
-        f"<p>As a gap that pre-loading closes: {escape(with_deviation([gap.gap], [gap.gap_std], 'rad'))}, 95 % "
+        f"As a gap that pre-loading closes: {with_deviation([gap.gap], [gap.gap_std], 'rad')}, 95 % "
         f"interval {low:.0f} to {high:.0f} {MICRO}rad because there are only {sum(gap.readings)} readings. As friction "
-        f"that carries load when pre-loaded: {escape(with_deviation([gap.friction], [gap.friction_std], 'N m'))} in "
-        f"a joint of {1e-6 * gap.stiffness_if_friction:.2f} &times; 10&#8310; N m / rad. One load cannot tell.</p>"
+        f"that carries load when pre-loaded: {with_deviation([gap.friction], [gap.friction_std], 'N m')} in "
+        f"a joint of {1e-6 * gap.stiffness_if_friction:.2f} × 10⁶ N m / rad. One load cannot tell."
     )

@@ -13,11 +13,9 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS
-from doormill_ros.thesis.formulas import (
-    stiffness_from_length,
-    stiffness_from_rotation,
-)
-from doormill_ros.thesis.loading_tests import GRAVITY, ThesisData
+from doormill_ros.thesis.formulas import stiffness_from_length, stiffness_from_rotation
+from doormill_ros.thesis.loading_tests import ThesisData
+from doormill_ros.units import GRAVITY
 
 #: Half of the last printed digit, as the standard deviation of a uniform distribution.
 _ROUNDING = 0.5 / np.sqrt(3.0)

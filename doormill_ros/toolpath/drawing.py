@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-
 import numpy as np
-from matplotlib import pyplot as plt
 from matplotlib.collections import LineCollection
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply, inverse
+from doormill_ros.pages import charts
 from doormill_ros.recipes.drawing import DoorDrawing
 from doormill_ros.recipes.errors import UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
@@ -75,7 +71,8 @@ def save_png(
     features = [f for f in recipe.features if any(m.feature == f.id for m in program.motions)]
     columns = min(3, len(features))
     rows = -(-len(features) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(4.2 * columns, 4.6 * rows), squeeze=False)
+    figure = charts.png_figure(4.2 * columns, 4.6 * rows)
+    axes = figure.subplots(rows, columns, squeeze=False)
     for panel in axes.flat[len(features) :]:
         panel.set_axis_off()
     for panel, feature in zip(axes.flat, features, strict=False):
@@ -96,13 +93,10 @@ def save_png(
     figure.suptitle(
         f"{recipe.door_id}: largest correction {m_to_mm(program.largest_correction):.3f} mm", fontsize=11
     )
-    figure.tight_layout()
     try:
-        figure.savefig(path, dpi=110)
+        charts.save_png(figure, Path(path))
     except OSError as error:
         raise UnreadableFile(f"{path}: cannot be written, {error.strerror}") from error
-    finally:
-        plt.close(figure)
     return Path(path)
 
 
@@ -137,5 +131,5 @@ def _arc(start: FloatArray, via: FloatArray, end: FloatArray) -> FloatArray:
     centre = start + (np.cross(normal, a) * (b @ b) + np.cross(b, normal) * (a @ a)) / (2.0 * square)
     normal = normal / np.sqrt(square)
     arm, last = start - centre, end - centre
-    sweep = np.arctan2(np.cross(arm, last) @ normal, arm @ last) % (2.0 * np.pi)
+    sweep = float(np.arctan2(np.cross(arm, last) @ normal, arm @ last) % (2.0 * np.pi))
     return arc_about(start, centre, normal, sweep).points(np.linspace(0.0, 1.0, ARC_POINTS))

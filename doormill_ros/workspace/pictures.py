@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.pages.charts import png_figure, save_png
 from doormill_ros.robot.description import Robot
 from doormill_ros.units import rad_to_deg
 from doormill_ros.workspace.doors import FlangeBox
@@ -39,14 +39,14 @@ def draw_influence(maps: Maps, title: str, path: Path, marks: FloatArray | None 
     axes = figure.axes
     _map(figure, axes[0], maps, maps.position_influence, "nu_p: share of the displacement [-]", marks)
     _map(figure, axes[1], maps, rad_to_deg(maps.rotation_influence), "nu_r: rotation [deg]", marks)
-    _save(figure, path)
+    save_png(figure, path)
 
 
 def draw_conditioning(maps: Maps, title: str, path: Path, marks: FloatArray | None = None) -> None:
     """Inverse condition number, as figure 4.2 of the thesis; arguments as `draw_influence`."""
     figure = _figure(title, 1)
     _map(figure, figure.axes[0], maps, maps.conditioning, "inverse condition number [-] (at most 1/6)", marks)
-    _save(figure, path)
+    save_png(figure, path)
 
 
 def draw_stiffness(maps: Maps, title: str, path: Path, marks: FloatArray | None = None) -> None:
@@ -56,7 +56,7 @@ def draw_stiffness(maps: Maps, title: str, path: Path, marks: FloatArray | None 
         # In singular postures a direction turns rigid; the scale ends where the useful range does.
         shown = np.minimum(values, np.nanquantile(values, 0.98)) / 1e6
         _map(figure, axes, maps, shown, f"stiffness {_NAMES[name]} [N/um]", marks, logarithmic=True)
-    _save(figure, path)
+    save_png(figure, path)
 
 
 def draw_region(robot: Robot, found: Search, reference: Placement, path: Path) -> None:
@@ -97,14 +97,13 @@ def draw_region(robot: Robot, found: Search, reference: Placement, path: Path) -
             top=0.1,
         )
         axes.set(xlabel="flange y [m]", ylabel="flange z [m]", title=name)
-    _save(figure, path)
+    save_png(figure, path)
 
 
 def _figure(title: str, panels: int, columns: int | None = None) -> Figure:
     columns = columns or panels
     rows = -(-panels // columns)
-    figure = Figure(figsize=(6.4 * columns, 5.4 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = png_figure(6.4 * columns, 5.4 * rows)
     figure.suptitle(title)
     figure.subplots(rows, columns)
     return figure
@@ -159,7 +158,3 @@ def _field(
 def _best_over(values: FloatArray, axis: int) -> FloatArray:
     best = np.where(np.isnan(values), -np.inf, values).max(axis=axis)
     return np.where(np.isfinite(best), best, np.nan)
-
-
-def _save(figure: Figure, path: Path) -> None:
-    figure.savefig(path, dpi=110)

@@ -8,9 +8,9 @@ import pytest
 
 from doormill_ros.recipes.cutting import Cutting
 from doormill_ros.thesis.comparison import compare_with_simulation
-from doormill_ros.thesis.contradictions.search import find_contradictions
 from doormill_ros.thesis.fit import fit_thesis, overall_std
 from doormill_ros.thesis.loading_tests import load_thesis_data
+from doormill_ros.thesis.outcome import find_contradictions
 from doormill_ros.thesis.recovery import recover
 from doormill_ros.units import INCH, MM, RPM
 from support.source_tree import ROOT

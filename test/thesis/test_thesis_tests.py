@@ -14,9 +14,9 @@ from doormill_ros.measurements.errors import LoadingTestError
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.thesis.comparison import compare_with_simulation
-from doormill_ros.thesis.contradictions.search import find_contradictions
 from doormill_ros.thesis.fit import FIGURES, FigureModel, fit_thesis, overall_std
 from doormill_ros.thesis.loading_tests import load_thesis_data
+from doormill_ros.thesis.outcome import find_contradictions
 from doormill_ros.thesis.recovery import recover, repeatability
 
 ANGLE = math.atan2(219.25, 226.66)
@@ -209,71 +209,111 @@ def test_deviations_of_table_4_2_are_of_the_components(data):
     assert np.abs(data.table_4_2["simulated_um"] - measured)[:2] == pytest.approx([3.2, 0.4], abs=0.01)
 
 
+@pytest.fixture(scope="module")
 def numbers(data, recovery):
-    return {c.name: c.numbers for c in find_contradictions(data, recovery)}
-
-
-def test_every_contradiction_is_proved(data, recovery):
-    """Each pair that cannot hold together, from arithmetic that does not use the module's own."""
-    found = numbers(data, recovery)
+    """Numbers of every contradiction by its name; proved below from arithmetic that does not use the module's own."""
+    found = {c.name: c.numbers for c in find_contradictions(data, recovery)}
     assert len(found) == 18
-    n = found["simulated displacement of tests 1 and 2"]
+    return found
+
+
+@pytest.fixture(scope="module")
+def rope():
+    """The rope's pull on the flange in test 6 along base x and y [N]."""
+    fx = math.cos(ANGLE) * 123.7268 + math.sin(ANGLE) * 128.4797
+    fy = math.sin(ANGLE) * 123.7268 - math.cos(ANGLE) * 128.4797
+    assert fx == pytest.approx(178.26, abs=0.01)
+    return fx, fy
+
+
+def test_tests_1_and_2_contradict_their_own_components(numbers):
+    n = numbers["simulated displacement of tests 1 and 2"]
     assert (round(n["component_length_1"] * 1e6, 1), round(n["component_length_2"] * 1e6, 1)) == (66.2, 108.1)
-    n = found["simulated displacement of test 3"]
+    n = numbers["agreement of tests 1 and 2"]
+    assert n["simulated_over_measured_1"] == pytest.approx(66.194 / 65.7, rel=1e-4)
+
+
+def test_test_3_is_simulated_with_one_joint_and_measured_with_all(numbers, recovery):
+    n = numbers["simulated displacement of test 3"]
     assert n["direction_simulated"] == pytest.approx(28.25 / 143.1)
     assert n["direction_joint_3"] == pytest.approx(207 / 1054)
     assert abs(n["direction_all"] / n["direction_simulated"] - 1) > 0.25
     assert n["corrected_length"] == pytest.approx(
         197.9959 * 1.142 * math.hypot(1.054, 0.207) / (0.6892 * recovery.stiffness[0]), rel=1e-9
     )
-    n = found["measured displacement of test 6"]
-    assert n["corrected_length"] == pytest.approx(
-        89.4632 * 0.265 / (0.0187 * recovery.stiffness[0]), rel=1e-9
-    )
-    assert round(n["ratio_from_table_4_2"], 4) == 0.0179
-    n = found["torque of joint 1 in test 6"]
-    fx = math.cos(ANGLE) * 123.7268 + math.sin(ANGLE) * 128.4797
-    fy = math.sin(ANGLE) * 123.7268 - math.cos(ANGLE) * 128.4797
-    assert fx == pytest.approx(178.26, abs=0.01)
-    # Tool tip at x = 0.320 + 1.142, y = 0; flange z points down, so the couple about base z is -Mz.
-    assert n["torque_script"] == pytest.approx(1.462 * fy - 89.4632, rel=1e-9)
-    assert n["torque"] == pytest.approx(1.462 * fy + 89.4632, rel=1e-9)
-    n = found["arm of the load in tests 1, 5 and 6"]
-    assert [round(n[f"arm_{k}"], 3) for k in (1, 5, 6)] == [0.110, 0.081, 0.045]
-    n = found["load of test 2"]
-    assert [round(n[f"force_{k}"], 1) for k in (1, 3, 5, 6)] == [176.3, 198.0, 194.4, 178.4]
-    n = found["posture of test 4"]
-    assert (n["fx_share_3_1"], n["fx_share_3_1_4"]) == pytest.approx((-1, 1))
-    n = found["lengths of the first link"]
-    assert n["printed"] == pytest.approx(39 / 50 + 1 / 5 + 571 / 500)  # J21 of A.7 at zero
-    assert n["table_2_1"] == pytest.approx(1.662)  # A.2's home pose
-    n = found["angle of test 5"]
-    assert n["share_of_joint_3"] == pytest.approx(1 - (1.142**2 + 0.2 * 1.275) / (1.142**2 + 1.275**2))
-    assert n["stiffness_factor"] == pytest.approx(1.15, abs=0.01)
-    n = found["joints that give way in test 6"]
-    assert n["joint_5"] == pytest.approx(fx * 0.38 * 0.407 / recovery.stiffness[4], rel=1e-3)
-    n = found["angle taken off in test 4"]
-    assert n["alpha"] > 2 * n["rotation_joint_4"]
-    n = found["simulated rotation of test 4"]
-    assert n["ratio"] == pytest.approx(2.677e-4 / (88.1e-6 / 0.407), rel=1e-9)
-    assert found["highest stiffness"]["largest"] == 1.125
-    assert found["displacement taken off in test 3"]["difference"] == pytest.approx(9.6e-6, abs=0.2e-6)
-    n = found["torque equations"]
-    assert abs(n["printed"] - n["torque"]) > 1.0
-    n = found["stiffness and displacement of test 3"]
+
+
+def test_test_3_moves_further_than_printed(numbers, data):
+    n = numbers["stiffness and displacement of test 3"]
     assert n["predicted"] - n["measured"] > 8 * repeatability(data)
-    # Joint 5 feels only the small sideways force (0.83 N) on 0.38 m and moves the reflector on 0.416 m.
-    n = found["cause of test 3's deviation"]
+    assert numbers["displacement taken off in test 3"]["difference"] == pytest.approx(9.6e-6, abs=0.2e-6)
+
+
+def test_joint_5_is_not_the_cause_of_test_3(numbers, recovery):
+    """Joint 5 feels only the small sideways force (0.83 N) on 0.38 m and moves the reflector on 0.416 m."""
+    n = numbers["cause of test 3's deviation"]
     sideways = abs(math.cos(ANGLE) * -1.6108 - math.sin(ANGLE) * -0.4682)
     expected = sideways * 0.38 * math.hypot(0.407, 0.088) / recovery.stiffness[4]
     assert n["joint_5"] == pytest.approx(expected, rel=1e-6)
     assert n["joint_5"] < 0.02 * n["deviation"]
-    n = found["agreement of tests 1 and 2"]
-    assert n["simulated_over_measured_1"] == pytest.approx(66.194 / 65.7, rel=1e-4)
+
+
+def test_test_4_has_two_postures_and_two_rotations(numbers):
+    n = numbers["posture of test 4"]
+    assert (n["fx_share_3_1"], n["fx_share_3_1_4"]) == pytest.approx((-1, 1))
+    n = numbers["angle taken off in test 4"]
+    assert n["alpha"] > 2 * n["rotation_joint_4"]
+    n = numbers["simulated rotation of test 4"]
+    assert n["ratio"] == pytest.approx(2.677e-4 / (88.1e-6 / 0.407), rel=1e-9)
+
+
+def test_the_angle_of_test_5_holds_joint_3(numbers):
+    n = numbers["angle of test 5"]
+    assert n["share_of_joint_3"] == pytest.approx(1 - (1.142**2 + 0.2 * 1.275) / (1.142**2 + 1.275**2))
+    assert n["stiffness_factor"] == pytest.approx(1.15, abs=0.01)
+
+
+def test_test_6_compares_unlike_lengths(numbers, recovery):
+    n = numbers["measured displacement of test 6"]
+    assert n["corrected_length"] == pytest.approx(
+        89.4632 * 0.265 / (0.0187 * recovery.stiffness[0]), rel=1e-9
+    )
+    assert round(n["ratio_from_table_4_2"], 4) == 0.0179
+
+
+def test_test_6_mixes_frames_and_forgets_joint_5(numbers, recovery, rope):
+    """Tool tip at x = 0.320 + 1.142, y = 0; flange z points down, so the couple about base z is -Mz."""
+    fx, fy = rope
+    n = numbers["torque of joint 1 in test 6"]
+    assert n["torque_script"] == pytest.approx(1.462 * fy - 89.4632, rel=1e-9)
+    assert n["torque"] == pytest.approx(1.462 * fy + 89.4632, rel=1e-9)
+    n = numbers["joints that give way in test 6"]
+    assert n["joint_5"] == pytest.approx(fx * 0.38 * 0.407 / recovery.stiffness[4], rel=1e-3)
+
+
+def test_loads_and_arms_differ_from_test_to_test(numbers):
+    n = numbers["arm of the load in tests 1, 5 and 6"]
+    assert [round(n[f"arm_{k}"], 3) for k in (1, 5, 6)] == [0.110, 0.081, 0.045]
+    n = numbers["load of test 2"]
+    assert [round(n[f"force_{k}"], 1) for k in (1, 3, 5, 6)] == [176.3, 198.0, 194.4, 178.4]
+
+
+def test_printed_equations_and_lengths_are_exchanged(numbers):
+    n = numbers["lengths of the first link"]
+    assert n["printed"] == pytest.approx(39 / 50 + 1 / 5 + 571 / 500)  # J21 of A.7 at zero
+    assert n["table_2_1"] == pytest.approx(1.662)  # A.2's home pose
+    n = numbers["torque equations"]
+    assert abs(n["printed"] - n["torque"]) > 1.0
+
+
+def test_the_highest_stiffness_is_not_the_highest(numbers):
+    assert numbers["highest stiffness"]["largest"] == 1.125
 
 
 def test_contradictions_are_sentences(data, recovery):
-    for c in find_contradictions(data, recovery):
+    contradictions = find_contradictions(data, recovery)
+    assert len(contradictions) == 18
+    for c in contradictions:
         assert all((c.name, c.places, c.finding))
         assert "nan" not in c.finding
         assert all(math.isfinite(v) for v in c.numbers.values())

@@ -20,7 +20,7 @@ from doormill_ros.diagnosis.loading.margins import margins
 from doormill_ros.diagnosis.loading.next_measurement import NextMeasurement, plan_next
 from doormill_ros.diagnosis.loading.path_shift import doubt, path_shift
 from doormill_ros.diagnosis.loading.problem import Problem
-from doormill_ros.diagnosis.report.page import render_report
+from doormill_ros.diagnosis.loading.report import render_report
 from doormill_ros.measurements.join_sets import check_same_model, join_sets
 from doormill_ros.measurements.measurement_set import MeasurementSet, read_measurement_set
 

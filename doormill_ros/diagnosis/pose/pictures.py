@@ -6,13 +6,13 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
-from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER, Bars, Scatter
+from doormill_ros.pages.charts import BLUE, GREEN, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
 from doormill_ros.units import rad_to_deg
 
 UM = 1e6  #: micrometres in a metre
-_COLOURS = (BEFORE, AFTER, GOOD, OTHER, "#7a4fa3", "#b08a00")
+_COLOURS = (RED, BLUE, GREEN, GREY, "#7a4fa3", "#b08a00")
 #: Points of a series in one chart.
 _POINTS = 700
 
@@ -25,14 +25,14 @@ def before_and_after(diagnosis: PoseDiagnosis) -> list[str]:
         good = ~diagnosis.gross[index]
         lines = []
         for name, colour, errors in (
-            ("nominal", BEFORE, diagnosis.before.blocks),
-            ("blocks left out", AFTER, diagnosis.after.blocks),
-            ("series left out", OTHER, diagnosis.after.series),
+            ("nominal", RED, diagnosis.before.blocks),
+            ("blocks left out", BLUE, diagnosis.after.blocks),
+            ("series left out", GREY, diagnosis.after.series),
         ):
             if errors:
                 size = UM * np.linalg.norm(errors[index][good, :3], axis=1)
-                lines.append((name, colour, np.quantile(size, share), 100.0 * share))
-        charts.append(Scatter(data.name, "position error [um]", "poses below [%]", lines=lines).svg())
+                lines.append(Curve(name, colour, np.quantile(size, share), 100.0 * share))
+        charts.append(scatter(data.name, "position error [um]", "poses below [%]", lines=lines))
     return charts
 
 
@@ -66,7 +66,7 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
         if f"joint {k}" not in own:
             continue
         cause, part = own[f"joint {k}"]
-        clouds: list[list[tuple[str, str, FloatArray, FloatArray]]] = [[], []]
+        clouds: list[list[Curve]] = [[], []]
         curve = []
         for index, data in enumerate(diagnosis.sets):
             pick = np.unique(np.linspace(0, len(data) - 1, _POINTS).astype(int))
@@ -75,16 +75,21 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
             left = 1e3 * residual[index][pick, k - 1]
             error = 1e3 * cause.columns(problem.views[index])[0].basis[pick] @ problem.x[part]
             colour = _COLOURS[index % len(_COLOURS)]
-            clouds[0].append((data.name, colour, angle, left + error))
-            clouds[1].append((data.name, colour, angle, left))
+            clouds[0].append(Curve(data.name, colour, angle, left + error))
+            clouds[1].append(Curve(data.name, colour, angle, left))
             curve.append(left + error)
         span = 1.2 * float(np.quantile(np.abs(np.concatenate(curve)), 0.99))
         for title, series in (("without its own error", clouds[0]), ("after", clouds[1])):
-            inside = [(n, c, x[abs(y) < span], y[abs(y) < span]) for n, c, x, y in series]
+            inside = [Curve(n, c, x[abs(y) < span], y[abs(y) < span]) for n, c, x, y in series]
             charts.append(
-                Scatter(
-                    f"joint {k}, {title}", "recorded angle [deg]", "residual angle [mrad]", inside, band=span
-                ).svg()
+                scatter(
+                    f"joint {k}, {title}",
+                    "recorded angle [deg]",
+                    "residual angle [mrad]",
+                    inside,
+                    width=HALF,
+                    limits=(-span, span),
+                )
             )
     return charts
 
@@ -97,7 +102,7 @@ def spectra(diagnosis: PoseDiagnosis) -> list[str]:
         if isinstance(cause, JointPeriodicError):
             pairs = diagnosis.extended.problem.x[layout.part(index)].reshape(-1, 2)
             x, y = np.array(cause.orders, dtype=float), UM * np.hypot(pairs[:, 0], pairs[:, 1])
-            charts.append(Scatter(cause.where, "order", "amplitude [urad]", [("", AFTER, x, y)]).svg())
+            charts.append(scatter(cause.where, "order", "amplitude [urad]", [Curve("", BLUE, x, y)]))
     return charts
 
 
@@ -108,13 +113,18 @@ def over_rows(diagnosis: PoseDiagnosis) -> list[str]:
         good = np.flatnonzero(~diagnosis.gross[index])
         pick = good[np.unique(np.linspace(0, len(good) - 1, _POINTS).astype(int))]
         series = [
-            (name, colour, data.row[pick].astype(float), UM * np.linalg.norm(errors[index][pick, :3], axis=1))
+            Curve(
+                name,
+                colour,
+                data.row[pick].astype(float),
+                UM * np.linalg.norm(errors[index][pick, :3], axis=1),
+            )
             for name, colour, errors in (
-                ("nominal", BEFORE, diagnosis.before.blocks),
-                ("blocks left out", AFTER, diagnosis.after.blocks),
+                ("nominal", RED, diagnosis.before.blocks),
+                ("blocks left out", BLUE, diagnosis.after.blocks),
             )
         ]
-        charts.append(Scatter(data.name, "row", "position error [um]", series).svg())
+        charts.append(scatter(data.name, "row", "position error [um]", series))
     return charts
 
 
@@ -124,7 +134,7 @@ def candidates_chart(diagnosis: PoseDiagnosis) -> str:
     squares = [np.sum(e[good, :3] ** 2, axis=1) for e, good in zip(diagnosis.after.blocks, kept, strict=True)]
     now = UM * float(np.sqrt(np.mean(np.concatenate(squares))))
     rows = [
-        (f"without {score.cause!r}".replace("_", " "), UM * score.rmse_without, AFTER)
+        BarRow(f"without {score.cause!r}".replace("_", " "), [UM * score.rmse_without], [BLUE])
         for score in sorted(diagnosis.established, key=lambda s: -s.rmse_without)
     ]
-    return Bars("held-out error when one cause is taken away", "um", rows, ("with all", now)).svg()
+    return bars("held-out error when one cause is taken away", "um", rows, ("with all", now), WIDE)

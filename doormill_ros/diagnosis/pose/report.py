@@ -3,72 +3,54 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 from typing import Any
 
 import numpy as np
 
 from doormill_ros.diagnosis.pose import pictures
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
-from doormill_ros.diagnosis.report.html import charts, figure, notes, page, section, table, tiles
+from doormill_ros.diagnosis.wording import verdict_sentence
+from doormill_ros.pages.page import Charts, Page, Section, Table, Text, Tiles, render
 from doormill_ros.units import rad_to_deg
-
-_SENTENCES = {
-    "consistent": "The nominal model is right to within the measurement noise. Nothing has to be changed.",
-    "explained": "With the extension the model predicts unseen poses down to the measurement noise.",
-    "partly_explained": "Causes are established, yet the residual still has structure that no known cause explains.",
-    "unexplained": "Something is wrong that is not in the library of causes. No cause is named, because a wrong one is "
-    "worse than none.",
-}
 
 
 def render_report(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
     """The page as HTML text."""
-    parts = [
-        _tiles(document),
-        notes(document["remarks"]),
-        section("Every series", _series(document)),
-        section("Position error before and after", charts(pictures.before_and_after(diagnosis))),
+    sections = [
+        Section("", [_tiles(document), Text(document["remarks"], note=True)]),
+        Section("Every series", [_series(document)]),
+        Section("Position error before and after", [Charts(pictures.before_and_after(diagnosis))]),
     ]
     curves = pictures.joint_curves(diagnosis)
     if curves:
-        parts.append(
-            section(
-                "The pattern that gave it away: each joint against its own angle",
-                f"<p>Residual joint angle over the recorded angle, by series. Left with the nominal model and the "
-                f"causes other than the joint's own periodic error, right on rows that the fit has not seen.</p>"
-                f"{charts(curves)}",
-            )
-        )
-    parts += [
-        section("Causes", _causes(document)),
-        section("Candidates on rows left out", charts([pictures.candidates_chart(diagnosis)], "wide")),
-        section(
-            "What only helps within one series", _rejected(document["only_within_one_series"], diagnosis)
-        ),
-        section("What does not help", _rejected(document["rejected"], diagnosis)),
-        section("Amplitudes by order", charts(pictures.spectra(diagnosis))),
-        section("What no pose can tell from the placement", _gauge(document)),
-        section("Course of the recording", charts(pictures.over_rows(diagnosis))),
-        section("Joint angles that were visited", _coverage(document)),
-        section("What to measure next", f"<p>{escape(document['next_measurement'])}</p>{_next(document)}"),
+        title = "The pattern that gave it away: each joint against its own angle"
+        sections.append(Section(title, [Text([_CURVES]), Charts(curves, "halves")]))
+    within, rejected = document["only_within_one_series"], document["rejected"]
+    sections += [
+        Section("Causes", [_causes(document)]),
+        Section("Candidates on rows left out", [Charts([pictures.candidates_chart(diagnosis)], "wide")]),
+        Section("What only helps within one series", [_rejected(within, diagnosis)]),
+        Section("What does not help", [_rejected(rejected, diagnosis)]),
+        Section("Amplitudes by order", [Charts(pictures.spectra(diagnosis))]),
+        Section("What no pose can tell from the placement", [_gauge(document)]),
+        Section("Course of the recording", [Charts(pictures.over_rows(diagnosis))]),
+        Section("Joint angles that were visited", [_coverage(document)]),
+        Section("What to measure next", [Text([document["next_measurement"]]), *_next(document)]),
     ]
     if document["outliers_by_set"]:
         listed = "; ".join(
             f"{name}: {', '.join(map(str, rows))}" for name, rows in document["outliers_by_set"].items()
         )
-        parts.append(
-            section(
-                "Gross errors", f"<p>Rows {escape(listed)}. They steer no fit and count in no figure.</p>"
-            )
-        )
+        sentence = f"Rows {listed}. They steer no fit and count in no figure."
+        sections.append(Section("Gross errors", [Text([sentence])]))
     if document["checks"]:
-        parts.append(section("Sets that were only predicted", _checks(document)))
+        sections.append(Section("Sets that were only predicted", [_checks(document)]))
     sources = dict.fromkeys(data.source for data in diagnosis.sets if data.source)
     if sources:
-        parts.append(section("Data", "".join(f"<p>{escape(text)}</p>" for text in sources)))
-    parts.append(section("How this was found", _METHOD))
-    return page(_headline(diagnosis, document), _SENTENCES[diagnosis.verdict], parts)
+        sections.append(Section("Data", [Text(list(sources))]))
+    sections.append(Section("How this was found", [Text([_METHOD])]))
+    lead = verdict_sentence(diagnosis.verdict, "nominal model", "poses", "Causes are established")
+    return render(Page(_headline(diagnosis, document), sections, lead))
 
 
 def _headline(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
@@ -84,7 +66,7 @@ def _headline(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
     return f"{word}: {robot}, {names} ({before:.0f} um down to {after:.0f} um, noise {floor:.0f} um)"
 
 
-def _tiles(document: dict[str, Any]) -> str:
+def _tiles(document: dict[str, Any]) -> Tiles:
     low, high = document["gain"]["ci95"]
     entries = [
         (f"{1e6 * document['baseline']['holdout_rmse']:.0f} um", "nominal model"),
@@ -97,14 +79,14 @@ def _tiles(document: dict[str, Any]) -> str:
         entries.insert(
             2, (f"{1e6 * document['extended']['series_out_rmse']:.0f} um", "extended, series left out")
         )
-    return tiles(entries)
+    return Tiles(entries)
 
 
 def _um(entry: dict[str, Any], key: str) -> str:
     return f"{1e6 * entry[key]:.0f}" if key in entry else "-"
 
 
-def _series(document: dict[str, Any]) -> str:
+def _series(document: dict[str, Any]) -> Table:
     rows = []
     for one in document["sets"]:
         base, ext = one["baseline"], one["extended"]
@@ -124,14 +106,16 @@ def _series(document: dict[str, Any]) -> str:
         "Series", "Poses", "Gross errors", "Nominal [um]", "Extended, fitted rows", "Blocks left out",
         "Series left out", "Rotation before / after [urad]",
     )  # fmt: skip
-    return table(head, rows)
+    return Table(head, rows)
 
 
-def _causes(document: dict[str, Any]) -> str:
+def _causes(document: dict[str, Any]) -> Table:
     rows = []
     for cause in document["causes"]:
         listed = sorted(cause["parameters"].items(), key=lambda item: -_size(item[1]["value"]))
-        text = "; ".join(f"{n} {figure(p['value'])} ± {figure(p['std'])} {p['unit']}" for n, p in listed[:6])
+        text = "; ".join(
+            f"{n} {_figure(p['value'])} ± {_figure(p['std'])} {p['unit']}" for n, p in listed[:6]
+        )
         more = f"; and {len(listed) - 6} more" if len(listed) > 6 else ""
         confusable = ", ".join(f"{c['cause']} at {c['where']}" for c in cause["confusable_with"])
         rows.append(
@@ -144,14 +128,21 @@ def _causes(document: dict[str, Any]) -> str:
             ]
         )
     head = ("Cause", "Where", "Parameters ± standard deviation", "Held-out error without it", "Leans on")
-    return table(head, rows)
+    return Table(head, rows)
+
+
+def _figure(value: Any, digits: int = 3, most: int = 12) -> str:
+    """A number, or several in brackets."""
+    if isinstance(value, list):
+        return "(" + ", ".join(f"{v:.{digits}g}" for v in value[:most]) + ")"
+    return f"{value:.{digits}g}"
 
 
 def _size(value: Any) -> float:
     return float(np.max(np.abs(np.atleast_1d(value)))) if np.size(value) else 0.0
 
 
-def _rejected(entries: Sequence[dict[str, Any]], diagnosis: PoseDiagnosis) -> str:
+def _rejected(entries: Sequence[dict[str, Any]], diagnosis: PoseDiagnosis) -> Table:
     rows = [
         [e["cause"], e["where"], e["why"], *(f"{g:.0f} ({s:.1f})" for g, s in zip(
             e["gain_by_series"], e["standard_errors_by_series"], strict=True))]
@@ -163,18 +154,18 @@ def _rejected(entries: Sequence[dict[str, Any]], diagnosis: PoseDiagnosis) -> st
         "Why not",
         *(f"Gain in {data.name} (standard errors)" for data in diagnosis.sets),
     )
-    return table(head, rows)
+    return Table(head, rows)
 
 
-def _gauge(document: dict[str, Any]) -> str:
+def _gauge(document: dict[str, Any]) -> Table:
     rows = [
         [e["cause"], e["where"], ", ".join(e["parameters"]), e["imitated_by"]]
         for e in document["not_distinguishable_from_placement"]
     ]
-    return table(("Cause", "Where", "Parameters", "Imitated by"), rows)
+    return Table(("Cause", "Where", "Parameters", "Imitated by"), rows)
 
 
-def _coverage(document: dict[str, Any]) -> str:
+def _coverage(document: dict[str, Any]) -> Table:
     rows = [
         [
             f"joint {e['joint']}",
@@ -183,10 +174,10 @@ def _coverage(document: dict[str, Any]) -> str:
         ]
         for e in document["coverage"]
     ]
-    return table(("Joint", "Share of a turn", "Ranges [deg]"), rows)
+    return Table(("Joint", "Share of a turn", "Ranges [deg]"), rows)
 
 
-def _next(document: dict[str, Any]) -> str:
+def _next(document: dict[str, Any]) -> list[Table]:
     rows = [
         [
             str(i + 1),
@@ -195,10 +186,11 @@ def _next(document: dict[str, Any]) -> str:
         ]
         for i, one in enumerate(document["next_poses"])
     ]
-    return table(("", "Joint angles [deg]", "What it adds to the ones above [nat]"), rows) if rows else ""
+    head = ("", "Joint angles [deg]", "What it adds to the ones above [nat]")
+    return [Table(head, rows)] if rows else []
 
 
-def _checks(document: dict[str, Any]) -> str:
+def _checks(document: dict[str, Any]) -> Table:
     rows = [
         [
             c["set"],
@@ -216,13 +208,16 @@ def _checks(document: dict[str, Any]) -> str:
         "Set", "Rows", "Nominal [um]", "Extended [um]", "Rotation before / after [urad]", "Gross errors",
         "Rows at angles never visited",
     )  # fmt: skip
-    return table(head, rows)
+    return Table(head, rows)
 
 
-_METHOD = """<p>Every series has a placement of its own: base in tracker and target on flange. Each cause displaces
+_CURVES = """Residual joint angle over the recorded angle, by series. Left with the nominal model and the causes other
+than the joint's own periodic error, right on rows that the fit has not seen."""
+
+_METHOD = """Every series has a placement of its own: base in tracker and target on flange. Each cause displaces
 the robot's frames a little, in proportion to its numbers; all are fitted together by weighted least squares that
 gross errors cannot steer. How large the numbers of a kind usually are is learnt from the data, so that what the data
 do not call for vanishes. Each series is cut into ten contiguous blocks, every fifth block is predicted by a fit that
 has not seen it; whole series are predicted with only the placement fitted, on rows marked for that. A cause is named
 if taking it away makes the blocks left out worse by more than their scatter allows, in more than one series where
-there are several.</p>"""
+there are several."""

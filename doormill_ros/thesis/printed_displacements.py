@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.measurements.loading import displacement_per_compliance
-from doormill_ros.thesis.contradictions.finding import Contradiction, Evidence, um
+from doormill_ros.thesis.contradiction import Contradiction, Evidence, um
 from doormill_ros.thesis.recovery import repeatability
 
 

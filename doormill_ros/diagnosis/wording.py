@@ -13,6 +13,27 @@ _PREFIXES = {0: "", -3: "m", -6: MICRO, -9: "n"}
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+_SENTENCES = {
+    "consistent": "The {model} is right to within the measurement noise. Nothing has to be changed.",
+    "explained": "With the extension the model predicts unseen {rows} down to the measurement noise.",
+    "partly_explained": "{established}, yet the residual still has structure that no known cause explains.",
+    "unexplained": "Something is wrong that is not in the library of causes. No cause is named, because a wrong one is "
+    "worse than none.",
+}
+
+
+def verdict_sentence(verdict: str, model: str, rows: str, established: str) -> str:
+    """What a verdict means, for the top of a page.
+
+    Args:
+        verdict: One of the four words.
+        model: What is judged: "simulation", "nominal model".
+        rows: What was measured: "trials", "poses".
+        established: How the sentence on a partial explanation begins.
+    """
+    return _SENTENCES[verdict].format(model=model, rows=rows, established=established)
+
+
 def spoken(cause: Cause) -> str:
     """A cause with its place: 'backlash in joint 1', 'sensor gain'."""
     words = cause.name.replace("_", " ")

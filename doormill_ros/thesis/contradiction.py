@@ -27,6 +27,9 @@ class Contradiction:
     finding: str
     numbers: dict[str, float]
 
+    def __str__(self) -> str:
+        return f"- {self.name} ({self.places}): {self.finding}"
+
 
 @dataclass(frozen=True, eq=False)
 class Evidence:

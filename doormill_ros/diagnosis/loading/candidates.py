@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from html import escape
-
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.diagnosis.loading.finding import rmse
 from doormill_ros.diagnosis.loading.fit import Fit
 from doormill_ros.diagnosis.loading.search import ENTRY
-from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, GOOD, OTHER
-from doormill_ros.diagnosis.report.wording import micrometres, spoken
+from doormill_ros.diagnosis.wording import micrometres, spoken
+from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED
+from doormill_ros.pages.page import Bar, Block, Table, Text
 
 ROWS = 12  #: models that are listed
 
 
-def candidates_table(diagnosis: Diagnosis) -> str:
+def candidates_table(diagnosis: Diagnosis) -> list[Block]:
     """The best models in the order of their scores; the simulation as it is stands last.
 
     Models with more members than the best are left out and counted: none of them gained enough,
@@ -30,29 +29,27 @@ def candidates_table(diagnosis: Diagnosis) -> str:
         listed.append(diagnosis.baseline)
     size = {id(f): rmse(f.held_out, diagnosis.kept, diagnosis.problem.components) for f in listed}
     longest = max(size.values())
-    rows = []
+    rows: list[list[str | Bar]] = []
     for found in listed:
-        words = escape(" + ".join(map(spoken, found.members)) or "the simulation as it is")
-        behind = search.total(found) - search.total(best)
+        words = " + ".join(map(spoken, found.members)) or "the simulation as it is"
+        residual = size[id(found)]
         rows.append(
-            f"<tr{' class=own' if found is best else ''}><td>{words}</td><td>{_remark(diagnosis, found)}</td>"
-            f'<td>{micrometres(size[id(found)])}<div class="bar" style="width:{100 * size[id(found)] / longest:.1f}%;'
-            f'background:{_colour(diagnosis, found)}"></div></td><td>{round(behind)}</td></tr>'
+            [
+                words,
+                _remark(diagnosis, found),
+                Bar(micrometres(residual), residual / longest, _colour(diagnosis, found)),
+                str(round(search.total(found) - search.total(best))),
+            ]
         )
     note = (
-        f"<p>{len(fits)} models were fitted. The score is the squared error on configurations left out, in standard "
-        f"deviations, plus a price for every fitted number; a cause has to gain {ENTRY:.0f}. "
-        + (
-            f"{len(larger)} models with more members than the first line gain less than that."
-            if larger
-            else ""
-        )
-        + "</p>"
+        f"{len(fits)} models were fitted. The score is the squared error on configurations left out, in standard "
+        f"deviations, plus a price for every fitted number; a cause has to gain {ENTRY:.0f}."
     )
-    return (
-        '<table class="models"><tr><th>Model</th><th></th><th>Held-out residual</th><th>Score behind the best</th>'
-        f"</tr>{''.join(rows)}</table>{note}"
-    )
+    if larger:
+        note += f" {len(larger)} models with more members than the first line gain less than that."
+    head = ("Model", "", "Held-out residual", "Score behind the best")
+    marked = next((i for i, found in enumerate(listed) if found is best), None)
+    return [Table(head, rows, marked, "models"), Text([note])]
 
 
 def _remark(diagnosis: Diagnosis, found: Fit) -> str:
@@ -74,7 +71,7 @@ def _remark(diagnosis: Diagnosis, found: Fit) -> str:
 
 def _colour(diagnosis: Diagnosis, found: Fit) -> str:
     if found is diagnosis.extended and found.members:
-        return GOOD
+        return GREEN
     if not found.members:
-        return BEFORE
-    return AFTER if all(member.named for member in found.members) else OTHER
+        return RED
+    return BLUE if all(member.named for member in found.members) else GREY

@@ -9,21 +9,19 @@ from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.diagnosis.loading.finding import Finding, rmse
 from doormill_ros.diagnosis.loading.fit import Fit
 from doormill_ros.diagnosis.loading.problem import Problem
-from doormill_ros.diagnosis.report.pairs import Pairs
-from doormill_ros.diagnosis.report.svg import AFTER, BEFORE, OTHER, Scatter
-from doormill_ros.diagnosis.report.wording import MICRO, spoken
+from doormill_ros.diagnosis.wording import MICRO, spoken
+from doormill_ros.pages.charts import BLUE, DARK, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 
 UM = 1e6  #: micrometres in a metre
-HALF, WIDE = 560, 1132  #: widths of charts beside each other and alone, as on the page
 MOST = 16  #: rows of a chart by group
 
 
 def stages(diagnosis: Diagnosis) -> list[tuple[str, str, Fit]]:
     """Name, colour and model of what is shown side by side: before, and after where something was found."""
     if not diagnosis.findings:
-        return [("", BEFORE, diagnosis.baseline)]
-    return [("before", BEFORE, diagnosis.baseline), ("after", AFTER, diagnosis.extended)]
+        return [("", RED, diagnosis.baseline)]
+    return [("before", RED, diagnosis.baseline), ("after", BLUE, diagnosis.extended)]
 
 
 def before_and_after(diagnosis: Diagnosis) -> list[str]:
@@ -37,26 +35,26 @@ def before_and_after(diagnosis: Diagnosis) -> list[str]:
     for title, (_, colour, found) in zip(titles, stages(diagnosis), strict=False):
         x, left = UM * measured.ravel(), UM * found.held_out[kept].ravel()
         rows[0].append(
-            Scatter(
+            scatter(
                 title,
                 f"measured [{MICRO}m]",
                 f"simulated [{MICRO}m]",
-                series=[("", colour, x, x - left)],
-                lines=[("", "#555", ends, ends)],
+                dots=[Curve("", colour, x, x - left)],
+                lines=[Curve("", DARK, ends, ends)],
                 square=True,
                 width=HALF,
-            ).svg()
+            )
         )
         rows[1].append(
-            Scatter(
+            scatter(
                 f"{title}: what is left",
                 f"measured [{MICRO}m]",
                 f"measured - simulated [{MICRO}m]",
-                series=[("", colour, x, left)],
+                dots=[Curve("", colour, x, left)],
                 band=2.0 * noise,
                 limits=(-largest, largest),
                 width=HALF,
-            ).svg()
+            )
         )
     return [*rows[0], *rows[1]]
 
@@ -73,7 +71,7 @@ def residual_by_joint(diagnosis: Diagnosis) -> list[str]:
             continue
         along = lever[rows] / arm[rows, None]
         series = [
-            (
+            Curve(
                 name,
                 colour,
                 problem.case.torque[rows, k],
@@ -84,14 +82,14 @@ def residual_by_joint(diagnosis: Diagnosis) -> list[str]:
         drawn.append((f"joint {k + 1}", series))
     largest = max((float(np.abs(y).max()) for _, series in drawn for *_, y in series), default=1.0)
     return [
-        Scatter(
+        scatter(
             title,
             "torque [N m]",
             f"residual along its motion [{MICRO}m]",
-            series=series,
+            dots=series,
             band=2.0 * UM * problem.noise_floor,
             limits=(-largest, largest),
-        ).svg()
+        )
         for title, series in drawn
     ]
 
@@ -113,12 +111,12 @@ def residual_by_circumstance(diagnosis: Diagnosis) -> list[str]:
         ("by time of the test", "time since the start [s]", data.time),
     ):
         series = [
-            (name, colour, values[kept], UM * np.linalg.norm(found.held_out[kept], axis=1))
+            Curve(name, colour, values[kept], UM * np.linalg.norm(found.held_out[kept], axis=1))
             for name, colour, found in stages(diagnosis)
         ]
         ends = np.array([values[kept].min(), values[kept].max()])
-        line = ("noise", "#555", ends, np.full(2, usual))
-        charts.append(Scatter(title, label, f"length of the residual [{MICRO}m]", series, [line]).svg())
+        line = Curve("noise", DARK, ends, np.full(2, usual))
+        charts.append(scatter(title, label, f"length of the residual [{MICRO}m]", series, [line]))
     return charts
 
 
@@ -140,16 +138,17 @@ def residual_by_group(diagnosis: Diagnosis) -> list[str]:
         ordered = names if groups is posture else sorted(names)
         masks = {name: diagnosis.kept & (groups == name) for name in ordered}
         rows = [
-            (
+            BarRow(
                 name,
-                tuple(UM * rmse(f.held_out, mask, problem.components) for _, _, f in stages(diagnosis)),
+                [UM * rmse(f.held_out, mask, problem.components) for _, _, f in stages(diagnosis)],
+                [colour for _, colour, _ in stages(diagnosis)],
             )
             for name, mask in masks.items()
         ]
         if len(rows) > MOST:
             title = f"{title} (the worst {MOST} of {len(rows)})"
-            rows = sorted(rows, key=lambda row: -row[1][0])[:MOST]
-        charts.append(Pairs(title, f"{MICRO}m", rows, ("noise", UM * problem.noise_floor)).svg())
+            rows = sorted(rows, key=lambda row: -row.values[0])[:MOST]
+        charts.append(bars(title, f"{MICRO}m", rows, ("noise", UM * problem.noise_floor)))
     return charts
 
 
@@ -164,14 +163,14 @@ def pattern_of(diagnosis: Diagnosis, finding: Finding) -> str:
         axis = finding.values / max(float(np.linalg.norm(finding.values)), 1e-30)
         dt = problem.data.dt[kept]
         line = np.array([dt.min(), dt.max()])
-        return Scatter(
+        return scatter(
             f"{spoken(cause)}: what the model without it leaves",
             "time between the two measurements [s]",
             f"residual along the drift [{MICRO}m]",
-            [("", BEFORE, dt, UM * residual[kept] @ axis)],
-            [("fit", AFTER, line, UM * line * float(np.linalg.norm(finding.values)))],
+            [Curve("", RED, dt, UM * residual[kept] @ axis)],
+            [Curve("fit", BLUE, line, UM * line * float(np.linalg.norm(finding.values)))],
             width=WIDE,
-        ).svg()
+        )
     return _against_prediction(f"{spoken(cause)}: ", residual[kept], effect[kept])
 
 
@@ -184,7 +183,7 @@ def patterns_without_a_name(diagnosis: Diagnosis) -> list[str]:
             effect = _effect(diagnosis.problem, best, member)
             residual = best.prediction.residual + effect
             charts.append(
-                _against_prediction(f"{spoken(member)} (no cause): ", residual[kept], effect[kept], OTHER)
+                _against_prediction(f"{spoken(member)} (no cause): ", residual[kept], effect[kept], GREY)
             )
     return charts
 
@@ -200,30 +199,30 @@ def _over_torque(diagnosis: Diagnosis, cause: Cause, residual: FloatArray, effec
     along = problem.data.direction[:, k] * torque
     series, fitted = [], []
     for name, colour, mask in (
-        ("moved along the load", BEFORE, along > 0),
-        ("pre-loaded", AFTER, along < 0),
-        ("unknown", OTHER, along == 0),
+        ("moved along the load", RED, along > 0),
+        ("pre-loaded", BLUE, along < 0),
+        ("unknown", GREY, along == 0),
     ):
         at = np.flatnonzero(rows & mask)
         at = at[np.argsort(torque[at])]
         if len(at):
-            series.append((name, colour, torque[at], UM * angle(residual, lever, size)[at]))
-            fitted.append((name, colour, torque[at], UM * angle(effect, lever, size)[at]))
+            series.append(Curve(name, colour, torque[at], UM * angle(residual, lever, size)[at]))
+            fitted.append(Curve(name, colour, torque[at], UM * angle(effect, lever, size)[at]))
     title = f"{spoken(cause)}: what the springs leave (dots) and what the cause says (lines)"
-    return Scatter(title, "torque [N m]", f"joint angle [{MICRO}rad]", series, fitted, width=WIDE).svg()
+    return scatter(title, "torque [N m]", f"joint angle [{MICRO}rad]", series, fitted, width=WIDE)
 
 
-def _against_prediction(title: str, residual: FloatArray, effect: FloatArray, colour: str = BEFORE) -> str:
+def _against_prediction(title: str, residual: FloatArray, effect: FloatArray, colour: str = RED) -> str:
     x = UM * effect.ravel()
     ends = np.array([x.min(), x.max()])
-    return Scatter(
+    return scatter(
         f"{title}what the model without it leaves, over what it predicts",
         f"predicted [{MICRO}m]",
         f"residual without it [{MICRO}m]",
-        [("", colour, x, UM * residual.ravel())],
-        [("", "#555", ends, ends)],
+        [Curve("", colour, x, UM * residual.ravel())],
+        [Curve("", DARK, ends, ends)],
         width=WIDE,
-    ).svg()
+    )
 
 
 def _effect(problem: Problem, found: Fit, cause: Cause) -> FloatArray:

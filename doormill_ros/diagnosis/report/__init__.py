@@ -1,1 +1,0 @@
-"""The page that shows a diagnosis: charts as inline SVG, one file without anything from outside."""

@@ -1,1 +1,0 @@
-"""Where printed figures of the thesis' stiffness chapters contradict each other, each with its proof."""
