@@ -87,7 +87,14 @@ def _lagrange(count: int) -> FloatArray:
 
 
 def reduced(picture: ByteArray) -> dict[str, Float32Array]:
-    """The picture averaged down for each edge, by halvings, which the library does fast."""
+    """The picture averaged down for each edge, by halvings, which the library does fast.
+
+    Args:
+        picture: Grey picture, shape (h, w).
+
+    Returns:
+        By edge, shape (h / 8, w / 4) for the hinge and (h / 4, w / 8) for the bottom edge.
+    """
     height, width = picture.shape
     half = cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
     quarter = cv2.resize(half, (width // 4, height // 4), interpolation=cv2.INTER_AREA)

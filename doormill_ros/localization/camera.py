@@ -78,7 +78,16 @@ class CameraModel:
             )
 
     def with_intrinsics(self, k: FloatArray, distortion: FloatArray, size: tuple[int, int]) -> CameraModel:
-        """This camera with intrinsics from elsewhere, for example those sent with a picture."""
+        """This camera with intrinsics from elsewhere, for example those sent with a picture.
+
+        Args:
+            k: Intrinsic matrix [px], shape (3, 3).
+            distortion: k1, k2, p1, p2, k3, shape (5,).
+            size: Picture width and height [px].
+
+        Raises:
+            BadCameraFile: A wrong shape or a value out of bounds.
+        """
         return replace(self, k=k, distortion=distortion, size=size)
 
     def T_base_camera(self, width: float) -> FloatArray:

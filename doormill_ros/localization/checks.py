@@ -39,7 +39,7 @@ _DOUBLE, _DOUBLE_SCATTER, _DOUBLE_STREAKS = 0.02, 3.5, 2.0
 def check_input(
     picture: ByteArray, camera: CameraModel | None, age: float, settings: LocalizerSettings
 ) -> None:
-    """Whether the picture is one, is new and belongs to the camera info.
+    """Whether the picture is one, shape (h, w) and uint8, is new by its `age` [s] and belongs to the camera info.
 
     Raises:
         LocalizationError: BadPicture, CameraInfoMissing, CameraInfoSize or StalePicture.
@@ -66,7 +66,7 @@ def check_input(
 
 
 def check_exposure(picture: ByteArray, strict: bool = False) -> None:
-    """Whether the picture is neither black nor white; `strict` when no edge was found in it.
+    """Whether the picture (h, w), uint8, is neither black nor white; `strict` when no edge was found in it.
 
     Raises:
         LocalizationError: UnderExposed or OverExposed.
@@ -209,7 +209,7 @@ def check_range(offset: DoorOffset, limits: PlacementLimits) -> None:
 def check_certainty(
     covariance: FloatArray, hinge: LineFit, bottom: LineFit, settings: LocalizerSettings
 ) -> None:
-    """Whether the pose is known well enough.
+    """Whether the pose is known well enough by its covariance, shape (3, 3) [m, m, rad].
 
     Raises:
         TooFewInliers: It is not.

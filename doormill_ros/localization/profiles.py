@@ -62,7 +62,18 @@ def plain_weights(half: int, blur: float) -> Float32Array:
 
 
 def gather(picture: ByteArray, edge: str, lines: IntArray, centre: IntArray, span: IntArray) -> ByteArray:
-    """Pixels at `centre + span` of each of `lines`, rows for the hinge edge, columns for the bottom edge."""
+    """Pixels at `centre + span` of each of `lines`, rows for the hinge edge, columns for the bottom edge.
+
+    Args:
+        picture: Grey picture, shape (h, w).
+        edge: "hinge" or "bottom".
+        lines: Numbers of the rows (columns), shape (n,).
+        centre: Column (row) in the middle of each, shape (n,).
+        span: Places about it, ascending, shape (m,).
+
+    Returns:
+        Grey levels, shape (n, m); beyond the picture those at its rim.
+    """
     height, width = picture.shape
     last, run, step = (width - 1, width, 1) if edge == HINGE else (height - 1, 1, width)
     # Flat indices into the picture are several times faster than pairs of them.
@@ -76,7 +87,18 @@ def gather(picture: ByteArray, edge: str, lines: IntArray, centre: IntArray, spa
 def crossing(
     view: FaceView, edge: str, pose: FloatArray, half: int, start: float
 ) -> tuple[IntArray, FloatArray]:
-    """Rows that cross the predicted edge and the columns where they do (bottom edge: the other way)."""
+    """Rows that cross the predicted edge and the columns where they do (bottom edge: the other way).
+
+    Args:
+        view: The camera before the face.
+        edge: "hinge" or "bottom".
+        pose: Predicted y, z [m] and rotation [rad], shape (3,).
+        half: Pixels that must be in the picture on both sides.
+        start: Distance from the corner at which to begin [m].
+
+    Returns:
+        Numbers of the rows, shape (n,), and where the edge crosses them [px], shape (n,).
+    """
     along = start + _ALONG * (view.length(edge) + 0.025 - start)
     pixels = view.pixels(view.line(edge, pose, along))
     run, cross = (1, 0) if edge == HINGE else (0, 1)

@@ -110,6 +110,13 @@ def covariance_function(gamma: FloatArray, fine: int = 1) -> FloatArray:
 
     Its spectrum is made non-negative, for a variogram learned from a few rows need not be one.
     Levels are fitted beside it, so that any constant may be added to it.
+
+    Args:
+        gamma: Variogram at lags 0..n, shape (n + 1,) [grey levels^2].
+        fine: Values wanted per lag.
+
+    Returns:
+        Covariance, shape (n fine + 1,) [grey levels^2].
     """
     count = gamma.size - 1
     power = gamma.max() - gamma

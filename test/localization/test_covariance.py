@@ -24,6 +24,7 @@ def normalized(error: np.ndarray, covariance: np.ndarray) -> float:
 
 def test_normalized_errors_of_workshop_pictures(looked):
     squares = np.array([normalized(x.error, x.found.covariance) for x in looked if x.found])
+    assert len(squares) > 55
     # Three degrees of freedom: mean 3, standard deviation of the mean sqrt(6 / n) = 0.3 for n = 65, and
     # more for the variances are themselves estimated; the 95 % point is 7.81.
     assert 2.0 < squares.mean() < 4.2

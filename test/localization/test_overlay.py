@@ -38,6 +38,7 @@ def test_it_is_a_colour_picture_of_the_same_size(drawn):
 def test_inliers_are_green_along_both_edges_and_the_chip_is_red(drawn):
     _, found, out = drawn
     red, green = colours(out)
+    assert len(found.edges) == 2
     for edge in found.edges:
         points = edge.pixels[edge.inlier][200:-200]
         u, v = np.rint(points).astype(int).T
@@ -52,6 +53,7 @@ def test_inliers_are_green_along_both_edges_and_the_chip_is_red(drawn):
 
 def test_the_corner_is_where_the_lines_start(drawn):
     _, found, out = drawn
+    assert len(found.edges) == 2
     for edge in found.edges:
         np.testing.assert_allclose(edge.line[0], found.corner, atol=1e-6)
     u, v = np.rint(found.corner).astype(int)

@@ -244,3 +244,9 @@ def test_input_that_cannot_be_used_is_told_in_one_line(pictures, tmp_path, capsy
         assert (code, out) == (2, ""), arguments
         assert err.startswith("locate: "), arguments
         assert err.count("\n") == 1, arguments
+
+
+def test_a_reading_that_is_wrong_is_told_with_its_place(tmp_path, capsys):
+    (tmp_path / "d.yaml").write_text("distances_mm: [[1, 2, 3], [1, near, 3]]\n")
+    err = run(capsys, *SIZE, "--sensor", "photoelectric", tmp_path / "d.yaml")[2]
+    assert "d.yaml: distances_mm.1.1 is 'near', allowed is a number of millimetres, .nan for" in err

@@ -114,7 +114,7 @@ def _fit(
     for count, flag in ((1, cv2.CALIB_FIX_K2), (2, cv2.CALIB_FIX_K3)):
         flags |= flag if radial <= count else 0
     try:
-        return cv2.calibrateCameraExtended(
+        fit: tuple[Any, ...] = cv2.calibrateCameraExtended(
             [points] * len(seen), seen, size, None, None, flags=flags, criteria=_STOP
         )
     except cv2.error as error:
@@ -122,6 +122,7 @@ def _fit(
             f"{len(seen)} pictures do not determine the camera ({error.err}); take pictures with the board "
             "tilted in both directions"
         ) from error
+    return fit
 
 
 def _deviations(

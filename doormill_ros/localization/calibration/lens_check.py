@@ -66,7 +66,7 @@ def check_lens(k: FloatArray, size: tuple[int, int], radial: tuple[float, float,
 
 
 def distorted_radius(r: FloatArray | float, radial: tuple[float, float, float]) -> FloatArray | float:
-    """Radius r' in the picture of ideal radius r."""
+    """Radius r' in the picture of ideal radius r, both of the same shape, at unit focal length."""
     s = np.square(r)
     return r * (1.0 + s * (radial[0] + s * (radial[1] + s * radial[2])))
 

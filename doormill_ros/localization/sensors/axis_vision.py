@@ -89,7 +89,7 @@ class AxisVision:
     )
 
     def locate(self, reading: dict[str, ByteArray], door: DoorSize) -> DoorPoseEstimate:
-        """Pose of the door from one picture of each camera.
+        """Pose of the door from one picture (h, w) of each camera, by its name.
 
         Raises:
             BadReading: A picture is missing or of another size.

@@ -74,7 +74,7 @@ def fit_pose(T_start: FloatArray, linearise: Callable[[FloatArray], Linearised],
 
 
 def whiten(model: Linearised) -> tuple[FloatArray, FloatArray]:
-    """Residual and Jacobian in units of standard deviations."""
+    """Residual (n,) and Jacobian (n, 6) in units of standard deviations."""
     if model.covariance.ndim == 1:
         scale = 1.0 / np.sqrt(model.covariance)
         return model.residual * scale, model.jacobian * scale[:, None]

@@ -55,7 +55,7 @@ class OneCamera:
     )
 
     def locate(self, reading: ByteArray, door: DoorSize) -> DoorPoseEstimate:
-        """Pose of the door from one picture.
+        """Pose of the door from one picture, shape (h, w).
 
         Raises:
             LocalizationError: Whatever `localize` refuses.

@@ -9,19 +9,24 @@ The YAML holds one key, which says what is read and in which unit:
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-import yaml
+from pydantic import Field, GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
 
 from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.config import read
 from doormill_ros.localization.picture_file import read_picture
 from doormill_ros.localization.sensors.errors import BadReading
 from doormill_ros.localization.sensors.sensor import ReadingKind
 from doormill_ros.units import mm_to_m
+from doormill_ros.values import Name, Number, Section, Vector3
+
+_ADVICE = "see docs/sensors.md"
+Value = ByteArray | FloatArray | dict[str, ByteArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,11 +35,67 @@ class Reading:
 
     Attributes:
         name: The file it comes from, and its number there when there are several.
-        value: What `DoorSensor.locate` takes.
+        value: What `DoorSensor.locate` takes: a picture, shape (h, w), one of each camera, distances, shape (n,) [m],
+            or points, shape (n, 3) [m].
     """
 
     name: str
-    value: ByteArray | FloatArray | dict[str, ByteArray]
+    value: Value
+
+
+@dataclass(frozen=True)
+class _Distance:
+    """A number or nan in a model."""
+
+    what: str = "a number of millimetres, .nan for a beam that meets nothing"
+
+    def check(self, value: object) -> float:
+        """The number; raises what pydantic expects of a validator."""
+        if isinstance(value, float) and np.isnan(value):
+            return value
+        return Number(self.what).check(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.check)
+
+
+_AtLeastOne = Field(min_length=1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Distances(Section):
+    distances_mm: Annotated[tuple[tuple[Annotated[float, _Distance()], ...], ...], _AtLeastOne]
+
+    def values(self, folder: Path) -> list[Value]:
+        """In metres, each shape (n,)."""
+        return [mm_to_m(np.array(row, dtype=float)) for row in self.distances_mm]
+
+
+@dataclass(frozen=True, eq=False)
+class _Points(Section):
+    points_mm: Annotated[tuple[Annotated[tuple[Vector3, ...], _AtLeastOne], ...], _AtLeastOne]
+
+    def values(self, folder: Path) -> list[Value]:
+        """In metres, each shape (n, 3)."""
+        return [mm_to_m(np.array(row)) for row in self.points_mm]
+
+
+@dataclass(frozen=True, eq=False)
+class _Pictures(Section):
+    pictures: Annotated[tuple[dict[str | int, Name], ...], _AtLeastOne]
+
+    def values(self, folder: Path) -> list[Value]:
+        """By camera, each shape (h, w)."""
+        return [
+            {str(name): read_picture(folder / file) for name, file in row.items()} for row in self.pictures
+        ]
+
+
+_FORMS: dict[str, type[_Distances | _Points | _Pictures]] = {
+    "distances": _Distances,
+    "points": _Points,
+    "pictures": _Pictures,
+}
 
 
 def read_readings(path: Path, takes: ReadingKind) -> list[Reading]:
@@ -50,57 +111,8 @@ def read_readings(path: Path, takes: ReadingKind) -> list[Reading]:
     """
     if takes == "picture":
         return [Reading(path.name, read_picture(path))]
-    key, parse = _FORMS[takes]
-    rows = _document(path, key)
-    readings = []
-    for i, row in enumerate(rows):
-        try:
-            value = parse(row, path.parent)
-        except (TypeError, ValueError) as error:
-            raise BadReading(
-                f"{path}: reading {i + 1} of {key} is {row!r}, {error}", path=str(path)
-            ) from error
-        readings.append(Reading(path.name if len(rows) == 1 else f"{path.name} reading {i + 1}", value))
-    return readings
-
-
-def _document(path: Path, key: str) -> list[Any]:
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise BadReading(f"{path} cannot be read as YAML: {' '.join(str(error).split())}") from error
-    if not isinstance(document, dict) or list(document) != [key]:
-        found = list(document) if isinstance(document, dict) else type(document).__name__
-        raise BadReading(f"{path} holds {found}, allowed is the one key {key}; see docs/sensors.md")
-    rows = document[key]
-    if not isinstance(rows, list) or not rows:
-        raise BadReading(f"{path}: {key} is {rows!r}, allowed is a list of at least one reading")
-    return rows
-
-
-def _distances(row: Any, _: Path) -> FloatArray:
-    values = np.array(row, dtype=float)
-    if values.ndim != 1:
-        raise ValueError("allowed is a list of distances [mm], .nan for a beam that meets nothing")
-    return mm_to_m(values)
-
-
-def _points(row: Any, _: Path) -> FloatArray:
-    values = np.array(row, dtype=float)
-    if values.ndim != 2 or values.shape[1] != 3:
-        raise ValueError("allowed is a list of points x, y, z [mm]")
-    return mm_to_m(values)
-
-
-def _pictures(row: Any, folder: Path) -> dict[str, ByteArray]:
-    if not isinstance(row, dict) or not all(isinstance(name, str) for name in row.values()):
-        raise ValueError("allowed is a mapping of camera names to picture files beside this file")
-    return {str(camera): read_picture(folder / name) for camera, name in row.items()}
-
-
-#: For each kind that stands in YAML, the key and what turns one reading into arrays in SI.
-_FORMS: dict[str, tuple[str, Callable[[Any, Path], FloatArray | dict[str, ByteArray]]]] = {
-    "distances": ("distances_mm", _distances),
-    "points": ("points_mm", _points),
-    "pictures": ("pictures", _pictures),
-}
+    values = read(path, _FORMS[takes], BadReading, _ADVICE).values(path.parent)
+    several = len(values) > 1
+    return [
+        Reading(f"{path.name} reading {i + 1}" if several else path.name, v) for i, v in enumerate(values)
+    ]

@@ -1,3 +1,3 @@
 """Fixtures of these tests; they stand in `support`, where several folders find them."""
 
-from support.moved_door import photographed  # noqa: F401
+from support.pictures.moved_door import photographed  # noqa: F401

@@ -12,7 +12,7 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.measurements.picture_reading import DoorReading, Localisations, localisations_of
-from support.moved_door import EVERY, THICKNESS, WIDTH
+from support.pictures.moved_door import EVERY, THICKNESS, WIDTH
 
 STD = np.array([2e-5, 2e-5, 5e-5])
 CENTRE = np.array([0.004, -0.006])

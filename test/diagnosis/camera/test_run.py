@@ -9,7 +9,7 @@ import yaml
 
 from doormill_ros.diagnosis.camera.causes import camera_causes
 from doormill_ros.tools.diagnose import main
-from support.moved_door import EVERY, THICKNESS, WIDTH
+from support.pictures.moved_door import EVERY, THICKNESS, WIDTH
 from support.source_tree import ROOT
 
 CAMERA = yaml.safe_load((ROOT / "config" / "camera.yaml").read_text(encoding="utf-8"))

@@ -11,8 +11,8 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.sensors.corner_edges import PictureQuality
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
-from support.door_cases import assert_honest
 from support.sensors.axis_vision import AxisVisionRig
+from support.sensors.pose_errors import assert_honest
 
 QUALITY = PictureQuality(2.0, 25.0)
 MOVES = [
@@ -62,6 +62,7 @@ def calibrations(rig):
         out.append(
             (calibrate_extrinsics(moved_doors(rig, seed), load_camera(), load_layout(), QUALITY), true)
         )
+    assert len(out) == 4
     return out
 
 
@@ -87,6 +88,7 @@ def test_what_remains_in_the_pose_of_a_door_is_hundredths_of_a_millimetre(calibr
 
 def test_the_thesis_scale_is_that_of_the_camera_at_that_thickness(calibrations):
     for found, true in calibrations:
+        assert len(found.scale) == 2
         for thesis, model in zip(found.scale, found.model_scale, strict=True):
             assert thesis == pytest.approx(model, rel=3e-3)
         # fx and fy of eq. 3.43 differ, so the two scales do: the thesis expects them alike.

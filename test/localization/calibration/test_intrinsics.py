@@ -8,7 +8,8 @@ from doormill_ros.localization.calibration.chessboard import Chessboard, find_co
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
 from doormill_ros.localization.calibration.intrinsics import calibrate_intrinsics
 from doormill_ros.simulation.picture.scene import Sensor
-from support.board_pictures import (
+from support.pictures.chessboard import render_chessboard
+from support.pictures.chessboard_corners import (
     BOARD,
     CAMERA,
     SIZE,
@@ -17,7 +18,6 @@ from support.board_pictures import (
     noisy_corners,
     views,
 )
-from support.sensors.chessboard import render_chessboard
 
 TRUE = np.array([TRUE_K[0, 0], TRUE_K[1, 1], TRUE_K[0, 2], TRUE_K[1, 2], *TRUE_DISTORTION[:4]])
 BENT = 4
@@ -39,6 +39,7 @@ def rendered():
 
 
 def test_corners_are_found_to_a_fraction_of_a_pixel(rendered):
+    assert len(rendered) == 10
     for view, corners in rendered:
         true = view.true_corners(CAMERA)
         turned = true[::-1]  # a board looks alike upside down

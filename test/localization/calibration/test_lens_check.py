@@ -7,7 +7,7 @@ import pytest
 from doormill_ros.localization.calibration.intrinsics import calibrate_intrinsics
 from doormill_ros.localization.calibration.lens_check import check_lens, distorted_radius, fold_radius
 from doormill_ros.localization.camera import load_camera
-from support.board_pictures import BOARD, held_upright
+from support.pictures.chessboard_corners import BOARD, held_upright
 
 THESIS_K = np.array([[1678.35, 0.0, 946.41], [0.0, 1727.22, 510.71], [0.0, 0.0, 1.0]])
 THESIS_DISTORTION = (0.0206, 10.4073, -115.4536)

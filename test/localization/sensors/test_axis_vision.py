@@ -10,8 +10,8 @@ from doormill_ros.localization.sensors.axis_vision import load_axis_vision
 from doormill_ros.localization.sensors.edge_rays import EDGES, depth, miss, seen
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, EdgeNotFound, SensorError
 from doormill_ros.simulation.picture.scene import Sensor
-from support.door_cases import SIZES, assert_honest, error, mahalanobis, true_pose
 from support.sensors.axis_vision import AxisVisionRig
+from support.sensors.pose_errors import SIZES, assert_honest, error, mahalanobis, true_pose
 
 TRIALS = 18
 
@@ -69,6 +69,7 @@ def test_derivatives_of_the_miss_agree_with_differences(sensor, name, edge):
 
 def test_rays_of_an_edge_do_not_miss_it(sensor):
     door, T_base_door = SIZES[2], true_pose(SIZES[2], np.random.default_rng(4))
+    assert len(sensor.cameras) == len(EDGES) == 3
     for camera in sensor.cameras:
         T_base_camera = camera.T_base_camera(sensor.layout, door)
         for axis in EDGES.values():
@@ -98,6 +99,7 @@ def test_residuals_have_the_size_that_noise_and_roughness_explain(trials):
 
 
 def test_every_edge_is_found_all_along(trials):
+    assert len(trials) == TRIALS
     for door, _, estimate in trials:
         counts = estimate.details["edge_points"]
         assert set(counts) == {"1y", "1z", "2x", "2y", "3x", "3z"}

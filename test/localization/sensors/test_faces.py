@@ -7,7 +7,7 @@ from doormill_ros.frames import apply, apply_twist, transform
 from doormill_ros.localization.sensors.errors import Contradiction, NotConverged, Undetermined
 from doormill_ros.localization.sensors.faces import heights, normals, ranges
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
-from support.door_cases import SIZES, true_pose
+from support.sensors.pose_errors import SIZES, true_pose
 
 STEP = 1e-6
 

@@ -11,7 +11,7 @@ from doormill_ros.frames import apply
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, Contradiction
 from doormill_ros.localization.sensors.touch_probe import load_touch_probe
 from doormill_ros.resources import resource
-from support.door_cases import SIZES, assert_honest, error, mahalanobis, true_pose
+from support.sensors.pose_errors import SIZES, assert_honest, error, mahalanobis, true_pose
 from support.sensors.touch_probe import TouchProbeRig
 
 APART = {"surface": 0.0}

@@ -7,7 +7,7 @@ import numpy as np
 
 from doormill_ros.localization.calibration.chessboard import Chessboard
 from doormill_ros.simulation.picture.scene import SceneCamera
-from support.sensors.chessboard import calibration_views
+from support.pictures.chessboard import calibration_views
 
 BOARD = Chessboard(9, 6, 0.020)
 SIZE = (960, 540)
