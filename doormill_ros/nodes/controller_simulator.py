@@ -19,6 +19,8 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, Parameter
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
+from doormill_ros.simulation.controller.rws_server.server import serve
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun, load_effects
 
@@ -34,6 +36,11 @@ class ControllerSimulator(ManagedNode):
         Parameter("time_scale", 0.0, "simulated over real seconds; 0: as fast as possible", 0.0, 1e6),
         Parameter(
             "spindle_works", True, "false: the spindle never comes to speed, the program stops with a fault"
+        ),
+        Parameter("web_services", "", "Robot Web Services over HOME and signals: rws1, rws2; empty: none"),
+        Parameter("web_services_port", 8080, "their TCP port on 127.0.0.1; 0: any free one", 0, 65535),
+        Parameter(
+            "web_services_certificates", "out/controller", "folder that rws2 writes controller.crt and key to"
         ),
     )
 
@@ -52,6 +59,12 @@ class ControllerSimulator(ManagedNode):
             self.value("time_scale") or None,
             self.value("spindle_works"),
         )
+        self._web_services = serve(
+            self.value("web_services"),
+            Cabinet.create(Path(self.value("home")), io=self._cell.io),
+            self.value("web_services_port"),
+            Path(self.value("web_services_certificates")),
+        )
         self._recipe: DoorRecipe | None = None
         self._placement: DoorPlacement | None = None
         self._targets: TargetArray | None = None
@@ -67,6 +80,11 @@ class ControllerSimulator(ManagedNode):
     def stop(self) -> None:
         """Stop the program and the robot."""
         self._halt()
+
+    def teardown(self) -> None:
+        """End the web services."""
+        if self._web_services is not None:
+            self._web_services.stop()
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         self._recipe = recipe

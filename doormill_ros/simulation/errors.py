@@ -7,3 +7,6 @@ from doormill_ros.errors import DoormillError
 EffectsFileError = DoormillError.row(
     "EffectsFileError", 850, "The file with the hidden effects cannot be used."
 )
+WebServicesError = DoormillError.row(
+    "WebServicesError", 851, "The simulated controller's web services cannot be served."
+)

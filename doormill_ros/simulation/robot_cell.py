@@ -13,7 +13,7 @@ from doormill_ros.frames import quaternion_wxyz
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.controller import VirtualController
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.controller.io_port import FolderIo, MemoryIo
+from doormill_ros.simulation.controller.io_port import FolderIo, IoPort, MemoryIo
 from doormill_ros.simulation.controller.process import listed_process, module_process
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.machine import Move
@@ -100,13 +100,14 @@ class RobotCell:
         self._truth = TruthRobot(self._arm.dh, effects)
         self._time_scale = time_scale
         home.mkdir(parents=True, exist_ok=True)
-        self._io = FolderIo(home)
+        #: Signals between the program and the PC.
+        self.io: IoPort = FolderIo(home)
         self._controller: VirtualController | None = None
 
     def reset(self) -> None:
         """Lower what the controller signals, as an operator does who takes a door out."""
         for name in signals.CONTROLLER_SIGNALS:
-            self._io.write(name, 0)
+            self.io.write(name, 0)
 
     def start(self, door_id: str) -> RobotCellRun:
         """Clamp a door and get the program ready; `execute` runs it.
@@ -116,7 +117,7 @@ class RobotCell:
         """
         self.reset()
         controller = VirtualController(
-            self._home, self._arm, self._truth, io=self._io, time_scale=self._time_scale
+            self._home, self._arm, self._truth, io=self.io, time_scale=self._time_scale
         )
         if self._controller is not None:
             controller.program.restore(self._controller.program.persistent_data())

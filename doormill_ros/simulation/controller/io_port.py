@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Collection
 from pathlib import Path
 from typing import Protocol
 
@@ -13,7 +14,10 @@ from doormill_ros.simulation.controller.rapid.errors import SignalError
 
 
 class IoPort(Protocol):
-    """Digital signals by name, of `doormill_ros.abb.signals`; safe to use from several threads."""
+    """Digital signals by name; safe to use from several threads.
+
+    The RAPID program, a shared folder and the web services are joined by one port that all of them use.
+    """
 
     def read(self, name: str) -> int:
         """0 or 1; a signal that nobody wrote is 0.
@@ -32,15 +36,15 @@ class IoPort(Protocol):
         ...
 
 
-def check_signal(name: str, value: int = 0) -> None:
-    """Refuse names and values that the handshake does not have.
+def check_signal(name: str, value: int = 0, names: Collection[str] = ALL_SIGNALS) -> None:
+    """Refuse names and values that are not configured.
 
     Raises:
         SignalError: Names what was found and what is allowed.
     """
-    if name not in ALL_SIGNALS:
+    if name not in names:
         raise SignalError(
-            f"signal {name!r} does not exist, allowed are {', '.join(ALL_SIGNALS)}: correct the name",
+            f"signal {name!r} does not exist, allowed are {', '.join(names)}: correct the name",
             name=name,
         )
     if value not in (0, 1):
@@ -81,14 +85,20 @@ class FolderIo:
     TORN_READS = 5
     TORN_PAUSE = 0.002  # s
 
-    def __init__(self, folder: str | Path) -> None:
-        """Use the folder that is the controller's HOME; its `io` folder is created."""
+    def __init__(self, folder: str | Path, names: Collection[str] = ALL_SIGNALS) -> None:
+        """Use the folder that is the controller's HOME; its `io` folder is created.
+
+        Args:
+            folder: HOME.
+            names: The signals.
+        """
+        self._names = names
         self._folder = Path(folder) / IO_FOLDER
         self._folder.mkdir(parents=True, exist_ok=True)
 
     def read(self, name: str) -> int:
         """0 or 1; a missing file is 0."""
-        check_signal(name)
+        check_signal(name, 0, self._names)
         content = b""
         for _ in range(self.TORN_READS):
             try:
@@ -107,7 +117,7 @@ class FolderIo:
 
     def write(self, name: str, value: int) -> None:
         """Replace the signal's file."""
-        check_signal(name, value)
+        check_signal(name, value, self._names)
         try:
             write_atomically(self._folder / name, HIGH if value else LOW)
         except OSError as error:

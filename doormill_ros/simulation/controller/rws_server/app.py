@@ -12,6 +12,7 @@ from urllib.parse import parse_qsl, unquote
 
 from starlette.requests import Request
 from starlette.responses import Response
+from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
@@ -20,6 +21,7 @@ from doormill_ros.simulation.controller.rws_server.events import Group, Subscrip
 from doormill_ros.simulation.controller.rws_server.operations import Operations
 from doormill_ros.simulation.controller.rws_server.reply import (
     CODE_BAD_REQUEST,
+    Item,
     RefusalError,
     json_body,
     json_error,
@@ -86,14 +88,14 @@ class WebServices:
         self._subscribing = False
         self._recent: list[float] = []
 
-    async def __call__(self, scope: dict, receive: object, send: object) -> None:
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """ASGI entry."""
         if scope["type"] == "http":
             await self._http(Request(scope, receive), scope, receive, send)
         elif scope["type"] == "websocket":
             await self._stream(WebSocket(scope, receive, send))
 
-    async def _http(self, request: Request, scope: dict, receive: object, send: object) -> None:
+    async def _http(self, request: Request, scope: Scope, receive: Receive, send: Send) -> None:
         if self.behaviour.delay:
             await asyncio.sleep(self.behaviour.delay)
         body = await request.body()
@@ -183,7 +185,7 @@ class WebServices:
         if request.method == "POST" and content != "application/x-www-form-urlencoded;v=2.0":
             raise RefusalError(415, CODE_BAD_REQUEST, f"Content-Type {content!r}")
 
-    def _listing(self, request: Request, items: list) -> Response:
+    def _listing(self, request: Request, items: list[Item]) -> Response:
         if self._wants_json(request):
             media = "application/json" if self._version == 1 else _HAL2
             return Response(json_body(self._base, items, self._version), media_type=media)

@@ -1,7 +1,7 @@
 """What the simulated web services give access to: HOME folder, signals, RAPID data, states.
 
-The signals live as files in `<home>/io`, so a simulated robot program in another process that uses the
-shared folder works on the same cabinet, and a change it makes becomes an event here.
+The levels of the signals are behind an `IoPort`. When that is the port of a simulated controller, or the
+folder that one uses from another process, a change that its program makes becomes an event here.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from enum import Enum
 from pathlib import Path
 
 from doormill_ros.abb import signals
-from doormill_ros.files import write_atomically
+from doormill_ros.simulation.controller.io_port import FolderIo, IoPort
+from doormill_ros.simulation.controller.rapid.errors import SignalError
 
 
 class AccessLevel(str, Enum):
@@ -57,6 +58,7 @@ class Cabinet:
 
     Attributes:
         home: The controller's HOME folder.
+        io: Who holds the signals' levels.
         signals: Signals by name.
         symbols: RAPID data by path below "RAPID/", for example "T_ROB1/DoorMill/door_id".
         ctrlstate: State of the motors.
@@ -66,6 +68,7 @@ class Cabinet:
     """
 
     home: Path
+    io: IoPort
     signals: dict[str, SimulatedSignal] = field(default_factory=dict)
     symbols: dict[str, str] = field(default_factory=dict)
     ctrlstate: str = "motoron"
@@ -74,11 +77,22 @@ class Cabinet:
     mastership: bool = False
 
     @classmethod
-    def create(cls, home: Path, table: Iterable[SimulatedSignal] | None = None) -> Cabinet:
-        """A cabinet on an existing or new HOME folder."""
-        (home / signals.IO_FOLDER).mkdir(parents=True, exist_ok=True)
-        table = default_signals() if table is None else table
-        return cls(home, {signal.name: signal for signal in table})
+    def create(
+        cls, home: Path, table: Iterable[SimulatedSignal] | None = None, io: IoPort | None = None
+    ) -> Cabinet:
+        """A cabinet on an existing or new HOME folder.
+
+        Args:
+            home: The folder.
+            table: The signals; None for those of the handshake.
+            io: Who holds their levels; None for files in `<home>/io`.
+        """
+        table = tuple(default_signals() if table is None else table)
+        return cls(
+            home,
+            FolderIo(home, [signal.name for signal in table]) if io is None else io,
+            {signal.name: signal for signal in table},
+        )
 
     def find_signal(self, path: str) -> SimulatedSignal | None:
         """The signal at `{network}/{device}/{name}` or just `{name}`."""
@@ -86,12 +100,12 @@ class Cabinet:
         return signal if signal is not None and path in (signal.path, signal.name) else None
 
     def value(self, name: str) -> int:
-        """The signal's level, 0 when its file is missing or torn."""
+        """The signal's level, 0 when it cannot be read."""
         try:
-            return int((self.home / signals.IO_FOLDER / name).read_bytes().strip() == signals.HIGH)
-        except OSError:
+            return self.io.read(name)
+        except SignalError:
             return 0
 
     def set_value(self, name: str, value: int) -> None:
-        """Replace the signal's file in one step."""
-        write_atomically(self.home / signals.IO_FOLDER / name, signals.HIGH if value else signals.LOW)
+        """Set the signal."""
+        self.io.write(name, value)

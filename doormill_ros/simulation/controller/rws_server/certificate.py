@@ -16,11 +16,12 @@ def write_certificate(folder: Path) -> tuple[Path, Path]:
     """Make a key and a certificate for 127.0.0.1 that is good for a day.
 
     Args:
-        folder: Where both are written as PEM.
+        folder: Where both are written as PEM; made when it is missing.
 
     Returns:
         Paths of certificate and key.
     """
+    folder.mkdir(parents=True, exist_ok=True)
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "simulated controller")])
     now = datetime.datetime.now(datetime.UTC)

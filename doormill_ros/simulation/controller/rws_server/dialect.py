@@ -44,6 +44,7 @@ class Answer:
 
 
 Handler = Callable[[Operations, Call, str], Answer]
+Action = Callable[[Operations, Call, str], None]
 
 
 @dataclass(frozen=True)
@@ -80,8 +81,14 @@ def _ok(*items: Item) -> Answer:
     return Answer(200, tuple(items))
 
 
-def _done(_: object) -> Answer:
-    return Answer(204)
+def _done(action: Action) -> Handler:
+    """A handler that acts and answers without content."""
+
+    def handle(operations: Operations, call: Call, path: str) -> Answer:
+        action(operations, call, path)
+        return Answer(204)
+
+    return handle
 
 
 def _get_file(operations: Operations, _: Call, path: str) -> Answer:
@@ -104,35 +111,27 @@ def _read_symbol(operations: Operations, _: Call, path: str) -> Answer:
 
 
 def _symbol_writer(implicit: bool) -> Handler:
-    def write(operations: Operations, call: Call, path: str) -> Answer:
+    def write(operations: Operations, call: Call, path: str) -> None:
         implied = implicit and call.query.get("mastership") == "implicit"
-        return _done(operations.write_symbol(path, call.form, implied))
+        operations.write_symbol(path, call.form, implied)
 
-    return write
+    return _done(write)
 
 
 def _execute(action: str) -> Handler:
-    return lambda operations, _, __: _done(operations.control_execution(action))
+    return _done(lambda operations, _, __: operations.control_execution(action))
 
 
 def _panel(what: str) -> Handler:
     return lambda operations, _, __: _ok(operations.panel(what))
 
 
-def _motors(operations: Operations, call: Call, _: str) -> Answer:
-    return _done(operations.set_motors(call.form))
-
-
 def _mastership(action: str) -> Handler:
-    return lambda operations, _, __: _done(operations.mastership(action))
+    return _done(lambda operations, _, __: operations.mastership(action))
 
 
 def _signal(operations: Operations, _: Call, path: str) -> Answer:
     return _ok(operations.signal_item(operations.signal(path)))
-
-
-def _write_signal(operations: Operations, call: Call, path: str) -> Answer:
-    return _done(operations.write_signal(path, call.form))
 
 
 def _ramdisk(*_: object) -> Answer:
@@ -141,6 +140,10 @@ def _ramdisk(*_: object) -> Answer:
 
 _SIGNALS = "rw/iosystem/signals"
 _EXECUTION = "rw/rapid/execution"
+
+_WRITE_SIGNAL = _done(lambda operations, call, path: operations.write_signal(path, call.form))
+_MOTORS = _done(lambda operations, call, _: operations.set_motors(call.form))
+_DELETE = _done(lambda operations, _, path: operations.delete(path))
 
 _BOTH = (
     Route("GET", _SIGNALS, lambda operations, _, __: _ok(*operations.list_signals())),
@@ -155,10 +158,10 @@ _BOTH = (
 #: `$` is literal, actions stand in the query.
 RWS1_ROUTES = (
     *_BOTH,
-    Route("POST", f"{_SIGNALS}/(.+)", _write_signal, "set"),
+    Route("POST", f"{_SIGNALS}/(.+)", _WRITE_SIGNAL, "set"),
     Route("GET", r"fileservice/\$(?:home|HOME)/?(.*)", _get_file),
     Route("PUT", r"fileservice/\$(?:home|HOME)/(.+)", _put_file),
-    Route("DELETE", r"fileservice/\$(?:home|HOME)/(.+)", lambda o, _, p: _done(o.delete(p))),
+    Route("DELETE", r"fileservice/\$(?:home|HOME)/(.+)", _DELETE),
     Route("POST", r"fileservice/\$(?:home|HOME)/?(.*)", _make_folder),
     Route("POST", _EXECUTION, _execute("start"), "start"),
     Route("POST", _EXECUTION, _execute("stop"), "stop"),
@@ -166,7 +169,7 @@ RWS1_ROUTES = (
     Route("GET", "rw/rapid/symbol/data/RAPID/(.+)", _read_symbol),
     Route("POST", "rw/rapid/symbol/data/RAPID/(.+)", _symbol_writer(implicit=False), "set"),
     Route("GET", "rw/panel/ctrlstate", _panel("ctrlstate")),
-    Route("POST", "rw/panel/ctrlstate", _motors, "setctrlstate"),
+    Route("POST", "rw/panel/ctrlstate", _MOTORS, "setctrlstate"),
     Route("POST", "rw/mastership(?:/rapid)?", _mastership("request"), "request"),
     Route("POST", "rw/mastership(?:/rapid)?", _mastership("release"), "release"),
 )
@@ -174,10 +177,10 @@ RWS1_ROUTES = (
 #: No `$`, actions are part of the path.
 RWS2_ROUTES = (
     *_BOTH,
-    Route("POST", f"{_SIGNALS}/(.+)/set-value", _write_signal),
+    Route("POST", f"{_SIGNALS}/(.+)/set-value", _WRITE_SIGNAL),
     Route("GET", r"fileservice/HOME/?(.*)", _get_file),
     Route("PUT", r"fileservice/HOME/(.+)", _put_file),
-    Route("DELETE", r"fileservice/HOME/(.+)", lambda o, _, p: _done(o.delete(p))),
+    Route("DELETE", r"fileservice/HOME/(.+)", _DELETE),
     Route("POST", r"fileservice/HOME/?(.*?)/?create", _make_folder),
     Route("POST", f"{_EXECUTION}/start", _execute("start")),
     Route("POST", f"{_EXECUTION}/stop", _execute("stop")),
@@ -185,7 +188,7 @@ RWS2_ROUTES = (
     Route("GET", "rw/rapid/symbol/RAPID/(.+)/data", _read_symbol),
     Route("POST", "rw/rapid/symbol/RAPID/(.+)/data", _symbol_writer(implicit=True)),
     Route("GET", "rw/panel/ctrl-state", _panel("ctrl-state")),
-    Route("POST", "rw/panel/ctrl-state", _motors),
+    Route("POST", "rw/panel/ctrl-state", _MOTORS),
     Route("POST", "rw/mastership(?:/edit)?/request", _mastership("request")),
     Route("POST", "rw/mastership(?:/edit)?/release", _mastership("release")),
 )

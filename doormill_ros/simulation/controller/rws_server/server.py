@@ -1,4 +1,4 @@
-"""Run the simulated web services on loopback, from a thread or as a process of their own."""
+"""Run the simulated web services on loopback, in a thread."""
 
 from __future__ import annotations
 
@@ -6,14 +6,19 @@ import asyncio
 import socket
 import tempfile
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import uvicorn
 
+from doormill_ros.abb.link_errors import UnknownTransportError
 from doormill_ros.simulation.controller.rws_server.app import Behaviour, WebServices
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.certificate import write_certificate
+from doormill_ros.simulation.errors import WebServicesError
 
+#: Version by the name of the transport that reaches it.
+VERSIONS = {"rws1": 1, "rws2": 2}
 _START_LIMIT = 20.0
 
 
@@ -27,6 +32,7 @@ class RwsServer:
         port: int = 0,
         behaviour: Behaviour | None = None,
         ping_interval: float = 30.0,
+        certificates: Path | None = None,
     ) -> None:
         """Bind the port; nothing is answered before `start`.
 
@@ -36,6 +42,8 @@ class RwsServer:
             port: TCP port on 127.0.0.1, 0 for any free one.
             behaviour: Limits and account.
             ping_interval: Time between pings on event streams [s].
+            certificates: Folder that version 2 writes controller.crt and controller.key to; None for a
+                temporary one.
         """
         # With the protocol named, asyncio turns Nagle's algorithm off; else each answer waits 40 ms.
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
@@ -46,12 +54,13 @@ class RwsServer:
         self.cabinet = cabinet
         self.services = WebServices(cabinet, version, f"{self.url}/", behaviour or Behaviour())
         self.certificate: Path | None = None
+        key: Path | None = None
         self._folder: tempfile.TemporaryDirectory[str] | None = None
-        options = {}
         if version == 2:
-            self._folder = tempfile.TemporaryDirectory(prefix="simulated-controller-")
-            self.certificate, key = write_certificate(Path(self._folder.name))
-            options = {"ssl_certfile": str(self.certificate), "ssl_keyfile": str(key)}
+            if certificates is None:
+                self._folder = tempfile.TemporaryDirectory(prefix="simulated-controller-")
+                certificates = Path(self._folder.name)
+            self.certificate, key = write_certificate(certificates)
         config = uvicorn.Config(
             self.services,
             log_level="critical",
@@ -61,16 +70,14 @@ class RwsServer:
             timeout_keep_alive=60,
             timeout_graceful_shutdown=1,
             server_header=False,
-            **options,
+            ssl_certfile=self.certificate,
+            ssl_keyfile=key,
         )
         self._server = uvicorn.Server(config)
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._thread = threading.Thread(target=self.serve, name="rws-server", daemon=True)
+        self._runner = asyncio.Runner(loop_factory=asyncio.new_event_loop)
+        self._loop = self._runner.get_loop()
+        self._thread = threading.Thread(target=self._run, name="rws-server", daemon=True)
         self._listening = threading.Event()
-
-    def serve(self) -> None:
-        """Answer requests until `stop`, in the calling thread."""
-        asyncio.run(self._serve())
 
     def start(self) -> RwsServer:
         """Answer requests from a thread; returns when the port listens."""
@@ -85,6 +92,8 @@ class RwsServer:
         self._server.force_exit = True
         if self._thread.is_alive():
             self._thread.join(_START_LIMIT)
+        else:
+            self._runner.close()
         self._socket.close()
         if self._folder is not None:
             self._folder.cleanup()
@@ -108,7 +117,7 @@ class RwsServer:
     def __exit__(self, *_: object) -> None:
         self.stop()
 
-    def _in_loop(self, action: object) -> None:
+    def _in_loop(self, action: Callable[[], None]) -> None:
         done = threading.Event()
 
         def run() -> None:
@@ -118,8 +127,11 @@ class RwsServer:
         self._loop.call_soon_threadsafe(run)
         done.wait(_START_LIMIT)
 
+    def _run(self) -> None:
+        with self._runner:
+            self._runner.run(self._serve())
+
     async def _serve(self) -> None:
-        self._loop = asyncio.get_running_loop()
         watch = asyncio.ensure_future(self.services.subscriptions.watch())
         listening = asyncio.ensure_future(self._announce())
         try:
@@ -132,3 +144,34 @@ class RwsServer:
         while not self._server.started:
             await asyncio.sleep(0.002)
         self._listening.set()
+
+
+def serve(name: str, cabinet: Cabinet, port: int, certificates: Path) -> RwsServer | None:
+    """Web services by the name of the transport that reaches them; they answer until `RwsServer.stop`.
+
+    Args:
+        name: "rws1" or "rws2"; empty for none.
+        cabinet: What they give access to.
+        port: TCP port on 127.0.0.1, 0 for any free one.
+        certificates: Folder that version 2 writes controller.crt and controller.key to.
+
+    Raises:
+        UnknownTransportError: Another name.
+        WebServicesError: The port is taken, or the folder cannot be written.
+    """
+    if not name:
+        return None
+    if name not in VERSIONS:
+        raise UnknownTransportError(
+            f"web services are {name!r}, allowed are {', '.join(VERSIONS)}, or none when empty: correct the "
+            "simulated controller's parameter",
+            name=name,
+        )
+    try:
+        return RwsServer(cabinet, VERSIONS[name], port, certificates=certificates).start()
+    except OSError as error:
+        raise WebServicesError(
+            f"the simulated controller cannot serve {name} on port {port}: {error}; allowed are a free port "
+            f"and a folder {certificates} that can be written: choose others",
+            port=port,
+        ) from error
