@@ -17,10 +17,9 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.qos import qos_document
+from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name
 from doormill_ros.nodes.frame_publisher import frame_topics
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.message_types import is_hidden, matching, message_class, type_name
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, Parameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recording.bag_filler import BagFiller

@@ -6,11 +6,11 @@ import asyncio
 import ipaddress
 import socket
 import threading
-import time
 
 import uvicorn
 from fastapi import FastAPI
 
+from doormill_ros.cell.waiting import wait
 from doormill_ros.operator.errors import PageAddressError
 
 START_LIMIT = 20.0  # s
@@ -78,11 +78,10 @@ class PageServer:
             PageAddressError: It does not within 20 s.
         """
         self._thread.start()
-        deadline = time.monotonic() + START_LIMIT
-        while not self._server.started:
-            if time.monotonic() > deadline or not self._thread.is_alive():
-                raise PageAddressError(f"the operator's page at {self.url} did not start; restart it")
-            time.sleep(0.005)
+        tried = threading.Condition()
+        wait(tried, lambda: self._server.started or not self._thread.is_alive(), START_LIMIT)
+        if not self._server.started:
+            raise PageAddressError(f"the operator's page at {self.url} did not start; restart it")
         return self
 
     def stop(self) -> None:

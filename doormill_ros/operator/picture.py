@@ -31,4 +31,4 @@ def encode_picture(picture: ByteArray) -> bytes:
     if picture.ndim == 3:
         picture = picture[..., ::-1]
     _, jpeg = cv2.imencode(".jpg", np.ascontiguousarray(picture), _OPTIONS)
-    return jpeg.tobytes()
+    return bytes(jpeg)

@@ -110,6 +110,7 @@ def test_the_correction_brings_the_contour_within_tolerance(milled: dict[str, An
     part = milled[door]["milled"]
     assert part.corrected_max < part.tolerance
     assert part.corrected_max < 0.6 * part.uncorrected_max
+    assert part.features
     assert all(len(f.arc_length) > 100 for f in part.features)
 
 
@@ -122,6 +123,7 @@ def test_the_controller_is_left_clean(milled: dict[str, Any]) -> None:
 def test_every_node_ends_on_interrupt(milled: dict[str, Any]) -> None:
     assert milled["status"] == dict.fromkeys(milled["status"], 0)
     assert len(milled["status"]) == 6
+    assert milled["logs"].keys() == milled["status"].keys()
     for name, log in milled["logs"].items():
         assert "Traceback" not in log, f"{name}: {log}"
 

@@ -94,6 +94,7 @@ def test_foxglove_layout_is_of_the_form_that_the_app_exports() -> None:
 
     walk(document["layout"])
     assert sorted(shown) == sorted(panels)
+    assert len(panels) >= 6
     for panel, settings in panels.items():
         kind = panel.split("!")[0]
         assert settings.keys() <= SETTINGS[kind], panel
@@ -191,6 +192,7 @@ RVIZ_POLICIES = {
 def test_rviz_reads_every_setting_and_its_subscriptions_match_what_the_nodes_offer() -> None:
     manager = yaml.safe_load((ROOT / "config" / "cell.rviz").read_text())["Visualization Manager"]
     offered = {f"/{t.name}": t.offered for t in topics.ALL}
+    assert len(manager["Displays"]) >= 6
     for display in manager["Displays"]:
         plugin, kind = display["Class"].split("/")
         assert plugin == "rviz_default_plugins"
@@ -212,9 +214,12 @@ def test_rviz_reads_every_setting_and_its_subscriptions_match_what_the_nodes_off
 
 
 def test_viewers_draw_the_robots_without_files_beside_the_description() -> None:
-    for path in sorted((ROOT / "config" / "robots").glob("*/robot.urdf")):
+    paths = sorted((ROOT / "config" / "robots").glob("*/robot.urdf"))
+    assert len(paths) >= 2
+    for path in paths:
         root = ElementTree.parse(path).getroot()
         shapes = {child.tag for geometry in root.iter("geometry") for child in geometry}
+        assert shapes, path
         assert shapes <= {"box", "cylinder"}, path
         drawn = {link.get("name") for link in root.iter("link") if link.find("visual") is not None}
         assert drawn == {link.get("name") for link in root.iter("link")}, path
@@ -242,5 +247,6 @@ def test_shown_messages_are_in_the_base_frame() -> None:
     for item in read_bag(BAG, ["/path/nominal", "/path/corrected", "/door/pose", "/path/markers"]):
         header = item.message.markers[-1].header if item.topic == "/path/markers" else item.message.header
         frames[item.topic] = header.frame_id
+    assert len(frames) == 4
     assert frames == dict.fromkeys(frames, BASE_FRAME)
     assert len(frames) == 4

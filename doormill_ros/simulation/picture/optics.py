@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.simulation.picture.scene import SceneCamera, Sensor
 
 _NODE = 24  # spacing of the exact ray nodes [px]; a bicubic spline is exact to 1e-9 between them
@@ -103,9 +103,10 @@ def bin_down(radiance: FloatArray, fine: int) -> FloatArray:
     return cv2.resize(radiance, (columns // fine, rows // fine), interpolation=cv2.INTER_AREA)
 
 
-def expose(radiance: FloatArray, sensor: Sensor, rng: np.random.Generator) -> FloatArray:
+def expose(radiance: FloatArray, sensor: Sensor, rng: np.random.Generator) -> ByteArray:
     """Grey levels with photon and read noise, clipped and rounded; uint8, same shape."""
     grey = radiance * np.float32(255.0)
     deviation = cv2.sqrt(cv2.max(grey, 0.0) * np.float32(sensor.gain) + np.float32(sensor.read_noise**2))
     grey += deviation * rng.standard_normal(grey.shape, dtype=np.float32)
-    return cv2.convertScaleAbs(cv2.max(grey, 0.0))
+    picture: ByteArray = cv2.convertScaleAbs(cv2.max(grey, 0.0))
+    return picture

@@ -9,7 +9,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.simulation.picture.optics import Block, bin_down, expose, project, rays, spread
 from doormill_ros.simulation.picture.outline import Outline
 from doormill_ros.simulation.picture.scene import PictureScene, Shadow, Surface
@@ -172,7 +172,7 @@ def expected_picture(scene: PictureScene, seed: int) -> FloatArray:
     return _exposure(scene, np.random.default_rng(seed)) * np.float32(255.0)
 
 
-def render_picture(scene: PictureScene, seed: int) -> FloatArray:
+def render_picture(scene: PictureScene, seed: int) -> ByteArray:
     """The grey picture of a scene, uint8, shape (rows, columns).
 
     Args:

@@ -1,4 +1,4 @@
-"""Message classes by name, and what to ask of publishers that were found at run time."""
+"""Topics that are found at run time: their message class, what to ask of their publishers, how to write that down."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
+from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from doormill_ros.recording.schema import FEEDBACK
+
+INFINITE = {"sec": 9223372036, "nsec": 854775807}  #: as rosbag2 writes down that there is no limit
 
 
 def type_name(message_type: Any) -> str:
@@ -44,3 +47,25 @@ def matching(offers: Sequence[QoSProfile]) -> QoSProfile:
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )
+
+
+def _time(duration: Duration) -> dict[str, int]:
+    nanoseconds = duration.nanoseconds
+    if nanoseconds <= 0 or nanoseconds >= 9223372036854775807:
+        return dict(INFINITE)
+    return {"sec": nanoseconds // 1_000_000_000, "nsec": nanoseconds % 1_000_000_000}
+
+
+def qos_document(qos: QoSProfile) -> dict[str, Any]:
+    """Quality of service as one entry of rosbag2's `offered_qos_profiles`, metadata version 9."""
+    return {
+        "history": qos.history.short_key,
+        "depth": qos.depth,
+        "reliability": qos.reliability.short_key,
+        "durability": qos.durability.short_key,
+        "deadline": _time(qos.deadline),
+        "lifespan": _time(qos.lifespan),
+        "liveliness": qos.liveliness.short_key,
+        "liveliness_lease_duration": _time(qos.liveliness_lease_duration),
+        "avoid_ros_namespace_conventions": qos.avoid_ros_namespace_conventions,
+    }

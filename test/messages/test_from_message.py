@@ -1,0 +1,104 @@
+"""Messages are read by the names of their fields, wherever they come from."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace as Message
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.errors import BadPicture
+from doormill_ros.messages.from_message import (
+    camera_of,
+    nanoseconds_of,
+    picture_of,
+    recipe_of,
+    seconds_of,
+    transform_of,
+    twist_of,
+    wrench_of,
+)
+from doormill_ros.recipes.documents import shipped_recipes
+from doormill_ros.recipes.errors import RecipeError
+
+ROWS, COLUMNS = 3, 5
+
+
+def picture(encoding: str, values: np.ndarray, padding: int = 0) -> Message:
+    rows = values.reshape(ROWS, -1)
+    padded = np.pad(rows, ((0, 0), (0, padding)), constant_values=77)
+    return Message(
+        encoding=encoding, height=ROWS, width=COLUMNS, step=padded.shape[1], data=bytes(padded.tobytes())
+    )
+
+
+def test_times_are_exact_to_the_nanosecond() -> None:
+    stamp = Message(sec=1_700_000_000, nanosec=123_456_789)
+    assert nanoseconds_of(stamp) == 1_700_000_000_123_456_789
+    assert seconds_of(stamp) == pytest.approx(1_700_000_000.123456789, abs=1e-6)
+
+
+def test_a_pose_is_the_transform_of_its_quaternion() -> None:
+    rotation = Rotation.random(random_state=3)
+    x, y, z, w = rotation.as_quat()
+    pose = Message(position=Message(x=1.0, y=-2.0, z=3.0), orientation=Message(x=x, y=y, z=z, w=w))
+    T_a_b = transform_of(pose)
+    assert np.abs(T_a_b[:3, :3] - rotation.as_matrix()).max() < 1e-14
+    assert T_a_b[:, 3].tolist() == [1.0, -2.0, 3.0, 1.0]
+
+
+def test_wrench_and_twist_keep_their_halves_in_order() -> None:
+    first, second = Message(x=1.0, y=2.0, z=3.0), Message(x=4.0, y=5.0, z=6.0)
+    assert wrench_of(Message(force=first, torque=second)).tolist() == [1, 2, 3, 4, 5, 6]
+    assert twist_of(Message(linear=first, angular=second)).tolist() == [1, 2, 3, 4, 5, 6]
+
+
+@pytest.mark.parametrize("padding", [0, 3])
+@pytest.mark.parametrize("encoding", ["mono8", "8UC1"])
+def test_a_grey_picture_comes_as_it_is(encoding: str, padding: int) -> None:
+    values = np.arange(ROWS * COLUMNS, dtype=np.uint8).reshape(ROWS, COLUMNS)
+    found = picture_of(picture(encoding, values, padding))
+    assert found.dtype == np.uint8
+    assert np.array_equal(found, values)
+
+
+@pytest.mark.parametrize(("encoding", "order"), [("rgb8", (0, 1, 2)), ("bgr8", (2, 1, 0))])
+def test_colours_become_grey_by_how_bright_they_look(encoding: str, order: tuple[int, ...]) -> None:
+    colours = np.random.default_rng(1).integers(0, 256, (ROWS, COLUMNS, 3), dtype=np.uint8)
+    red, green, blue = np.moveaxis(colours.astype(float), 2, 0)
+    found = picture_of(picture(encoding, colours[:, :, list(order)]))
+    assert np.abs(found - (0.299 * red + 0.587 * green + 0.114 * blue)).max() <= 0.5 + 1e-9
+
+
+def test_a_picture_that_cannot_be_read_says_why() -> None:
+    values = np.zeros((ROWS, COLUMNS), dtype=np.uint8)
+    with pytest.raises(BadPicture, match=r"'mono16', allowed are mono8, 8UC1, rgb8, bgr8"):
+        picture_of(picture("mono16", values))
+    short = picture("mono8", values)
+    short.data = short.data[:-1]
+    with pytest.raises(BadPicture, match="14 bytes"):
+        picture_of(short)
+    with pytest.raises(BadPicture, match="needed are 45"):
+        picture_of(picture("rgb8", values))
+
+
+def test_a_camera_info_changes_the_intrinsics_and_leaves_the_mounting() -> None:
+    mounted = load_camera()
+    k = [900.0, 0.0, 310.0, 0.0, 910.0, 250.0, 0.0, 0.0, 1.0]
+    camera = camera_of(Message(k=k, d=[0.1, -0.2], width=640, height=480), mounted)
+    assert camera.k.ravel().tolist() == k
+    assert camera.distortion.tolist() == [0.1, -0.2, 0.0, 0.0, 0.0]
+    assert camera.size == (640, 480)
+    apart = camera.T_base_camera(0.9) - mounted.T_base_camera(0.9)
+    assert np.abs(apart).max() == 0.0
+
+
+def test_a_recipe_comes_back_from_its_document_and_is_checked() -> None:
+    recipe = shipped_recipes()["standard_door"]
+    document = recipe.to_document()
+    assert recipe_of(Message(document=json.dumps(document))) == recipe
+    with pytest.raises(RecipeError):
+        recipe_of(Message(document=json.dumps({**document, "width_mm": -1})))
