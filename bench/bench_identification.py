@@ -6,12 +6,12 @@ import numpy as np
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.correction.compensate import compensate
-from doormill_ros.milling.forces import THESIS_FORCES
 from doormill_ros.robot.branch import choose_branch
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from harness import Entry, compare, entry
+from support.thesis_milling import THESIS_FORCES
 
 TARGETS = 200
 TOLERANCE = 1e-6

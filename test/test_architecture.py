@@ -94,7 +94,7 @@ RANGES = {
     "measurements": (500, 599),
     "robot_model": (500, 599),
     "diagnosis": (500, 599),
-    "milling": (500, 599),
+    "identification": (500, 599),
     "recording": (600, 699),
     "report": (600, 699),
     "robot": (700, 799),

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.identification.joint_by_joint import JointStep
 from doormill_ros.identification.weighted import StiffnessFit
 from doormill_ros.robot.chain import JOINTS
@@ -81,7 +81,7 @@ def outcome_of_loadings(
     steps: list[JointStep],
     fit: StiffnessFit,
     loadings: int,
-    outliers: Sequence[int] = (),
+    outliers: Sequence[int] | IntArray = (),
 ) -> Outcome:
     """Outcome of loadings that were identified both ways; `outliers` names trials that were left out."""
     by_joint = {step.joint: step for step in steps}
@@ -167,13 +167,13 @@ def plain(value: Any) -> Any:
 
 
 def _degrees(angles: FloatArray) -> list[float]:
-    return rad_to_deg(angles).round(9).tolist()
+    return [round(float(angle), 9) for angle in rad_to_deg(angles)]
 
 
 def _robot_yaml(outcome: Outcome) -> str:
     """The robot's own YAML with the stiffness replaced; joints that were not told keep what they had."""
     robot = outcome.robot
-    document = {
+    document: dict[str, Any] = {
         "schema": ROBOT_SCHEMA,
         "label": robot.label,
         "urdf": robot.urdf.name,

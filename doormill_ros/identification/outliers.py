@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.identification.weighted import StiffnessFit, fit_stiffness
 from doormill_ros.measurements.loading import Loadings
 from doormill_ros.robot.kinematics import Kinematics
@@ -34,8 +34,8 @@ class RobustFit:
     """
 
     fit: StiffnessFit
-    kept: FloatArray
-    outliers: FloatArray
+    kept: IntArray
+    outliers: IntArray
 
 
 def fit_without_outliers(kinematics: Kinematics, loadings: Loadings) -> RobustFit:
@@ -63,5 +63,5 @@ def fit_without_outliers(kinematics: Kinematics, loadings: Loadings) -> RobustFi
 
 def _distance(fit: StiffnessFit, displacement_std: FloatArray) -> FloatArray:
     """Length of each loading's residual, 1 being usual for the set or for its declared noise, whichever is more."""
-    length = np.linalg.norm(fit.residual / displacement_std, axis=1) / median_length(3)
+    length: FloatArray = np.linalg.norm(fit.residual / displacement_std, axis=1) / median_length(3)
     return length / max(1.0, float(np.median(length)))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.measurements.errors import IdentifiabilityError
 from doormill_ros.measurements.loading import (
     Loadings,
@@ -121,7 +121,7 @@ def _fit_columns(A: FloatArray, gain: FloatArray, loadings: Loadings) -> Stiffne
 
 
 def _reweighted(
-    A: FloatArray, gain: FloatArray, loadings: Loadings, joints: FloatArray
+    A: FloatArray, gain: FloatArray, loadings: Loadings, joints: IntArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, int, int]:
     """Compliances of the joints, their covariance, 1 / deviation of each component, rank and rounds."""
     design = A[:, :, joints].reshape(-1, joints.size)
@@ -163,7 +163,7 @@ def _solve(design: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArr
 def _report(
     A: FloatArray,
     loadings: Loadings,
-    joints: FloatArray,
+    joints: IntArray,
     found: FloatArray,
     covariance: FloatArray,
     inverse_std: FloatArray,
@@ -175,7 +175,7 @@ def _report(
     compliance = np.full(columns, np.nan)
     compliance[joints[told]] = found[told]
     full = np.full((columns, columns), np.nan)
-    full[np.ix_(joints[told], joints[told])] = covariance[np.ix_(told, told)]
+    full[np.ix_(joints[told], joints[told])] = covariance[told][:, told]
     residual = loadings.displacement - A[:, :, joints] @ found
     return StiffnessFit(
         stiffness=1.0 / compliance,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.robot.description import load_robot
@@ -83,7 +83,7 @@ class MeasurementSet:
     wrench_frame_rotation: float
     load_point: FloatArray
     reflectors: dict[str, Reflector]
-    trial: FloatArray
+    trial: IntArray
     time: FloatArray
     dt: FloatArray
     temperature: FloatArray

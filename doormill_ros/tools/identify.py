@@ -1,8 +1,11 @@
-"""identify: joint stiffness from loading tests.
+"""identify: joint stiffness from loading tests, and process wrenches from a milling test.
 
 `identify --data DIR --out OUT` takes a measurement set, `--raw DIR` a folder of laser tracker and force files
 with loading_tests.yaml, `--thesis` the six tests of the thesis. Prints a table and writes identification.json
 and robot.yaml (a robot with the identified stiffness, for `load_robot`).
+
+`identify --milling DIR --out OUT` takes a force log with milling_log.yaml, prints the mean wrench of each segment
+and writes wrench.yaml, whose lines a recipe's feature takes.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.errors import DoormillError
+from doormill_ros.identification.milling_log import ProcessForces, process_forces_of
 from doormill_ros.identification.outcome import Outcome, add_preload, outcome_of_loadings
 from doormill_ros.tools.command_line import OneLineParser
 
@@ -28,6 +32,7 @@ def parser() -> argparse.ArgumentParser:
     source.add_argument("--data", metavar="DIR", type=Path, help="measurement set (set.yaml, trials.csv)")
     source.add_argument("--raw", metavar="DIR", type=Path, help="raw files with loading_tests.yaml")
     source.add_argument("--thesis", action="store_true", help="the six loading tests of the thesis")
+    source.add_argument("--milling", metavar="DIR", type=Path, help="force log with milling_log.yaml")
     top.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
     return top
 
@@ -44,7 +49,10 @@ def main(argv: list[str] | None = None) -> int:
         return int(stop.code or 0)
     logging.basicConfig(level=logging.ERROR)
     try:
-        if arguments.thesis:
+        outcome: Outcome | ProcessForces
+        if arguments.milling is not None:
+            outcome = process_forces_of(arguments.milling)
+        elif arguments.thesis:
             outcome = from_thesis()
         elif arguments.raw is not None:
             outcome = from_raw(arguments.raw)

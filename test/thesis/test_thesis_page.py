@@ -6,8 +6,7 @@ import re
 
 import pytest
 
-from doormill_ros.milling import speeds
-from doormill_ros.milling.speeds import SURFACE_FOOT_PER_MINUTE, THESIS_CUTTER
+from doormill_ros.recipes.cutting import Cutting
 from doormill_ros.thesis.comparison import compare_with_simulation
 from doormill_ros.thesis.contradictions.search import find_contradictions
 from doormill_ros.thesis.fit import fit_thesis, overall_std
@@ -15,6 +14,7 @@ from doormill_ros.thesis.loading_tests import load_thesis_data
 from doormill_ros.thesis.recovery import recover
 from doormill_ros.units import INCH, MM, RPM
 from support.source_tree import ROOT
+from support.thesis_milling import SURFACE_FOOT_PER_MINUTE, THESIS_MILL, THESIS_SURFACE_SPEED
 
 
 @pytest.fixture(scope="module")
@@ -99,10 +99,13 @@ def test_contradictions_table(page, computed):
 
 def test_milling_table(page):
     for name, rpm, feed in (("initial", 5025, 80), ("final", 3200, 50)):
-        data = speeds.from_machine(rpm * RPM, feed * MM, THESIS_CUTTER)
-        sfm = f"{data.surface_speed / SURFACE_FOOT_PER_MINUTE:.0f} SFM"
+        cutting = Cutting(spindle_speed=rpm * RPM, feed=feed * MM)
+        sfm = f"{cutting.spindle(THESIS_MILL) * THESIS_MILL.radius / SURFACE_FOOT_PER_MINUTE:.0f} SFM"
         assert sfm in row(page, "Milling", f"{name} setting, surface speed")[2]
-        inch = f"{data.chip_load / INCH:.4f} inch"
+        inch = f"{cutting.chip(THESIS_MILL) / INCH:.4f} inch"
         assert inch in row(page, "Milling", f"{name} setting, chip load")[2]
-    low, high = (speed / RPM for speed in speeds.allowed_spindle(THESIS_CUTTER))
+    low, high = (
+        Cutting(surface_speed=speed, chip_load=1e-3).spindle(THESIS_MILL) / RPM
+        for speed in THESIS_SURFACE_SPEED
+    )
     assert f"{low:.0f} to {high:.0f} rpm" in page

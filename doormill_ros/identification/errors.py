@@ -1,4 +1,4 @@
-"""What can be wrong with cutting parameters and force logs."""
+"""What can be wrong with force logs of milling."""
 
 from __future__ import annotations
 
@@ -6,13 +6,10 @@ from doormill_ros.errors import DoormillError
 
 
 class MillingError(DoormillError):
-    """Any error of the milling package."""
+    """A force log that tells no process wrench."""
 
     code = 590
 
 
-CuttingParameterError = MillingError.row(
-    "CuttingParameterError", 591, "A parameter is no positive, finite number."
-)
 SegmentError = MillingError.row("SegmentError", 592, "A path segment holds too few samples of the force log.")
 PayloadError = MillingError.row("PayloadError", 593, "The readings do not tell the spindle's weight.")

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.milling.errors import PayloadError
+from doormill_ros.identification.errors import PayloadError
 from doormill_ros.units import GRAVITY
 
 #: Largest condition number of the scaled equations that still tells weight from offset.
@@ -90,7 +90,8 @@ def identify_payload(readings: FloatArray, R_base_sensor: FloatArray) -> Payload
 
 def _gravity_in_sensor(R_base_sensor: FloatArray) -> FloatArray:
     """Gravity written in sensor axes, shape (..., 3) [m/s^2]: minus g times the third row of R."""
-    return -GRAVITY * np.asarray(R_base_sensor, dtype=float)[..., 2, :]
+    up: FloatArray = np.asarray(R_base_sensor, dtype=float)[..., 2, :]
+    return -GRAVITY * up
 
 
 def _solve(design: FloatArray, target: FloatArray) -> FloatArray:
@@ -100,5 +101,6 @@ def _solve(design: FloatArray, target: FloatArray) -> FloatArray:
             "the postures are too much alike to tell weight from offset; tilt the spindle by tens of degrees "
             "about two axes between them"
         )
-    solution, *_ = np.linalg.lstsq(design / scale, target, rcond=None)
-    return solution / scale
+    solution: FloatArray = np.linalg.lstsq(design / scale, target, rcond=None)[0]
+    solution /= scale
+    return solution

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,17 +11,16 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.frames import shift_wrench
-from doormill_ros.measurements.raw_files import read_force_log
-from doormill_ros.milling.errors import PayloadError, SegmentError
-from doormill_ros.milling.forces import (
-    THESIS_FORCES,
-    labelled_forces,
+from doormill_ros.identification.errors import PayloadError, SegmentError
+from doormill_ros.identification.payload import Payload, identify_payload
+from doormill_ros.identification.process_forces import (
     lever_arm,
     process_wrench,
     segment_forces,
 )
-from doormill_ros.milling.payload import Payload, identify_payload
+from doormill_ros.measurements.raw_files import Recording, read_force_log
 from support.source_tree import DATA
+from support.thesis_milling import THESIS_FORCES
 
 ANGLE = math.atan2(219.25, 226.66)
 # Sensor axes in flange axes, written out here again so that the sign is checked against this file.
@@ -111,13 +111,6 @@ def test_table_4_8_has_no_single_arm():
     assert bounds["bottom_turn"][1] < 0
 
 
-def test_labels(payload):
-    wrench = np.repeat([[1.0, 0, 0, 0, 0, 0], [9.0] * 6, [3.0, 0, 0, 0, 0, 0]], 10, axis=0)
-    labels = ["a"] * 10 + [""] * 10 + ["b"] * 10
-    forces = labelled_forces(wrench, np.array(labels))
-    assert [(f.name, f.wrench[0], f.samples) for f in forces] == [("a", 1.0, 10), ("b", 3.0, 10)]
-
-
 def test_neighbouring_segments_share_no_sample(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("\n".join(f"{i},{i},0,0,0,0,0" for i in range(20)))
@@ -132,7 +125,8 @@ def test_standard_error_covers_slow_swings():
     ratios = []
     for _ in range(300):
         x = np.convolve(rng.normal(size=1100), np.ones(50) / 50, "valid")[:1000]
-        f = labelled_forces(np.repeat(x[:, None], 6, axis=1), np.full(1000, "a"))[0]
+        log = Recording(Path("log.csv"), np.arange(1000) / 1000, np.repeat(x[:, None], 6, axis=1))
+        f = segment_forces(log, {"a": (0.0, 2.0)}, rotation=0.0)[0]
         ratios.append(f.wrench[0] / f.standard_error[0])
     assert 0.7 < np.mean(np.square(ratios)) < 2.0
     assert f.standard_error[0] > 3 * f.std[0] / math.sqrt(1000)
@@ -180,16 +174,7 @@ def test_payload_refusals():
         identify_payload(upside_down, R @ R_FS)
 
 
-# Table 4.8 of the thesis: left line, top turn, right line, bottom turn; N and N m.
-TABLE_4_8 = np.array(
-    [
-        [-209, 29, 12, -5, -43, 3],
-        [-100, 13, 25, -3, -26, 2],
-        [-62, 3, -11, -1, -8, 2],
-        [-13, 2, -22, -1, 4, 0],
-    ],
-    dtype=float,
-)
+TABLE_4_8 = np.array(list(THESIS_FORCES.values()))
 
 
 def test_the_arm_behind_pure_forces_is_found():

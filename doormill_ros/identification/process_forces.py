@@ -2,7 +2,18 @@
 
 The log is rotated from sensor axes into flange axes, the spindle's weight comes off, and each segment's
 samples are averaged. The thesis picked its four intervals by hand in sample numbers, 4500 to 5800, and let
-neighbours share a sample; here a segment is a half-open time interval, or a label on every sample.
+neighbours share a sample; here a segment is a half-open time interval.
+
+The thesis' table is in flange axes. Two things say where and how these lie:
+
+* In the poses of table 4.6 the flange x axis points along base -y and the flange y axis along
+  base -z. The spindle's weight is then on y, and y is the axis on which appendix A.16 plots
+  -350 to -170 N, while the means of the table come without it.
+* The moments are those of forces at the tip of the tool: Mx = -a Fy and My = a Fx hold with one
+  arm a, 0.21 m, to within the rounding for the strongest segment. So the table speaks about the
+  sensor, and the moment about the tool tip is what is left after `shift_wrench` with that arm.
+
+The sign is taken as the wrench on the robot; the thesis does not state it.
 """
 
 from __future__ import annotations
@@ -14,10 +25,10 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import rotation_z
+from doormill_ros.identification.errors import SegmentError
+from doormill_ros.identification.payload import Payload
 from doormill_ros.measurements.raw_files import Recording
 from doormill_ros.measurements.sensor import MOUNTING_ROTATION, sensor_to_flange
-from doormill_ros.milling.errors import SegmentError
-from doormill_ros.milling.payload import Payload
 
 #: Fewest samples of a segment that make a mean.
 FEWEST_SAMPLES = 5
@@ -119,26 +130,6 @@ def lever_arm(wrenches: FloatArray) -> float:
     return float(forces @ moments / (forces @ forces))
 
 
-def labelled_forces(wrench: FloatArray, labels: FloatArray) -> list[SegmentForce]:
-    """Mean wrench of every label, in the order of first appearance; samples labelled "" are left out.
-
-    Args:
-        wrench: Process wrench, flange axes, shape (n, 6) [N, N m].
-        labels: Name of the segment each sample belongs to, shape (n,).
-
-    Raises:
-        SegmentError: A label on too few samples.
-    """
-    labels = np.asarray(labels).astype(str)
-    forces = []
-    for name in dict.fromkeys(labels.tolist()):
-        if name:
-            rows = np.flatnonzero(labels == name)
-            _enough(name, len(rows))
-            forces.append(_segment(name, np.asarray(wrench)[rows]))
-    return forces
-
-
 def _rows(log: Recording, name: str, span: tuple[float, float]) -> slice:
     start, end = span
     last = float(log.time[-1])
@@ -165,12 +156,3 @@ def _segment(name: str, wrench: FloatArray) -> SegmentForce:
     means = np.array([block.mean(axis=0) for block in np.array_split(wrench, blocks)])
     error = np.maximum(means.std(axis=0, ddof=1) / np.sqrt(blocks), std / np.sqrt(n))
     return SegmentForce(name, wrench.mean(axis=0), std, error, n)
-
-
-#: Table 4.8 of the thesis: mean process wrench, flange axes [N, N m], in the order of milling.
-THESIS_FORCES: dict[str, tuple[float, ...]] = {
-    "left_line": (-209.0, 29.0, 12.0, -5.0, -43.0, 3.0),
-    "top_turn": (-100.0, 13.0, 25.0, -3.0, -26.0, 2.0),
-    "right_line": (-62.0, 3.0, -11.0, -1.0, -8.0, 2.0),
-    "bottom_turn": (-13.0, 2.0, -22.0, -1.0, 4.0, 0.0),
-}

@@ -1,1 +1,0 @@
-"""Cutting speeds and feeds, and the process forces that bend the robot while it mills."""
