@@ -13,7 +13,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, Side
 from doormill_ros.recipes.program import Program, fits_path_20
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.toolpath.curve import Curve
+from doormill_ros.toolpath.curve import Line
 from doormill_ros.toolpath.errors import NothingToMillError
 from doormill_ros.toolpath.operation import Operation, operation
 from doormill_ros.toolpath.plan import Plan, Step
@@ -153,7 +153,7 @@ def _beyond_both(back: FloatArray, wait: FloatArray, first: FloatArray, second: 
 def _air(pattern: Step, start: FloatArray, end: FloatArray, kind: MotionKind) -> Step:
     return Step(
         kind,
-        Curve(start, end),
+        Line(start, end),
         pattern.R_door_tool,
         pattern.speed,
         zone="fine",

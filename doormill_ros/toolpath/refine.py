@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.toolpath.curve import Curve
+from doormill_ros.toolpath.curve import Arc, Line
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import Correction
@@ -147,19 +147,16 @@ def _stretches(
     """A part of a step, as lines where it is so flat an arc that its correction could bend it over."""
     part = step if (first, last) == (0.0, 1.0) else step.part(first, last)
     curve = part.curve
-    if not curve.is_arc:
+    if not isinstance(curve, Arc) or curve.height > FLAT_ARC * settings.step:
         return [(first, last, part)]
-    height = curve.radius * (1.0 - math.cos(0.5 * curve.sweep))
-    if height > FLAT_ARC * settings.step:
-        return [(first, last, part)]
-    count = max(1, math.ceil(math.sqrt(height / settings.bend)))
+    count = max(1, math.ceil(math.sqrt(curve.height / settings.bend)))
     cuts = np.linspace(0.0, 1.0, count + 1)
     ends = curve.points(cuts)
     lines = []
     for k in range(count):
         name, zone = (part.name, part.zone) if k == count - 1 else ("", "z0")
         line = part.changed(
-            kind=MotionKind.LINEAR, curve=Curve(ends[k], ends[k + 1]), name=name, via_name="", zone=zone
+            kind=MotionKind.LINEAR, curve=Line(ends[k], ends[k + 1]), name=name, via_name="", zone=zone
         )
         lines.append((first + cuts[k] * (last - first), first + cuts[k + 1] * (last - first), line))
     return lines

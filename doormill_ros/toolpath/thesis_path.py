@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.toolpath.curve import Curve
+from doormill_ros.toolpath.curve import Line
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MotionKind
@@ -47,7 +47,7 @@ def _hinge(
     ) -> Step:
         return Step(
             kind,
-            Curve(origin, end),
+            Line(origin, end),
             R_door_tool,
             speed,
             name=name,
