@@ -87,7 +87,7 @@ def _way(
     at = last.curve.end
     if before.side is after.side and far is None:
         return [_air(first, at, goal, MotionKind.LINEAR)]
-    distance = far if before.side is after.side else settings.approach.edge_clearance
+    distance = settings.approach.edge_clearance if far is None or before.side is not after.side else far
     out = distance - settings.approach.clearance
     back, wait = at - out * last.R_door_tool[:, 2], goal - out * first.R_door_tool[:, 2]
     way = [_air(last, at, back, MotionKind.LINEAR)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import matplotlib
@@ -137,5 +138,5 @@ def _arc(start: FloatArray, via: FloatArray, end: FloatArray) -> FloatArray:
     centre = start + (np.cross(normal, a) * (b @ b) + np.cross(b, normal) * (a @ a)) / (2.0 * square)
     normal = normal / np.sqrt(square)
     arm, last = start - centre, end - centre
-    sweep = np.arctan2(np.cross(arm, last) @ normal, arm @ last) % (2.0 * np.pi)
+    sweep = math.atan2(np.cross(arm, last) @ normal, arm @ last) % (2.0 * math.pi)
     return arc_about(start, centre, normal, sweep).points(np.linspace(0.0, 1.0, ARC_POINTS))

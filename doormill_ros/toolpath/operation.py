@@ -41,12 +41,14 @@ class Operation:
     @property
     def R_door_tool(self) -> FloatArray:
         """Orientation of the tool, shape (3, 3)."""
-        return self.T_door_feature[:3, :3] @ R_FEATURE_TOOL
+        R_door_tool: FloatArray = self.T_door_feature[:3, :3] @ R_FEATURE_TOOL
+        return R_door_tool
 
     def point(self, xy: FloatArray, depth: float) -> FloatArray:
         """Point of the feature in the door frame, shape (3,) [m]."""
         T = self.T_door_feature
-        return T[:3, :3] @ np.array([xy[0], xy[1], depth]) + T[:3, 3]
+        place: FloatArray = T[:3, :3] @ np.array([xy[0], xy[1], depth]) + T[:3, 3]
+        return place
 
     def contour(self, inset: float, depth: float) -> list[tuple[Curve, str]]:
         """Closed contour in the door frame with the recipe's segment names.

@@ -96,7 +96,7 @@ class _Pocket:
         )
         self.inward = operation.T_door_feature[:3, 2]
         self.result: list[Step] = []
-        self.at: FloatArray | None = None
+        self.at: FloatArray = operation.T_door_feature[:3, 3]
 
     def steps(self) -> list[Step]:
         """See `pocket_steps`."""
@@ -176,7 +176,7 @@ class _Pocket:
 
     def _go(self, point: FloatArray, depth: float, floor: float) -> None:
         """To the start of a contour: through the cleared part of the pocket, or from in front."""
-        if self.at is None:
+        if not self.result:
             front = point - (depth + self.approach.clearance) * self.inward
             above = point - (depth - floor + ABOVE_FLOOR) * self.inward
             self.at = front
