@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.correction.load import Bench
+from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.frames import apply_twist, inverse, twist_between
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot
@@ -39,7 +39,7 @@ def correction(layout, robot) -> Entry:
     nominal = np.array([t.T_base_tool_nominal for t in program.targets])
     q = np.array([t.q for t in program.targets])
     wrench = np.array([t.wrench for t in program.targets])
-    bench = Bench(Kinematics(robot), model, layout.T_flange_tool)
+    bench = LoadedRobot(Kinematics(robot), model, layout.T_flange_tool)
     still = np.zeros_like(q)
     single = PinocchioKinematics(robot)
     point = layout.T_flange_tool[:3, 3]

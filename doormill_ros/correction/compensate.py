@@ -9,6 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply_twist, twist_between
+from doormill_ros.robot.kinematics import Kinematics
 
 MAX_ITERATIONS = 25
 FULL_STEPS = 8
@@ -37,14 +38,15 @@ class Compensation:
     @property
     def translation(self) -> FloatArray:
         """Length of the predicted deflection at the tool centre point, shape (n,) [m]."""
-        return np.linalg.norm(self.deflection[:, :3], axis=1)
+        length: FloatArray = np.linalg.norm(self.deflection[:, :3], axis=1)
+        return length
 
 
 def compensate(
     T_base_tool: FloatArray,
     q: FloatArray,
     deflect: Callable[[FloatArray], FloatArray],
-    kinematics,
+    kinematics: Kinematics,
     T_flange_tool: FloatArray,
     tolerance: float = 1e-6,
 ) -> Compensation:

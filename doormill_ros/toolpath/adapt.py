@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.correction.load import Bench
-from doormill_ros.toolpath.curve import Curve
+from doormill_ros.correction.loaded_robot import LoadedRobot
+from doormill_ros.toolpath.curve import Arc, Line
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.refine import Division, bends, divide
@@ -23,7 +22,7 @@ ROUNDS = 5  #: play in a gear makes steps that no number of divisions would foll
 
 
 def adapted(
-    plan: Plan, q: FloatArray, T_base_door: FloatArray, bench: Bench, settings: Correction
+    plan: Plan, q: FloatArray, T_base_door: FloatArray, loaded: LoadedRobot, settings: Correction
 ) -> tuple[Plan, Stations, FloatArray]:
     """The plan with its cuts divided where the correction asks for it.
 
@@ -36,7 +35,7 @@ def adapted(
         plan: The plan.
         q: Joint angles at its stations, shape (m, k, 6) [rad].
         T_base_door: Where the door stands, shape (4, 4).
-        bench: Robot, model and tool.
+        loaded: Robot, model and tool.
         settings: Limits.
 
     Returns:
@@ -51,7 +50,7 @@ def adapted(
         nominal = stations.T_base_tool[cut].reshape(-1, 4, 4)
         turning = directions(q + shift)
         for _ in range(DIRECTION_ROUNDS):
-            found = bench.corrected(nominal, q[cut].reshape(-1, 6), load, turning[cut].reshape(-1, 6))
+            found = loaded.corrected(nominal, q[cut].reshape(-1, 6), load, turning[cut].reshape(-1, 6))
             shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
             before, turning = turning, directions(q + shift)
             if np.array_equal(turning[cut], before[cut]):
@@ -65,12 +64,12 @@ def adapted(
         if len(division.steps) == len(plan.steps):
             break
         shift = _between(shift, division)
-        plan, stations, q = _divided(plan, q, division, T_base_door, bench)
+        plan, stations, q = _divided(plan, q, division, T_base_door, loaded)
     return plan, stations, q
 
 
 def straightened(
-    plan: Plan, q: FloatArray, T_base_door: FloatArray, bench: Bench, flat: Collection[int]
+    plan: Plan, q: FloatArray, T_base_door: FloatArray, loaded: LoadedRobot, flat: Collection[int]
 ) -> tuple[Plan, Stations, FloatArray]:
     """The plan with some of its arcs replaced by their two chords, if they are flat enough for that.
 
@@ -78,7 +77,7 @@ def straightened(
         plan: The plan.
         q: Joint angles at its stations, shape (m, k, 6) [rad].
         T_base_door: Where the door stands, shape (4, 4).
-        bench: Robot, model and tool.
+        loaded: Robot, model and tool.
         flat: Steps to replace.
 
     Returns:
@@ -87,26 +86,26 @@ def straightened(
     parts: list[tuple[int, float, float, Step]] = []
     for i, step in enumerate(plan.steps):
         curve = step.curve
-        if i not in flat or curve.radius * (1.0 - math.cos(0.5 * curve.sweep)) > TALLEST_FLAT_ARC:
+        if i not in flat or not isinstance(curve, Arc) or curve.height > TALLEST_FLAT_ARC:
             parts.append((i, 0.0, 1.0, step))
             continue
         via = curve.points([0.5])[0]
-        for first, last, chord in ((0.0, 0.5, Curve(curve.start, via)), (0.5, 1.0, Curve(via, curve.end))):
+        for first, last, chord in ((0.0, 0.5, Line(curve.start, via)), (0.5, 1.0, Line(via, curve.end))):
             zone = step.zone if last == 1.0 else "z0"
             line = step.changed(kind=MotionKind.LINEAR, curve=chord, zone=zone)
             parts.append((i, first, last, line))
-    parent, first, last, steps = zip(*parts, strict=True)
-    division = Division(steps, np.array(parent), np.stack([first, last], axis=1))
-    return _divided(plan, q, division, T_base_door, bench)
+    parent, spans = [part[0] for part in parts], [part[1:3] for part in parts]
+    division = Division(tuple(part[3] for part in parts), np.array(parent), np.array(spans))
+    return _divided(plan, q, division, T_base_door, loaded)
 
 
 def _divided(
-    plan: Plan, q: FloatArray, division: Division, T_base_door: FloatArray, bench: Bench
+    plan: Plan, q: FloatArray, division: Division, T_base_door: FloatArray, loaded: LoadedRobot
 ) -> tuple[Plan, Stations, FloatArray]:
     plan = replace(plan, steps=division.steps)
     stations = stations_of(plan.steps, T_base_door)
     q = _between(q, division)
-    q = bench.posture(stations.T_base_tool.reshape(-1, 4, 4), q.reshape(-1, 6)).reshape(q.shape)
+    q = loaded.posture(stations.T_base_tool.reshape(-1, 4, 4), q.reshape(-1, 6)).reshape(q.shape)
     return plan, stations, q
 
 
@@ -117,4 +116,5 @@ def _between(q: FloatArray, division: Division) -> FloatArray:
     below = np.minimum((t * (k - 1)).astype(int), k - 2)
     share = (t * (k - 1) - below)[..., None]
     known, rows = q[division.parent], np.arange(len(t))[:, None]
-    return (1.0 - share) * known[rows, below] + share * known[rows, below + 1]
+    between: FloatArray = (1.0 - share) * known[rows, below] + share * known[rows, below + 1]
+    return between

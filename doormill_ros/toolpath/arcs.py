@@ -22,12 +22,13 @@ def unfollowable(program: MillingProgram) -> dict[int, str]:
     The limits are those of the controller's circular movement: three points apart, and no arc
     beyond about 240 degrees. They are checked on the corrected targets, which is what it gets.
     """
-    arcs = [i for i, motion in enumerate(program.motions) if motion.via is not None]
-    if not arcs:
+    circular = {i: motion.via for i, motion in enumerate(program.motions) if motion.via is not None}
+    if not circular:
         return {}
+    arcs = list(circular)
     places = np.array([t.T_base_tool_corrected[:3, 3] for t in program.targets])
     start = places[[program.motions[i - 1].target for i in arcs]]  # (n, 3)
-    via = places[[program.motions[i].via for i in arcs]] - start
+    via = places[list(circular.values())] - start
     end = places[[program.motions[i].target for i in arcs]] - start
     near = np.minimum(np.linalg.norm(via, axis=1), np.linalg.norm(end, axis=1))
     seen = _angle(via, end)
@@ -46,7 +47,8 @@ def unfollowable(program: MillingProgram) -> dict[int, str]:
 
 def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
     """Angles between vectors, shapes (n, 3) -> (n,) [rad]."""
-    return np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ni,ni->n", a, b))
+    angle: FloatArray = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ni,ni->n", a, b))
+    return angle
 
 
 def check_arcs(program: MillingProgram) -> None:

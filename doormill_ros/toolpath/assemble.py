@@ -7,10 +7,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.correction.loaded_robot import LoadedRobot
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.robot.configuration import configurations
+from doormill_ros.robot.description import Robot
+from doormill_ros.toolpath.adapt import DIRECTION_ROUNDS
+from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError
 from doormill_ros.toolpath.plan import Plan, Step
-from doormill_ros.toolpath.program import MotionKind
-from doormill_ros.toolpath.stations import FRACTIONS, VIA
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+from doormill_ros.toolpath.route import check_size
+from doormill_ros.toolpath.settings import PathSettings
+from doormill_ros.toolpath.stations import FRACTIONS, VIA, Stations, directions
+from doormill_ros.units import m_to_mm
+
+UNSETTLED = 5e-5  #: residual that a step in the model may leave on a target [m]
 
 
 @dataclass(eq=False)
@@ -47,8 +58,8 @@ class Itinerary:
     """
 
     stops: tuple[Stop, ...]
-    end: FloatArray
-    via: FloatArray
+    end: IntArray
+    via: IntArray
 
 
 def itinerary(plan: Plan) -> Itinerary:
@@ -91,11 +102,8 @@ def decisive(stop: Stop, steps: Sequence[Step]) -> list[Visit]:
     The finished wall counts first, other cuts count where there is no wall, and a target in the
     air is not corrected.
     """
-    for matters in (lambda s: s.wall, lambda s: s.cutting):
-        chosen = [v for v in stop.visits if matters(steps[v.step])]
-        if chosen:
-            return chosen
-    return stop.visits[:1]
+    wall = [v for v in stop.visits if steps[v.step].wall]
+    return wall or [v for v in stop.visits if steps[v.step].cutting] or stop.visits[:1]
 
 
 def shift_along(route: Itinerary, shift: FloatArray) -> FloatArray:
@@ -115,4 +123,105 @@ def shift_along(route: Itinerary, shift: FloatArray) -> FloatArray:
     via = np.where(route.via >= 0, route.via, 0)
     middle = np.where((route.via >= 0)[:, None, None], shift[via][:, None], 0.5 * (start + end))
     first, second = start + 2.0 * t * (middle - start), middle + (2.0 * t - 1.0) * (end - middle)
-    return np.where((route.via >= 0)[:, None, None], np.where(t <= 0.5, first, second), straight)
+    round_: FloatArray = np.where(t <= 0.5, first, second)
+    return np.where((route.via >= 0)[:, None, None], round_, straight)
+
+
+def assembled(
+    recipe: Recipe,
+    plan: Plan,
+    stations: Stations,
+    q: FloatArray,
+    loaded: LoadedRobot,
+    robot: Robot,
+    settings: PathSettings,
+) -> MillingProgram:
+    """Correct every target and write the motions.
+
+    Args:
+        recipe: The door.
+        plan: Its steps, divided as the correction asks for.
+        stations: Nominal poses and wrenches along the steps.
+        q: Joint angles at the stations, shape (m, k, 6) [rad].
+        loaded: Robot, model and tool.
+        robot: The same robot, for its configurations.
+        settings: Limits of correction and program.
+
+    Raises:
+        ProgramSizeError: There are more targets than a controller keeps.
+        CorrectionLimitError: A target would be corrected further than allowed.
+        CorrectionSettleError: A target cannot be corrected.
+    """
+    route = itinerary(plan)
+    check_size([stop.feature for stop in route.stops], settings)
+    place = np.array([[s.visits[0].step, s.visits[0].station] for s in route.stops])
+    loads = [(i, v.step, v.station) for i, s in enumerate(route.stops) for v in decisive(s, plan.steps)]
+    owner, step, station = np.array(loads).T
+    nominal = stations.T_base_tool[place[:, 0], place[:, 1]]
+    at_target, wrench = q[place[:, 0], place[:, 1]], stations.wrench[step]
+    turning = directions(q)[step, station]
+    for _ in range(DIRECTION_ROUNDS):
+        found = loaded.corrected_for_all(nominal, at_target, owner, wrench, turning)
+        # What counts is how the joints turn on the way that is sent, not on the nominal one.
+        sent = q + shift_along(route, found.q - at_target)
+        before, turning = turning, directions(sent)[step, station]
+        if np.array_equal(before, turning):
+            break
+    _check_correction(route, found.T_base_tool, nominal, found.residual, settings)
+    share = 1.0 / np.bincount(owner)[owner]
+    mean_wrench = np.zeros((len(route.stops), 6))
+    np.add.at(mean_wrench, owner, wrench * share[:, None])
+    conf = configurations(robot, found.q)
+    targets = tuple(
+        Target(stop.name, *arrays)
+        for stop, *arrays in zip(
+            route.stops, nominal, found.T_base_tool, found.q, conf, mean_wrench, found.deflection, strict=True
+        )
+    )
+    motions = tuple(
+        _motion(s, int(route.end[i]), int(route.via[i]), stations.wrench[i]) for i, s in enumerate(plan.steps)
+    )
+    return MillingProgram(recipe.door_id, recipe.version, targets, motions)
+
+
+def _motion(step: Step, end: int, via: int, wrench: FloatArray) -> Motion:
+    return Motion(
+        kind=step.kind,
+        target=end,
+        via=via if step.kind is MotionKind.CIRCULAR else None,
+        speed=step.speed,
+        zone=step.zone,
+        feature=step.feature,
+        cutting=step.cutting,
+        wrench=wrench if step.cutting else np.zeros(6),
+        spindle_speed=step.spindle_speed,
+    )
+
+
+def _check_correction(
+    route: Itinerary, corrected: FloatArray, nominal: FloatArray, residual: FloatArray, settings: PathSettings
+) -> None:
+    size = np.linalg.norm((corrected - nominal)[:, :3, 3], axis=1)
+    worst, limit = int(size.argmax()), settings.correction.limit
+    if size[worst] > limit:
+        stop = route.stops[worst]
+        raise CorrectionLimitError(
+            f"{stop.feature or 'air'}, target {stop.name}: the robot bends by {m_to_mm(size[worst]):.2f} mm, "
+            f"allowed are {m_to_mm(limit):.2f} mm; mill with less depth or feed, or check the robot model",
+            feature=stop.feature,
+            target=stop.name,
+            found=float(size[worst]),
+            allowed=limit,
+        )
+    worst = int(residual.argmax())
+    if residual[worst] > UNSETTLED:
+        stop = route.stops[worst]
+        raise CorrectionSettleError(
+            f"{stop.feature or 'air'}, target {stop.name}: the correction stays "
+            f"{m_to_mm(residual[worst]):.3f} mm off, allowed are "
+            f"{m_to_mm(UNSETTLED):.3f} mm; the robot model jumps there, check its play",
+            feature=stop.feature,
+            target=stop.name,
+            found=float(residual[worst]),
+            allowed=UNSETTLED,
+        )

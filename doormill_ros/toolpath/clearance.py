@@ -99,9 +99,11 @@ def check_air(
 def _postures(step: Step, index: int, path: JointPath) -> FloatArray:
     """Joint angles along a motion, shape (n, 6) [rad]."""
     if step.kind is not MotionKind.JOINT:
-        return path.q[path.step == index]
+        followed: FloatArray = path.q[path.step == index]
+        return followed
     start, end = path.stations[index - 1, -1], path.stations[index, -1]
-    return start + np.linspace(0.0, 1.0, SAMPLES)[:, None] * (end - start)
+    turned: FloatArray = start + np.linspace(0.0, 1.0, SAMPLES)[:, None] * (end - start)
+    return turned
 
 
 def _gaps(
@@ -126,4 +128,5 @@ def _gaps(
     high = np.array([size.thickness, size.width, size.height])
     outside = np.maximum(np.maximum(-points, points - high), 0.0)  # (n, points, 3)
     inside = np.minimum(np.maximum(-points, points - high).max(axis=-1), 0.0)
-    return (np.linalg.norm(outside, axis=-1) + inside - radius).min(axis=-1)
+    gap: FloatArray = np.linalg.norm(outside, axis=-1) + inside - radius
+    return np.min(gap, axis=-1)

@@ -18,7 +18,7 @@ from doormill_ros.toolpath.errors import CycleTimeError
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.timing import feature_times, motion_times
-from doormill_ros.units import rad_to_deg
+from doormill_ros.units import m_to_mm, rad_to_deg
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,8 @@ def check_door(
     used: dict[str, set[int]] = {}
     for motion in program.motions:
         if motion.feature:
-            used.setdefault(motion.feature, set()).update({motion.target, motion.via} - {None})
+            places = {motion.target} if motion.via is None else {motion.target, motion.via}
+            used.setdefault(motion.feature, set()).update(places)
     rows = [_feature_check(name, sorted(used[name]), by_feature[name], program, robot) for name in used]
     return DoorCheck(tuple(rows), _budgets(by_feature, recipe, settings), float(times.sum()))
 
@@ -142,7 +143,7 @@ def text_table(check: DoorCheck) -> str:
     lines = ["feature              targets   time  corr.mm  limit.deg  wrist.deg  elbow.deg  shoulder.m"]
     for row in check.features:
         lines.append(
-            f"{row.feature:20.20s} {row.targets:7d} {row.time:6.1f} {1e3 * row.correction:8.3f}"
+            f"{row.feature:20.20s} {row.targets:7d} {row.time:6.1f} {m_to_mm(row.correction):8.3f}"
             f" {rad_to_deg(row.joint_margin):10.1f} {rad_to_deg(row.wrist):10.1f}"
             f" {rad_to_deg(row.elbow):10.1f} {row.shoulder:11.2f}"
         )

@@ -13,7 +13,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, Side
 from doormill_ros.recipes.program import Program, fits_path_20
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.toolpath.curve import Curve
+from doormill_ros.toolpath.curve import Line
 from doormill_ros.toolpath.errors import NothingToMillError
 from doormill_ros.toolpath.operation import Operation, operation
 from doormill_ros.toolpath.plan import Plan, Step
@@ -87,7 +87,7 @@ def _way(
     at = last.curve.end
     if before.side is after.side and far is None:
         return [_air(first, at, goal, MotionKind.LINEAR)]
-    distance = far if before.side is after.side else settings.approach.edge_clearance
+    distance = settings.approach.edge_clearance if far is None or before.side is not after.side else far
     out = distance - settings.approach.clearance
     back, wait = at - out * last.R_door_tool[:, 2], goal - out * first.R_door_tool[:, 2]
     way = [_air(last, at, back, MotionKind.LINEAR)]
@@ -153,7 +153,7 @@ def _beyond_both(back: FloatArray, wait: FloatArray, first: FloatArray, second: 
 def _air(pattern: Step, start: FloatArray, end: FloatArray, kind: MotionKind) -> Step:
     return Step(
         kind,
-        Curve(start, end),
+        Line(start, end),
         pattern.R_door_tool,
         pattern.speed,
         zone="fine",

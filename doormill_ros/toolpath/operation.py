@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from doormill_ros.recipes.cutting import Direction
 from doormill_ros.recipes.door import R_FEATURE_TOOL, DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.outline import Segment
-from doormill_ros.toolpath.curve import Curve, arc_about
+from doormill_ros.toolpath.curve import Curve, Line, arc_about
 
 BREAKTHROUGH = 0.001  #: how far the tool comes out behind a through hole [m]
 OVERLAP = 0.001  #: how far two half holes from either side overlap [m]
@@ -41,12 +41,14 @@ class Operation:
     @property
     def R_door_tool(self) -> FloatArray:
         """Orientation of the tool, shape (3, 3)."""
-        return self.T_door_feature[:3, :3] @ R_FEATURE_TOOL
+        R_door_tool: FloatArray = self.T_door_feature[:3, :3] @ R_FEATURE_TOOL
+        return R_door_tool
 
     def point(self, xy: FloatArray, depth: float) -> FloatArray:
         """Point of the feature in the door frame, shape (3,) [m]."""
         T = self.T_door_feature
-        return T[:3, :3] @ np.array([xy[0], xy[1], depth]) + T[:3, 3]
+        place: FloatArray = T[:3, :3] @ np.array([xy[0], xy[1], depth]) + T[:3, 3]
+        return place
 
     def contour(self, inset: float, depth: float) -> list[tuple[Curve, str]]:
         """Closed contour in the door frame with the recipe's segment names.
@@ -68,7 +70,7 @@ class Operation:
         ]
         if self.feature.direction is Direction.CLIMB:
             return pieces
-        return [(backwards(curve), name) for curve, name in reversed(pieces)]
+        return [(curve.backwards(), name) for curve, name in reversed(pieces)]
 
 
 def operation(feature: Feature, door: DoorSize, half: bool = False, far_side: bool = False) -> Operation:
@@ -84,21 +86,13 @@ def operation(feature: Feature, door: DoorSize, half: bool = False, far_side: bo
     depth = feature.cut_depth(door)
     if far_side:
         # Half a turn about the feature's y axis at the exit of the hole.
-        turn = transform(np.diag([-1.0, 1.0, -1.0]), [0.0, 0.0, depth])
+        turn = transform(np.diag([-1.0, 1.0, -1.0]), np.array([0.0, 0.0, depth]))
         T_door_feature, side = T_door_feature @ turn, _OTHER_SIDE[side]
     if half:
         depth = depth / 2.0 + OVERLAP
     elif feature.through:
         depth += min(BREAKTHROUGH, max(0.0, feature.tool.cutting_length - depth))
     return Operation(feature, side, depth, T_door_feature)
-
-
-def backwards(curve: Curve) -> Curve:
-    """The same curve travelled the other way."""
-    if not curve.is_arc:
-        return Curve(curve.end, curve.start)
-    forward = -np.sin(curve.sweep) * (curve.start - curve.centre) + np.cos(curve.sweep) * curve.across
-    return Curve(curve.end, curve.start, curve.centre, -forward, curve.sweep)
 
 
 def from_longest_line(pieces: Sequence[tuple[Curve, str]]) -> list[tuple[Curve, str]]:
@@ -113,9 +107,6 @@ def from_longest_line(pieces: Sequence[tuple[Curve, str]]) -> list[tuple[Curve, 
 def _curve(segment: Segment, depth: float) -> Curve:
     start, end = np.array([*segment.start, depth]), np.array([*segment.end, depth])
     if not segment.is_arc:
-        return Curve(start, end)
+        return Line(start, end)
     arc = arc_about(start, np.array([*segment.centre, depth]), _NORMAL, segment.angle)
-    return Curve(start, end, arc.centre, arc.across, arc.sweep)
-
-
-__all__ = ["Operation", "backwards", "from_longest_line", "operation"]
+    return replace(arc, end=end)

@@ -10,7 +10,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.features.base import CLEARING, PLUNGE
-from doormill_ros.toolpath.curve import Curve, arc_about
+from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_about
 from doormill_ros.toolpath.errors import ToolFitError
 from doormill_ros.toolpath.operation import Operation, from_longest_line
 from doormill_ros.toolpath.plan import Step
@@ -88,7 +88,7 @@ class _Pocket:
         self.plunge_feed = cutting.plunge(self.feature.tool)
         self.pattern = Step(
             MotionKind.LINEAR,
-            Curve(np.zeros(3), np.zeros(3)),
+            Line(np.zeros(3), np.zeros(3)),
             operation.R_door_tool,
             self.feed,
             feature=self.feature.id,
@@ -96,7 +96,7 @@ class _Pocket:
         )
         self.inward = operation.T_door_feature[:3, 2]
         self.result: list[Step] = []
-        self.at: FloatArray | None = None
+        self.at: FloatArray = operation.T_door_feature[:3, 3]
 
     def steps(self) -> list[Step]:
         """See `pocket_steps`."""
@@ -119,7 +119,7 @@ class _Pocket:
     def _contour(self, inset: float, depth: float, floor: float, wall: bool) -> None:
         pieces = from_longest_line(self.operation.contour(inset, depth))
         pieces = [part for curve, name in pieces for part in _followable(curve, name)]
-        start, tangent = pieces[0][0].start, _tangent(pieces[0][0], 0.0)
+        start, tangent = pieces[0][0].start, pieces[0][0].tangent(0.0)
         lead = self._lead(start, tangent, inset) if wall else None
         self._go(start if lead is None else lead.start, depth, floor)
         if lead is not None:
@@ -128,7 +128,7 @@ class _Pocket:
             self._cut(curve, name if wall else CLEARING, wall)
         if wall:
             last = self._close(pieces, inset)
-            leave = self._lead(last.end, _tangent(last, 1.0), inset, away=True)
+            leave = self._lead(last.end, last.tangent(1.0), inset, away=True)
             if leave is not None:
                 self._cut(leave, None, wall)
             self._mark_corners()
@@ -157,7 +157,7 @@ class _Pocket:
                 break
         return last
 
-    def _lead(self, point: FloatArray, tangent: FloatArray, inset: float, away: bool = False) -> Curve | None:
+    def _lead(self, point: FloatArray, tangent: FloatArray, inset: float, away: bool = False) -> Arc | None:
         """Quarter turn that meets the wall pass along its tangent, from the middle of the pocket."""
         radius = self._lead_radius(inset)
         if radius is None:
@@ -176,7 +176,7 @@ class _Pocket:
 
     def _go(self, point: FloatArray, depth: float, floor: float) -> None:
         """To the start of a contour: through the cleared part of the pocket, or from in front."""
-        if self.at is None:
+        if not self.result:
             front = point - (depth + self.approach.clearance) * self.inward
             above = point - (depth - floor + ABOVE_FLOOR) * self.inward
             self.at = front
@@ -202,7 +202,7 @@ class _Pocket:
         wrench = self.feature.wrench(name) if cutting else np.zeros(6)
         self.result.append(
             self.pattern.changed(
-                curve=Curve(self.at, end),
+                curve=Line(self.at, end),
                 speed=speed or self.feed,
                 zone=zone,
                 cutting=cutting,
@@ -224,7 +224,7 @@ class _Pocket:
         for i in range(len(self.result) - 1):
             step, after = self.result[i], self.result[i + 1]
             if step.wall and after.wall:
-                turn = _tangent(step.curve, 1.0) @ _tangent(after.curve, 0.0)
+                turn = step.curve.tangent(1.0) @ after.curve.tangent(0.0)
                 if turn < math.cos(SHARP):
                     self.result[i] = step.changed(zone="fine")
 
@@ -235,19 +235,9 @@ class _Pocket:
         self._line(front, speed=self.approach.rapid_speed)
 
 
-def _tangent(curve: Curve, fraction: float) -> FloatArray:
-    """Unit direction of travel, shape (3,)."""
-    if curve.is_arc:
-        angle = fraction * curve.sweep
-        direction = math.cos(angle) * curve.across - math.sin(angle) * (curve.start - curve.centre)
-    else:
-        direction = curve.end - curve.start
-    return direction / np.linalg.norm(direction)
-
-
 def _followable(curve: Curve, name: str) -> list[tuple[Curve, str]]:
     """The curve in pieces that MoveL and MoveC can follow."""
-    if not curve.is_arc:
+    if not isinstance(curve, Arc):
         return [(curve, name)]
     count = max(1, math.ceil(curve.sweep / LARGEST_ARC - 1e-9))
     cuts = np.linspace(0.0, 1.0, count + 1)
@@ -256,4 +246,4 @@ def _followable(curve: Curve, name: str) -> list[tuple[Curve, str]]:
         return [(part, name) for part in parts]
     # Two chords of so small an arc leave less wood than a hundredth of a millimetre.
     corners = curve.points(np.linspace(0.0, 1.0, 2 * count + 1))
-    return [(Curve(a, b), name) for a, b in itertools.pairwise(corners)]
+    return [(Line(a, b), name) for a, b in itertools.pairwise(corners)]

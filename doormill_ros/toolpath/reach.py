@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.frames import inverse
-from doormill_ros.robot.branch import BranchRules, choose_branch
+from doormill_ros.robot.branch import choose_branch
+from doormill_ros.robot.branch_rules import BranchRules
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.errors import (
     BranchError,
@@ -53,7 +54,7 @@ class JointPath:
     """
 
     q: FloatArray
-    step: FloatArray
+    step: IntArray
     fraction: FloatArray
     stations: FloatArray
 
@@ -100,7 +101,7 @@ def joint_path(
     return JointPath(q, index, fraction, q[station].reshape(len(steps), len(FRACTIONS), 6))
 
 
-def _dense(steps: Sequence[Step]) -> tuple[FloatArray, FloatArray]:
+def _dense(steps: Sequence[Step]) -> tuple[IntArray, FloatArray]:
     """Step and fraction of every pose: the stations, and more between them on long ways."""
     index, fraction = [], []
     for i, step in enumerate(steps):

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.toolpath.curve import Curve
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.toolpath.curve import Arc, Line
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import Correction
@@ -31,11 +31,11 @@ class Division:
     """
 
     steps: tuple[Step, ...]
-    parent: FloatArray
+    parent: IntArray
     span: FloatArray
 
 
-def bends(correction: FloatArray, arc: FloatArray) -> FloatArray:
+def bends(correction: FloatArray, arc: BoolArray) -> FloatArray:
     """How far the corrections along steps leave what a MoveL or MoveC interpolates.
 
     Args:
@@ -50,7 +50,8 @@ def bends(correction: FloatArray, arc: FloatArray) -> FloatArray:
     straight = first + t * (last - first)
     round_ = straight + 4.0 * t * (1.0 - t) * (middle - 0.5 * (first + last))
     follow = np.where(arc[:, None, None], round_, straight)
-    return np.linalg.norm(correction - follow, axis=-1).max(axis=1)
+    largest: FloatArray = np.linalg.norm(correction - follow, axis=-1).max(axis=1)
+    return largest
 
 
 def divide(
@@ -106,13 +107,13 @@ def _divide_run(
     cuts = _blend_cuts(changes, _Blend(border, correction.mean(axis=1), settings.blend), settings)
     wrench = _Blend(border, np.array([step.wrench_tool for step in run]), settings.blend)
     cut_at: list[tuple[int, float, float]] = []
-    for index in range(len(run)):
-        inside = cuts[(cuts > border[index]) & (cuts < border[index + 1])] - border[index]
+    for i in range(len(run)):
+        inside = cuts[(cuts > border[i]) & (cuts < border[i + 1])] - border[i]
         # A curved correction leaves its chord with the square of the length.
-        count = math.ceil(math.sqrt(bend[index] / settings.bend)) if bend[index] > settings.bend else 1
-        inside = np.concatenate([inside, length[index] * np.arange(1, count) / count])
-        at = _apart(np.sort(inside), length[index], settings.shortest)
-        cut_at += [(index, first, last) for first, last in itertools.pairwise(at)]
+        count = math.ceil(math.sqrt(bend[i] / settings.bend)) if bend[i] > settings.bend else 1
+        inside = np.concatenate([inside, length[i] * np.arange(1, count) / count])
+        at = _apart(np.sort(inside), length[i], settings.shortest)
+        cut_at += [(i, first, last) for first, last in itertools.pairwise(at)]
     index, first, last = (np.array(column) for column in zip(*cut_at, strict=True))
     middle = border[index] + 0.5 * (first + last)
     near = np.abs(middle[:, None] - changes) < 0.5 * settings.blend  # (parts, changes)
@@ -147,19 +148,16 @@ def _stretches(
     """A part of a step, as lines where it is so flat an arc that its correction could bend it over."""
     part = step if (first, last) == (0.0, 1.0) else step.part(first, last)
     curve = part.curve
-    if not curve.is_arc:
+    if not isinstance(curve, Arc) or curve.height > FLAT_ARC * settings.step:
         return [(first, last, part)]
-    height = curve.radius * (1.0 - math.cos(0.5 * curve.sweep))
-    if height > FLAT_ARC * settings.step:
-        return [(first, last, part)]
-    count = max(1, math.ceil(math.sqrt(height / settings.bend)))
+    count = max(1, math.ceil(math.sqrt(curve.height / settings.bend)))
     cuts = np.linspace(0.0, 1.0, count + 1)
     ends = curve.points(cuts)
     lines = []
     for k in range(count):
         name, zone = (part.name, part.zone) if k == count - 1 else ("", "z0")
         line = part.changed(
-            kind=MotionKind.LINEAR, curve=Curve(ends[k], ends[k + 1]), name=name, via_name="", zone=zone
+            kind=MotionKind.LINEAR, curve=Line(ends[k], ends[k + 1]), name=name, via_name="", zone=zone
         )
         lines.append((first + cuts[k] * (last - first), first + cuts[k + 1] * (last - first), line))
     return lines
@@ -193,7 +191,8 @@ class _Blend:
         """Its mean between places, shapes (p,) [m] -> (p, d)."""
         # Averages of a piecewise linear function: a few samples are close enough.
         samples = first + (last - first) * ((np.arange(8) + 0.5) / 8.0)[:, None]  # (8, p)
-        return self.at_places(samples).mean(axis=0)
+        mean: FloatArray = self.at_places(samples).mean(axis=0)
+        return mean
 
     def _up_to(self, s: FloatArray) -> FloatArray:
         return np.stack([np.interp(s, self.at, column) for column in self.integral.T], axis=-1)

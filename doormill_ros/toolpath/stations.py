@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.frames import rotate_wrench
 from doormill_ros.toolpath.curve import points_of
 from doormill_ros.toolpath.plan import Step
@@ -48,7 +48,7 @@ def stations_of(steps: Sequence[Step], T_base_door: FloatArray) -> Stations:
 
 
 def stations_along(
-    steps: Sequence[Step], T_base_door: FloatArray, index: FloatArray, fraction: FloatArray
+    steps: Sequence[Step], T_base_door: FloatArray, index: IntArray, fraction: FloatArray
 ) -> FloatArray:
     """T_base_tool at fractions of steps, shape (n, 4, 4).
 

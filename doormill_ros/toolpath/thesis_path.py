@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.toolpath.curve import Curve
+from doormill_ros.recipes.features.hinge_pocket import OblongHinge
+from doormill_ros.toolpath.curve import Line
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MotionKind
@@ -36,6 +37,8 @@ def _hinge(
     operation: Operation, settings: PathSettings, tens: int, init: str, before: FloatArray | None
 ) -> list[Step]:
     feature, approach = operation.feature, settings.approach
+    if not isinstance(feature, OblongHinge):
+        raise TypeError(f"{feature.id} is a {feature.kind}, Path_20 mills oblong hinges")
     depth, R_door_tool = operation.depth, operation.R_door_tool
     pieces = operation.contour(feature.tool.radius, depth)  # top turn, right, bottom turn, left
     start = operation.point(feature.point_positions(feature.tool.radius)[1], depth)
@@ -47,7 +50,7 @@ def _hinge(
     ) -> Step:
         return Step(
             kind,
-            Curve(origin, end),
+            Line(origin, end),
             R_door_tool,
             speed,
             name=name,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -44,12 +43,12 @@ def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatAr
     return times
 
 
-def feature_times(program: MillingProgram, times: Sequence[float]) -> dict[str, float]:
+def feature_times(program: MillingProgram, times: FloatArray) -> dict[str, float]:
     """Time of each feature, the way to it included [s], in the order of milling.
 
     Args:
         program: The program.
-        times: Time of every motion [s].
+        times: Time of every motion, shape (n,) [s].
     """
     result: dict[str, float] = {}
     waiting = 0.0

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.ndimage import minimum_filter
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot.branch import BranchRules, choose_branch
+from doormill_ros.robot.branch import choose_branch
+from doormill_ros.robot.branch_rules import BranchRules
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.units import DEG

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.correction.compensate import MAX_ITERATIONS, compensate
-from doormill_ros.correction.load import Bench
+from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
@@ -28,7 +28,7 @@ WRENCH = np.array([-209.0, 29.0, 12.0, -5.0, -43.0, 3.0])
 def bench():
     robot = load_robot("irb6600_175_255")
     # Twice as soft as the real one, so that the correction is not small.
-    return Bench(
+    return LoadedRobot(
         Kinematics(robot), JointSpringModel(robot, 0.5 * robot.stiffness), load_layout().T_flange_tool
     )
 
@@ -115,7 +115,7 @@ def test_direction_of_motion_reaches_the_model(bench):
             twist[:, 1] = 1e-4 * (direction[:, 0] > 0)
             return twist
 
-    one_way = Bench(bench.kinematics, OneWay(), bench.T_flange_tool)
+    one_way = LoadedRobot(bench.kinematics, OneWay(), bench.T_flange_tool)
     q = np.tile(POSTURES[0], (3, 1))
     T = bench.kinematics.forward(q) @ bench.T_flange_tool
     direction = np.zeros((3, 6))

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from doormill_ros.frames import transform
-from doormill_ros.robot.branch import BranchRules, choose_branch
+from doormill_ros.robot.branch import choose_branch
+from doormill_ros.robot.branch_rules import BranchRules
 from doormill_ros.robot.configuration import configuration_index
 from doormill_ros.robot.errors import BranchError, JointLimitError, SingularityError, UnreachableError
 from doormill_ros.robot.inverse import inverse_all

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.frames import apply, transform
-from doormill_ros.toolpath.curve import Curve, arc_about, points_of
-from doormill_ros.toolpath.operation import backwards
+from doormill_ros.toolpath.curve import Line, arc_about, points_of
 
 ANGLES = st.floats(0.05, 6.0)
 SIGNS = st.sampled_from([-1.0, 1.0])
@@ -37,7 +36,7 @@ def test_arc_turns_its_start_about_the_axis(angle, sign):
 @given(ANGLES, SIGNS, st.floats(0.0, 0.9), st.floats(0.05, 0.1))
 def test_a_part_of_a_curve_lies_on_it(angle, sign, first, size):
     arc = arc_about([0.3, 0.1, 0.0], [0.0, 0.0, 0.0], np.array([0.0, 0.0, 1.0]), sign * angle)
-    for curve in (arc, Curve(np.zeros(3), np.array([1.0, 2.0, 3.0]))):
+    for curve in (arc, Line(np.zeros(3), np.array([1.0, 2.0, 3.0]))):
         part = curve.part(first, first + size)
         t = np.array([0.0, 0.2, 0.9, 1.0])
         assert part.points(t) == pytest.approx(curve.points(first + size * t), abs=1e-12)
@@ -48,23 +47,23 @@ def test_a_part_of_a_curve_lies_on_it(angle, sign, first, size):
 def test_backwards_is_the_same_way(angle, sign):
     arc = arc_about([0.3, 0.1, 0.0], [0.1, 0.0, 0.0], np.array([0.0, 0.0, 1.0]), sign * angle)
     t = np.linspace(0.0, 1.0, 7)
-    assert backwards(arc).points(t) == pytest.approx(arc.points(1.0 - t), abs=1e-12)
-    line = Curve(np.zeros(3), np.ones(3))
-    assert backwards(line).points(t) == pytest.approx(line.points(1.0 - t))
+    assert arc.backwards().points(t) == pytest.approx(arc.points(1.0 - t), abs=1e-12)
+    line = Line(np.zeros(3), np.ones(3))
+    assert line.backwards().points(t) == pytest.approx(line.points(1.0 - t))
 
 
 def test_mapping_a_curve_maps_its_points():
     T = transform(Rotation.from_rotvec([0.3, -0.2, 0.9]).as_matrix(), np.array([1.0, 2.0, -3.0]))
     t = np.linspace(0.0, 1.0, 9)
     arc = arc_about([0.3, 0.1, 0.0], [0.1, 0.0, 0.0], np.array([0.0, 0.0, 1.0]), 2.0)
-    for curve in (arc, Curve(np.zeros(3), np.ones(3))):
+    for curve in (arc, Line(np.zeros(3), np.ones(3))):
         assert curve.mapped(T).points(t) == pytest.approx(apply(T, curve.points(t)), abs=1e-12)
 
 
 def test_many_curves_at_once_are_the_same_as_one_by_one():
     curves = [
         arc_about([0.3, 0.1, 0.0], [0.1, 0.0, 0.0], np.array([0.0, 0.0, 1.0]), -2.0),
-        Curve(np.zeros(3), np.ones(3)),
+        Line(np.zeros(3), np.ones(3)),
         arc_about([1.0, 0.0, 0.0], [0.0, 0.0, 0.0], np.array([0.0, 1.0, 0.0]), math.pi),
     ]
     t = np.linspace(0.0, 1.0, 5)

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.correction.compensate import Compensation, compensate
+from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
-    """What every correction needs to know about the robot.
+class LoadedRobot:
+    """A robot that gives way under load, with its tool.
 
     Attributes:
         kinematics: Forward kinematics and Jacobian.
@@ -22,7 +23,7 @@ class Bench:
         tolerance: Accepted distance of the loaded tool from the nominal pose [m].
     """
 
-    kinematics: object
+    kinematics: Kinematics
     model: ComplianceModel
     T_flange_tool: FloatArray
     tolerance: float = 1e-6
@@ -68,7 +69,7 @@ class Bench:
         self,
         T_base_tool: FloatArray,
         q: FloatArray,
-        owner: FloatArray,
+        owner: IntArray,
         wrench: FloatArray,
         direction: FloatArray,
     ) -> Compensation:
