@@ -5,19 +5,18 @@ A model is a frozen dataclass below `values.Section`, its fields annotated with 
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import reprlib
-import types
 import typing
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
 from doormill_ros.errors import DoormillError
+from doormill_ros.values import keys, plain
 from doormill_ros.yaml_text import NotYaml, parse
 
 Model = TypeVar("Model")
@@ -166,7 +165,7 @@ def _verb(allowed: str) -> str:
 
 def keys_at(model: type, place: Place) -> tuple[str, ...]:
     """Keys that the mapping at a place of a model may have; empty where it is not a section."""
-    kind = _plain(_kind_at(model, place))
+    kind = plain(_kind_at(model, place))
     return tuple(keys(kind)) if hasattr(kind, "__dataclass_fields__") else ()
 
 
@@ -174,7 +173,7 @@ def _kind_at(model: type, place: Place) -> Any:
     """Annotated type of what a place of a model may hold, None where it does not say."""
     kind: Any = model
     for step in place:
-        kind = _inside(_plain(kind), step)
+        kind = _inside(plain(kind), step)
     return kind
 
 
@@ -183,36 +182,15 @@ def _what(kind: Any) -> str:
     for part in getattr(kind, "__metadata__", ()):
         if hasattr(part, "what"):
             return str(part.what)
-    kind = _plain(kind)
+    kind = plain(kind)
     return f"a mapping of {', '.join(keys(kind))}" if hasattr(kind, "__dataclass_fields__") else ""
-
-
-@functools.cache
-def keys(section: Any) -> dict[str, Any]:
-    """Key in the document to annotated type of the attribute, in order, of a dataclass."""
-    hints = typing.get_type_hints(section, include_extras=True)
-    return {_key(f.name, hints[f.name]): hints[f.name] for f in dataclasses.fields(section)}
-
-
-def _key(name: str, hint: Any) -> str:
-    aliases = [getattr(part, "alias", None) for part in getattr(hint, "__metadata__", ())]
-    return next((alias for alias in aliases if alias), name)
-
-
-def _plain(kind: Any) -> Any:
-    """The type without its annotations and without None."""
-    if typing.get_origin(kind) is Annotated:
-        return _plain(typing.get_args(kind)[0])
-    if typing.get_origin(kind) in (typing.Union, types.UnionType):
-        parts = [part for part in typing.get_args(kind) if part is not type(None)]
-        return _plain(parts[0]) if len(parts) == 1 else kind
-    return kind
 
 
 def _inside(kind: Any, step: int | str) -> Any:
     """Type of one entry of a list or mapping, or of one field of a section."""
     if hasattr(kind, "__dataclass_fields__"):
-        return keys(kind).get(str(step))
+        field = keys(kind).get(str(step))
+        return field.kind if field else None
     arguments = typing.get_args(kind)
     if not arguments:
         return None

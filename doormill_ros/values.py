@@ -6,13 +6,15 @@ What a type allows stands in words in its `what`, for the sentence about a value
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import re
+import types
 import typing
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
-from pydantic import ConfigDict, Field, GetCoreSchemaHandler
+from pydantic import ConfigDict, GetCoreSchemaHandler, StringConstraints
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from doormill_ros.arrays import FloatArray
@@ -22,9 +24,54 @@ _EXPONENT = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+")
 
 
 class Section:
-    """Base of the models: beside its fields a mapping holds nothing."""
+    """Base of the models, frozen dataclasses: beside its fields a mapping holds nothing."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
+    __pydantic_config__: ClassVar[ConfigDict]
+
+    def __init_subclass__(cls) -> None:
+        """Let pydantic read the class; the names in the document are looked up once all fields are known."""
+        if "__pydantic_config__" not in vars(cls):
+            cls.__pydantic_config__ = ConfigDict(
+                extra="forbid",
+                arbitrary_types_allowed=True,
+                alias_generator=lambda name: next(
+                    key for key, field in keys(cls).items() if field.name == name
+                ),
+            )
+
+
+class Field(NamedTuple):
+    """A field of a section: the attribute and its annotated type."""
+
+    name: str
+    kind: Any
+
+
+@functools.cache
+def keys(section: Any) -> dict[str, Field]:
+    """Key in the document to field, in order, of a dataclass.
+
+    The key is the attribute's name, unless an annotation of the field has a method `key` that makes another of it.
+    """
+    kinds = typing.get_type_hints(section, include_extras=True)
+    return {_key(f.name, kinds[f.name]): Field(f.name, kinds[f.name]) for f in dataclasses.fields(section)}
+
+
+def _key(name: str, kind: Any) -> str:
+    for part in getattr(kind, "__metadata__", ()):
+        if hasattr(part, "key"):
+            return str(part.key(name))
+    return name
+
+
+def plain(kind: Any) -> Any:
+    """A type without its annotations and without None."""
+    if typing.get_origin(kind) is Annotated:
+        return plain(typing.get_args(kind)[0])
+    if typing.get_origin(kind) in (typing.Union, types.UnionType):
+        parts = [part for part in typing.get_args(kind) if part is not type(None)]
+        return plain(parts[0]) if len(parts) == 1 else kind
+    return kind
 
 
 def refused(allowed: str) -> PydanticCustomError:
@@ -130,4 +177,4 @@ class Exactly:
 
 
 Vector3 = Annotated[FloatArray, Array((3,))]
-Name = Annotated[str, Field(strict=True, min_length=1)]
+Name = Annotated[str, StringConstraints(strict=True, min_length=1)]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING
 
-from doormill_ros.recipes.door import DENSITY
+from doormill_ros.recipes.door import DENSITY, DoorSize
 from doormill_ros.recipes.errors import (
     ChipTooThick,
     FeaturesApart,
@@ -21,14 +21,10 @@ from doormill_ros.recipes.errors import (
     UnknownReference,
 )
 from doormill_ros.recipes.features.base import Feature
-from doormill_ros.recipes.features.face_plate import FacePlate
 from doormill_ros.recipes.features.lock_case import LockCase
 from doormill_ros.recipes.solid import Prism, prism
 from doormill_ros.recipes.wrench import check_segments
 from doormill_ros.units import m_to_mm, rad_s_to_rpm
-
-if TYPE_CHECKING:
-    from doormill_ros.recipes.recipe import Recipe
 
 MIN_WALL = 2e-3  #: m of wood between features, and between a feature and an edge of the door
 MIN_FLOOR = 3e-3  #: m of wood under a pocket
@@ -36,34 +32,40 @@ MIN_TURN = 0.5e-3  #: m, smallest radius of the tool centre's path round a half-
 ROUNDING = 1e-9  #: m; the grid of a recipe is 1 nm
 
 
-def check_geometry(recipe: Recipe) -> None:
-    """Refuse a recipe whose features do not go with the door, each other or their tools.
+def check_geometry(size: DoorSize, mass: float, features: Sequence[Feature]) -> None:
+    """Refuse features that do not go with the door, each other or their tools.
+
+    Args:
+        size: The door [m].
+        mass: Its mass before milling [kg].
+        features: What is milled into it.
 
     Raises:
         FieldError: The leaf class says what is wrong, `field` where.
     """
-    _check_mass(recipe)
-    for index, feature in enumerate(recipe.features):
+    _check_mass(size, mass)
+    for index, feature in enumerate(features):
         path = f"features.{index}"
         _check_outline(feature, path)
         check_segments(feature.wrench_table, feature.segment_names, f"{path}.wrench_n_nm")
-        _check_tool(recipe, feature, path)
-        _check_wood(recipe, feature, path)
-    prisms = {feature.id: prism(feature, recipe.size) for feature in recipe.features}
-    for index, feature in enumerate(recipe.features):
-        _check_reference(recipe, feature, prisms, f"features.{index}.lock_case")
-    _check_walls(recipe, prisms)
+        _check_tool(feature, feature.cut_depth(size), path)
+        _check_wood(size, feature, path)
+    prisms = {feature.id: prism(feature, size) for feature in features}
+    for index, feature in enumerate(features):
+        if feature.belongs_to is not None:
+            _check_reference(features, feature, feature.belongs_to, prisms, f"features.{index}.lock_case")
+    _check_walls(features, prisms)
 
 
-def _check_mass(recipe: Recipe) -> None:
-    volume = recipe.height * recipe.width * recipe.thickness
-    density, (low, high) = recipe.mass / volume, DENSITY
+def _check_mass(size: DoorSize, mass: float) -> None:
+    volume = size.height * size.width * size.thickness
+    density, (low, high) = mass / volume, DENSITY
     if not low <= density <= high:
         raise ImplausibleMass(
             "mass_kg",
-            f"found {recipe.mass:g} kg, that is {density:.0f} kg/m^3 for a door of this size, allowed are "
+            f"found {mass:g} kg, that is {density:.0f} kg/m^3 for a door of this size, allowed are "
             f"{low * volume:.1f} to {high * volume:.1f} kg",
-            found=recipe.mass,
+            found=mass,
         )
 
 
@@ -84,7 +86,7 @@ def _check_outline(feature: Feature, path: str) -> None:
         )
 
 
-def _check_tool(recipe: Recipe, feature: Feature, path: str) -> None:
+def _check_tool(feature: Feature, depth: float, path: str) -> None:
     tool, shape = feature.tool, feature.shape
     narrow = min(shape.width, shape.length)
     round_end = abs(shape.radius - narrow / 2.0) < ROUNDING
@@ -101,7 +103,6 @@ def _check_tool(recipe: Recipe, feature: Feature, path: str) -> None:
             f"{m_to_mm(max(widest, 0.0)):g} mm: {reason}",
             found=tool.diameter,
         )
-    depth = feature.cut_depth(recipe.size)
     if depth > tool.cutting_length + ROUNDING:
         raise ToolTooShort(
             f"{path}.tool",
@@ -134,9 +135,9 @@ def _check_speeds(feature: Feature, path: str) -> None:
         )
 
 
-def _check_wood(recipe: Recipe, feature: Feature, path: str) -> None:
+def _check_wood(size: DoorSize, feature: Feature, path: str) -> None:
     """The outline stays inside its surface, the floor inside the wood."""
-    size, shape = recipe.size, feature.shape
+    shape = feature.shape
     across_key = "offset_mm" if feature.side.is_edge else "backset_mm"
     extent = size.thickness if feature.side.is_edge else size.width
     spans = (
@@ -164,17 +165,16 @@ def _check_wood(recipe: Recipe, feature: Feature, path: str) -> None:
         )
 
 
-def _check_reference(recipe: Recipe, feature: Feature, prisms: dict[str, Prism], path: str) -> None:
-    name = getattr(feature, "lock_case", None)
-    if name is None:
-        return
-    cases = {item.id: item for item in recipe.features if isinstance(item, LockCase)}
+def _check_reference(
+    features: Sequence[Feature], feature: Feature, name: str, prisms: dict[str, Prism], path: str
+) -> None:
+    cases = {item.id: item for item in features if isinstance(item, LockCase)}
     if name not in cases:
         raise UnknownReference(
             path, f"found {name!r}, allowed is one of the lock cases {sorted(cases)}", found=name
         )
     case = cases[name]
-    if isinstance(feature, FacePlate):
+    if feature.surrounds:
         apart = feature.side is not case.side or not prisms[feature.id].polygon.contains(prisms[name].polygon)
         wish = "surround the mouth of the lock case on the same edge"
     else:
@@ -184,9 +184,9 @@ def _check_reference(recipe: Recipe, feature: Feature, prisms: dict[str, Prism],
         raise FeaturesApart(path, f"{feature.id!r} must {wish} {name!r}, and does not", found=name)
 
 
-def _check_walls(recipe: Recipe, prisms: dict[str, Prism]) -> None:
-    for (_, first), (index, second) in combinations(enumerate(recipe.features), 2):
-        if _belong(first, second) or _belong(second, first):
+def _check_walls(features: Sequence[Feature], prisms: dict[str, Prism]) -> None:
+    for (_, first), (index, second) in combinations(enumerate(features), 2):
+        if first.belongs_to == second.id or second.belongs_to == first.id:
             continue
         if prisms[first.id].meets(prisms[second.id], MIN_WALL - ROUNDING):
             raise FeaturesMeet(
@@ -195,7 +195,3 @@ def _check_walls(recipe: Recipe, prisms: dict[str, Prism]) -> None:
                 "between two features, move one of them",
                 found=(first.id, second.id),
             )
-
-
-def _belong(part: Feature, whole: Feature) -> bool:
-    return getattr(part, "lock_case", None) == whole.id

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import Enum
-from typing import Any
+from typing import Annotated, cast
+
+from pydantic import model_validator
 
 from doormill_ros.recipes.errors import ConflictingFields, MissingField
-from doormill_ros.recipes.fields import Quantity, entry, join
+from doormill_ros.recipes.quantities import (
+    Choice,
+    Quantity,
+    complaint,
+)
 from doormill_ros.recipes.tool import Tool
+from doormill_ros.values import Section
 
 
-class Direction(str, Enum):
+class Direction(str, Choice):
     """Which way round the contour is milled."""
 
     CLIMB = "climb"
@@ -20,7 +26,7 @@ class Direction(str, Enum):
 
 
 @dataclass(frozen=True)
-class Cutting:
+class Cutting(Section):
     """Speed and feed, given as such or as surface speed and chip load.
 
     Attributes:
@@ -31,52 +37,43 @@ class Cutting:
         plunge_feed: Feed along the tool axis [m/s]; None takes half the feed.
     """
 
-    spindle_speed: float | None = entry(Quantity("rpm", 100.0, 60000.0), default=None)
-    feed: float | None = entry(Quantity("mm_s", 0.5, 500.0), default=None)
-    surface_speed: float | None = entry(Quantity("m_min", 10.0, 6000.0), default=None)
-    chip_load: float | None = entry(Quantity("mm", 0.001, 5.0), default=None)
-    plunge_feed: float | None = entry(Quantity("mm_s", 0.5, 500.0), default=None)
+    spindle_speed: Annotated[float | None, Quantity("rpm", 100.0, 60000.0)] = None
+    feed: Annotated[float | None, Quantity("mm_s", 0.5, 500.0)] = None
+    surface_speed: Annotated[float | None, Quantity("m_min", 10.0, 6000.0)] = None
+    chip_load: Annotated[float | None, Quantity("mm", 0.001, 5.0)] = None
+    plunge_feed: Annotated[float | None, Quantity("mm_s", 0.5, 500.0)] = None
 
-    @staticmethod
-    def check_fields(values: dict[str, Any], path: str) -> None:
-        """Exactly one of the two ways to give the speeds is complete.
-
-        Raises:
-            ConflictingFields: Values of both ways are given.
-            MissingField: Half of a way is missing.
-        """
-        direct, derived = ("spindle_speed", "feed"), ("surface_speed", "chip_load")
-        keys = {
-            "spindle_speed": "spindle_speed_rpm",
-            "feed": "feed_mm_s",
-            "surface_speed": "surface_speed_m_min",
-            "chip_load": "chip_load_mm",
-        }
-        given = [name for name in (*direct, *derived) if values.get(name) is not None]
-        if any(n in direct for n in given) and any(n in derived for n in given):
-            found = ", ".join(keys[n] for n in given)
-            raise ConflictingFields(
-                join(path, keys[given[-1]]),
+    @model_validator(mode="after")
+    def _one_way(self) -> Cutting:
+        """Exactly one of the two ways to give the speeds is complete."""
+        direct, derived = ("spindle_speed_rpm", "feed_mm_s"), ("surface_speed_m_min", "chip_load_mm")
+        values = (self.spindle_speed, self.feed, self.surface_speed, self.chip_load)
+        given = [key for key, value in zip((*direct, *derived), values, strict=True) if value is not None]
+        if set(given) & set(direct) and set(given) & set(derived):
+            found = ", ".join(given)
+            raise complaint(
+                ConflictingFields,
                 f"found {found} together, allowed are spindle_speed_rpm with feed_mm_s or "
                 "surface_speed_m_min with chip_load_mm",
+                (given[-1],),
                 found=found,
             )
-        wanted = derived if any(n in derived for n in given) else direct
-        for name in wanted:
-            if name not in given:
-                raise MissingField(join(path, keys[name]), "is missing, a value must be given", found=None)
+        for key in derived if set(given) & set(derived) else direct:
+            if key not in given:
+                raise complaint(MissingField, "is missing, a value must be given", (key,), found=None)
+        return self
 
     def spindle(self, tool: Tool) -> float:
         """Spindle speed [rad/s]; v = omega d / 2, thesis eq. 3.51."""
         if self.spindle_speed is not None:
             return self.spindle_speed
-        return self.surface_speed / tool.radius
+        return cast(float, self.surface_speed) / tool.radius
 
     def feed_rate(self, tool: Tool) -> float:
         """Feed [m/s]; chip load times edges times revolutions per second, thesis eq. 3.52."""
         if self.feed is not None:
             return self.feed
-        return self.chip_load * tool.flutes * self.spindle(tool) / (2.0 * math.pi)
+        return cast(float, self.chip_load) * tool.flutes * self.spindle(tool) / (2.0 * math.pi)
 
     def chip(self, tool: Tool) -> float:
         """Feed per edge and revolution [m], thesis eq. 3.52."""
@@ -88,7 +85,7 @@ class Cutting:
 
 
 @dataclass(frozen=True)
-class Passes:
+class Passes(Section):
     """How the depth and the wall are reached.
 
     Attributes:
@@ -97,5 +94,5 @@ class Passes:
             no finishing pass, the thesis' way (section 3.9).
     """
 
-    depth_step: float = entry(Quantity("mm", 0.5, 100.0))
-    finish_allowance: float = entry(Quantity("mm", 0.0, 5.0), default=0.0)
+    depth_step: Annotated[float, Quantity("mm", 0.5, 100.0)]
+    finish_allowance: Annotated[float, Quantity("mm", 0.0, 5.0)] = 0.0

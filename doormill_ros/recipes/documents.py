@@ -11,31 +11,9 @@ import yaml
 from doormill_ros.recipes.errors import DuplicateField, FieldError, UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.resources import resource
+from doormill_ros.yaml_text import DuplicateKey, NotYaml, parse
 
 SHIPPED = "config/recipes"
-
-
-class _StrictLoader(yaml.SafeLoader):
-    """Refuses a key that is given twice, and leaves times as text."""
-
-
-def _mapping(loader: _StrictLoader, node: yaml.MappingNode) -> dict[Any, Any]:
-    seen = set()
-    for key, _ in node.value:
-        if not isinstance(key, yaml.ScalarNode):
-            raise yaml.constructor.ConstructorError(
-                None, None, "a field name must be plain text", key.start_mark
-            )
-        if key.value in seen:
-            raise DuplicateField(
-                str(key.value), f"is given twice, the second time in line {key.start_mark.line + 1}"
-            )
-        seen.add(key.value)
-    return loader.construct_mapping(node, deep=True)
-
-
-_StrictLoader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
-_StrictLoader.add_constructor("tag:yaml.org,2002:timestamp", lambda loader, node: node.value)
 
 
 def parse_yaml(text: str, name: str = "document") -> Any:
@@ -46,13 +24,11 @@ def parse_yaml(text: str, name: str = "document") -> Any:
         DuplicateField: A field is given twice.
     """
     try:
-        return yaml.load(text, Loader=_StrictLoader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        where = f" line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        raise UnreadableFile(f"{name}{where}: not YAML, {error.problem}") from error
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        raise UnreadableFile(f"{name}: not YAML, {' '.join(str(error).split())}") from error
+        return parse(text)
+    except DuplicateKey as error:
+        raise DuplicateField(error.key, f"is given twice, the second time in line {error.line}") from error
+    except NotYaml as error:
+        raise UnreadableFile(f"{name}{error.where}: not YAML, {error.problem}") from error
 
 
 def parse_json(text: str, name: str = "document") -> Any:
@@ -120,9 +96,9 @@ def load_recipe(name_or_path: str | Path) -> Recipe:
             raise UnreadableFile(
                 f"{name_or_path}: no such recipe file, and no recipe of that name ships"
             ) from error
-    parse = parse_json if path.suffix.lower() == ".json" else parse_yaml
+    read = parse_json if path.suffix.lower() == ".json" else parse_yaml
     try:
-        return Recipe.from_document(parse(read_text(path), str(path)))
+        return Recipe.from_document(read(read_text(path), str(path)))
     except FieldError as error:
         error.args = (f"{path}: {error.message}",)
         raise

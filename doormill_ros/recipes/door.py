@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
+
+from doormill_ros.recipes.quantities import Choice
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ MASS_KG = (0.5, 125.0)  # appendix A.1 gives the upper limit
 DENSITY = (60.0, 1400.0)  #: kg/m^3 of a whole door, from a honeycomb core to the densest wood
 
 
-class HingeSide(str, Enum):
+class HingeSide(str, Choice):
     """Where the hinges are, seen from the side to which the door opens.
 
     The door frame has its hinge edge at y = 0 whatever the side. A right-hung door stands with
@@ -36,7 +37,7 @@ class HingeSide(str, Enum):
     RIGHT = "right"
 
 
-class Material(str, Enum):
+class Material(str, Choice):
     """What the door is made of."""
 
     SOFTWOOD = "softwood"
@@ -46,7 +47,7 @@ class Material(str, Enum):
     MDF = "mdf"
 
 
-class Side(str, Enum):
+class Side(str, Choice):
     """Surface of the door that a feature is milled into."""
 
     FRONT = "front"

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import Enum
-from typing import TYPE_CHECKING
 
 from doormill_ros.recipes.cutting import Direction
 from doormill_ros.recipes.door import Side
 from doormill_ros.recipes.errors import UnfitForProgram
+from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.features.hinge_pocket import OblongHinge, OutlinePoints
-
-if TYPE_CHECKING:
-    from doormill_ros.recipes.features.base import Feature
-    from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.quantities import Choice
 
 HINGES = 2
 
 
-class Program(str, Enum):
+class Program(str, Choice):
     """A program of the robot.
 
     GENERAL mills any number of features with as many targets as the tolerance needs. PATH_20 is the
@@ -35,13 +31,13 @@ def fits_path_20(features: Sequence[Feature]) -> bool:
     return len(features) == HINGES and all(_is_thesis_hinge(feature) for feature in features)
 
 
-def check_program(recipe: Recipe) -> None:
+def check_program(program: Program, features: Sequence[Feature]) -> None:
     """Refuse Path_20 for another door than its own.
 
     Raises:
         UnfitForProgram: The recipe asks for Path_20, which cannot mill it.
     """
-    if recipe.program is Program.PATH_20 and not fits_path_20(recipe.features):
+    if program is Program.PATH_20 and not fits_path_20(features):
         raise UnfitForProgram(
             "program",
             f"found {Program.PATH_20.value!r}, which mills two oblong hinges of six points on the front, longer "

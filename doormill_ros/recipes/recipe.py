@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
-from typing import Any
+import re
+from dataclasses import dataclass, replace
+from datetime import datetime
+from typing import Annotated, Any
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes import door as limits
 from doormill_ros.recipes.checks import check_geometry
 from doormill_ros.recipes.door import DoorSize, HingeSide, Material
 from doormill_ros.recipes.errors import (
-    BadText,
     DuplicateName,
     MissingField,
     NotAChoice,
@@ -21,55 +20,27 @@ from doormill_ros.recipes.errors import (
 )
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.features.registry import FEATURES
-from doormill_ros.recipes.fields import (
+from doormill_ros.recipes.program import Program, check_program
+from doormill_ros.recipes.quantities import (
     NAME,
-    Choice,
-    Codec,
-    Nested,
+    Moment,
+    Name,
     Quantity,
     Text,
     Whole,
-    as_mapping,
-    entry,
-    join,
-    load_object,
-    read_object,
-    write_object,
 )
-from doormill_ros.recipes.program import Program, check_program
+from doormill_ros.recipes.reading import as_mapping, join, read_part, read_value, write_part
 from doormill_ros.recipes.tool import Tool
+from doormill_ros.values import Section
 
 SCHEMA = "doormill/recipe/1"
 MAX_FEATURES = 40
+BAR_CODE = Text(re.compile(r"[\x21-\x7e]{1,64}"), "1 to 64 printable ASCII characters without blanks")
+AUTHOR = Text(re.compile(r"[^\x00-\x1f\x7f]{0,100}"), "at most 100 printable characters")
 
 
 @dataclass(frozen=True)
-class Moment(Codec):
-    """A moment in time, ISO 8601 with an offset in the document, UTC inside."""
-
-    def read(self, value: Any, path: str, context: Mapping[str, Any]) -> datetime:
-        """See the base class."""
-        if not isinstance(value, str | datetime):
-            raise WrongType(path, f"found {value!r}, allowed is a time such as 2026-01-31T12:00:00Z")
-        try:
-            moment = value if isinstance(value, datetime) else datetime.fromisoformat(value)
-        except ValueError:
-            raise BadText(path, f"found {value!r}, allowed is a time such as 2026-01-31T12:00:00Z") from None
-        if moment.tzinfo is None:
-            raise BadText(path, f"found {value!r}, allowed is a time with its offset from UTC, such as Z")
-        return moment.astimezone(UTC)
-
-    def load(self, value: str, context: Mapping[str, Any]) -> datetime:
-        """See the base class."""
-        return datetime.fromisoformat(value).astimezone(UTC)
-
-    def write(self, value: datetime) -> str:
-        """See the base class."""
-        return value.isoformat()
-
-
-@dataclass(frozen=True)
-class Placement:
+class Placement(Section):
     """Where a simulated clamp shall put the door; a real cell ignores it.
 
     Attributes:
@@ -78,13 +49,13 @@ class Placement:
         rotation: About base x [rad].
     """
 
-    y: float = entry(Quantity("mm", -10.0, 10.0), default=0.0)
-    z: float = entry(Quantity("mm", -10.0, 10.0), default=0.0)
-    rotation: float = entry(Quantity("deg", -2.0, 2.0), default=0.0)
+    y: Annotated[float, Quantity("mm", -10.0, 10.0)] = 0.0
+    z: Annotated[float, Quantity("mm", -10.0, 10.0)] = 0.0
+    rotation: Annotated[float, Quantity("deg", -2.0, 2.0)] = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Recipe:
+class Recipe(Section):
     """A checked recipe; build it with `from_document`, which refuses a wrong one.
 
     Attributes:
@@ -104,20 +75,20 @@ class Recipe:
         features: What is milled, in the order of milling.
     """
 
-    door_id: str = entry(NAME)
-    bar_code: str = entry(Text(r"[\x21-\x7e]{1,64}", "1 to 64 printable ASCII characters without blanks"))
-    version: int = entry(Whole(0, 2_000_000_000), default=0)
-    author: str = entry(Text(r"[^\x00-\x1f\x7f]{0,100}", "at most 100 printable characters"), default="")
-    created: datetime | None = entry(Moment(), default=None)
-    height: float = entry(Quantity("mm", *limits.HEIGHT_MM))
-    width: float = entry(Quantity("mm", *limits.WIDTH_MM))
-    thickness: float = entry(Quantity("mm", *limits.THICKNESS_MM))
-    hinge_side: HingeSide = entry(Choice(HingeSide))
-    material: Material = entry(Choice(Material))
-    mass: float = entry(Quantity("kg", *limits.MASS_KG))
-    placement: Placement | None = entry(Nested(Placement), default=None)
-    program: Program = entry(Choice(Program), default=Program.GENERAL)
-    features: tuple[Feature, ...] = field(default=())
+    door_id: Name
+    bar_code: Annotated[str, BAR_CODE]
+    version: Annotated[int, Whole(0, 2_000_000_000)] = 0
+    author: Annotated[str, AUTHOR] = ""
+    created: Annotated[datetime | None, Moment()] = None
+    height: Annotated[float, Quantity("mm", *limits.HEIGHT_MM)]
+    width: Annotated[float, Quantity("mm", *limits.WIDTH_MM)]
+    thickness: Annotated[float, Quantity("mm", *limits.THICKNESS_MM)]
+    hinge_side: HingeSide
+    material: Material
+    mass: Annotated[float, Quantity("kg", *limits.MASS_KG)]
+    placement: Placement | None = None
+    program: Program = Program.GENERAL
+    features: tuple[Feature, ...] = ()
 
     @property
     def size(self) -> DoorSize:
@@ -143,12 +114,14 @@ class Recipe:
 
     def to_document(self) -> dict[str, Any]:
         """Plain dict of text, numbers, lists and dicts; `from_document` gives an equal recipe."""
-        document = {"schema": SCHEMA, **write_object(self)}
-        document["tools"] = {}
-        for name, tool in self.tools.items():
-            document["tools"][name] = {k: v for k, v in write_object(tool).items() if k != "name"}
-        document["features"] = [{"kind": item.kind, **write_object(item)} for item in self.features]
-        return document
+        tools = {name: write_part(tool, without="name") for name, tool in self.tools.items()}
+        features = [{"kind": feature.kind, **write_part(feature)} for feature in self.features]
+        return {
+            "schema": SCHEMA,
+            **write_part(self, without="features"),
+            "tools": tools,
+            "features": features,
+        }
 
     @classmethod
     def from_document(cls, document: Any) -> Recipe:
@@ -160,32 +133,29 @@ class Recipe:
         Raises:
             FieldError: The leaf class says what is wrong, `field` where.
         """
+        recipe = cls.from_checked(document)
+        check_geometry(recipe.size, recipe.mass, recipe.features)
+        check_program(recipe.program, recipe.features)
+        return recipe
+
+    @classmethod
+    def from_checked(cls, document: Any) -> Recipe:
+        """Build a recipe of which is known that its features go with the door, its tools and its program.
+
+        Args:
+            document: What `to_document` gave of a checked recipe; whoever calls has to know that.
+
+        Raises:
+            FieldError: A field is unknown, missing or wrong by itself.
+        """
         document = as_mapping(document, "")
         if "schema" not in document:
             raise MissingField("schema", f"is missing, allowed is {SCHEMA!r}", found=None)
         if document["schema"] != SCHEMA:
             raise NotAChoice("schema", f"found {document['schema']!r}, allowed is {SCHEMA!r}")
-        recipe = read_object(cls, document, "", {}, ignore=("schema", "tools", "features"))
+        recipe = read_part(cls, document, "", beside=("schema", "tools", "features"))
         tools = _read_tools(document.get("tools"))
-        recipe = replace(recipe, features=_read_features(document.get("features"), tools))
-        check_geometry(recipe)
-        check_program(recipe)
-        return recipe
-
-    @classmethod
-    def from_checked(cls, document: Mapping[str, Any]) -> Recipe:
-        """Build a recipe from what `to_document` gave of a checked one, without checking it again.
-
-        Args:
-            document: Unchanged since it was checked; whoever calls has to know that.
-        """
-        tools = {
-            name: load_object(Tool, {"name": name, **content}, {})
-            for name, content in document["tools"].items()
-        }
-        context = {"tools": tools}
-        features = tuple(load_object(FEATURES[f["kind"]], f, context) for f in document["features"])
-        return replace(load_object(cls, document, {}), features=features)
+        return replace(recipe, features=_read_features(document.get("features"), tools))
 
 
 def _read_tools(document: Any) -> dict[str, Tool]:
@@ -194,11 +164,11 @@ def _read_tools(document: Any) -> dict[str, Tool]:
     tools = {}
     for name, content in as_mapping(document, "tools").items():
         path = join("tools", name)
-        NAME.read(name, path, {})
+        read_value(NAME.read, name, path)
         content = as_mapping(content, path)
         if "name" in content:
             raise DuplicateName(join(path, "name"), f"the name {name!r} is already given, leave it out")
-        tools[name] = read_object(Tool, {"name": name, **content}, path, {})
+        tools[name] = read_part(Tool, {"name": name, **content}, path)
     return tools
 
 
@@ -221,7 +191,7 @@ def _read_features(document: Any, tools: dict[str, Tool]) -> tuple[Feature, ...]
             raise WrongType(join(path, "kind"), f"found {kind!r}, allowed is one of {list(FEATURES)}")
         if kind not in FEATURES:
             raise NotAChoice(join(path, "kind"), f"found {kind!r}, allowed is one of {list(FEATURES)}")
-        feature = read_object(FEATURES[kind], content, path, {"tools": tools}, ignore=("kind",))
+        feature = read_part(FEATURES[kind], content, path, {"tools": tools}, beside=("kind",))
         if feature.id in seen:
             raise DuplicateName(
                 join(path, "id"), f"found {feature.id!r}, which features.{seen[feature.id]} has already"

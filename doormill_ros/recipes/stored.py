@@ -23,14 +23,17 @@ RULE_FILES = (
     "checks.py",
     "cutting.py",
     "door.py",
-    "fields.py",
     "outline.py",
     "program.py",
+    "quantities.py",
+    "reading.py",
     "recipe.py",
     "solid.py",
     "tool.py",
     "wrench.py",
     "features/*.py",
+    "../config.py",
+    "../values.py",
 )
 UNKNOWN_RULES = ""  #: of records from before rules were noted
 

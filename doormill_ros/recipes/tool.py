@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from doormill_ros.recipes.fields import NAME, Quantity, Whole, entry
+from doormill_ros.recipes.quantities import (
+    Name,
+    Quantity,
+    Whole,
+)
+from doormill_ros.values import Section
 
 
 @dataclass(frozen=True)
-class Tool:
+class Tool(Section):
     """A cylindrical mill.
 
     Attributes:
@@ -20,12 +26,12 @@ class Tool:
         max_chip_load: Thickest chip an edge may take [m], None when not known.
     """
 
-    name: str = entry(NAME)
-    diameter: float = entry(Quantity("mm", 2.0, 60.0))
-    flutes: int = entry(Whole(1, 8))
-    cutting_length: float = entry(Quantity("mm", 1.0, 250.0))
-    max_spindle_speed: float = entry(Quantity("rpm", 100.0, 60000.0))
-    max_chip_load: float | None = entry(Quantity("mm", 0.001, 5.0), default=None)
+    name: Name
+    diameter: Annotated[float, Quantity("mm", 2.0, 60.0)]
+    flutes: Annotated[int, Whole(1, 8)]
+    cutting_length: Annotated[float, Quantity("mm", 1.0, 250.0)]
+    max_spindle_speed: Annotated[float, Quantity("rpm", 100.0, 60000.0)]
+    max_chip_load: Annotated[float | None, Quantity("mm", 0.001, 5.0)] = None
 
     @property
     def radius(self) -> float:

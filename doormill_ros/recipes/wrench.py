@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.errors import MissingField, OutOfRange, UnknownField, WrongType
-from doormill_ros.recipes.fields import GRID_DECIMALS, Codec, as_mapping, join, number
+from doormill_ros.recipes.quantities import GRID_DECIMALS, complaint, number, schema
+from doormill_ros.recipes.reading import join
 
 DEFAULT = "default"
 FORCE_LIMIT = 5000.0  #: N; five times what a spindle of 5 kW gives at the speeds of the thesis
 MOMENT_LIMIT = 1000.0  #: N m
+LIMITS = (FORCE_LIMIT,) * 3 + (MOMENT_LIMIT,) * 3
+Six = tuple[float, float, float, float, float, float]
 COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
@@ -30,7 +35,7 @@ class WrenchTable:
         rows: Segment name and (Fx, Fy, Fz, Mx, My, Mz) [N, N m], sorted by name, the default last.
     """
 
-    rows: tuple[tuple[str, tuple[float, float, float, float, float, float]], ...]
+    rows: tuple[tuple[str, Six], ...]
 
     def get(self, segment: str) -> FloatArray:
         """Wrench of a segment, or the default, shape (6,) [N, N m].
@@ -42,43 +47,57 @@ class WrenchTable:
         return np.array(rows[segment] if segment in rows else rows[DEFAULT])
 
 
-@dataclass(frozen=True)
-class WrenchRows(Codec):
-    """Codec of a wrench table: segment name to six numbers [N, N m]."""
+class WrenchRows:
+    """Annotation of a wrench table: segment name to six numbers [N, N m] in the document."""
 
     def key(self, name: str) -> str:
-        """See the base class; the method `Feature.wrench` has the short name in the code."""
+        """Name in the document; the method `Feature.wrench` has the short name in the code."""
         return "wrench_n_nm"
 
-    def read(self, value: Any, path: str, context: Mapping[str, Any]) -> WrenchTable:
-        """See the base class."""
+    def read(self, value: Any) -> WrenchTable:
+        """The table; raises `complaint`."""
+        if not isinstance(value, Mapping):
+            raise complaint(WrongType, f"found {value!r:.80}, allowed are fields with names", found=value)
+        for segment in value:
+            if not isinstance(segment, str):
+                raise complaint(
+                    WrongType, f"found the field name {segment!r}, allowed is text", found=segment
+                )
         rows = []
-        for segment, row in as_mapping(value, path).items():
-            where = join(path, segment)
+        for segment, row in value.items():
             if not isinstance(row, list | tuple) or len(row) != 6:
-                raise WrongType(where, f"found {row!r}, allowed are six numbers {COMPONENTS}", found=row)
-            rows.append((segment, tuple(_component(index, cell, where) for index, cell in enumerate(row))))
+                raise complaint(
+                    WrongType, f"found {row!r}, allowed are six numbers {COMPONENTS}", (segment,), found=row
+                )
+            rows.append((segment, _six(segment, row)))
         # One order whatever the document's: tables of equal content are equal.
         return WrenchTable(tuple(sorted(rows, key=lambda row: (row[0] == DEFAULT, row[0]))))
 
-    def load(self, value: Mapping[str, Any], context: Mapping[str, Any]) -> WrenchTable:
-        """See the base class."""
-        return WrenchTable(tuple((segment, tuple(row)) for segment, row in value.items()))
-
     def write(self, value: WrenchTable) -> dict[str, list[float]]:
-        """See the base class."""
+        """The document's rows."""
         return {segment: list(row) for segment, row in value.rows}
 
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return schema(source, self.read, self.write)
 
-def _component(index: int, cell: Any, where: str) -> float:
-    limit, unit = (FORCE_LIMIT, "N") if index < 3 else (MOMENT_LIMIT, "N m")
-    if type(cell) is float and abs(cell) <= limit:
-        return round(cell, GRID_DECIMALS) + 0.0  # nothing to say: no path is built for a message
-    found = number(cell, join(where, index))
+
+def _six(segment: str, row: Sequence[Any]) -> Six:
+    for cell, limit in zip(row, LIMITS, strict=True):
+        if type(cell) is not float or not -limit <= cell <= limit:
+            row = [_component(segment, index, cell) for index, cell in enumerate(row)]
+            break
+    fx, fy, fz, mx, my, mz = [round(cell, GRID_DECIMALS) + 0.0 for cell in row]
+    return fx, fy, fz, mx, my, mz
+
+
+def _component(segment: str, index: int, cell: Any) -> float:
+    found = number(cell, inside=(segment, index))
+    limit, unit = LIMITS[index], "N" if index < 3 else "N m"
     if abs(found) > limit:
-        raise OutOfRange(
-            join(where, index),
+        raise complaint(
+            OutOfRange,
             f"found {found:g} {unit}, allowed are {-limit:g} to {limit:g} {unit}",
+            (segment, index),
             found=found,
         )
     return found

@@ -7,6 +7,7 @@ cell with blanks between them. An empty cell is an absent field.
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,9 +16,10 @@ from typing import Any
 
 from doormill_ros.recipes.errors import BadTable, DuplicateName, FieldError
 from doormill_ros.recipes.features.registry import FEATURES
-from doormill_ros.recipes.fields import Choice, Codec, Flag, Nested, Quantity, Whole, codecs
+from doormill_ros.recipes.quantities import Choice
 from doormill_ros.recipes.recipe import SCHEMA, Recipe
 from doormill_ros.recipes.tool import Tool
+from doormill_ros.values import keys, plain
 
 LISTS = ("wrench_n_nm.", "force_displacement_mm")
 TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
@@ -159,34 +161,36 @@ def _unflatten(row: Row, content: type | None, skip: str = "") -> dict[str, Any]
                 raise BadTable(f"{row.place}: the column {column!r} is inside {parent!r}, which has a value")
         if leaf in place:
             raise BadTable(f"{row.place}: the column {column!r} has a value, and a column inside it too")
-        place[leaf] = _value(cell, column, codec_of(content, column), row.decimal_comma)
+        place[leaf] = _value(cell, column, _kind_of(content, column), row.decimal_comma)
     return document
 
 
-def codec_of(content: type | None, column: str) -> Codec | None:
-    """The codec of a dotted column of a dataclass, None when it has none of its own."""
+def _kind_of(content: type | None, column: str) -> Any:
+    """Annotated type of a dotted column of a section, None when it has none."""
     first, _, rest = column.partition(".")
-    found = codecs(content).get(first) if content else None
-    if found is None:
+    field = keys(content).get(first) if content else None
+    if field is None:
         return None
-    codec = found[1]
-    return codec_of(codec.content, rest) if rest and isinstance(codec, Nested) else codec
+    part = plain(field.kind)
+    return _kind_of(part, rest) if rest and dataclasses.is_dataclass(part) else field.kind
 
 
-def _value(cell: Any, column: str, codec: Codec | None, decimal_comma: bool) -> Any:
+def _value(cell: Any, column: str, kind: Any, decimal_comma: bool) -> Any:
     """What a document would hold for a cell; a cell that makes no sense stays as it is."""
     if column.startswith(LISTS):
         numbers = [_number(part, decimal_comma) for part in str(cell).split()]
         return _pairs(numbers) if column == "force_displacement_mm" else numbers
-    if isinstance(codec, Quantity | Whole) or (
-        isinstance(codec, Choice) and not isinstance(next(iter(codec.members)).value, str)
-    ):
-        found = _number(cell, decimal_comma)
-        whole = not isinstance(codec, Quantity) and isinstance(found, float) and found.is_integer()
-        return int(found) if whole else found
-    if isinstance(codec, Flag):
+    if kind is None:
+        return cell
+    part = plain(kind)
+    if part is bool:
         return TRUTH.get(_text(cell).strip().lower(), cell)
-    return cell if codec is None else _text(cell)
+    numbered = isinstance(part, type) and issubclass(part, Choice) and not issubclass(part, str)
+    if part is not float and part is not int and not numbered:
+        return _text(cell)
+    found = _number(cell, decimal_comma)
+    whole = part is not float and isinstance(found, float) and found.is_integer()
+    return int(found) if whole else found
 
 
 def _pairs(numbers: list[Any]) -> list[list[Any]]:

@@ -4,58 +4,64 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import shift_wrench, transform
 from doormill_ros.recipes.cutting import Cutting, Direction, Passes
 from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, DoorSize, Side
 from doormill_ros.recipes.errors import UnknownReference, WrongType
-from doormill_ros.recipes.fields import NAME, Choice, Codec, Nested, Quantity, entry
 from doormill_ros.recipes.outline import Outline, RoundedRectangle
+from doormill_ros.recipes.quantities import (
+    Choice,
+    Name,
+    Quantity,
+    complaint,
+)
 from doormill_ros.recipes.tool import Tool
 from doormill_ros.recipes.wrench import WrenchRows, WrenchTable
+from doormill_ros.values import Section
 
 PLUNGE = "plunge"  #: segment name of the way into the wood along the tool axis
 CLEARING = "clearing"  #: segment name of cuts that do not touch the outline
 
 
-class HeightFrom(str, Enum):
+class HeightFrom(str, Choice):
     """The edge from which a height is measured."""
 
     BOTTOM = "bottom"
     TOP = "top"
 
 
-@dataclass(frozen=True)
-class ToolName(Codec):
-    """A tool by the name under which the recipe's `tools` list it."""
+class ToolName:
+    """A tool by the name under which the recipe's `tools` list it; the context of the reading holds them."""
 
-    def read(self, value: Any, path: str, context: Mapping[str, Any]) -> Tool:
-        """See the base class."""
+    def read(self, value: Any, info: core_schema.ValidationInfo) -> Tool:
+        """The tool; raises `complaint`."""
         if not isinstance(value, str):
-            raise WrongType(path, f"found {value!r}, allowed is the name of a tool", found=value)
-        tools = context.get("tools", {})
+            raise complaint(WrongType, f"found {value!r}, allowed is the name of a tool", found=value)
+        tools: Mapping[str, Tool] = info.context["tools"]
         if value not in tools:
-            raise UnknownReference(
-                path, f"found {value!r}, allowed is one of {sorted(tools)} listed in tools", found=value
+            raise complaint(
+                UnknownReference,
+                f"found {value!r}, allowed is one of {sorted(tools)} listed in tools",
+                found=value,
             )
         return tools[value]
 
-    def load(self, value: str, context: Mapping[str, Any]) -> Tool:
-        """See the base class."""
-        return context["tools"][value]
-
-    def write(self, value: Tool) -> str:
-        """See the base class."""
-        return value.name
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(
+            self.read,
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda tool: tool.name),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Feature:
+class Feature(Section):
     """A pocket or hole with a rounded rectangular outline.
 
     The feature frame lies in the surface that the tool enters: origin in the centre of the
@@ -78,17 +84,18 @@ class Feature:
 
     kind: ClassVar[str] = ""
     sides: ClassVar[tuple[Side, ...]] = tuple(Side)
+    surrounds: ClassVar[bool] = False  #: round the mouth of the lock case that it belongs to, not through it
 
-    id: str = entry(NAME)
-    side: Side = entry(Choice(Side))
-    height: float = entry(Quantity("mm", 0.0, 3000.0))
-    height_from: HeightFrom = entry(Choice(HeightFrom), default=HeightFrom.BOTTOM)
-    tool: Tool = entry(ToolName())
-    cutting: Cutting = entry(Nested(Cutting))
-    passes: Passes = entry(Nested(Passes))
-    direction: Direction = entry(Choice(Direction), default=Direction.CLIMB)
-    wrench_table: WrenchTable = entry(WrenchRows())
-    wrench_point: float = entry(Quantity("mm", 0.0, 1000.0), default=0.0)
+    id: Name
+    side: Side
+    height: Annotated[float, Quantity("mm", 0.0, 3000.0)]
+    height_from: HeightFrom = HeightFrom.BOTTOM
+    tool: Annotated[Tool, ToolName()]
+    cutting: Cutting
+    passes: Passes
+    direction: Direction = Direction.CLIMB
+    wrench_table: Annotated[WrenchTable, WrenchRows()]
+    wrench_point: Annotated[float, Quantity("mm", 0.0, 1000.0)] = 0.0
 
     @property
     def shape(self) -> RoundedRectangle:
@@ -107,6 +114,11 @@ class Feature:
     def cut_depth(self, door: DoorSize) -> float:
         """How far the outline reaches into the wood [m]."""
         raise NotImplementedError
+
+    @property
+    def belongs_to(self) -> str | None:
+        """Identifier of the lock case that the feature opens into, None when it stands for itself."""
+        return None
 
     @property
     def through(self) -> bool:

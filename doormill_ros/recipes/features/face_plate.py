@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from doormill_ros.recipes.features.lock_case import EdgePocket
-from doormill_ros.recipes.fields import NAME, Quantity, entry
 from doormill_ros.recipes.outline import RoundedRectangle
+from doormill_ros.recipes.quantities import (
+    Name,
+    Quantity,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,9 +23,15 @@ class FacePlate(EdgePocket):
     """
 
     kind: ClassVar[str] = "face_plate"
+    surrounds: ClassVar[bool] = True
 
-    corner_radius: float = entry(Quantity("mm", 0.0, 50.0))
-    lock_case: str | None = entry(NAME, default=None)
+    corner_radius: Annotated[float, Quantity("mm", 0.0, 50.0)]
+    lock_case: Name | None = None
+
+    @property
+    def belongs_to(self) -> str | None:
+        """See the base class."""
+        return self.lock_case
 
     @property
     def shape(self) -> RoundedRectangle:

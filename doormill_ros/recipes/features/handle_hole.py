@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
+
+from pydantic import StrictBool
 
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
-from doormill_ros.recipes.fields import NAME, Flag, Quantity, entry
 from doormill_ros.recipes.outline import RoundedRectangle
+from doormill_ros.recipes.quantities import (
+    Name,
+    Quantity,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,10 +31,15 @@ class HandleHole(Feature):
     kind: ClassVar[str] = "handle_hole"
     sides: ClassVar[tuple[Side, ...]] = (Side.FRONT, Side.REAR)
 
-    backset: float = entry(Quantity("mm", 0.0, 1350.0))
-    diameter: float = entry(Quantity("mm", 5.0, 150.0))
-    from_both_sides: bool = entry(Flag(), default=False)
-    lock_case: str | None = entry(NAME, default=None)
+    backset: Annotated[float, Quantity("mm", 0.0, 1350.0)]
+    diameter: Annotated[float, Quantity("mm", 5.0, 150.0)]
+    from_both_sides: StrictBool = False
+    lock_case: Name | None = None
+
+    @property
+    def belongs_to(self) -> str | None:
+        """See the base class."""
+        return self.lock_case
 
     @property
     def shape(self) -> RoundedRectangle:

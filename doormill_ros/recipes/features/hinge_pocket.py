@@ -2,60 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from pydantic import GetCoreSchemaHandler, model_validator
+from pydantic_core import CoreSchema
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.errors import OutOfRange, WrongType
 from doormill_ros.recipes.features.base import Feature
-from doormill_ros.recipes.fields import Choice, Codec, Quantity, entry, join
 from doormill_ros.recipes.outline import RoundedRectangle
-from doormill_ros.units import MM
+from doormill_ros.recipes.quantities import (
+    Choice,
+    Quantity,
+    complaint,
+    schema,
+)
 
 
-class OutlinePoints(Enum):
+class OutlinePoints(Choice):
     """How many points the thesis uses for an oblong (figure 3.24)."""
 
     SIX = 6
     NINE = 9
 
 
-@dataclass(frozen=True)
-class PointPairs(Codec):
-    """Codec of a list of pairs [y, z] in millimetres."""
+class PointPairs:
+    """Annotation of pairs (y, z) [m], in the document a list of pairs [y, z] in millimetres."""
 
-    LIMIT: ClassVar[float] = 5.0
+    single = Quantity("mm", -5.0, 5.0)
 
     def key(self, name: str) -> str:
-        """See the base class."""
-        return f"{name}_mm"
+        """Name in the document."""
+        return self.single.key(name)
 
-    def read(self, value: Any, path: str, context: Mapping[str, Any]) -> tuple[tuple[float, float], ...]:
-        """See the base class."""
+    def read(self, value: Any) -> tuple[tuple[float, float], ...]:
+        """The pairs; raises `complaint`."""
         if not isinstance(value, list | tuple):
-            raise WrongType(path, f"found {value!r:.80}, allowed is a list of pairs [y, z]", found=value)
-        single = Quantity("mm", -self.LIMIT, self.LIMIT)
-        pairs = []
+            raise complaint(WrongType, f"found {value!r:.80}, allowed is a list of pairs [y, z]", found=value)
         for index, pair in enumerate(value):
-            where = join(path, index)
             if not isinstance(pair, list | tuple) or len(pair) != 2:
-                raise WrongType(where, f"found {pair!r:.80}, allowed is a pair [y, z]", found=pair)
-            pairs.append(tuple(single.read(cell, join(where, i), context) for i, cell in enumerate(pair)))
-        return tuple(pairs)
+                raise complaint(
+                    WrongType, f"found {pair!r:.80}, allowed is a pair [y, z]", (index,), found=pair
+                )
+        return tuple((self._cell(i, 0, y), self._cell(i, 1, z)) for i, (y, z) in enumerate(value))
 
-    def load(self, value: Any, context: Mapping[str, Any]) -> tuple[tuple[float, float], ...]:
-        """See the base class."""
-        return tuple(tuple(cell * MM for cell in pair) for pair in value)
+    def _cell(self, index: int, column: int, value: Any) -> float:
+        return self.single.read(value, (index, column))
 
     def write(self, value: tuple[tuple[float, float], ...]) -> list[list[float]]:
-        """See the base class."""
-        single = Quantity("mm", -self.LIMIT, self.LIMIT)
-        return [[single.write(cell) for cell in pair] for pair in value]
+        """The document's list."""
+        return [[self.single.write(cell) for cell in pair] for pair in value]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return schema(source, self.read, self.write)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,10 +73,10 @@ class HingePocket(Feature):
 
     sides: ClassVar[tuple[Side, ...]] = (Side.FRONT, Side.REAR)
 
-    backset: float = entry(Quantity("mm", 0.0, 1350.0))
-    width: float = entry(Quantity("mm", 5.0, 300.0))
-    length: float = entry(Quantity("mm", 5.0, 600.0))
-    depth: float = entry(Quantity("mm", 0.5, 60.0))
+    backset: Annotated[float, Quantity("mm", 0.0, 1350.0)]
+    width: Annotated[float, Quantity("mm", 5.0, 300.0)]
+    length: Annotated[float, Quantity("mm", 5.0, 600.0)]
+    depth: Annotated[float, Quantity("mm", 0.5, 60.0)]
 
     def across(self, door: DoorSize) -> float:
         """See the base class."""
@@ -97,20 +99,20 @@ class OblongHinge(HingePocket):
 
     kind: ClassVar[str] = "hinge_oblong"
 
-    points: OutlinePoints = entry(Choice(OutlinePoints), default=OutlinePoints.SIX)
-    force_displacement: tuple[tuple[float, float], ...] | None = entry(PointPairs(), default=None)
+    points: OutlinePoints = OutlinePoints.SIX
+    force_displacement: Annotated[tuple[tuple[float, float], ...] | None, PointPairs()] = None
 
-    @staticmethod
-    def check_fields(values: dict[str, Any], path: str) -> None:
-        """A force displacement has one pair a point; raises OutOfRange."""
-        pairs = values.get("force_displacement")
-        count = values.get("points", OutlinePoints.SIX).value
+    @model_validator(mode="after")
+    def _one_pair_a_point(self) -> OblongHinge:
+        pairs, count = self.force_displacement, self.points.value
         if pairs is not None and len(pairs) != count:
-            raise OutOfRange(
-                join(path, "force_displacement_mm"),
+            raise complaint(
+                OutOfRange,
                 f"found {len(pairs)} pairs, allowed are {count}, one for each point of the contour",
+                ("force_displacement_mm",),
                 found=len(pairs),
             )
+        return self
 
     @property
     def shape(self) -> RoundedRectangle:
@@ -156,7 +158,7 @@ class LeafHinge(HingePocket):
 
     kind: ClassVar[str] = "hinge_leaf"
 
-    corner_radius: float = entry(Quantity("mm", 0.0, 100.0))
+    corner_radius: Annotated[float, Quantity("mm", 0.0, 100.0)]
 
     @property
     def shape(self) -> RoundedRectangle:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from doormill_ros.recipes.door import DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
-from doormill_ros.recipes.fields import Quantity, entry
 from doormill_ros.recipes.outline import RoundedRectangle
+from doormill_ros.recipes.quantities import (
+    Quantity,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,10 +26,10 @@ class EdgePocket(Feature):
 
     sides: ClassVar[tuple[Side, ...]] = (Side.LOCK_EDGE, Side.HINGE_EDGE)
 
-    offset: float | None = entry(Quantity("mm", 0.0, 100.0), default=None)
-    width: float = entry(Quantity("mm", 5.0, 100.0))
-    length: float = entry(Quantity("mm", 5.0, 600.0))
-    depth: float = entry(Quantity("mm", 0.5, 200.0))
+    offset: Annotated[float | None, Quantity("mm", 0.0, 100.0)] = None
+    width: Annotated[float, Quantity("mm", 5.0, 100.0)]
+    length: Annotated[float, Quantity("mm", 5.0, 600.0)]
+    depth: Annotated[float, Quantity("mm", 0.5, 200.0)]
 
     def across(self, door: DoorSize) -> float:
         """See the base class."""
