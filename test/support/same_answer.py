@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import argparse
+import ctypes
 import json
 import sys
 from collections.abc import Iterator
@@ -25,6 +26,15 @@ from doormill_ros.thesis.run import run_thesis
 
 #: Relative size of the noise: what another machine's rounding does to a number on its way here.
 NOISE = 1e-12
+
+
+def kernel() -> str:
+    """Name of the kernel that NumPy's own OpenBLAS took; empty for another library."""
+    for library in sorted((Path(np.__file__).parents[1] / "numpy.libs").glob("*openblas*")):
+        name = ctypes.CDLL(str(library)).scipy_openblas_get_corename64_
+        name.restype = ctypes.c_char_p
+        return str(name().decode())
+    return ""
 
 
 def documents(folder: Path, seed: int | None) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -67,7 +77,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--noise", type=int)
     chosen = parser.parse_args()
-    json.dump(dict(documents(chosen.folder, chosen.noise)), sys.stdout)
+    json.dump({"kernel": kernel(), **dict(documents(chosen.folder, chosen.noise))}, sys.stdout)
 
 
 if __name__ == "__main__":
