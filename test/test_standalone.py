@@ -57,6 +57,7 @@ def test_it(request):
     assert (request.config.rootpath / "../facts.yaml").is_file() or (somewhere / "..").is_dir()
     assert Path("/home/somebody/facts.yaml").read_text() or Path.home() or "see ~/facts"
 """,
+    "bench/series.py": "print('--data', '../series')\n",
     "bench/run.py": "from pathlib import Path\nprint(Path(__file__).parent.parent.parent, '--data ../series')\n",
     "docs/page.md": "[text](../../beside.md)\n`diagnose ../series` and `cat /work/facts`\n",
     "scripts/go.sh": 'cd "$(dirname "$0")/../.."\n',
@@ -67,8 +68,10 @@ GOOD = {
 from pathlib import Path
 from support.source_tree import DATA, ROOT
 A = Path(__file__).resolve().parents[2] / "docs" / "a.md"
+E = "../test_that.py"
 B = DATA.parent.parent, "1..22 and so on...", "/door/pose"
 """,
+    "test/test_that.py": "",
     "docs/page.md": "[text](../README.md), 100..199\n",
     "scripts/go.sh": 'cd "$(dirname "$0")/.."\n',
 }

@@ -28,7 +28,8 @@ def leading_out(root: Path, path: Path) -> list[str]:
     below = path.relative_to(root).parts
     text = re.sub(r"\A#!.*", "", path.read_text(encoding="utf-8"))
     if path.suffix == ".py":
-        return list(dict.fromkeys(_of_python(ast.parse(text), len(below))))
+        found = list(dict.fromkeys(_of_python(ast.parse(text), len(below))))
+        return [leak for leak in found if not _is_beside(root, path, leak)]
     found = []
     links = _LINK.findall(text) if path.suffix == ".md" else []
     for link in links:
@@ -40,6 +41,13 @@ def leading_out(root: Path, path: Path) -> list[str]:
         if up.count("..") > allowed:
             found.append(f"path {up}")
     return found + [f"place {place}" for place in _PLACE.findall(text)]
+
+
+def _is_beside(root: Path, path: Path, leak: str) -> bool:
+    """Whether a string names a file of the repository as seen from the file it stands in."""
+    match = re.fullmatch(r"string '((?:\.\./)+[\w/.-]{1,200})'", leak)
+    named = (path.parent / match[1]).resolve() if match else root.parent
+    return named.is_relative_to(root) and named.is_file()
 
 
 def _of_python(tree: ast.Module, depth: int) -> Iterator[str]:
