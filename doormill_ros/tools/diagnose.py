@@ -1,7 +1,8 @@
 """Tell what a simulation gets wrong: `diagnose --data DIR [--data DIR ...] [--check DIR ...] --out OUT`.
 
 With `--thesis` in place of `--data` it questions the thesis' own loading tests (tables 4.2 and 4.3), with
-`--pictures DIR` the camera model by pictures of a door that was moved by known amounts.
+`--pictures DIR` the camera model by pictures of a door that was moved by known amounts, with `--inspections DIR` the
+robot's springs by inspected doors and the bags of their runs.
 """
 
 from __future__ import annotations
@@ -68,6 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     source.add_argument("--thesis", action="store_true", help="the loading tests that the thesis prints")
     source.add_argument("--pictures", metavar="DIR", type=Path, help="pictures of a moved door")
+    source.add_argument("--inspections", metavar="DIR", type=Path, help="one or many inspected doors")
     parser.add_argument(
         "--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only"
     )
@@ -91,6 +93,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 from doormill_ros.diagnosis.camera.run import run_pictures
 
                 verdict = run_pictures(chosen.pictures, chosen.out, progress)
+            elif chosen.inspections is not None:
+                from doormill_ros.diagnosis.parts.run import run_inspections
+
+                verdict = run_inspections(chosen.inspections, chosen.out, progress)
             else:
                 run = choose_runner([*chosen.data, *chosen.check])
                 verdict = run(chosen.data, chosen.check, chosen.out, progress)

@@ -1,0 +1,134 @@
+"""Reads the inspection of a milled door: inspection.yaml and points.csv beside the bag of the run.
+
+`points.csv` has one measured point a row: the feature of the recipe, the surface (wall or floor), the nominal point
+and its unit normal into the wood in the door frame, and how far the real surface lies along that normal.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.errors import DataSetError
+from doormill_ros.measurements.set_document import SetDocument
+from doormill_ros.measurements.trial_table import TrialTable
+
+SCHEMA = "doormill/inspection/1"
+DESCRIPTION, TABLE = "inspection.yaml", "points.csv"
+SURFACES = ("wall", "floor")
+POINT_COLUMNS, NORMAL_COLUMNS = ("x", "y", "z"), ("nx", "ny", "nz")
+COLUMNS = ("feature", "surface", *POINT_COLUMNS, *NORMAL_COLUMNS, "deviation")
+KEYS = ("schema", "run_id", "bag", "measured_at", "noise", "datum")
+CAMERA = "camera"  #: datum: where the recorded pose put the door
+_NORMAL_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """Measured points of one door.
+
+    Attributes:
+        path: The folder.
+        run_id: The run that milled the door.
+        bag: Its bag.
+        measured_at: When it was measured; without a zone in the file it is taken for UTC.
+        noise: Standard deviation of one deviation [m].
+        datum: What the deviations are against: "camera", "part" or "feature NAME".
+        feature: Name in the recipe of each of n points.
+        wall: Which points lie on a wall, the others on a floor; shape (n,).
+        point: Nominal points, door frame, shape (n, 3) [m].
+        normal: Unit normals there, from the pocket into the wood, door axes, shape (n, 3).
+        deviation: How far the real surface lies along the normal, shape (n,) [m]; positive where too much wood is gone.
+        document, table: What was read, for complaints about it.
+    """
+
+    path: Path
+    run_id: str
+    bag: Path
+    measured_at: datetime
+    noise: float
+    datum: str
+    feature: tuple[str, ...]
+    wall: BoolArray
+    point: FloatArray
+    normal: FloatArray
+    deviation: FloatArray
+    document: SetDocument
+    table: TrialTable
+
+    def __len__(self) -> int:
+        return len(self.deviation)
+
+    def refuse(self, key: str, problem: str) -> DataSetError:
+        """The error for a value of inspection.yaml, with line and column."""
+        return self.document.fail((key,), problem)
+
+    def refuse_point(self, row: int, column: str, problem: str) -> DataSetError:
+        """The error for a cell of points.csv, with line and column."""
+        return self.table.fail(row, column, problem)
+
+
+def read_inspection(folder: Path) -> Inspection:
+    """Read one inspection.
+
+    Raises:
+        DataSetError: A file is missing, or a value cannot be used; the message names file, line and column.
+    """
+    document = SetDocument(folder / DESCRIPTION)
+    for key in document.data:
+        if key not in KEYS:
+            raise document.fail((str(key),), f"is unknown, allowed are {', '.join(KEYS)}")
+    if document.get("schema") != SCHEMA:
+        raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
+    bag = document.get("bag")
+    if not isinstance(bag, str) or not (folder / bag).is_dir():
+        raise document.fail(("bag",), f"is {bag!r}, allowed is the folder of a bag, relative to this one")
+    datum = document.get("datum")
+    if not isinstance(datum, str) or (datum not in (CAMERA, "part") and not datum.startswith("feature ")):
+        raise document.fail(("datum",), f"is {datum!r}, allowed are camera, part and feature NAME")
+    measured_at = document.get("measured_at")
+    if not isinstance(measured_at, datetime):
+        raise document.fail(
+            ("measured_at",), f"is {measured_at!r}, allowed is a time as 2026-11-22T08:00:00Z"
+        )
+    table = TrialTable(folder / TABLE, COLUMNS)
+    surface = table.text("surface")
+    for row, name in enumerate(surface):
+        if name not in SURFACES:
+            raise table.fail(row, "surface", f"is {name!r}, allowed are {' and '.join(SURFACES)}")
+    normal = table.block(NORMAL_COLUMNS)
+    length = np.linalg.norm(normal, axis=1)
+    for wrong in np.flatnonzero(np.abs(length - 1.0) > _NORMAL_TOLERANCE):
+        raise table.fail(int(wrong), "nx", f"the normal has length {length[wrong]:.4f}, allowed is 1")
+    return Inspection(
+        path=folder,
+        run_id=str(document.get("run_id")),
+        bag=folder / bag,
+        measured_at=measured_at if measured_at.tzinfo else measured_at.replace(tzinfo=UTC),
+        noise=document.number("noise", positive=True),
+        datum=datum,
+        feature=tuple(table.text("feature")),
+        wall=np.array(surface) == "wall",
+        point=table.block(POINT_COLUMNS),
+        normal=normal,
+        deviation=table.numbers("deviation"),
+        document=document,
+        table=table,
+    )
+
+
+def inspections_in(folder: Path) -> list[Inspection]:
+    """The inspection that a folder is, or those in its folders, in the order of their names.
+
+    Raises:
+        DataSetError: There is none, or one cannot be read.
+    """
+    if (folder / DESCRIPTION).is_file():
+        return [read_inspection(folder)]
+    within = sorted(path.parent for path in folder.glob(f"*/{DESCRIPTION}"))
+    # Of a folder without any the complaint is that its own description is missing.
+    return [read_inspection(path) for path in within or [folder]]
