@@ -15,9 +15,14 @@ NODES = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "b
 
 def generate_launch_description():
     share = Path(get_package_share_directory("doormill_ros"))
-    parameters = [str(share / "config" / "nodes.yaml"), {"autostart": LaunchConfiguration("autostart")}]
+    parameters = [LaunchConfiguration("parameters"), {"autostart": LaunchConfiguration("autostart")}]
     return LaunchDescription(
         [
+            DeclareLaunchArgument(
+                "parameters",
+                default_value=str(share / "config" / "nodes.yaml"),
+                description="YAML file with the parameters of the nodes",
+            ),
             DeclareLaunchArgument(
                 "autostart", default_value="true", description="bring the nodes up; false: an operator does"
             ),

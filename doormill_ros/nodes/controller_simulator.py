@@ -38,7 +38,7 @@ class ControllerSimulator(ManagedNode):
             "spindle_works", True, "false: the spindle never comes to speed, the program stops with a fault"
         ),
         Parameter("web_services", "", "Robot Web Services over HOME and signals: rws1, rws2; empty: none"),
-        Parameter("web_services_port", 8080, "their TCP port on 127.0.0.1; 0: any free one", 0, 65535),
+        Parameter("web_services_port", 8090, "their TCP port on 127.0.0.1; 0: any free one", 0, 65535),
         Parameter(
             "web_services_certificates", "out/controller", "folder that rws2 writes controller.crt and key to"
         ),

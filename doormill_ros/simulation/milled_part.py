@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
@@ -151,7 +151,7 @@ def _measure(
 class _Way:
     """One robot's path in the frame of a feature."""
 
-    def __init__(self, T_feature_tool: FloatArray, own: FloatArray, cutting: FloatArray) -> None:
+    def __init__(self, T_feature_tool: FloatArray, own: BoolArray, cutting: BoolArray) -> None:
         self.tip = T_feature_tool[:, :3, 3]
         self.axis = T_feature_tool[:, :3, 2]
         # The tool moved straight from sample to sample; both must be this feature's.
@@ -170,7 +170,8 @@ class _Way:
         stretch = np.repeat(np.arange(len(parts)), parts)
         number = np.arange(len(stretch)) - np.repeat(np.cumsum(parts) - parts, parts)
         share = ((number + 1) / parts[stretch])[:, None]
-        return start[stretch] + share * (end - start)[stretch]
+        tips: FloatArray = start[stretch] + share * (end - start)[stretch]
+        return tips
 
     def at_depth(self, z: float) -> FloatArray:
         """Stretches of the tool axis through the plane at depth z, shape (m, 2, 2) [m]."""
@@ -196,7 +197,8 @@ def _deviation(points: FloatArray, stretches: FloatArray, radius: float) -> Floa
     """Tool radius less the distance of each point to the nearest stretch, shape (n,) [m]."""
     if not len(stretches):
         # Nothing was milled: the wood stands up to the middle of the feature.
-        return -np.linalg.norm(points - points.mean(axis=0), axis=1)
+        left: FloatArray = -np.linalg.norm(points - points.mean(axis=0), axis=1)
+        return left
     tree = shapely.STRtree(shapely.linestrings(stretches))
     (who, _), distance = tree.query_nearest(shapely.points(points), return_distance=True, all_matches=False)
     result = np.empty(len(points))
@@ -241,4 +243,5 @@ def _grid(outline: FloatArray) -> FloatArray:
     x = np.linspace(low_x, high_x, max(3, round((high_x - low_x) / FLOOR_STEP)))
     y = np.linspace(low_y, high_y, max(3, round((high_y - low_y) / FLOOR_STEP)))
     places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    return places[shapely.contains_xy(inner, places[:, 0], places[:, 1])]
+    kept: FloatArray = places[shapely.contains_xy(inner, places[:, 0], places[:, 1])]
+    return kept

@@ -47,7 +47,8 @@ def controller_events(
     # the bridge has told that it is high.
     course = [(t, 0, v) for t, v in states] + [(t, 1, v) for t, v in requests]
     events: list[ControllerEvent] = []
-    high, ready_ns, milling, before_ns = False, None, False, begun_ns
+    high, milling, before_ns = False, False, begun_ns
+    ready_ns: int | None = None
     for stamp_ns, is_request, value in sorted(course):
         if not is_request:
             ready_ns = stamp_ns if value == HandshakeState.READY.value else ready_ns
@@ -59,13 +60,12 @@ def controller_events(
         if value == high:
             continue
         high = bool(value)
-        answers = not high and ready_ns is not None
-        since = ready_ns if answers else before_ns
-        delay = max(0, stamp_ns - since) * 1e-9
-        events.append(ControllerEvent(signals.REQUEST, high, delay, True if answers else None))
+        since_ns = before_ns
+        ready: bool | None = None
+        if not high and ready_ns is not None:  # it answers the ready signal
+            since_ns, ready, ready_ns = ready_ns, True, None
+        events.append(ControllerEvent(signals.REQUEST, high, max(0, stamp_ns - since_ns) * 1e-9, ready))
         before_ns = stamp_ns
-        if answers:
-            ready_ns = None
     return events
 
 

@@ -10,7 +10,7 @@ import itertools
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.simulation.truth.chain import chain
 
 #: Axes whose quarter turns are in confdata.
@@ -112,10 +112,11 @@ class ControllerArm:
                 result[:, 4 * behind_axis + 2 * behind_arm + negative] = solution
         return result
 
-    def within_limits(self, q: FloatArray) -> FloatArray:
-        """Whether joint angles (n, 6) are within the limits, shape (n,)."""
+    def within_limits(self, q: FloatArray) -> BoolArray:
+        """Whether joint angles q (n, 6) [rad] are within the limits, shape (n,)."""
         tolerance = 1e-9
-        return np.all((q >= self.lower - tolerance) & (q <= self.upper + tolerance), axis=1)
+        inside = (q >= self.lower - tolerance) & (q <= self.upper + tolerance)  # (n, 6)
+        return np.asarray(inside.all(axis=1))
 
     def in_configuration(
         self, T_base_flange: FloatArray, quarters: tuple[int, int, int], cfx: int, tolerance: float = 1e-3
@@ -127,6 +128,9 @@ class ControllerArm:
             quarters: Quarter turns of axes 1, 4 and 6.
             cfx: Branch 0..7.
             tolerance: How far outside its quarter an axis may be [rad]: on the border both count.
+
+        Returns:
+            Shape (6,) [rad].
         """
         q = self.branches(T_base_flange[None])[0, cfx].copy()
         if np.isnan(q[1]):
@@ -171,17 +175,18 @@ class ControllerArm:
 
     def conf_of(self, q: FloatArray) -> tuple[int, int, int, int]:
         """cf1, cf4, cf6, cfx of joint angles (6,) [rad]."""
-        quarters = [int(np.floor(q[axis] / QUARTER)) for axis in CONF_AXES]
+        cf1, cf4, cf6 = (int(np.floor(q[axis] / QUARTER)) for axis in CONF_AXES)
         frames = chain(self.dh, np.atleast_2d(q))[0]
         # The wrist centre in the frame of axis 1, and beside the line of the lower arm.
         wrist = frames[5, :3, 3]
         forward = np.array([np.cos(q[0]), np.sin(q[0]), 0.0])
         gamma = self._bend - q[2]
-        return (*quarters, 4 * int(wrist @ forward < 0.0) + 2 * int(np.cos(gamma) < 0.0) + int(q[4] < 0.0))
+        cfx = 4 * int(wrist @ forward < 0.0) + 2 * int(np.cos(gamma) < 0.0) + int(q[4] < 0.0)
+        return cf1, cf4, cf6, cfx
 
 
 def _wrapped(q: FloatArray) -> FloatArray:
-    """Angles in (-pi, pi]."""
+    """Angles in (-pi, pi] [rad], same shape."""
     return np.pi - np.mod(np.pi - q, 2.0 * np.pi)
 
 
@@ -191,7 +196,7 @@ def _near(candidates: FloatArray, last: FloatArray) -> FloatArray:
 
 
 def _seen_from_third(q1: FloatArray, tilt: FloatArray, R_base_flange: FloatArray) -> FloatArray:
-    """R_3_6 from axis 1, the sum of axes 2 and 3, and R_0_6.
+    """R_3_6, shape (n, 3, 3), from axis 1 (n,), the sum of axes 2 and 3 (n,) [rad] and R_0_6 (n, 3, 3).
 
     R_0_3 = Rz(q1) Ry(q2 + q3 - pi/2) Rx(pi) for the table's twists.
     """

@@ -20,8 +20,20 @@ LARGEST_ARC = deg_to_rad(240.0)
 class Curve(Protocol):
     """A tool path with parameter u from 0 to 1."""
 
-    length: float  # of the tool centre point [m]
-    turn: float  # of the tool's orientation [rad]
+    @property
+    def length(self) -> float:
+        """Way of the tool centre point [m]."""
+        ...
+
+    @property
+    def turn(self) -> float:
+        """Angle by which the tool's orientation turns [rad]."""
+        ...
+
+    @property
+    def end(self) -> FloatArray:
+        """T_base_tool at u = 1, shape (4, 4)."""
+        ...
 
     def poses(self, u: FloatArray) -> FloatArray:
         """T_base_tool, shape (n, 4, 4), at u (n,)."""
@@ -30,7 +42,12 @@ class Curve(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Straight line; the orientation turns evenly about one axis."""
+    """Straight line; the orientation turns evenly about one axis.
+
+    Attributes:
+        start: T_base_tool at u = 0, shape (4, 4).
+        end: T_base_tool at u = 1, shape (4, 4).
+    """
 
     start: FloatArray
     end: FloatArray
@@ -46,7 +63,7 @@ class Line:
         return _angle(self.start, self.end)
 
     def poses(self, u: FloatArray) -> FloatArray:
-        """T_base_tool at u."""
+        """T_base_tool, shape (n, 4, 4), at u (n,)."""
         u = np.asarray(u, dtype=float)
         points = self.start[:3, 3] + u[:, None] * (self.end[:3, 3] - self.start[:3, 3])
         return _assemble(_rotations(self.start, self.end, u), points)
@@ -97,7 +114,7 @@ class Arc:
         self.turn = _angle(start, end)
 
     def poses(self, u: FloatArray) -> FloatArray:
-        """T_base_tool at u."""
+        """T_base_tool, shape (n, 4, 4), at u (n,)."""
         u = np.asarray(u, dtype=float)
         angle = (u * self.angle)[:, None]
         points = self._centre + self.radius * (np.cos(angle) * self._x + np.sin(angle) * self._y)
@@ -106,7 +123,13 @@ class Arc:
 
 @dataclass(frozen=True, eq=False)
 class Corner:
-    """Parabola that rounds off the corner between two curves."""
+    """Parabola that rounds off the corner between two curves.
+
+    Attributes:
+        before: T_base_tool where the first curve is left, shape (4, 4).
+        corner: T_base_tool programmed, which the tool cuts off, shape (4, 4).
+        after: T_base_tool where the second curve is entered, shape (4, 4).
+    """
 
     before: FloatArray
     corner: FloatArray
@@ -124,7 +147,7 @@ class Corner:
         return _angle(self.before, self.corner) + _angle(self.corner, self.after)
 
     def poses(self, u: FloatArray) -> FloatArray:
-        """T_base_tool at u."""
+        """T_base_tool, shape (n, 4, 4), at u (n,)."""
         u = np.asarray(u, dtype=float)
         p, q, r = (pose[:3, 3] for pose in (self.before, self.corner, self.after))
         w = u[:, None]
@@ -136,7 +159,17 @@ class Corner:
 
 
 def corner_joints(before: FloatArray, corner: FloatArray, after: FloatArray, u: FloatArray) -> FloatArray:
-    """The same parabola over joint angles, for corners at joint motions; shape (n, 6) [rad]."""
+    """The same parabola over joint angles, for corners at joint motions.
+
+    Args:
+        before: Joint angles where the first motion is left, shape (6,) [rad].
+        corner: Joint angles at the programmed target, shape (6,) [rad].
+        after: Joint angles where the second motion is entered, shape (6,) [rad].
+        u: Parameter from 0 to 1, shape (n,).
+
+    Returns:
+        Shape (n, 6) [rad].
+    """
     w = np.asarray(u, dtype=float)[:, None]
     return (1.0 - w) ** 2 * before + 2.0 * w * (1.0 - w) * corner + w**2 * after
 
@@ -148,10 +181,12 @@ def _angle(a: FloatArray, b: FloatArray) -> float:
 def _rotations(start: FloatArray, end: FloatArray, u: FloatArray) -> FloatArray:
     """Rotations between two poses, shape (n, 3, 3)."""
     slerp = Slerp([0.0, 1.0], Rotation.from_matrix([start[:3, :3], end[:3, :3]]))
-    return slerp(np.clip(u, 0.0, 1.0)).as_matrix()
+    rotations: FloatArray = slerp(np.clip(u, 0.0, 1.0)).as_matrix()
+    return rotations
 
 
 def _assemble(rotations: FloatArray, points: FloatArray) -> FloatArray:
+    """Poses (n, 4, 4) from rotations (n, 3, 3) and points (n, 3) [m]."""
     poses = np.zeros((len(points), 4, 4))
     poses[:, :3, :3] = rotations
     poses[:, :3, 3] = points

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +33,9 @@ class ExecutedPath:
     T_base_tool: FloatArray
     T_base_tool_commanded: FloatArray
     q: FloatArray
-    motion: FloatArray
-    cutting: FloatArray
-    feature: FloatArray
+    motion: IntArray
+    cutting: BoolArray
+    feature: NDArray[np.str_]
     wrench: FloatArray
 
     def __post_init__(self) -> None:
@@ -55,7 +57,7 @@ class ExecutedPath:
         }
         kinds = {"motion": int, "cutting": bool, "feature": str}
         for item in fields(self):
-            values = np.array(getattr(self, item.name), dtype=kinds.get(item.name, float))
+            values: NDArray[Any] = np.array(getattr(self, item.name), dtype=kinds.get(item.name, float))
             if values.shape != shapes[item.name]:
                 raise ValueError(f"{item.name} has shape {values.shape}, allowed is {shapes[item.name]}")
             if values.dtype.kind == "f" and not np.all(np.isfinite(values)):

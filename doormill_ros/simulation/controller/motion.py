@@ -254,10 +254,12 @@ class MotionEngine:
         return _Phase(time, flange @ self._T_flange_tool, q, contexts)
 
     def _joints_at(self, move: PlannedMove, u: float) -> FloatArray:
+        """Joint angles at parameter u of a motion, shape (6,) [rad]."""
         if move.curve is None:
             return move.q_start + u * (move.q_end - move.q_start)
         poses = move.curve.poses(np.linspace(0.0, u, 11)) @ inverse(move.T_flange_tool)
-        return self._arm.nearest(poses, move.q_start)[-1]
+        q: FloatArray = self._arm.nearest(poses, move.q_start)[-1]
+        return q
 
     def _count(self, move: PlannedMove, span: float) -> int:
         """Samples for a share of a motion, ends included."""
@@ -266,7 +268,7 @@ class MotionEngine:
         return int(np.ceil(max(by_time, by_way))) + 2
 
     def _slowed(self, time: FloatArray, q: FloatArray) -> FloatArray:
-        """Times that no joint is too slow for, (n,)."""
+        """Times (n,) [s] that no joint is too slow for, from times (n,) [s] and joint angles (n, 6) [rad]."""
         needed = (np.abs(np.diff(q, axis=0)) / self._arm.max_velocity).max(axis=1)
         return np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(time), needed))])
 

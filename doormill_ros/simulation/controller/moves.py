@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from doormill_ros.simulation.controller.arm import QUARTER, ControllerArm
 from doormill_ros.simulation.controller.curves import Arc, Curve, Line
 from doormill_ros.simulation.controller.rapid.errors import RapidMotionError
 from doormill_ros.simulation.controller.rapid.machine import Move
+from doormill_ros.simulation.controller.rapid.types import Value
 from doormill_ros.units import deg_to_rad, mm_to_m, rad_to_deg
 
 #: Deviations of |q.q| from 1: above the first a warning, above the second an error.
@@ -73,7 +74,7 @@ class PlannedMove:
 class MovePlanner:
     """Plans motions one after the other, each from the target of the one before."""
 
-    def __init__(self, arm: ControllerArm, log: Any) -> None:
+    def __init__(self, arm: ControllerArm, log: Callable[[str, str, str], None]) -> None:
         """Plan for an arm; `log(kind, title, text)` takes warnings."""
         self._arm = arm
         self._log = log
@@ -112,7 +113,8 @@ class MovePlanner:
             q_end = self._joint_target(move, wobj, T_flange_tool, q)
             samples = self._arm.forward(np.linspace(q, q_end, 21)) @ T_flange_tool
             length = float(np.linalg.norm(np.diff(samples[:, :3, 3], axis=0), axis=1).sum())
-            curve, end, turn = None, samples[-1], Line(samples[0], samples[-1]).turn
+            end, turn = samples[-1], Line(samples[0], samples[-1]).turn
+            curve: Curve | None = None
             if move.kind == "MoveJ":
                 end = wobj @ self._pose(move, move.target, "the target")
         else:
@@ -126,9 +128,10 @@ class MovePlanner:
             duration = move.duration
         return PlannedMove(curve, q, q_end, end, T_flange_tool, length, duration, zone, context, move)
 
-    def _curve(self, move: Move, wobj: FloatArray, start: FloatArray) -> Line | Arc:
+    def _curve(self, move: Move, wobj: FloatArray, start: FloatArray) -> Curve:
+        """The tool path of a Cartesian motion from the pose `start` (4, 4) on; `wobj` is T_base_wobj (4, 4)."""
         end = wobj @ self._pose(move, move.target, "the target")
-        if move.kind == "MoveL":
+        if move.via is None:
             return Line(start, end)
         via = wobj @ self._pose(move, move.via, "the circle point")
         try:
@@ -139,9 +142,9 @@ class MovePlanner:
     def _joint_target(
         self, move: Move, wobj: FloatArray, T_flange_tool: FloatArray, q: FloatArray
     ) -> FloatArray:
-        """Joint angles at the end of a joint motion."""
+        """Joint angles at the end of a joint motion, shape (6,) [rad]; `wobj` is T_base_wobj (4, 4)."""
         if move.kind == "MoveAbsJ":
-            q_end = deg_to_rad(np.array(move.target[0]))
+            q_end: FloatArray = deg_to_rad(np.array(move.target[0]))
             if not self._arm.within_limits(q_end[None])[0]:
                 raise self._error(
                     move, f"joint angles {move.target[0]} deg are beyond the limits", "the robot's range"
@@ -150,7 +153,8 @@ class MovePlanner:
         T_base_flange = wobj @ self._pose(move, move.target, "the target") @ inverse(T_flange_tool)
         if not self.joint_configuration:
             q_end = self._arm.nearest(T_base_flange[None], q)[0]
-            found = None if np.isnan(q_end[0]) or not self._arm.within_limits(q_end[None])[0] else q_end
+            reached = not np.isnan(q_end[0]) and bool(self._arm.within_limits(q_end[None])[0])
+            found = q_end if reached else None
         else:
             cf1, cf4, cf6, cfx = self._conf(move, move.target)
             found = self._arm.in_configuration(T_base_flange, (cf1, cf4, cf6), cfx, BORDER)
@@ -163,7 +167,7 @@ class MovePlanner:
         return found
 
     def _try(self, move: Move, curve: Curve, T_flange_tool: FloatArray, q: FloatArray) -> FloatArray:
-        """Follow a Cartesian motion once and give the joint angles at its end."""
+        """Follow a Cartesian motion once and give the joint angles at its end, shape (6,) [rad]."""
         poses = curve.poses(np.linspace(0.0, 1.0, TRIALS)) @ inverse(T_flange_tool)
         path = self._arm.nearest(poses, q)
         if np.isnan(path).any():
@@ -186,7 +190,8 @@ class MovePlanner:
                 f"the path passes a singularity (axis 5 at {rad_to_deg(np.abs(path[:, 4]).min()):.2f} deg)",
                 f"axis 5 at least {rad_to_deg(WRIST_SINGULARITY):.1f} deg from straight",
             )
-        return path[-1]
+        q_end: FloatArray = path[-1]
+        return q_end
 
     def _check_configuration(self, move: Move, q_end: FloatArray) -> None:
         """ConfL: a Cartesian motion must end in the configuration that its target names."""
@@ -208,23 +213,24 @@ class MovePlanner:
                 move, f"the motion ends in cfx {found[3]}, the target says {wanted[3]}", "the same cfx"
             )
 
-    def _conf(self, move: Move, target: list) -> tuple[int, int, int, int]:
+    def _conf(self, move: Move, target: Value) -> tuple[int, int, int, int]:
         conf = target[2]
         if any(value != int(value) for value in conf) or not 0 <= conf[3] <= 7:
             raise self._error(move, f"confdata is {_numbers(conf)}", "integers, cfx 0 to 7")
-        return tuple(int(value) for value in conf)
+        cf1, cf4, cf6, cfx = (int(value) for value in conf)
+        return cf1, cf4, cf6, cfx
 
-    def _pose(self, move: Move, target: list, what: str) -> FloatArray:
+    def _pose(self, move: Move, target: Value, what: str) -> FloatArray:
         if any(value not in (9e9, float(np.float32(9e9))) for value in target[3]):
             self._log("warning", "external axes", f"{what} names external axes, the robot has none")
         return self._frame(move, target, what)
 
     @staticmethod
-    def frame(pose: list) -> FloatArray:
+    def frame(pose: Value) -> FloatArray:
         """T_parent_child, shape (4, 4), of a RAPID pose."""
         return from_wxyz(mm_to_m(np.array(pose[0])), np.array(pose[1]))
 
-    def _frame(self, move: Move, pose: list, what: str) -> FloatArray:
+    def _frame(self, move: Move, pose: Value, what: str) -> FloatArray:
         """T_parent_child of a RAPID pose, or of the first two parts of a robtarget."""
         quaternion = np.array(pose[1])
         defect = abs(float(quaternion @ quaternion) - 1.0)
@@ -251,9 +257,9 @@ class MovePlanner:
         return RapidMotionError(text, file=move.file, line=move.line, kind=move.kind)
 
 
-def _numbers(values: Any) -> str:
+def _numbers(values: Iterable[float]) -> str:
     return "[" + ", ".join(f"{value:g}" for value in values) + "]"
 
 
-def _point(target: list) -> str:
+def _point(target: Value) -> str:
     return f"{_numbers(target[0])} mm"

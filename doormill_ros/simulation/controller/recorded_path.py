@@ -74,4 +74,5 @@ def _travel(poses: FloatArray) -> FloatArray:
     steps = np.diff(poses[:, :3, 3], axis=0)
     steps = np.concatenate([steps, steps[-1:]])
     length = np.linalg.norm(steps, axis=1, keepdims=True)
-    return np.divide(steps, length, out=np.zeros_like(steps), where=length > 1e-12)
+    direction: FloatArray = np.divide(steps, length, out=np.zeros_like(steps), where=length > 1e-12)
+    return direction

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
 from doormill_ros.simulation.picture.scene import SceneCamera, Sensor
 
 _NODE = 24  # spacing of the exact ray nodes [px]; a bicubic spline is exact to 1e-9 between them
@@ -18,7 +18,7 @@ Block = tuple[int, int, int, int]  # first row, last row (excluded), first colum
 
 
 def lens(ideal: FloatArray, brown: FloatArray) -> FloatArray:
-    """Where Brown's lens puts ideal rays x/z, y/z; (n, 2) to (n, 2)."""
+    """Where Brown's lens (k1, k2, p1, p2, k3) puts ideal rays x/z, y/z; (n, 2) to (n, 2)."""
     k1, k2, p1, p2, k3 = brown
     s = np.sum(ideal * ideal, axis=1)
     gain = 1.0 + k1 * s + k2 * s**2 + k3 * s**3
@@ -32,7 +32,7 @@ def lens(ideal: FloatArray, brown: FloatArray) -> FloatArray:
 
 
 def _unlens(seen: FloatArray, brown: FloatArray) -> FloatArray:
-    """Invert `lens` by Newton's method with a numeric Jacobian."""
+    """Invert `lens` by Newton's method with a numeric Jacobian; (n, 2) to (n, 2)."""
     ideal, h = seen.copy(), 1e-6
     for _ in range(12):
         columns = [
@@ -45,8 +45,10 @@ def _unlens(seen: FloatArray, brown: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=2)
-def _rays(matrix: tuple, brown: tuple, shape: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
-    """Rays of every pixel and of a rim around the picture, float32."""
+def _rays(
+    matrix: tuple[float, ...], brown: tuple[float, ...], shape: tuple[int, int]
+) -> tuple[Float32Array, Float32Array]:
+    """Rays x/z and y/z of every pixel and of a rim around the picture, (rows + 2, columns + 2) each."""
     rows, columns = shape
     v = np.arange(-_NODE, rows + 2 * _NODE, _NODE, dtype=float)
     u = np.arange(-_NODE, columns + 2 * _NODE, _NODE, dtype=float)
@@ -55,26 +57,30 @@ def _rays(matrix: tuple, brown: tuple, shape: tuple[int, int]) -> tuple[FloatArr
     seen = (pixels @ np.linalg.inv(np.reshape(matrix, (3, 3))).T)[:, :2]
     ideal = _unlens(seen, np.array(brown))
     every_v, every_u = np.arange(-_RIM, rows + _RIM), np.arange(-_RIM, columns + _RIM)
-    return tuple(
-        RectBivariateSpline(v, u, ideal[:, i].reshape(grid_v.shape))(every_v, every_u).astype(np.float32)
-        for i in range(2)
-    )
+
+    def at_pixels(nodes: FloatArray) -> Float32Array:
+        spline = RectBivariateSpline(v, u, nodes.reshape(grid_v.shape))
+        return np.asarray(spline(every_v, every_u), dtype=np.float32)
+
+    return at_pixels(ideal[:, 0]), at_pixels(ideal[:, 1])
 
 
-def rays(camera: SceneCamera, block: Block, fine: int) -> tuple[FloatArray, FloatArray]:
+def rays(camera: SceneCamera, block: Block, fine: int) -> tuple[Float32Array, Float32Array]:
     """Ideal rays x/z and y/z through the sub-pixels of a block of the picture.
 
     Pixel (u, v) covers u - 0.5 .. u + 0.5; with `fine` sub-pixels along each axis the arrays
-    have shape (rows * fine, columns * fine), float32.
+    have shape (rows * fine, columns * fine).
     """
     row0, row1, column0, column1 = block
-    out = []
-    for whole in _rays(tuple(camera.matrix.ravel()), tuple(camera.brown), camera.shape):
+
+    def within(whole: Float32Array) -> Float32Array:
         part = whole[row0 : row1 + 2 * _RIM, column0 : column1 + 2 * _RIM]
         if fine > 1:  # between neighbouring pixels the lens is linear to 1e-6 px
             part = cv2.resize(part, None, fx=fine, fy=fine, interpolation=cv2.INTER_LINEAR)
-        out.append(part[_RIM * fine : -_RIM * fine, _RIM * fine : -_RIM * fine])
-    return tuple(out)
+        return part[_RIM * fine : -_RIM * fine, _RIM * fine : -_RIM * fine]
+
+    ray_x, ray_y = _rays(tuple(camera.matrix.ravel()), tuple(camera.brown), camera.shape)
+    return within(ray_x), within(ray_y)
 
 
 def project(camera: SceneCamera, distance: float, across: FloatArray, up: FloatArray) -> FloatArray:
@@ -83,8 +89,8 @@ def project(camera: SceneCamera, distance: float, across: FloatArray, up: FloatA
     return seen @ camera.matrix[:2, :2].T + camera.matrix[:2, 2]
 
 
-def spread(radiance: FloatArray, sensor: Sensor, fine: int) -> FloatArray:
-    """Point spread of the lens: Gaussian, and a disc when out of focus; same shape."""
+def spread(radiance: Float32Array, sensor: Sensor, fine: int) -> Float32Array:
+    """Point spread of the lens: Gaussian, and a disc when out of focus; (rows * fine, columns * fine) both."""
     out = radiance
     radius = sensor.defocus * fine
     if radius > 0.5:
@@ -97,14 +103,15 @@ def spread(radiance: FloatArray, sensor: Sensor, fine: int) -> FloatArray:
     return out
 
 
-def bin_down(radiance: FloatArray, fine: int) -> FloatArray:
-    """Mean over the sub-pixels of each pixel: the light a pixel's area collects."""
+def bin_down(radiance: Float32Array, fine: int) -> Float32Array:
+    """Mean over the sub-pixels of each pixel, the light its area collects; shape (rows, columns)."""
     rows, columns = radiance.shape
-    return cv2.resize(radiance, (columns // fine, rows // fine), interpolation=cv2.INTER_AREA)
+    light: Float32Array = cv2.resize(radiance, (columns // fine, rows // fine), interpolation=cv2.INTER_AREA)
+    return light
 
 
-def expose(radiance: FloatArray, sensor: Sensor, rng: np.random.Generator) -> ByteArray:
-    """Grey levels with photon and read noise, clipped and rounded; uint8, same shape."""
+def expose(radiance: Float32Array, sensor: Sensor, rng: np.random.Generator) -> ByteArray:
+    """Grey levels of radiance (rows, columns) with photon and read noise, clipped and rounded; same shape."""
     grey = radiance * np.float32(255.0)
     deviation = cv2.sqrt(cv2.max(grey, 0.0) * np.float32(sensor.gain) + np.float32(sensor.read_noise**2))
     grey += deviation * rng.standard_normal(grey.shape, dtype=np.float32)

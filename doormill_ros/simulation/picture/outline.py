@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import Float32Array, FloatArray
 from doormill_ros.simulation.picture.scene import Chip, Edges
 
 _STEP = 2.0e-5  # spacing of the table [m]
@@ -28,11 +28,12 @@ def wander(rng: np.random.Generator, rms: float, correlation: float, count: int,
     reach = np.arange(-48, 49) / 16.0
     kernel = np.exp(-2.0 * reach**2)
     rough = np.convolve(rng.standard_normal(nodes + 96), kernel / np.sqrt(np.sum(kernel**2)), mode="valid")
-    return rms * np.interp(np.arange(count) * step, np.arange(nodes) * coarse, rough)
+    field: FloatArray = rms * np.interp(np.arange(count) * step, np.arange(nodes) * coarse, rough)
+    return field
 
 
 def _bite(chip: Chip, along: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Depth of one chip along the edge [m]: a broken arc with a ragged floor."""
+    """Depth of one chip at places `along` the edge [m]: a broken arc with a ragged floor; both (n,) [m]."""
     place = (along - chip.along) / (chip.length / 2.0)
     arc = np.clip(1.0 - place**2, 0.0, None) ** 0.5
     ragged = 1.0 + 0.3 * wander(rng, 1.0, chip.length / 4.0, along.size, _STEP)
@@ -45,7 +46,7 @@ class Outline:
     def __init__(self, rng: np.random.Generator, edges: Edges, name: str) -> None:
         """Draw the roughness and cut the chips of edge `name`, "hinge" or "bottom"."""
         count = round((_STOP - _START) / _STEP)
-        along = _START + np.arange(count) * _STEP
+        along: FloatArray = _START + np.arange(count, dtype=float) * _STEP
         table = wander(rng, edges.roughness, edges.correlation, count, _STEP)
         for chip in edges.chips:
             if chip.edge == name:
@@ -57,9 +58,10 @@ class Outline:
         """Deepest place [m]."""
         return float(self._table.max())
 
-    def __call__(self, along: FloatArray) -> FloatArray:
-        """Depth [m] at distances `along` [m] from the corner; float32, same shape (2-D)."""
+    def __call__(self, along: Float32Array) -> Float32Array:
+        """Depth [m] at distances `along` [m] from the corner, shape (n, m); same shape."""
         at = (along - np.float32(_START)) * np.float32(1.0 / _STEP)
-        return cv2.remap(
+        depth: Float32Array = cv2.remap(
             self._table, at, np.zeros_like(at), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
+        return depth

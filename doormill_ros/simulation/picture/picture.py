@@ -9,7 +9,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
 from doormill_ros.simulation.picture.optics import Block, bin_down, expose, project, rays, spread
 from doormill_ros.simulation.picture.outline import Outline
 from doormill_ros.simulation.picture.scene import PictureScene, Shadow, Surface
@@ -41,8 +41,10 @@ class _Painter:
         self.band_phase = rng.uniform(0, 2 * np.pi)
         self.turn = np.cos(scene.offset.rotation), np.sin(scene.offset.rotation)
 
-    def door_coordinates(self, ray_x: FloatArray, ray_y: FloatArray, setback: float = 0.0) -> tuple:
-        """Door y and z [m] where rays meet the plane `setback` [m] behind the face."""
+    def door_coordinates(
+        self, ray_x: Float32Array, ray_y: Float32Array, setback: float = 0.0
+    ) -> tuple[Float32Array, Float32Array]:
+        """Door y and z [m] where rays meet the plane `setback` [m] behind the face; all of one shape (n, m)."""
         away = np.float32(-(self.scene.distance + setback))
         corner, (c, s) = self.scene.corner, self.turn
         y = (away * np.float32(c)) * ray_x + (away * np.float32(s)) * ray_y
@@ -58,25 +60,27 @@ class _Painter:
         up = corner[1] + s * points[:, 0] + c * points[:, 1]
         return project(self.scene.camera, self.scene.distance, across, up)
 
-    def cover(self, y: FloatArray, z: FloatArray, sample: float, rough: bool) -> FloatArray:
-        """Share of each sub-pixel of size `sample` [m] that the face covers."""
+    def cover(self, y: Float32Array, z: Float32Array, sample: float, rough: bool) -> Float32Array:
+        """Share of each sub-pixel of size `sample` [m] that the face covers; door y, z [m] and it are (n, m)."""
         tilt = np.float32(np.tan(self.scene.edges.squareness))
         depth, height = y, z - tilt * y
         if rough:
             depth, height = depth - self.hinge(z), height - self.bottom(y)
         # A fibrous rim thins out over its width; a sharp one over a sub-pixel.
         scale = np.float32(1.0 / np.hypot(sample, 2.0 * self.scene.edges.softness))
-        return np.clip(depth * scale + 0.5, 0, 1) * np.clip(height * scale + 0.5, 0, 1)
+        share: Float32Array = np.clip(depth * scale + 0.5, 0, 1) * np.clip(height * scale + 0.5, 0, 1)
+        return share
 
-    def albedo(self, name: str, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Brightness of a surface at door coordinates, under unit light."""
+    def albedo(self, name: str, y: Float32Array, z: Float32Array) -> Float32Array:
+        """Brightness of a surface under unit light at door y, z [m]; all of one shape (n, m)."""
         out = np.full(y.shape, 1.0, dtype=np.float32)
         for texture in self.textures[name]:
             out += texture(y, z)
         out *= np.float32(getattr(self.scene, name).brightness)
-        return cv2.max(out, 0.0)
+        brightness: Float32Array = cv2.max(out, 0.0)
+        return brightness
 
-    def _shade(self, out: FloatArray, shadows: list[Shadow], y: FloatArray, z: FloatArray) -> None:
+    def _shade(self, out: Float32Array, shadows: list[Shadow], y: Float32Array, z: Float32Array) -> None:
         for shadow in shadows:
             c, s = np.cos(shadow.angle), np.sin(shadow.angle)
             far = (
@@ -85,8 +89,8 @@ class _Painter:
             share = np.clip(far / np.float32(shadow.penumbra) + 0.5, 0, 1)
             out *= 1 + np.float32(shadow.factor - 1) * share * share * (3 - 2 * share)
 
-    def light(self, ray_x: FloatArray, ray_y: FloatArray) -> FloatArray:
-        """Light that falls on what a ray sees, shadows aside."""
+    def light(self, ray_x: Float32Array, ray_y: Float32Array) -> Float32Array:
+        """Light that falls on what rays x/z, y/z see, shadows aside; all of one shape (n, m)."""
         light = self.scene.light
         out = 1 + np.float32(light.gradient[0] / 0.55) * ray_x + np.float32(light.gradient[1] / 0.31) * ray_y
         if light.vignetting:
@@ -95,9 +99,10 @@ class _Painter:
             out *= 1 + np.float32(light.banding) * np.sin(
                 np.float32(35.0) * ray_y + np.float32(self.band_phase)
             )
-        return np.float32(light.level) * cv2.max(out, 0.0)
+        fallen: Float32Array = np.float32(light.level) * cv2.max(out, 0.0)
+        return fallen
 
-    def paint(self, radiance: FloatArray, block: Block, fine: int, behind: bool) -> None:
+    def paint(self, radiance: Float32Array, block: Block, fine: int, behind: bool) -> None:
         """Fill the blots that lie on the background, or those before the door, into `radiance`."""
         for blot in self.scene.blots:
             if blot.behind is behind:
@@ -107,8 +112,8 @@ class _Painter:
                     corners = np.rint(at * 2**_SUB_BITS).astype(np.int32)
                     cv2.fillPoly(radiance, [corners], float(blot.brightness), cv2.LINE_8, _SUB_BITS)
 
-    def radiance(self, block: Block, fine: int) -> FloatArray:
-        """What the sub-pixels of a block see, before the lens spreads it; float32."""
+    def radiance(self, block: Block, fine: int) -> Float32Array:
+        """What the sub-pixels of a block see, before the lens spreads it; (rows * fine, columns * fine)."""
         scene, shadows = self.scene, self.scene.light.shadows
         ray_x, ray_y = rays(scene.camera, block, fine)
         y, z = self.door_coordinates(ray_x, ray_y)
@@ -150,7 +155,8 @@ class _Painter:
         return [b for b in blocks if b[1] > b[0] and b[3] > b[2]]
 
 
-def _exposure(scene: PictureScene, rng: np.random.Generator) -> FloatArray:
+def _exposure(scene: PictureScene, rng: np.random.Generator) -> Float32Array:
+    """Light that each pixel collects, shape (rows, columns)."""
     painter = _Painter(scene, rng)
     rows, columns = scene.camera.shape
     picture = spread(painter.radiance((0, rows, 0, columns), 1), scene.sensor, 1)
@@ -167,13 +173,13 @@ def _exposure(scene: PictureScene, rng: np.random.Generator) -> FloatArray:
     return picture
 
 
-def expected_picture(scene: PictureScene, seed: int) -> FloatArray:
+def expected_picture(scene: PictureScene, seed: int) -> Float32Array:
     """What the sensor would show without noise, clipping and rounding: grey levels, float32, (rows, columns)."""
     return _exposure(scene, np.random.default_rng(seed)) * np.float32(255.0)
 
 
 def render_picture(scene: PictureScene, seed: int) -> ByteArray:
-    """The grey picture of a scene, uint8, shape (rows, columns).
+    """The grey picture of a scene, shape (rows, columns).
 
     Args:
         scene: What is seen, with the true pose.

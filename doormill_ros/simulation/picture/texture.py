@@ -7,7 +7,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import Float32Array
 
 TILE = 1024  # side of a periodic tile [samples]
 PER_LENGTH = 4.0  # samples per correlation length
@@ -15,8 +15,8 @@ _BANK = 6  # tiles kept; a picture takes a random part of one, turned at random
 
 
 @lru_cache(maxsize=_BANK)
-def _tile(number: int) -> FloatArray:
-    """A periodic Gaussian field of mean 0, standard deviation 1, correlation length PER_LENGTH."""
+def _tile(number: int) -> Float32Array:
+    """A periodic Gaussian field of mean 0, standard deviation 1, correlation length PER_LENGTH; (TILE, TILE)."""
     white = np.random.default_rng((7331, number)).standard_normal((TILE, TILE), dtype=np.float32)
     pad = int(6 * PER_LENGTH)
     smooth = cv2.GaussianBlur(cv2.copyMakeBorder(white, *[pad] * 4, cv2.BORDER_WRAP), (0, 0), PER_LENGTH / 2)
@@ -47,9 +47,10 @@ class Texture:
         c, s = np.cos(angle), np.sin(angle)
         self._turn = np.array([[c / across, s / across], [-s / along, c / along]]) * PER_LENGTH
 
-    def __call__(self, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Value at surface coordinates y, z [m], float32 arrays of equal shape."""
+    def __call__(self, y: Float32Array, z: Float32Array) -> Float32Array:
+        """Value at surface coordinates y, z [m], shape (n, m) each; same shape."""
         (a, b), (c, d) = self._turn.astype(np.float32)
         at_x = a * y + b * z + np.float32(self._start[0])
         at_y = c * y + d * z + np.float32(self._start[1])
-        return cv2.remap(self._tile, at_x, at_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+        field: Float32Array = cv2.remap(self._tile, at_x, at_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+        return field

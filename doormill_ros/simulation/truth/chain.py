@@ -22,7 +22,8 @@ def turn(rotvec: FloatArray) -> FloatArray:
     zero = np.zeros_like(x)
     skew = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
     s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
-    return np.eye(3) + s * skew + (1.0 - c) * (skew @ skew)
+    rotation: FloatArray = np.eye(3) + s * skew + (1.0 - c) * (skew @ skew)
+    return rotation
 
 
 def shift(rotation: FloatArray, translation: FloatArray) -> FloatArray:

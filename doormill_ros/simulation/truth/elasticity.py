@@ -38,7 +38,8 @@ def joint_give(
         crossed = np.where(size > 0.0, 1.0, 0.0)
     amplitude, order = physics.ripple[k]
     ripple = amplitude * np.sin(order * q) * torque
-    return np.sign(torque) * (spring + np.where(along, physics.gap[k] * crossed, 0.0)) + ripple
+    give: FloatArray = np.sign(torque) * (spring + np.where(along, physics.gap[k] * crossed, 0.0)) + ripple
+    return give
 
 
 def cantilever(

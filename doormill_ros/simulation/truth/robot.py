@@ -100,7 +100,8 @@ class TruthRobot:
             return couple + np.cross(point - origin[:, i], force)
 
         def in_frame(i: int, vector: FloatArray) -> FloatArray:
-            return np.einsum("nji,nj->ni", rigid[:, i, :3, :3], vector)
+            turned: FloatArray = np.einsum("nji,nj->ni", rigid[:, i, :3, :3], vector)
+            return turned
 
         none = np.zeros_like(force)
         tilt = moment_at(0) * np.append(self.physics.base, 0.0)

@@ -20,6 +20,8 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from doormill_ros.abb import signals
+from doormill_ros.abb.link_errors import UnknownTransportError
+from doormill_ros.simulation.controller.io_port import MemoryIo
 from doormill_ros.simulation.controller.rws_server.app import Behaviour
 from doormill_ros.simulation.controller.rws_server.cabinet import (
     AccessLevel,
@@ -27,7 +29,8 @@ from doormill_ros.simulation.controller.rws_server.cabinet import (
     SimulatedSignal,
     default_signals,
 )
-from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from doormill_ros.simulation.controller.rws_server.server import RwsServer, serve
+from doormill_ros.simulation.errors import WebServicesError
 
 USER, PASSWORD = "Default User", "robotics"
 ACCEPT = {"Accept": "application/hal+json;v=2.0"}
@@ -428,3 +431,45 @@ def test_a_change_by_another_process_on_the_same_folder_is_an_event(tmp_path: Pa
         ) as stream:
             (tmp_path / "io" / signals.DONE).write_bytes(b"1")
             assert "lvalue" in stream.recv(timeout=120)
+
+
+class TestServe:
+    """By the name of the transport, as the simulated controller's parameter has it."""
+
+    def test_nothing_without_a_name(self, tmp_path: Path) -> None:
+        assert serve("", Cabinet.create(tmp_path), 0, tmp_path) is None
+
+    @pytest.mark.parametrize(("name", "scheme"), [("rws1", "http://"), ("rws2", "https://")])
+    def test_by_name(self, tmp_path: Path, name: str, scheme: str) -> None:
+        folder = tmp_path / "certificates"
+        running = serve(name, Cabinet.create(tmp_path / "HOME"), 0, folder)
+        assert running is not None
+        assert running.url.startswith(scheme)
+        assert (folder / "controller.crt").exists() == (name == "rws2")
+        running.stop()
+
+    def test_another_name(self, tmp_path: Path) -> None:
+        with pytest.raises(UnknownTransportError, match="'rws3', allowed are rws1, rws2"):
+            serve("rws3", Cabinet.create(tmp_path), 0, tmp_path)
+
+    def test_a_port_that_is_taken(self, tmp_path: Path) -> None:
+        with socket.socket() as other:
+            other.bind(("127.0.0.1", 0))
+            other.listen()
+            with pytest.raises(WebServicesError, match="choose others"):
+                serve("rws1", Cabinet.create(tmp_path), other.getsockname()[1], tmp_path)
+
+
+def test_a_program_and_the_services_meet_on_one_port(tmp_path: Path) -> None:
+    """No folder between them: the simulated controller and its web services share the `IoPort`."""
+    io = MemoryIo()
+    # The public client asks for signals of this device alone.
+    table = [SimulatedSignal(s.name, s.access, "Local", "DRV_1") for s in default_signals()]
+    with RwsServer(Cabinet.create(tmp_path, table, io), 1) as server:
+        client = public.RWS(server.url)
+        io.write(signals.REQUEST, 1)
+        assert client.get_digital_io(signals.REQUEST) == 1
+        client.set_digital_io(signals.READY, 1)
+        assert io.read(signals.READY) == 1
+        client.close()
+    assert not (tmp_path / "io").exists()

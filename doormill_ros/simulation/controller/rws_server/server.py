@@ -45,14 +45,6 @@ class RwsServer:
             certificates: Folder that version 2 writes controller.crt and controller.key to; None for a
                 temporary one.
         """
-        # With the protocol named, asyncio turns Nagle's algorithm off; else each answer waits 40 ms.
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        self._socket.bind(("127.0.0.1", port))
-        self.port = self._socket.getsockname()[1]
-        self.url = f"{'http' if version == 1 else 'https'}://127.0.0.1:{self.port}"
-        self.cabinet = cabinet
-        self.services = WebServices(cabinet, version, f"{self.url}/", behaviour or Behaviour())
         self.certificate: Path | None = None
         key: Path | None = None
         self._folder: tempfile.TemporaryDirectory[str] | None = None
@@ -61,6 +53,11 @@ class RwsServer:
                 self._folder = tempfile.TemporaryDirectory(prefix="simulated-controller-")
                 certificates = Path(self._folder.name)
             self.certificate, key = write_certificate(certificates)
+        self._socket = _listener(port)
+        self.port = self._socket.getsockname()[1]
+        self.url = f"{'http' if version == 1 else 'https'}://127.0.0.1:{self.port}"
+        self.cabinet = cabinet
+        self.services = WebServices(cabinet, version, f"{self.url}/", behaviour or Behaviour())
         config = uvicorn.Config(
             self.services,
             log_level="critical",
@@ -144,6 +141,19 @@ class RwsServer:
         while not self._server.started:
             await asyncio.sleep(0.002)
         self._listening.set()
+
+
+def _listener(port: int) -> socket.socket:
+    """A socket bound to a port of 127.0.0.1."""
+    # With the protocol named, asyncio turns Nagle's algorithm off; else each answer waits 40 ms.
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(("127.0.0.1", port))
+    except OSError:
+        listener.close()
+        raise
+    return listener
 
 
 def serve(name: str, cabinet: Cabinet, port: int, certificates: Path) -> RwsServer | None:
