@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.errors import DoormillError
+from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
-from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_model import ExtendedComplianceModel, SizedCause
-from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram
 
 #: The door on which the models are compared: the thesis' tall one, where the arm reaches far.
@@ -146,7 +144,6 @@ def _targets(program: MillingProgram) -> dict[str, FloatArray]:
 def _program(
     robot: str, dh: FloatArray, stiffness: FloatArray, causes: Sequence[SizedCause]
 ) -> MillingProgram:
-    layout, recipe = load_layout(), load_recipe(DOOR)
-    T_base_door = layout.T_base_door(recipe.width, recipe.thickness, DoorOffset(0.0, 0.0, 0.0))
-    model = ExtendedComplianceModel(robot, dh, stiffness, causes)
-    return generate_program(recipe, T_base_door, layout, load_robot(robot), model)
+    recipe = load_recipe(DOOR)
+    setup = replace(load_setup(robot), model=ExtendedComplianceModel(robot, dh, stiffness, causes))
+    return plan(recipe, setup.layout.T_base_door(recipe.width, recipe.thickness), setup).program
