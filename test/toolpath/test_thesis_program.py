@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.frames import quaternion_wxyz
-from doormill_ros.robot.configuration import conf_data
+from support.configuration import conf_data
 
 THESIS_DOORS = ["thesis_190_0deg", "thesis_190_2deg", "thesis_1350_0deg", "thesis_1350_2deg"]
 
