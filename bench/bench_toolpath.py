@@ -19,6 +19,7 @@ from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.toolpath.generate import generate_program
 from harness import Entry, compare
 from support.pinocchio_model import PinocchioKinematics
+from support.tool_poses import T_door_tool
 
 OUTLINE_SAMPLES = 4000
 
@@ -76,7 +77,7 @@ def judge(layout) -> Entry:
     angle = np.linspace(0.0, 2.0 * np.pi, OUTLINE_SAMPLES)
     middle = 0.045 * np.sign(np.sin(angle))
     xy = np.column_stack([radius * np.cos(angle), middle + radius * np.sin(angle)])
-    T_feature_tool = np.tile(hinge.T_door_tool(recipe.size), (OUTLINE_SAMPLES, 1, 1))
+    T_feature_tool = np.tile(T_door_tool(hinge, recipe.size), (OUTLINE_SAMPLES, 1, 1))
     T_feature_tool = inverse(recipe.T_door_feature(hinge)) @ T_feature_tool
     T_feature_tool[:, :2, 3], T_feature_tool[:, 2, 3] = xy, hinge.depth
     T = T_base_feature @ T_feature_tool

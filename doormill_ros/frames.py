@@ -24,7 +24,6 @@ from doormill_ros.arrays import FloatArray
 BASE_FRAME = "base_link"
 DOOR_FRAME = "door"
 CAMERA_FRAME = "camera_optical_frame"
-FLANGE_FRAME = "flange"
 TOOL_FRAME = "tool"
 
 

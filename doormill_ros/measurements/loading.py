@@ -72,28 +72,6 @@ def displacement_per_compliance(kinematics: Kinematics, loadings: Loadings) -> F
     return lever * joint_torques(kinematics, loadings)[:, None, :]
 
 
-def predicted_displacement(
-    kinematics: Kinematics, loadings: Loadings, stiffness: FloatArray, joints: tuple[int, ...] | None = None
-) -> FloatArray:
-    """Reflector displacement with some or all joints giving way.
-
-    Args:
-        kinematics: Of the robot that is loaded.
-        loadings: The tests.
-        stiffness: Joint stiffness, shape (6,) [N m/rad].
-        joints: Numbers 1..6 of the joints that give way; all when None.
-
-    Returns:
-        Shape (n, 3), base axes [m].
-    """
-    compliance = 1.0 / np.asarray(stiffness, dtype=float)
-    if joints is not None:
-        keep = np.zeros(JOINTS, dtype=bool)
-        keep[[joint - 1 for joint in joints]] = True
-        compliance = np.where(keep, compliance, 0.0)
-    return displacement_per_compliance(kinematics, loadings) @ compliance
-
-
 def _jacobian(kinematics: Kinematics, q: FloatArray, link: FloatArray, point: FloatArray) -> FloatArray:
     """Jacobians of points on different links: one vectorised call for each distinct point."""
     keys = np.column_stack([np.asarray(link, dtype=float), point])

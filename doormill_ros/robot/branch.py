@@ -114,7 +114,7 @@ def _piecewise(
             refused = refused or error
             continue
         found.append((softness, np.concatenate(parts)))
-    if not found:
+    if refused and not found:
         raise refused
     return min(found, key=lambda item: item[0])[1]
 
@@ -221,6 +221,7 @@ def _flange_compliance(robot: Robot) -> Callable[[FloatArray], FloatArray]:
     def compliance(q: FloatArray) -> FloatArray:
         J = kinematics.jacobian(q)[..., :3, :]
         C = np.einsum("...ij,j,...kj->...ik", J, 1.0 / robot.stiffness, J)
-        return np.sqrt(np.einsum("...ij,...ij->...", C, C) / 3.0)
+        length: FloatArray = np.sqrt(np.einsum("...ij,...ij->...", C, C) / 3.0)
+        return length
 
     return compliance

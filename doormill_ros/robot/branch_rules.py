@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.errors import (
     BranchError,
@@ -66,7 +66,7 @@ def too_close(found: Clearance, rules: BranchRules, first: int) -> tuple[str, in
 
 def check_reach(robot: Robot, T_base_flange: FloatArray, solutions: FloatArray) -> None:
     """Raise UnreachableError for the first pose that no branch reaches, solutions (n, 8, 6)."""
-    lost = np.isnan(solutions[..., 0]).all(axis=1)
+    lost: BoolArray = np.all(np.isnan(solutions[..., 0]), axis=1)
     if lost.any():
         at = int(lost.argmax())
         x, y, z = T_base_flange[at, :3, 3]

@@ -34,7 +34,7 @@ class ChainFrames:
 
     def point(self, link: int, position: FloatArray) -> FloatArray:
         """Base coordinates, shape (3, n) [m], of a point of a link's frame, shape (3,) [m]."""
-        result = self.origin[link]
+        result: FloatArray = self.origin[link]
         for axis, coordinate in zip((self.x, self.y, self.z), position, strict=True):
             if coordinate != 0.0:
                 result = result + coordinate * axis[link]

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import functools
 from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.robot.chain import chain_frames, cross, dot
-from doormill_ros.robot.description import Robot, load_robot
+from doormill_ros.robot.description import Robot
 
-DEFAULT_ROBOT = "irb6600_175_255"
 _QUARTER = np.pi / 2.0
 _SLACK = 1e-9  # rad or m: rounding noise below a border counts as on it
 
@@ -26,28 +24,23 @@ class ConfData:
     cfx: int
 
 
-def conf_data(q: FloatArray, robot: Robot | None = None) -> ConfData:
-    """Configuration of joint angles q, shape (6,) [rad].
+def configurations(robot: Robot, q: FloatArray) -> list[ConfData]:
+    """Configurations of many joint angles.
 
     cf1, cf4 and cf6 count the quarter turns of axes 1, 4 and 6: 0 for [0, 90) deg, -1 for
     [-90, 0) deg. cfx is 4 when the wrist centre is behind axis 1, plus 2 when it is behind the
     lower arm, plus 1 when axis 5 is negative (serial arms of the IRB 6600 kind).
 
     Args:
-        q: Joint angles.
-        robot: Whose lengths decide cfx; None for the IRB 6600-175/2.55.
+        robot: Whose lengths decide cfx.
+        q: Joint angles, shape (n, 6) [rad].
     """
-    return configurations(robot or _default_robot(), np.asarray(q, dtype=float)[None])[0]
+    quarters = np.floor((q[:, [0, 3, 5]] + _SLACK) / _QUARTER).astype(int).tolist()
+    index = configuration_index(robot, q).tolist()
+    return [ConfData(cf1, cf4, cf6, cfx) for (cf1, cf4, cf6), cfx in zip(quarters, index, strict=True)]
 
 
-def configurations(robot: Robot, q: FloatArray) -> list[ConfData]:
-    """The same of many joint angles, shape (n, 6) [rad]."""
-    quarters = np.floor((q[:, [0, 3, 5]] + _SLACK) / _QUARTER).astype(int)
-    index = configuration_index(robot, q)
-    return [ConfData(*row, cfx) for row, cfx in zip(quarters.tolist(), index.tolist(), strict=True)]
-
-
-def configuration_index(robot: Robot, q: FloatArray) -> FloatArray:
+def configuration_index(robot: Robot, q: FloatArray) -> IntArray:
     """cfx, shape (n,), of joint angles q, shape (n, 6) [rad]."""
     frames = chain_frames(robot.dh, np.ascontiguousarray(np.asarray(q, dtype=float).T))
     shoulder, elbow, wrist = frames.origin[1], frames.origin[2], frames.origin[4]
@@ -55,8 +48,3 @@ def configuration_index(robot: Robot, q: FloatArray) -> FloatArray:
     behind_axis_1 = dot(frames.x[1], wrist - frames.origin[0]) < -_SLACK
     bend = dot(cross(elbow - shoulder, wrist - elbow), frames.z[1])
     return 4 * behind_axis_1 + 2 * (bend < -_SLACK) + (q[:, 4] < -_SLACK)
-
-
-@functools.cache
-def _default_robot() -> Robot:
-    return load_robot(DEFAULT_ROBOT)

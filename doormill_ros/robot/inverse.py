@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import py_opw_kinematics as opw
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.frames import rotation_x
 from doormill_ros.robot.chain import JOINTS, chain_frames
 from doormill_ros.robot.description import Robot
@@ -41,8 +41,8 @@ class Solutions:
     """
 
     q: FloatArray
-    pose: FloatArray
-    branch: FloatArray
+    pose: IntArray
+    branch: IntArray
 
 
 def inverse(robot: Robot, T_base_flange: FloatArray) -> FloatArray:
@@ -72,6 +72,8 @@ def inverse_all(robot: Robot, T_base_flange: FloatArray) -> Solutions:
         GeometryError: The robot has no closed-form inverse here.
     """
     branches = inverse_branches(robot, T_base_flange)
+    pose: IntArray
+    branch: IntArray
     pose, branch = np.nonzero(np.isfinite(branches[..., 0]))
     q = branches[pose, branch]
     for joint in range(JOINTS):
@@ -113,7 +115,8 @@ def inverse_branches(robot: Robot, T_base_flange: FloatArray) -> FloatArray:
 
 def _library_branches(arm: OrthoParallel, T_base_flange: FloatArray) -> FloatArray:
     poses = opw.RigidTransform.from_matrix(T_base_flange)
-    return _solver(arm).reach(poses, _NO_LIMITS).joints[:, _SLOT_OF_BRANCH]
+    joints: FloatArray = _solver(arm).reach(poses, _NO_LIMITS).joints
+    return joints[:, _SLOT_OF_BRANCH]
 
 
 def _turned_about_wrist(arm: OrthoParallel, T_base_flange: FloatArray) -> FloatArray:
@@ -130,8 +133,8 @@ def _solver(arm: OrthoParallel) -> opw.Robot:
 
 
 def _with_turns(
-    robot: Robot, joint: int, q: FloatArray, pose: FloatArray, branch: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+    robot: Robot, joint: int, q: FloatArray, pose: IntArray, branch: IntArray
+) -> tuple[FloatArray, IntArray, IntArray]:
     """Repeat the rows for each whole turn of a joint that lands within its limits."""
     low, high = robot.lower[joint] - _LIMIT_SLACK, robot.upper[joint] + _LIMIT_SLACK
     turns = np.arange(np.floor((low + np.pi) / _TURN), np.ceil((high - np.pi) / _TURN) + 1) * _TURN
@@ -143,7 +146,7 @@ def _with_turns(
     return q, pose[row], branch[row]
 
 
-def _exact_wrist(robot: Robot, q: FloatArray, T_base_flange: FloatArray, flip: FloatArray) -> FloatArray:
+def _exact_wrist(robot: Robot, q: FloatArray, T_base_flange: FloatArray, flip: IntArray) -> FloatArray:
     """Axes 4 to 6 from the wrist rotation by arc tangents, exact where axis 5 is almost straight.
 
     Follows thesis eq. 2.24 to 2.27 with atan2 in place of the arc cosine. `flip` is 1 where axis 5 is

@@ -129,4 +129,5 @@ def _gaps(
     outside = np.maximum(np.maximum(-points, points - high), 0.0)  # (n, points, 3)
     inside = np.minimum(np.maximum(-points, points - high).max(axis=-1), 0.0)
     gap: FloatArray = np.linalg.norm(outside, axis=-1) + inside - radius
-    return np.min(gap, axis=-1)
+    nearest: FloatArray = gap.min(axis=-1)
+    return nearest

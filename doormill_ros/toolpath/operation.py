@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -95,18 +94,19 @@ def operation(feature: Feature, door: DoorSize, half: bool = False, far_side: bo
     return Operation(feature, side, depth, T_door_feature)
 
 
-def from_longest_line(pieces: Sequence[tuple[Curve, str]]) -> list[tuple[Curve, str]]:
+def from_longest_line(pieces: list[tuple[Curve, str]]) -> list[tuple[Curve, str]]:
     """The closed contour, starting in the middle of its longest straight piece (or of any arc)."""
     lengths = [0.0 if curve.is_arc else curve.length for curve, _ in pieces]
     first = int(np.argmax(lengths))
     curve, name = pieces[first]
-    head, tail = (curve.part(0.0, 0.5), name), (curve.part(0.5, 1.0), name)
+    head: tuple[Curve, str] = (curve.part(0.0, 0.5), name)
+    tail: tuple[Curve, str] = (curve.part(0.5, 1.0), name)
     return [tail, *pieces[first + 1 :], *pieces[:first], head]
 
 
 def _curve(segment: Segment, depth: float) -> Curve:
     start, end = np.array([*segment.start, depth]), np.array([*segment.end, depth])
-    if not segment.is_arc:
+    if segment.centre is None:
         return Line(start, end)
     arc = arc_about(start, np.array([*segment.centre, depth]), _NORMAL, segment.angle)
     return replace(arc, end=end)

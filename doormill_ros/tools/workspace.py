@@ -20,7 +20,7 @@ from doormill_ros.workspace.grid import THESIS_STEP, thesis_grid
 from doormill_ros.workspace.maps import WRENCH_SCRIPT, WRENCH_TEXT, Maps, compute_maps, save_maps
 from doormill_ros.workspace.pictures import draw_conditioning, draw_influence, draw_region, draw_stiffness
 from doormill_ros.workspace.posture import POSTURES
-from doormill_ros.workspace.region import Placement, Search, assess, survey
+from doormill_ros.workspace.region import BoxPlacement, RegionSearch, assess, survey
 
 SCHEMA = "doormill/workspace/1"
 THESIS_ROBOT = "irb6600_175_255"
@@ -151,7 +151,7 @@ def _region(
     return {"region": region}
 
 
-def _placement(placement: Placement, lowest_hinge: float) -> dict[str, Any]:
+def _placement(placement: BoxPlacement, lowest_hinge: float) -> dict[str, Any]:
     return {
         "flange_min": placement.corner.tolist(),
         "flange_max": (placement.corner + placement.size).tolist(),
@@ -168,9 +168,10 @@ def _placement(placement: Placement, lowest_hinge: float) -> dict[str, Any]:
     }
 
 
-def _save_search(found: Search, path: Path) -> None:
+def _save_search(found: RegionSearch, path: Path) -> None:
     x, y, z = found.corners
-    np.savez_compressed(path, corner_x_m=x, corner_y_m=y, corner_z_m=z, allowed=found.allowed, **found.worst)
+    worst: dict[str, Any] = dict(found.worst)
+    np.savez_compressed(path, corner_x_m=x, corner_y_m=y, corner_z_m=z, allowed=found.allowed, **worst)
 
 
 def _bar(progress: Progress, task: Any, share: float) -> Any:

@@ -56,13 +56,14 @@ def inverse_condition_number(frames: ChainFrames, velocity: FloatArray, length: 
             for k in range(j + 1, JOINTS):
                 np.multiply(columns[j], U[j, k], out=part)
                 columns[k] -= part
-    return 1.0 / np.sqrt(norm_squared * _inverse_norm_squared(U, per_length))
+    number: FloatArray = np.sqrt(norm_squared * _inverse_norm_squared(U, per_length))
+    return 1.0 / number
 
 
 def _inverse_norm_squared(U: FloatArray, per_length: FloatArray) -> FloatArray:
     """|U^-1 D^-1/2|^2, shape (n,), of unit upper triangular U, shape (6, 6, n), and 1 / D, (6, n)."""
     inverse = np.empty_like(U)
-    total = per_length.sum(axis=0)
+    total: FloatArray = per_length.sum(axis=0)
     for column in range(1, JOINTS):
         inverse[column, column] = 1.0
         for row in range(column - 1, -1, -1):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -143,11 +144,14 @@ def axis_stiffness(velocity: FloatArray, stiffness: FloatArray) -> FloatArray:
         stiffness: Joint stiffness, shape (6,) [N m/rad].
     """
     compliance = np.einsum("jin,jin,j->in", velocity, velocity, 1.0 / stiffness)
-    return 1.0 / np.maximum(compliance, np.finfo(float).tiny)
+    least = float(np.finfo(float).tiny)
+    stiff: FloatArray = 1.0 / np.maximum(compliance, least)
+    return stiff
 
 
 def save_maps(maps: Maps, path: str) -> None:
     """Write the arrays to an npz file, axes in degrees: joint2_deg (n2,), joint3_deg (n3,), maps (n3, n2)."""
+    stiffness: dict[str, Any] = {f"stiffness_{name}_N_per_m": v for name, v in maps.stiffness.items()}
     np.savez_compressed(
         path,
         joint2_deg=rad_to_deg(maps.grid.q2),
@@ -160,5 +164,5 @@ def save_maps(maps: Maps, path: str) -> None:
         nu_p=maps.position_influence,
         nu_r_deg=rad_to_deg(maps.rotation_influence),
         inverse_condition_number=maps.conditioning,
-        **{f"stiffness_{name}_N_per_m": values for name, values in maps.stiffness.items()},
+        **stiffness,
     )

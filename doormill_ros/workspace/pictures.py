@@ -16,7 +16,7 @@ from doormill_ros.units import rad_to_deg
 from doormill_ros.workspace.doors import FlangeBox
 from doormill_ros.workspace.maps import Maps
 from doormill_ros.workspace.posture import posture_figures
-from doormill_ros.workspace.region import Placement, Search
+from doormill_ros.workspace.region import BoxPlacement, RegionSearch
 
 _LEVELS = 11
 _NAMES = {
@@ -59,7 +59,7 @@ def draw_stiffness(maps: Maps, title: str, path: Path, marks: FloatArray | None 
     save_png(figure, path)
 
 
-def draw_region(robot: Robot, found: Search, reference: Placement, path: Path) -> None:
+def draw_region(robot: Robot, found: RegionSearch, reference: BoxPlacement, path: Path) -> None:
     """Where the search found good places, and the conditioning inside the two boxes."""
     figure = _figure(f"{robot.label}: region of operation", 4, columns=2)
     plan, side, before, after = figure.axes

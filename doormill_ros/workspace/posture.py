@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.robot.chain import JOINTS, ChainFrames, chain_frames, cross, dot, jacobian_columns
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_branches
@@ -78,7 +78,7 @@ def all_posture_figures(
 
 
 def _fill(
-    robot: Robot, length: float, flips: FloatArray, part: FloatArray, result: dict[str, FloatArray]
+    robot: Robot, length: float, flips: FloatArray, part: IntArray, result: dict[str, FloatArray]
 ) -> None:
     room = np.minimum(flips - robot.lower, robot.upper - flips)[..., [0, 1, 2, 4]]
     frames = chain_frames(robot.dh, np.ascontiguousarray(flips[:, 0].T))

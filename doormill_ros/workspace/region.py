@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy.ndimage import minimum_filter
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.robot.branch import choose_branch
 from doormill_ros.robot.branch_rules import BranchRules
 from doormill_ros.robot.description import Robot
@@ -46,7 +46,7 @@ class RegionRules:
 
 
 @dataclass(frozen=True, eq=False)
-class Placement:
+class BoxPlacement:
     """A box in front of a robot, and the worst that happens in it.
 
     Attributes:
@@ -80,19 +80,9 @@ class Placement:
         """Height of the robot's base above the floor [m], for the lowest hinge's height [m]."""
         return lowest_hinge - float(self.corner[2])
 
-    def keeps(self, rules: RegionRules) -> bool:
-        """True when the whole box keeps to the rules in one configuration."""
-        return (
-            not self.refusal
-            and self.margin >= rules.margin
-            and self.wrist >= rules.wrist
-            and self.clearance >= rules.clearance
-            and self.corner[0] >= rules.distance
-        )
-
 
 @dataclass(frozen=True, eq=False)
-class Search:
+class RegionSearch:
     """Every placement looked at in the best posture, and the best.
 
     Attributes:
@@ -103,23 +93,33 @@ class Search:
         allowed: Where the rules hold, shape (nx, ny, nz).
     """
 
-    best: Placement | None
+    best: BoxPlacement | None
     objective: str
     corners: tuple[FloatArray, ...]
     worst: dict[str, FloatArray]
-    allowed: FloatArray
+    allowed: BoolArray
 
 
-def assess(robot: Robot, box: FlangeBox, posture: int = 0, pitch: float = 0.02) -> Placement:
+def assess(robot: Robot, box: FlangeBox, posture: int = 0, pitch: float = 0.02) -> BoxPlacement:
     """Worst figures of a box, sampled no coarser than `pitch` [m], and a walk all through it."""
     samples = box.samples(pitch)
     figures = asdict(posture_figures(robot, samples.reshape(-1, 3), posture))
-    return Placement(
-        corner=box.corner,
-        size=box.size,
-        posture=posture,
-        refusal=_walk(robot, box, posture),
-        **{name: float(values.min()) for name, values in figures.items()},
+    least = {name: float(values.min()) for name, values in figures.items()}
+    return _placed(box, posture, least, _walk(robot, box, posture))
+
+
+def _placed(box: FlangeBox, posture: int, least: dict[str, float], refusal: str = "") -> BoxPlacement:
+    """A box with the smallest value of each of `FIGURES` in it."""
+    return BoxPlacement(
+        box.corner,
+        box.size,
+        posture,
+        least["conditioning"],
+        least["stiffness"],
+        least["margin"],
+        least["wrist"],
+        least["clearance"],
+        refusal,
     )
 
 
@@ -140,9 +140,9 @@ class Survey:
     size: FloatArray
     corners: tuple[FloatArray, ...]
     worst: dict[int, dict[str, FloatArray]]
-    allowed: dict[int, FloatArray]
+    allowed: dict[int, BoolArray]
 
-    def best(self, objective: str = "conditioning") -> Search:
+    def best(self, objective: str = "conditioning") -> RegionSearch:
         """The placement whose worst `objective`, "conditioning" or "stiffness", is largest.
 
         Raises:
@@ -156,17 +156,17 @@ class Survey:
 
         posture = max(POSTURES, key=top)
         worst, allowed = self.worst[posture], self.allowed[posture]
-        return Search(self._first_to_walk(posture, objective), objective, self.corners, worst, allowed)
+        return RegionSearch(self._first_to_walk(posture, objective), objective, self.corners, worst, allowed)
 
-    def _first_to_walk(self, posture: int, objective: str) -> Placement | None:
+    def _first_to_walk(self, posture: int, objective: str) -> BoxPlacement | None:
         """The best allowed place through whose box one configuration really leads."""
         worst, allowed = self.worst[posture], self.allowed[posture]
         places = np.argwhere(allowed)[np.argsort(-worst[objective][allowed], kind="stable")]
         for place in places[:_WALKS]:
             corner = np.array([axis[i] for axis, i in zip(self.corners, place, strict=True)])
-            if not _walk(self.robot, FlangeBox(corner, self.size), posture):
-                values = {name: float(worst[name][tuple(place)]) for name in FIGURES}
-                return Placement(corner=corner, size=self.size, posture=posture, **values)
+            box = FlangeBox(corner, self.size)
+            if not _walk(self.robot, box, posture):
+                return _placed(box, posture, {name: float(worst[name][tuple(place)]) for name in FIGURES})
         return None
 
 
@@ -202,7 +202,8 @@ def survey(
         parts.append(all_posture_figures(robot, slab))
         if progress:
             progress(done / _SLABS)
-    worst, allowed = {}, {}
+    worst: dict[int, dict[str, FloatArray]] = {}
+    allowed: dict[int, BoolArray] = {}
     for posture in POSTURES:
         columns = [asdict(part[posture]) for part in parts]
         figures = {name: np.concatenate([column[name] for column in columns]) for name in FIGURES}
@@ -236,7 +237,10 @@ def _sliding_minimum(values: FloatArray, cells: FloatArray) -> FloatArray:
     """Smallest value in the box that starts at each place and spans `cells` lattice steps."""
     window = cells + 1
     smallest = minimum_filter(values, size=tuple(window), mode="nearest", origin=tuple(-(window // 2)))
-    return smallest[tuple(slice(0, length - n) for length, n in zip(values.shape, cells, strict=True))]
+    inside: FloatArray = smallest[
+        tuple(slice(0, length - n) for length, n in zip(values.shape, cells, strict=True))
+    ]
+    return inside
 
 
 def _walk(robot: Robot, box: FlangeBox, posture: int) -> str:

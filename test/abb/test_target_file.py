@@ -32,7 +32,7 @@ from doormill_ros.abb.target_file.checksum import (
     MODULUS_B,
     checksum,
 )
-from doormill_ros.abb.target_file.line import format_line, parse_line
+from doormill_ros.abb.target_file.line import TargetLine, format_lines, parse_lines
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file, write_target_file
 from doormill_ros.frames import transform
 from doormill_ros.robot.configuration import ConfData
@@ -41,6 +41,14 @@ from doormill_ros.units import RPM
 
 LINE = re.compile(r"(-?\d+\.\d+;){7}(-?\d;){4}")
 ANY = ConfData(0, 0, 0, 0)
+
+
+def format_line(T_base_tool: np.ndarray, conf: ConfData, name: str = "") -> str:
+    return format_lines([T_base_tool], [conf], [name])[0]
+
+
+def parse_line(line: str, number: int = 1) -> TargetLine:
+    return parse_lines([line], number)[0]
 
 
 def pose(position, quaternion_wxyz=(1.0, 0.0, 0.0, 0.0)) -> np.ndarray:

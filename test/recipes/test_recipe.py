@@ -10,6 +10,7 @@ from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, DoorSize, 
 from doormill_ros.recipes.errors import DuplicateField, FieldError, UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
 from support.source_tree import DATA
+from support.tool_poses import T_door_tool
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +116,7 @@ def test_tool_at_a_hinge_stands_as_at_home(facts):
     home = np.array(facts["robot"]["home_flange"]["rotation"], dtype=float)
     np.testing.assert_array_equal(R_DOOR_FEATURE[Side.FRONT] @ R_FEATURE_TOOL, home)
     recipe = load_recipe("thesis_190_0deg")
-    T = recipe.features[0].T_door_tool(recipe.size, 0.001, 0.002, 0.003)
+    T = T_door_tool(recipe.features[0], recipe.size, 0.001, 0.002, 0.003)
     np.testing.assert_allclose(T[:3, 3], [0.003, 0.026, 0.152], atol=1e-12)
     np.testing.assert_array_equal(T[:3, :3], home)
 

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from doormill_ros.robot.configuration import ConfData, conf_data, configuration_index
+from doormill_ros.robot.configuration import ConfData, configuration_index
+from support.configuration import conf_data
 
 RAD = np.pi / 180
 
@@ -21,11 +22,6 @@ RAD = np.pi / 180
 )
 def test_quarters_and_branch(irb6600, angles, expected):
     assert conf_data(np.array(angles) * RAD, irb6600) == expected
-
-
-def test_the_robot_of_the_cell_is_meant_when_none_is_named(irb6600):
-    q = np.array([0.3, 0.4, -2.9, 1.0, -1.0, 4.0])
-    assert conf_data(q) == conf_data(q, irb6600)
 
 
 def test_rounding_noise_below_a_border_counts_as_on_it(irb6600):

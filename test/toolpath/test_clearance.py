@@ -9,6 +9,7 @@ from doormill_ros.recipes.door import Side
 from doormill_ros.robot.inverse import inverse
 from doormill_ros.toolpath.clearance import _gaps
 from doormill_ros.toolpath.settings import load_settings
+from support.tool_poses import T_door_tool
 
 APPROACH = replace(load_settings().approach, nose=0.120, mill_radius=0.010, spindle_radius=0.060)
 
@@ -24,7 +25,7 @@ def gap_at(cell, T_base_tool, recipe, T_base_door, approach=APPROACH):
 def test_straight_in_front_of_the_face_the_tip_is_nearest(cell, distance):
     recipe = cell.recipe("standard_door")
     T_base_door = cell.T_base_door(recipe, 0.004, 0.002, 0.02)
-    T = T_base_door @ recipe.feature("hinge_2").T_door_tool(recipe.size, 0.0, 0.0, -distance)
+    T = T_base_door @ T_door_tool(recipe.feature("hinge_2"), recipe.size, 0.0, 0.0, -distance)
     assert gap_at(cell, T, recipe, T_base_door) == pytest.approx(distance - 0.010, abs=1e-9)
 
 
@@ -34,12 +35,12 @@ def test_beside_the_edge_the_spindle_is_nearest(cell):
     T_base_door = cell.T_base_door(recipe)
     case = recipe.feature("lock_case")
     assert case.side is Side.LOCK_EDGE
-    T_door_tool = case.T_door_tool(recipe.size, 0.0, 0.0, 0.2)
-    T_door_tool[0, 3] = -0.080
-    found = gap_at(cell, T_base_door @ T_door_tool, recipe, T_base_door)
+    T_door_deep = T_door_tool(case, recipe.size, 0.0, 0.0, 0.2)
+    T_door_deep[0, 3] = -0.080
+    found = gap_at(cell, T_base_door @ T_door_deep, recipe, T_base_door)
     # 120 mm of the mill and 80 mm of the spindle are beside the face, the rest is past the edge.
     assert found == pytest.approx(0.080 - 0.060, abs=1e-9)
     shorter = replace(APPROACH, nose=0.210)
-    found = gap_at(cell, T_base_door @ T_door_tool, recipe, T_base_door, shorter)
+    found = gap_at(cell, T_base_door @ T_door_deep, recipe, T_base_door, shorter)
     # Now the spindle begins 10 mm past the edge.
     assert found == pytest.approx(np.hypot(0.080, 0.010) - 0.060, abs=1e-9)

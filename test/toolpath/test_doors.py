@@ -57,6 +57,7 @@ def test_wrong_model_shows_in_the_result(cell, standard):
     executed = cell.execute(program, soft)
     full = inspect(recipe, T_base_door, cell.execute(program, cell.springs, corrected=False))
     found = inspect(recipe, T_base_door, executed)
+    assert len(found.features) == len(recipe.features) > 0
     for result in found.features:
         ratio = result.max_deviation / full.feature(result.feature).max_deviation
         assert 0.15 < ratio < 0.6
@@ -111,6 +112,7 @@ def test_two_robots_mill_one_door(cell, standard, shared):
         cell.execute(one, cell.springs),
         others=[(second.T_base_door, cell.execute(two, cell.springs))],
     )
+    assert len(part.features) == len(recipe.features) > 0
     for result in part.features:
         assert result.milled
         assert result.max_deviation < 5e-5

@@ -24,6 +24,7 @@ from doormill_ros.toolpath.errors import (
 from doormill_ros.toolpath.settings import load_settings
 from support import doors
 from support import recipe_strategies as recipes
+from support.tool_poses import T_door_tool
 
 # A campaign over other doors each time: DOORMILL_DOORS=500 pytest ...
 CAMPAIGN = os.environ.get("DOORMILL_DOORS")
@@ -71,7 +72,7 @@ def lies_badly(cell, recipe, T_base_door, feature):
     good = []
     for x, y in (*box, (0.0, 0.0)):
         for depth in depths:
-            T = T_base_door @ feature.T_door_tool(recipe.size, x, y, depth)
+            T = T_base_door @ T_door_tool(feature, recipe.size, x, y, depth)
             q = inverse(cell.robot, T @ np.linalg.inv(cell.layout.T_flange_tool))
             # Room for the margins: 1 degree of the limits, 3 of the wrist; a little more than they.
             low, high = cell.robot.lower + 0.03, cell.robot.upper - 0.03

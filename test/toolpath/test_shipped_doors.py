@@ -60,6 +60,8 @@ def test_two_robots_mill_it_too(cell, name):
     ]
     ways = [(T, cell.execute(program, cell.springs)) for T, program in done]
     (T_base_door, first), *others = ways
-    for result in inspect(recipe, T_base_door, first, others=others).features:
+    part = inspect(recipe, T_base_door, first, others=others)
+    assert len(part.features) == len(recipe.features) > 0
+    for result in part.features:
         assert result.milled
         assert result.max_deviation < 5e-5, result.feature

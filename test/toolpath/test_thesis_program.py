@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.frames import quaternion_wxyz
-from doormill_ros.robot.configuration import conf_data
+from support.configuration import conf_data
 
 THESIS_DOORS = ["thesis_190_0deg", "thesis_190_2deg", "thesis_1350_0deg", "thesis_1350_2deg"]
 
@@ -112,6 +112,7 @@ def test_only_the_two_quaternion_values_of_the_yaw_come_up(cell):
 
 def test_joint_angles_reach_the_corrected_poses_in_the_stated_configuration(cell, door):
     _, _, program = door
+    assert len(program.targets) == 14
     for target in program.targets:
         T_base_tool = cell.kinematics.forward(target.q) @ cell.layout.T_flange_tool
         assert T_base_tool == pytest.approx(target.T_base_tool_corrected, abs=1e-9)
@@ -132,6 +133,7 @@ def test_corrected_poses_deflect_onto_the_nominal_ones(cell, door):
     _, _, program = door
     q = np.array([t.q for t in program.targets])
     wrench = np.array([t.wrench for t in program.targets])
+    assert len(q) == 14
     twist = cell.springs.deflection(q, wrench, cell.layout.T_flange_tool[:3, 3])
     for target, d in zip(program.targets, twist, strict=True):
         loaded = target.T_base_tool_corrected[:3, 3] + d[:3]

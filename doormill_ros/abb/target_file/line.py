@@ -62,11 +62,6 @@ class TargetLine:
     quaternion_resolution: float
 
 
-def format_line(T_base_tool: FloatArray, conf: ConfData, name: str = "") -> str:
-    """The line of one target, without the line feed; see `format_lines`."""
-    return format_lines([T_base_tool], [conf], [name])[0]
-
-
 def format_lines(
     T_base_tool: Sequence[FloatArray], confs: Sequence[ConfData], names: Sequence[str]
 ) -> list[str]:
@@ -132,11 +127,6 @@ def _format_target(position: list[float], quaternion: list[float], conf: list[st
     raise TargetValueError(
         f"{label} needs {len(line)} characters, allowed are {RAPID_STRING}: {line}", target=label, line=line
     )
-
-
-def parse_line(line: str, number: int = 1) -> TargetLine:
-    """Read one line back; see `parse_lines`."""
-    return parse_lines([line], number)[0]
 
 
 def parse_lines(lines: Sequence[str], first: int = 1) -> tuple[TargetLine, ...]:

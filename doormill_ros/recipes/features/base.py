@@ -13,7 +13,7 @@ from pydantic_core import CoreSchema, core_schema
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import shift_wrench, transform
 from doormill_ros.recipes.cutting import Cutting, Direction, Passes
-from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, DoorSize, Side
+from doormill_ros.recipes.door import R_DOOR_FEATURE, DoorSize, Side
 from doormill_ros.recipes.errors import UnknownReference, WrongType
 from doormill_ros.recipes.outline import Outline, RoundedRectangle
 from doormill_ros.recipes.quantities import (
@@ -148,10 +148,6 @@ class Feature(Section):
             Side.LOCK_EDGE: [across, door.width, z],
         }[self.side]
         return transform(R_DOOR_FEATURE[self.side], origin)
-
-    def T_door_tool(self, door: DoorSize, x: float = 0.0, y: float = 0.0, depth: float = 0.0) -> FloatArray:
-        """Nominal tool pose in the door frame at a point of the feature, shape (4, 4)."""
-        return self.T_door_feature(door) @ transform(R_FEATURE_TOOL, [x, y, depth])
 
     def wrench(self, segment: str) -> FloatArray:
         """Wrench on the tool at the tool centre point, nominal tool axes, shape (6,) [N, N m].

@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from doormill_ros.robot.configuration import conf_data
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.inverse import inverse
 from doormill_ros.simulation.controller import controller as controller_module
@@ -24,6 +23,7 @@ from doormill_ros.simulation.controller.rapid.errors import (
     RapidRuntimeError,
     RapidStoppedError,
 )
+from support.configuration import conf_data
 
 FREE, ONE = "[9E9,9E9,9E9,9E9,9E9,9E9]", "[1,0,0,0]"
 #: Target a: tool straight ahead, 1.5 m in front of the robot, at the height of its shoulder.

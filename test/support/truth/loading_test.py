@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -220,18 +220,3 @@ def write_loading_test(
         )
     (folder / "trials.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     return sorted(int(i) + 1 for i in bad)
-
-
-def keep_trials(plan: LoadingPlan, rows: np.ndarray) -> LoadingPlan:
-    """The plan with some of its trials only."""
-    rows = np.asarray(rows)
-    return replace(
-        plan,
-        q=plan.q[rows],
-        direction=plan.direction[rows],
-        wrench=plan.wrench[rows],
-        reflector=tuple(plan.reflector[i] for i in rows),
-        time=plan.time[rows],
-        dt=plan.dt[rows],
-        temperature=plan.temperature[rows],
-    )
