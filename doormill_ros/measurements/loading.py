@@ -53,7 +53,8 @@ class Loadings:
 
 def joint_torques(kinematics: Kinematics, loadings: Loadings) -> FloatArray:
     """Torque of the load about each joint, shape (n, 6) [N m] (thesis eq. 2.34)."""
-    return np.einsum("nik,ni->nk", load_jacobian(kinematics, loadings), loadings.wrench)
+    torque: FloatArray = np.einsum("nik,ni->nk", load_jacobian(kinematics, loadings), loadings.wrench)
+    return torque
 
 
 def load_jacobian(kinematics: Kinematics, loadings: Loadings) -> FloatArray:

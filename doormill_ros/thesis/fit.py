@@ -128,9 +128,9 @@ class FigureModel:
         return pucks
 
     def _angle_5(self, stiffness: FloatArray) -> float:
-        rest = tuple(p for p, _ in self._pucks)
-        bent = tuple(p + A @ (1.0 / stiffness) for p, A in self._pucks)
-        return abs(joint5_rotation(rest, bent))
+        (a, A), (b, B), (c, C) = self._pucks
+        moved = 1.0 / stiffness
+        return abs(joint5_rotation((a, b, c), (a + A @ moved, b + B @ moved, c + C @ moved)))
 
 
 def overall_std(recovery: Recovery, fit: ThesisFit) -> FloatArray:
