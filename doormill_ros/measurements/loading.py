@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.kinematics import Kinematics
 
@@ -46,8 +46,8 @@ class Loadings:
         """Number of loadings."""
         return len(self.q)
 
-    def pick(self, rows: IntArray) -> Loadings:
-        """The given loadings alone."""
+    def pick(self, rows: IntArray | BoolArray) -> Loadings:
+        """The given loadings alone; row numbers or a mask, shape (k,) or (n,)."""
         return replace(self, **{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
