@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
+
+from doormill_ros.pages.page import Table
 
 
 @dataclass(frozen=True)
@@ -25,3 +28,21 @@ class Margin:
     def document(self) -> dict[str, Any]:
         """As it stands in diagnosis.json."""
         return asdict(self)
+
+
+def margins_table(entries: Sequence[Mapping[str, Any]]) -> Table:
+    """The margins as they stand in diagnosis.json, as a table of a page."""
+    rows = [
+        [
+            str(one["decision"]).replace("_", " "),
+            _plain(one["value"]),
+            _plain(one["threshold"]),
+            str(one["quantity"]),
+        ]
+        for one in entries
+    ]
+    return Table(("Decision", "Found", "The answer changes at", "Measured as"), rows)
+
+
+def _plain(value: float) -> str:
+    return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"

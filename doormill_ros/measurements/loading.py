@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.kinematics import Kinematics
 
@@ -46,14 +46,15 @@ class Loadings:
         """Number of loadings."""
         return len(self.q)
 
-    def pick(self, rows: IntArray) -> Loadings:
-        """The given loadings alone."""
+    def pick(self, rows: IntArray | BoolArray) -> Loadings:
+        """The given loadings alone; row numbers or a mask, shape (k,) or (n,)."""
         return replace(self, **{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
 def joint_torques(kinematics: Kinematics, loadings: Loadings) -> FloatArray:
     """Torque of the load about each joint, shape (n, 6) [N m] (thesis eq. 2.34)."""
-    return np.einsum("nik,ni->nk", load_jacobian(kinematics, loadings), loadings.wrench)
+    torque: FloatArray = np.einsum("nik,ni->nk", load_jacobian(kinematics, loadings), loadings.wrench)
+    return torque
 
 
 def load_jacobian(kinematics: Kinematics, loadings: Loadings) -> FloatArray:

@@ -100,7 +100,7 @@ class _Table:
 
     @property
     def width(self) -> int:
-        return self.numbers.shape[1]
+        return int(self.numbers.shape[1])
 
 
 def _error(path: Path, line: int, column: int, problem: str) -> DataSetError:
@@ -181,13 +181,13 @@ def _header_order(table: _Table, wanted: tuple[str, ...]) -> dict[str, int] | No
 
 
 def _time(path: Path, table: _Table, column: int) -> FloatArray:
-    time = table.numbers[:, column]
+    time: FloatArray = table.numbers[:, column]
     back = np.flatnonzero(np.diff(time) < 0.0)
     if back.size:
         row = int(back[0]) + 1
         problem = f"time goes back from {time[row - 1]:g} s to {time[row]:g} s"
         raise _error(path, table.lines[row], column + 1, problem)
-    return time - time[0]
+    return time - float(time[0])
 
 
 def _limit(

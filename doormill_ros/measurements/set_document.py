@@ -69,9 +69,9 @@ class SetDocument:
             if not found:
                 break
             node = found[0]
-        mark = node.start_mark
+        line, column = (0, 0) if node is None else (node.start_mark.line, node.start_mark.column)
         return SetDescriptionError(
-            f"{self.path}: line {mark.line + 1}, column {mark.column + 1}: {'.'.join(keys)} {problem}",
+            f"{self.path}: line {line + 1}, column {column + 1}: {'.'.join(keys)} {problem}",
             path=str(self.path),
             key=".".join(keys),
         )

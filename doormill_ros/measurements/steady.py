@@ -96,7 +96,8 @@ def _block_scatter(values: FloatArray, means: FloatArray, size: int) -> FloatArr
     jump = np.diff(values, axis=0)
     white = NORMAL_STD * np.median(np.abs(jump - np.median(jump, axis=0)), axis=0) / np.sqrt(2.0 * size)
     rounding = np.spacing(np.abs(values).max(axis=0)) + 1e-12
-    return np.maximum(np.maximum(between, white), rounding)
+    scatter: FloatArray = np.maximum(np.maximum(between, white), rounding)
+    return scatter
 
 
 def _longest_run(means: FloatArray, scatter: FloatArray) -> tuple[int, int]:

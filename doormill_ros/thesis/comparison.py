@@ -95,7 +95,9 @@ def compare_with_simulation(
                 joint=test.joint,
                 measured=test.measured,
                 simulated=test.simulated,
-                simulated_components=test.simulated_components,
+                simulated_components=None
+                if np.isnan(test.simulated_components).any()
+                else test.simulated_components,
                 predicted=float(length),
                 predicted_vector=vector,
                 own_joint=float(own),

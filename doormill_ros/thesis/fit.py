@@ -104,7 +104,7 @@ class FigureModel:
         return sigma
 
     def predict(self, stiffness: FloatArray) -> FloatArray:
-        """The nine figures of a robot with these joint stiffnesses."""
+        """The nine figures, shape (9,) [m, rad], of a robot with this stiffness, shape (6,) [N m/rad]."""
         d = self.A @ (1.0 / stiffness)  # (6, 3)
         lengths = np.linalg.norm(d, axis=1)
         lengths[3] = abs(self.torque[3, 3]) / stiffness[3] * self.data.test(4).extra["radius"]
@@ -128,9 +128,9 @@ class FigureModel:
         return pucks
 
     def _angle_5(self, stiffness: FloatArray) -> float:
-        rest = tuple(p for p, _ in self._pucks)
-        bent = tuple(p + A @ (1.0 / stiffness) for p, A in self._pucks)
-        return abs(joint5_rotation(rest, bent))
+        (a, A), (b, B), (c, C) = self._pucks
+        moved = 1.0 / stiffness
+        return abs(joint5_rotation((a, b, c), (a + A @ moved, b + B @ moved, c + C @ moved)))
 
 
 def overall_std(recovery: Recovery, fit: ThesisFit) -> FloatArray:
@@ -177,7 +177,7 @@ def _fit(data: ThesisData, recovery: Recovery, side: int) -> ThesisFit:
 
 
 def _joint2_of_a10(kinematics: Kinematics, data: ThesisData, recovery: Recovery) -> FloatArray:
-    """What A.10 takes off: joint 2 at the load point under [0 0 -Fz 0 0 0]."""
+    """What A.10 takes off, shape (3,) [m]: joint 2 at the load point under [0 0 -Fz 0 0 0]."""
     test = data.test(3)
     J = kinematics.jacobian(test.q, (0.0, 0.0, data.tool_z))
     wrench = np.array([0.0, 0.0, -test.wrench_flange[2], 0.0, 0.0, 0.0])
@@ -185,7 +185,7 @@ def _joint2_of_a10(kinematics: Kinematics, data: ThesisData, recovery: Recovery)
 
 
 def joint1_of_a13(kinematics: Kinematics, data: ThesisData, recovery: Recovery) -> FloatArray:
-    """What A.13 takes off: joint 1 under readings in flange axes, multiplied by a Jacobian in base axes."""
+    """What A.13 takes off, shape (3,) [m]: joint 1 under readings in flange axes times a Jacobian in base axes."""
     test = data.test(6)
     J = kinematics.jacobian(test.q, (0.0, 0.0, data.tool_z))
     return joint_displacement(J, test.wrench_flange, 1, recovery.stiffness[0])

@@ -85,7 +85,7 @@ def joint4_rotation(
 def joint5_rotation(
     unloaded: tuple[FloatArray, FloatArray, FloatArray], loaded: tuple[FloatArray, FloatArray, FloatArray]
 ) -> float:
-    """Rotation of joint 5 [rad] from reflectors A, B and C along the arm (3.18 to 3.28)."""
+    """Rotation of joint 5 [rad] from reflectors A, B and C along the arm, shape (3,) each [m] (3.18 to 3.28)."""
     before = _angle(unloaded[1] - unloaded[0], unloaded[2] - unloaded[1])  # (3.26)
     after = _angle(loaded[1] - loaded[0], loaded[2] - loaded[1])  # (3.27)
     return after - before  # (3.28)

@@ -31,7 +31,7 @@ class ThesisTest:
     Attributes:
         joint: Number of the joint it was made for.
         q: Posture, shape (6,) [rad].
-        wrench_flange: Sensor readings turned into flange axes, shape (6,) [N, N m]; None past the sensor.
+        wrench_flange: Sensor readings turned into flange axes, shape (6,) [N, N m]; NaN past the sensor.
         force_base: Load, base axes, shape (3,) [N].
         moment_base: Couple of the load beside its lever, base axes, shape (3,) [N m].
         load_link: Link that carries the load.
@@ -41,13 +41,13 @@ class ThesisTest:
         reflector: Its position in that link's frame, shape (3,) [m].
         measured: Displacement of table 4.2 [m].
         simulated: Simulated displacement of table 4.2 [m].
-        simulated_components: As the appendix prints them, shape (3,) [m]; None for joint 4.
+        simulated_components: As the appendix prints them, shape (3,) [m]; NaN for joint 4.
         extra: Further printed lengths and angles by name.
     """
 
     joint: int
     q: FloatArray
-    wrench_flange: FloatArray | None
+    wrench_flange: FloatArray
     force_base: FloatArray
     moment_base: FloatArray
     load_link: int
@@ -57,7 +57,7 @@ class ThesisTest:
     reflector: FloatArray
     measured: float
     simulated: float
-    simulated_components: FloatArray | None
+    simulated_components: FloatArray
     extra: dict[str, float]
 
 
@@ -136,7 +136,7 @@ def _data(document: dict[str, Any], force_joint4: float | None) -> ThesisData:
             raise ValueError(f"test {index + 1} is for joint {entry['joint']}")
         q = deg_to_rad(np.array(entry["q_deg"], dtype=float))
         load_link, load_point = JOINTS, np.array([0.0, 0.0, document["tool_z"]])
-        wrench_flange, moment = None, np.zeros(3)
+        wrench_flange, moment = np.full(6, np.nan), np.zeros(3)
         R_base_flange = kinematics.forward(q)[:3, :3]
         if "load" in entry:
             load_link, load_point = entry["load"]["link"], np.array(entry["load"]["point"], dtype=float)
@@ -149,7 +149,6 @@ def _data(document: dict[str, Any], force_joint4: float | None) -> ThesisData:
             force, moment = np.split(rotate_wrench(R_base_flange, at_tool), 2)
         else:
             force = R_base_flange @ np.array([weight if f is None else f for f in entry["force_flange"]])
-        components = entry.get("simulated_components")
         tests.append(
             ThesisTest(
                 joint=index + 1,
@@ -164,7 +163,7 @@ def _data(document: dict[str, Any], force_joint4: float | None) -> ThesisData:
                 reflector=np.array(entry["reflector"]["position"], dtype=float),
                 measured=table["measured_um"][index] * _UM,
                 simulated=table["simulated_um"][index] * _UM,
-                simulated_components=None if components is None else np.array(components, dtype=float),
+                simulated_components=np.array(entry.get("simulated_components", [np.nan] * 3), dtype=float),
                 extra={k: v for k, v in entry.items() if k in _EXTRA},
             )
         )

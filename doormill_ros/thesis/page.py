@@ -7,7 +7,8 @@ import numpy as np
 from doormill_ros.diagnosis.wording import MICRO, micrometres, spoken, with_deviation
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED, WIDE, BarRow, Curve, bars, scatter
 from doormill_ros.pages.page import Charts, Page, Section, Table, Text, render
-from doormill_ros.thesis.diagnosis import PreloadReading, ThesisDiagnosis, ThesisRow
+from doormill_ros.thesis.diagnosis import ThesisDiagnosis, ThesisRow
+from doormill_ros.thesis.preload import PreloadReading
 from doormill_ros.thesis.wording import candidates_sentence, joint_3_sentence
 
 UM = 1e6  #: micrometres in a metre

@@ -10,16 +10,10 @@ import numpy as np
 from doormill_ros.diagnosis.loading.document import MODEL_FILE, write_diagnosis
 from doormill_ros.diagnosis.margin import Margin
 from doormill_ros.robot_model.extended_model import model_document
-from doormill_ros.thesis.diagnosis import (
-    AS_GOOD,
-    PreloadReading,
-    ThesisCandidate,
-    ThesisDiagnosis,
-    diagnose_thesis,
-    read_preload_test,
-)
+from doormill_ros.thesis.diagnosis import AS_GOOD, ThesisCandidate, ThesisDiagnosis, diagnose_thesis
 from doormill_ros.thesis.loading_tests import load_thesis_data
 from doormill_ros.thesis.page import render_thesis_report
+from doormill_ros.thesis.preload import PreloadReading, read_preload_test
 from doormill_ros.thesis.recovery import recover
 from doormill_ros.thesis.wording import candidates_sentence, joint_3_sentence
 

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.thesis.diagnosis import diagnose_thesis, read_preload_test
+from doormill_ros.thesis.diagnosis import diagnose_thesis
 from doormill_ros.thesis.loading_tests import load_thesis_data
+from doormill_ros.thesis.preload import read_preload_test
 from doormill_ros.tools.diagnose import main
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

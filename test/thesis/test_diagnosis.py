@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from doormill_ros.robot_model.extended_model import load_compliance_model
-from doormill_ros.thesis.diagnosis import DECIDABLE, diagnose_thesis, read_preload_test
+from doormill_ros.thesis.diagnosis import DECIDABLE, diagnose_thesis
 from doormill_ros.thesis.loading_tests import load_thesis_data
+from doormill_ros.thesis.preload import read_preload_test
 from doormill_ros.tools.diagnose import main
 
 

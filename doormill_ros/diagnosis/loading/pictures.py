@@ -96,7 +96,8 @@ def residual_by_joint(diagnosis: Diagnosis) -> list[str]:
 
 def angle(residual: FloatArray, lever: FloatArray, size: FloatArray) -> FloatArray:
     """Joint angle that would leave this residual, shape (n,) [rad]."""
-    return np.sum(residual * lever, axis=1) / np.maximum(size, 1e-12)
+    turn: FloatArray = np.sum(residual * lever, axis=1) / np.maximum(size, 1e-12)
+    return turn
 
 
 def residual_by_circumstance(diagnosis: Diagnosis) -> list[str]:

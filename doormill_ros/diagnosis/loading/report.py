@@ -13,6 +13,7 @@ from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
 from doormill_ros.diagnosis.loading.document import parameters_of
 from doormill_ros.diagnosis.loading.next_measurement import DECIDED, NextMeasurement
 from doormill_ros.diagnosis.loading.path_shift import PathShift
+from doormill_ros.diagnosis.margin import margins_table
 from doormill_ros.diagnosis.wording import (
     micrometres,
     spoken,
@@ -29,6 +30,7 @@ def render_report(
     plan: NextMeasurement,
     checks: Sequence[dict[str, Any]] = (),
     shift: PathShift | None = None,
+    margins: Sequence[dict[str, Any]] = (),
 ) -> str:
     """The page as HTML text without any outside resource."""
     sections = [Section("", [_tiles(diagnosis), Text(diagnosis.remarks, note=True)])]
@@ -65,6 +67,8 @@ def render_report(
         Section("What cannot be told apart", _confusable(diagnosis)),
         Section("What to measure next", _next(plan)),
     ]
+    if margins:
+        sections.append(Section("How close the decisions were", [margins_table(margins)]))
     if diagnosis.outliers:
         listed = ", ".join(map(str, diagnosis.outliers))
         sentence = f"Trials {listed} are gross errors; they steer no fit and count in no figure."
@@ -148,13 +152,19 @@ def _part(shift: PathShift | None) -> list[Block]:
 
 def _confusable(diagnosis: Diagnosis) -> list[Block]:
     rows = [
-        [spoken(f.cause), ", ".join(map(spoken, f.confusable))] for f in diagnosis.findings if f.confusable
+        [
+            spoken(finding.cause),
+            spoken(equal.cause),
+            "nothing: the two are tied" if equal.tied else f"{equal.behind:.1f} of score",
+        ]
+        for finding in diagnosis.findings
+        for equal in finding.equals
     ]
     if not diagnosis.findings:
         return [Text(["No cause is named, so there is none that another could be taken for."])]
     if not rows:
         return [Text(["Every established cause is told apart from all others by these data."])]
-    return [Table(("Named", "Would do as well"), rows)]
+    return [Table(("Named", "Would do as well", "What the data say for the first"), rows)]
 
 
 def _next(plan: NextMeasurement) -> list[Block]:

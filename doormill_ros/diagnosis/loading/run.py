@@ -59,7 +59,7 @@ def run_measurement_sets(
         more["checks"] = checked
     more["margins"] = [margin.document() for margin in margins(diagnosis)]
     document = diagnosis_document(diagnosis, plan.sentence, **more)
-    page = render_report(diagnosis, plan, checked, shift)
+    page = render_report(diagnosis, plan, checked, shift, more["margins"])
     write_diagnosis(out, document, extended_model_document(diagnosis, unchanged), page)
     return verdict_line(diagnosis)
 

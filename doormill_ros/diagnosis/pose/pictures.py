@@ -43,7 +43,7 @@ def joint_angle(diagnosis: PoseDiagnosis, series: int, errors: FloatArray) -> Fl
     turns = [joint_turn(k) for k in range(1, 7)]
     D = derivatives(problem.frames(series), problem.placements[series])[:, turns] * scale
     H = np.einsum("nac,nbc->nab", D, D)
-    size = np.sqrt(np.einsum("naa->na", H))
+    size: FloatArray = np.sqrt(np.einsum("naa->na", H))
     H = H / (size[:, :, None] * size[:, None, :]) + 1e-2 * np.eye(6)
     g = np.einsum("nac,nc->na", D, errors * scale) / size
     return np.linalg.solve(H, g[:, :, None])[:, :, 0] / size

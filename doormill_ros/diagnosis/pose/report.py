@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.diagnosis.margin import margins_table
 from doormill_ros.diagnosis.pose import pictures
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.wording import verdict_sentence
@@ -43,6 +44,8 @@ def render_report(diagnosis: PoseDiagnosis, document: dict[str, Any]) -> str:
         )
         sentence = f"Rows {listed}. They steer no fit and count in no figure."
         sections.append(Section("Gross errors", [Text([sentence])]))
+    if document.get("margins"):
+        sections.append(Section("How close the decisions were", [margins_table(document["margins"])]))
     if document["checks"]:
         sections.append(Section("Sets that were only predicted", [_checks(document)]))
     sources = dict.fromkeys(data.source for data in diagnosis.sets if data.source)
