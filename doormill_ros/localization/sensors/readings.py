@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.config import read_document
 from doormill_ros.localization.picture_file import read_picture
 from doormill_ros.localization.sensors.errors import BadReading
 from doormill_ros.localization.sensors.sensor import ReadingKind
@@ -56,7 +56,7 @@ def read_readings(path: Path, takes: ReadingKind) -> list[Reading]:
     for i, row in enumerate(rows):
         try:
             value = parse(row, path.parent)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise BadReading(
                 f"{path}: reading {i + 1} of {key} is {row!r}, {error}", path=str(path)
             ) from error
@@ -65,10 +65,7 @@ def read_readings(path: Path, takes: ReadingKind) -> list[Reading]:
 
 
 def _document(path: Path, key: str) -> list[Any]:
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise BadReading(f"{path} cannot be read as YAML: {' '.join(str(error).split())}") from error
+    document = read_document(path, BadReading, "see docs/sensors.md")
     if not isinstance(document, dict) or list(document) != [key]:
         found = list(document) if isinstance(document, dict) else type(document).__name__
         raise BadReading(f"{path} holds {found}, allowed is the one key {key}; see docs/sensors.md")

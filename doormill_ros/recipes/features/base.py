@@ -44,7 +44,7 @@ class ToolName:
         """The tool; raises `complaint`."""
         if not isinstance(value, str):
             raise complaint(WrongType, f"found {value!r}, allowed is the name of a tool", found=value)
-        tools: Mapping[str, Tool] = info.context["tools"]
+        tools: Mapping[str, Tool] = (info.context or {})["tools"]
         if value not in tools:
             raise complaint(
                 UnknownReference,
@@ -147,11 +147,13 @@ class Feature(Section):
             Side.HINGE_EDGE: [across, 0.0, z],
             Side.LOCK_EDGE: [across, door.width, z],
         }[self.side]
-        return transform(R_DOOR_FEATURE[self.side], origin)
+        return transform(R_DOOR_FEATURE[self.side], np.array(origin))
 
     def T_door_tool(self, door: DoorSize, x: float = 0.0, y: float = 0.0, depth: float = 0.0) -> FloatArray:
         """Nominal tool pose in the door frame at a point of the feature, shape (4, 4)."""
-        return self.T_door_feature(door) @ transform(R_FEATURE_TOOL, [x, y, depth])
+        T_feature_tool = transform(R_FEATURE_TOOL, np.array([x, y, depth]))
+        T_door_tool: FloatArray = self.T_door_feature(door) @ T_feature_tool
+        return T_door_tool
 
     def wrench(self, segment: str) -> FloatArray:
         """Wrench on the tool at the tool centre point, nominal tool axes, shape (6,) [N, N m].
