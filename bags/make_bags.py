@@ -27,7 +27,7 @@ LEVEL = 19  # of compression
 def _parameters(
     scenario: Scenario, common: dict[str, dict[str, Any]], folder: Path
 ) -> dict[str, dict[str, Any]]:
-    from doormill_ros.recipes.database import RecipeDatabase
+    from doormill_ros.recipes.store.database import RecipeDatabase
 
     database = folder / "recipes.sqlite"
     with RecipeDatabase(f"sqlite:///{database}") as recipes:

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import psycopg
 
-from doormill_ros.recipes.database import RecipeDatabase
 from doormill_ros.recipes.documents import load_recipe
+from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recipes.stored import content_of, rules, seal
 from harness import Entry, entry
 from support import postgres

@@ -5,7 +5,6 @@ A model is a frozen dataclass below `values.Section`, its fields annotated with 
 
 from __future__ import annotations
 
-import functools
 import reprlib
 import typing
 from collections.abc import Mapping
@@ -90,7 +89,7 @@ def check(
         DoormillError: `error`, as for `read`.
     """
     try:
-        return typing.cast(Model, adapter(typing.cast(Any, model)).validate_python(document))
+        return adapter(model).validate_python(document)
     except ValidationError as cause:
         details = first_error(cause)
         raise error(
@@ -100,10 +99,14 @@ def check(
         ) from cause
 
 
-@functools.cache
+_adapters: dict[type, TypeAdapter[Any]] = {}
+
+
 def adapter(model: type[Model]) -> TypeAdapter[Model]:
-    """Pydantic's validator of a model, built once."""
-    return TypeAdapter(model)
+    """The validator of a model that pydantic makes, built once."""
+    if model not in _adapters:
+        _adapters[model] = TypeAdapter(model)
+    return _adapters[model]
 
 
 def first_error(error: ValidationError) -> ErrorDetails:

@@ -6,7 +6,6 @@ What a type allows stands in words in its `what`, for the sentence about a value
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
 import re
 import types
@@ -47,14 +46,19 @@ class Field(NamedTuple):
     kind: Any
 
 
-@functools.cache
-def keys(section: Any) -> dict[str, Field]:
+_keys: dict[type, dict[str, Field]] = {}
+
+
+def keys(section: type) -> dict[str, Field]:
     """Key in the document to field, in order, of a dataclass.
 
     The key is the attribute's name, unless an annotation of the field has a method `key` that makes another of it.
     """
-    kinds = typing.get_type_hints(section, include_extras=True)
-    return {_key(f.name, kinds[f.name]): Field(f.name, kinds[f.name]) for f in dataclasses.fields(section)}
+    if section not in _keys:
+        kinds = typing.get_type_hints(section, include_extras=True)
+        names = [item.name for item in dataclasses.fields(section)]
+        _keys[section] = {_key(name, kinds[name]): Field(name, kinds[name]) for name in names}
+    return _keys[section]
 
 
 def _key(name: str, kind: Any) -> str:

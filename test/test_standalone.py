@@ -26,7 +26,7 @@ FILES = sorted(
 )
 #: Names that tests give to the product to be refused, the user's own recipes, places of the operating system.
 MEANT = {
-    "doormill_ros/recipes/engine.py": [
+    "doormill_ros/recipes/store/engine.py": [
         "Path(url.database).expanduser()",
         "Path(text).expanduser()",
         "Path.home()",

@@ -24,7 +24,7 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
 from doormill_ros.nodes.replay_driver import ReplayDriver
-from doormill_ros.recipes.database import RecipeDatabase
+from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recording.replay.answer import Answer
 from doormill_ros.recording.replay.live import LiveRun
 from doormill_ros.recording.replay.offline import LAST_REPLAYED

@@ -15,7 +15,7 @@ from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, Parameter
 from doormill_ros.nodes.run import run_nodes
-from doormill_ros.recipes.database import RecipeDatabase
+from doormill_ros.recipes.store.database import RecipeDatabase
 
 
 class RecipeDatabaseNode(ManagedNode):

@@ -7,7 +7,6 @@ feature in the feature's own xy plane.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -266,7 +265,7 @@ def _view_of(feature: Feature) -> str:
     return feature.side.value if feature.side.is_edge else Side.FRONT.value
 
 
-def _points(pixels: Sequence[Sequence[float]]) -> str:
+def _points(pixels: FloatArray) -> str:
     return " ".join(f"{x:.2f},{y:.2f}" for x, y in pixels)
 
 

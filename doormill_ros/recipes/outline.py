@@ -11,6 +11,7 @@ import shapely
 
 from doormill_ros.arrays import FloatArray
 
+Point = tuple[float, float]  #: x, y in the feature's plane [m]
 HALF_SQRT2 = math.sqrt(0.5)
 
 
@@ -27,10 +28,10 @@ class Segment:
     """
 
     name: str
-    start: tuple[float, float]
-    end: tuple[float, float]
-    via: tuple[float, float] | None = None
-    centre: tuple[float, float] | None = None
+    start: Point
+    end: Point
+    via: Point | None = None
+    centre: Point | None = None
 
     @property
     def is_arc(self) -> bool:
@@ -45,7 +46,7 @@ class Segment:
     @property
     def angle(self) -> float:
         """Signed angle turned through [rad], negative for clockwise; 0 for a line."""
-        if not self.centre:
+        if self.centre is None or self.via is None:
             return 0.0
         return 2.0 * _turn(self.centre, self.start, self.via)
 
@@ -57,7 +58,7 @@ class Segment:
     def points(self, fraction: FloatArray) -> FloatArray:
         """Points, shape (n, 2) [m], at the given fractions, shape (n,), of the length."""
         fraction = np.asarray(fraction, dtype=float)
-        if not self.is_arc:
+        if self.centre is None:
             return np.outer(1.0 - fraction, self.start) + np.outer(fraction, self.end)
         first = math.atan2(self.start[1] - self.centre[1], self.start[0] - self.centre[0])
         angles = first + fraction * self.angle
@@ -142,7 +143,7 @@ class RoundedRectangle:
             split_lines: Divide the left and the right line in the middle.
         """
         x, y, r = self.width / 2.0, self.length / 2.0, self.radius
-        lines = lambda name, a, b: _line(name, a, b, split_lines)  # noqa: E731
+        lines = functools.partial(_line, split=split_lines)
         tiny = 1e-9
         if abs(r - x) < tiny:  # oblong along y: half-turns at top and bottom
             c = y - r
@@ -156,28 +157,28 @@ class RoundedRectangle:
             a, b, k = x - r, y - r, r * HALF_SQRT2
             parts = [
                 _arc("top_left_corner", (-x, b), (-a - k, b + k), (-a, y), (-a, b)),
-                *_line("top_line", (-a, y), (a, y), False),
+                *_line("top_line", (-a, y), (a, y)),
                 _arc("top_right_corner", (a, y), (a + k, b + k), (x, b), (a, b)),
                 *lines("right_line", (x, b), (x, -b)),
                 _arc("bottom_right_corner", (x, -b), (a + k, -b - k), (a, -y), (a, -b)),
-                *_line("bottom_line", (a, -y), (-a, -y), False),
+                *_line("bottom_line", (a, -y), (-a, -y)),
                 _arc("bottom_left_corner", (-a, -y), (-a - k, -b - k), (-x, -b), (-a, -b)),
                 *lines("left_line", (-x, -b), (-x, b)),
             ]
         return Outline(tuple(part for part in parts if part.length > tiny))
 
 
-def _turn(centre: tuple, start: tuple, end: tuple) -> float:
+def _turn(centre: Point, start: Point, end: Point) -> float:
     """Signed angle [rad], under half a turn, from one point to another seen from a centre."""
     a, b = ((p[0] - centre[0], p[1] - centre[1]) for p in (start, end))
     return math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
 
 
-def _arc(name: str, start: tuple, via: tuple, end: tuple, centre: tuple) -> Segment:
+def _arc(name: str, start: Point, via: Point, end: Point, centre: Point) -> Segment:
     return Segment(name, start, end, via, centre)
 
 
-def _line(name: str, start: tuple, end: tuple, split: bool) -> list[Segment]:
+def _line(name: str, start: Point, end: Point, split: bool = False) -> list[Segment]:
     if not split or math.dist(start, end) == 0.0:
         return [Segment(name, start, end)]
     middle = ((start[0] + end[0]) / 2.0, (start[1] + end[1]) / 2.0)

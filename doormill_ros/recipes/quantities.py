@@ -82,7 +82,8 @@ class Quantity:
         """The value in SI of a document's; raises `complaint`, `inside` the value that is validated."""
         if type(value) is not float or not self.low <= value <= self.high:
             value = self._checked(value, inside)
-        return (round(value, GRID_DECIMALS) + 0.0) * self.scale
+        on_grid: float = round(value, GRID_DECIMALS) + 0.0
+        return on_grid * self.scale
 
     def _checked(self, value: Any, inside: Place) -> float:
         found = number(value, inside=inside)

@@ -58,7 +58,7 @@ class Prism:
                 return False
         mine = self.polygon.buffer(wall) if wall > 0.0 else self.polygon
         if self.axis == other.axis:
-            return mine.intersection(other.polygon).area > 0.0
+            return bool(mine.intersection(other.polygon).area > 0.0)
         # At a height z both are rectangles in x and y: each one's extent along the other's axis
         # must be met there, so the heights at which the first and the second condition hold
         # must overlap.

@@ -119,7 +119,7 @@ def _door(arguments: argparse.Namespace) -> DoorSize:
         return DoorSize(height=height, width=width, thickness=thickness)
     if Path(arguments.door).suffix:
         return load_recipe(arguments.door).size
-    from doormill_ros.recipes.database import RecipeDatabase  # takes a while, and only this asks for it
+    from doormill_ros.recipes.store.database import RecipeDatabase  # takes a while, and only this asks for it
 
     with RecipeDatabase() as database:
         database.add_shipped()

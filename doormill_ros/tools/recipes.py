@@ -8,12 +8,12 @@ import sys
 from pathlib import Path
 
 from doormill_ros.errors import DoormillError
-from doormill_ros.recipes.database import RecipeDatabase, RecipeRecord
 from doormill_ros.recipes.documents import to_json, to_yaml
 from doormill_ros.recipes.drawing import draw_recipe
-from doormill_ros.recipes.engine import ENVIRONMENT
 from doormill_ros.recipes.errors import UnknownFileType
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.store.database import RecipeDatabase, RecipeRecord
+from doormill_ros.recipes.store.engine import ENVIRONMENT
 
 
 def parser() -> argparse.ArgumentParser:

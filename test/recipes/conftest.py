@@ -2,7 +2,7 @@ import copy
 
 import pytest
 
-from doormill_ros.recipes.database import RecipeDatabase
+from doormill_ros.recipes.store.database import RecipeDatabase
 from support import postgres as server_of_the_tests
 
 

@@ -12,11 +12,12 @@ import pytest
 import sqlalchemy as sa
 
 from doormill_ros.recipes import errors as e
-from doormill_ros.recipes import schema, stored
-from doormill_ros.recipes.database import SHIPPER, RecipeDatabase
+from doormill_ros.recipes import stored
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes, to_json
-from doormill_ros.recipes.engine import ENVIRONMENT, WRITE, default_url, make_engine
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.store import schema
+from doormill_ros.recipes.store.database import SHIPPER, RecipeDatabase
+from doormill_ros.recipes.store.engine import ENVIRONMENT, WRITE, default_url, make_engine
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -263,7 +264,7 @@ CELLS, SAVES = 3, 15
 
 CELL = """
 import json, sys
-from doormill_ros.recipes.database import SHIPPER, RecipeDatabase
+from doormill_ros.recipes.store.database import SHIPPER, RecipeDatabase
 from doormill_ros.recipes.recipe import Recipe
 url, author, saves = sys.argv[1], sys.argv[2], int(sys.argv[3])
 recipe = Recipe.from_document(json.loads(sys.stdin.readline()))

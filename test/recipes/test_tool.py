@@ -6,9 +6,9 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from doormill_ros.recipes.documents import load_recipe, parse_yaml
-from doormill_ros.recipes.engine import ENVIRONMENT
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.store.engine import ENVIRONMENT
 from doormill_ros.tools.recipes import main
 
 

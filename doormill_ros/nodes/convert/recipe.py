@@ -9,8 +9,8 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorFeature, DoorRecipe, RecipeSummary
 from doormill_ros.frames import DOOR_FRAME
 from doormill_ros.nodes.convert.geometry import pose_message
-from doormill_ros.recipes.database import RecipeRecord
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.store.database import RecipeRecord
 
 
 def recipe_message(recipe: Recipe, run_id: str, header: Header) -> DoorRecipe:

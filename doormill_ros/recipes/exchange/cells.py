@@ -7,7 +7,6 @@ cell with blanks between them. An empty cell is an absent field.
 
 from __future__ import annotations
 
-import dataclasses
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.recipes.quantities import Choice
 from doormill_ros.recipes.recipe import SCHEMA, Recipe
 from doormill_ros.recipes.tool import Tool
-from doormill_ros.values import keys, plain
+from doormill_ros.values import Section, keys, plain
 
 LISTS = ("wrench_n_nm.", "force_displacement_mm")
 TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
@@ -172,7 +171,8 @@ def _kind_of(content: type | None, column: str) -> Any:
     if field is None:
         return None
     part = plain(field.kind)
-    return _kind_of(part, rest) if rest and dataclasses.is_dataclass(part) else field.kind
+    inside = rest and isinstance(part, type) and issubclass(part, Section)
+    return _kind_of(part, rest) if inside else field.kind
 
 
 def _value(cell: Any, column: str, kind: Any, decimal_comma: bool) -> Any:

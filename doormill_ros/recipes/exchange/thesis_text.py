@@ -168,10 +168,10 @@ def _hinges(rows: dict[str, list[str]], shared: dict[str, Any], name: str) -> li
         hinge = {"kind": "hinge_oblong", "id": f"hinge_{index}", "side": "front", "height_mm": position}
         hinge |= {**geometry, **shared, "wrench_n_nm": wrench or FORCE_DEFAULT}
         y, z = (displacement.pop(f"{index} {axis}", None) for axis in "YZ")
-        if (y is None) != (z is None) or (y is not None and len(y) != len(z)):
-            raise BadTable(f"{name}: '{DISPLACEMENT} {index} Y' and '... Z' must have a cell for each point")
-        if y is not None:
+        if y is not None and z is not None and len(y) == len(z):
             hinge["force_displacement_mm"] = [list(pair) for pair in zip(y, z, strict=True)]
+        elif y is not None or z is not None:
+            raise BadTable(f"{name}: '{DISPLACEMENT} {index} Y' and '... Z' must have a cell for each point")
         hinges.append(hinge)
     if displacement:
         label = f"{DISPLACEMENT} {next(iter(displacement))}"

@@ -44,7 +44,7 @@ class ToolName:
         """The tool; raises `complaint`."""
         if not isinstance(value, str):
             raise complaint(WrongType, f"found {value!r}, allowed is the name of a tool", found=value)
-        tools: Mapping[str, Tool] = info.context["tools"]
+        tools: Mapping[str, Tool] = (info.context or {})["tools"]
         if value not in tools:
             raise complaint(
                 UnknownReference,
@@ -147,7 +147,7 @@ class Feature(Section):
             Side.HINGE_EDGE: [across, 0.0, z],
             Side.LOCK_EDGE: [across, door.width, z],
         }[self.side]
-        return transform(R_DOOR_FEATURE[self.side], origin)
+        return transform(R_DOOR_FEATURE[self.side], np.array(origin))
 
     def wrench(self, segment: str) -> FloatArray:
         """Wrench on the tool at the tool centre point, nominal tool axes, shape (6,) [N, N m].

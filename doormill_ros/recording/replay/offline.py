@@ -14,7 +14,7 @@ from doormill_ros.localization.errors import LocalizationError, StalePicture
 from doormill_ros.messages.from_message import camera_of, nanoseconds_of, recipe_of, transform_of
 from doormill_ros.pipeline.look import look
 from doormill_ros.pipeline.plan import load_setup, plan
-from doormill_ros.recipes.database import RecipeDatabase
+from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recording.replay.answer import (
     LOCALIZATION,
     STAGES,

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from doormill_ros.recipes.database import RecipeDatabase
 from doormill_ros.recipes.documents import shipped_recipes
+from doormill_ros.recipes.store.database import RecipeDatabase
 from support.source_tree import ROOT
 
 BAGS = ROOT / "bags"

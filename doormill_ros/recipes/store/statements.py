@@ -5,11 +5,10 @@ from __future__ import annotations
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
 
-from doormill_ros.recipes import schema
 from doormill_ros.recipes.errors import BarCodeTaken, DatabaseError
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.store import schema
 
-INSERT = {"sqlite": sqlite.insert, "postgresql": postgresql.insert}
 RECORD = [schema.recipe_version.c[name] for name in ("door_id", "version", "bar_code", "author", "created")]
 _ROW = sa.select(*RECORD, *(schema.recipe_version.c[name] for name in ("document", "sha256", "rules")))
 _NEWEST = _ROW.join_from(
@@ -32,7 +31,7 @@ LOCK_DOOR = sa.select(schema.door.c.door_id).where(schema.door.c.door_id == sa.b
 LOCK_DOOR = LOCK_DOOR.with_for_update()
 
 
-def next_version(connection: sa.Connection, recipe: Recipe, only_new: bool) -> int | None:
+def next_version(connection: sa.Connection, recipe: Recipe) -> int:
     """Count the door's version up, so that no two savers can get the same one.
 
     The order matters on PostgreSQL, where others save at the same time: `ON CONFLICT (door_id) DO
@@ -41,30 +40,29 @@ def next_version(connection: sa.Connection, recipe: Recipe, only_new: bool) -> i
     Args:
         connection: In a transaction that is going to write.
         recipe: What shall be stored.
-        only_new: Leave a door alone that is known, or whose bar code is.
-
-    Returns:
-        The version to store, or None when the door is left alone.
 
     Raises:
         BarCodeTaken: Another door has the bar code.
     """
-    if not only_new:
-        version = _count_up(connection, recipe)
-        if version is not None:
-            return version
-    insert = INSERT[connection.dialect.name](schema.door).values(
-        door_id=recipe.door_id, bar_code=recipe.bar_code, latest_version=1
-    )
-    statement = insert.on_conflict_do_nothing().returning(schema.door.c.latest_version)
-    version = connection.execute(statement).scalar()
-    if version is not None or only_new:
-        return version
-    # Somebody was quicker: with this door, which is there now, or with the bar code.
-    version = _count_up(connection, recipe)
+    version = _count_up(connection, recipe) or first_version(connection, recipe)
+    # None: somebody was quicker, with this door, which is there now, or with the bar code.
+    version = version or _count_up(connection, recipe)
     if version is None:
         raise _bar_code_taken(recipe)
     return version
+
+
+def first_version(connection: sa.Connection, recipe: Recipe) -> int | None:
+    """Make a door; its version is 1, or None when the door or its bar code is known."""
+    insert = _insert(connection).values(door_id=recipe.door_id, bar_code=recipe.bar_code, latest_version=1)
+    statement = insert.on_conflict_do_nothing().returning(schema.door.c.latest_version)
+    return connection.execute(statement).scalar()
+
+
+def _insert(connection: sa.Connection) -> postgresql.Insert | sqlite.Insert:
+    if connection.dialect.name == "postgresql":
+        return postgresql.insert(schema.door)
+    return sqlite.insert(schema.door)
 
 
 _COUNT_UP = (

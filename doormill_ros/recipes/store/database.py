@@ -7,12 +7,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any, cast
 
 import sqlalchemy as sa
 
-from doormill_ros.recipes import schema
 from doormill_ros.recipes.documents import shipped_recipes
-from doormill_ros.recipes.engine import WRITE, make_engine, make_reader
 from doormill_ros.recipes.errors import (
     BadText,
     DatabaseError,
@@ -23,12 +22,15 @@ from doormill_ros.recipes.errors import (
 )
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.recipes.statements import (
+from doormill_ros.recipes.store import schema
+from doormill_ros.recipes.store.engine import WRITE, make_engine, make_reader
+from doormill_ros.recipes.store.statements import (
     BY_BAR_CODE,
     BY_DOOR,
     BY_VERSION,
     LOCK_DOOR,
     RECORD,
+    first_version,
     next_version,
 )
 from doormill_ros.recipes.stored import content_of, recipe_of, rules, seal
@@ -189,7 +191,8 @@ class RecipeDatabase:
             # In one order everywhere, so that two savers cannot wait for each other.
             saved = {}
             for index in sorted(range(len(checked)), key=lambda index: checked[index].door_id):
-                saved[index] = self._save(connection, checked[index], author)
+                version = next_version(connection, checked[index])
+                saved[index] = self._save(connection, checked[index], author, version)
             return tuple(saved[index] for index in range(len(checked)))
 
     def import_file(self, path: str | Path, author: str) -> ImportReport:
@@ -212,7 +215,8 @@ class RecipeDatabase:
                 if row is not None and row.document == content_of(recipe):
                     unchanged.append(recipe.door_id)
                 else:
-                    saved.append(_record_of(self._save(connection, recipe, author)))
+                    version = next_version(connection, recipe)
+                    saved.append(_record_of(self._save(connection, recipe, author, version)))
         return ImportReport(tuple(saved), tuple(unchanged))
 
     def export_file(self, path: str | Path, door_ids: Sequence[str] | None = None) -> tuple[Recipe, ...]:
@@ -247,18 +251,21 @@ class RecipeDatabase:
                 # Another cell may be at the same: the first one is waited for.
                 connection.execute(LOCK_DOOR, {"door_id": recipe.door_id})
                 row = connection.execute(BY_DOOR, {"door_id": recipe.door_id}).one_or_none()
+                version = None
                 if row is None:
-                    saved.append(self._save(connection, recipe, author, only_new=True))
+                    version = first_version(connection, recipe)
                 elif self._is_earlier(row, recipe, author):
-                    saved.append(self._save(connection, recipe, author))
-        return tuple(_record_of(recipe) for recipe in saved if recipe is not None)
+                    version = next_version(connection, recipe)
+                if version is not None:
+                    saved.append(_record_of(self._save(connection, recipe, author, version)))
+        return tuple(saved)
 
     @staticmethod
-    def _is_earlier(row: sa.Row, recipe: Recipe, author: str) -> bool:
+    def _is_earlier(row: sa.Row[Any], recipe: Recipe, author: str) -> bool:
         """True when an earlier release has stored another recipe, and nobody else one since."""
-        return row.author == author and row.document != content_of(recipe)
+        return bool(row.author == author and row.document != content_of(recipe))
 
-    def _read(self, query: sa.Select, values: dict[str, object] | None = None) -> Sequence[sa.Row]:
+    def _read(self, query: sa.Select[Any], values: dict[str, object] | None = None) -> Sequence[sa.Row[Any]]:
         """Every row of one statement, which is all that a look-up is: no transaction round it."""
         with self._failures():
             try:
@@ -270,7 +277,7 @@ class RecipeDatabase:
                 # whether it is still there would cost a journey every time.
                 return self._rows(query, values)
 
-    def _rows(self, query: sa.Select, values: dict[str, object] | None) -> Sequence[sa.Row]:
+    def _rows(self, query: sa.Select[Any], values: dict[str, object] | None) -> Sequence[sa.Row[Any]]:
         with self._reader.connect() as connection:
             return connection.execute(query, values).all()
 
@@ -298,14 +305,10 @@ class RecipeDatabase:
             raise BadText("author", f"found {author!r}, allowed are 1 to 100 printable characters")
         return Recipe.from_document({**recipe.to_document(), "author": author})
 
-    def _save(
-        self, connection: sa.Connection, recipe: Recipe, author: str, only_new: bool = False
-    ) -> Recipe | None:
-        """Store a checked recipe; with `only_new` None when the door or its bar code is known."""
-        version = next_version(connection, recipe, only_new)
-        if version is None:
-            return None
-        stored = recipe.stamped(version, author, self._clock().astimezone(UTC))
+    def _save(self, connection: sa.Connection, recipe: Recipe, author: str, version: int) -> Recipe:
+        """Store a checked recipe under a version drawn for it."""
+        created = self._clock().astimezone(UTC)
+        stored = recipe.stamped(version, author, created)
         content = content_of(stored)
         connection.execute(
             schema.recipe_version.insert().values(
@@ -313,7 +316,7 @@ class RecipeDatabase:
                 version=version,
                 bar_code=stored.bar_code,
                 author=author,
-                created=stored.created.isoformat(),
+                created=created.isoformat(),
                 document=content,
                 sha256=seal(content, rules()),
                 rules=rules(),
@@ -327,13 +330,14 @@ def _storable(text: str) -> bool:
     return text.isascii() and "\x00" not in text
 
 
-def _record(row: sa.Row) -> RecipeRecord:
+def _record(row: sa.Row[Any]) -> RecipeRecord:
     created = datetime.fromisoformat(row.created)
     return RecipeRecord(row.door_id, row.version, row.bar_code, row.author, created)
 
 
 def _record_of(recipe: Recipe) -> RecipeRecord:
-    return RecipeRecord(recipe.door_id, recipe.version, recipe.bar_code, recipe.author, recipe.created)
+    created = cast(datetime, recipe.created)  # a recipe that was stored has one
+    return RecipeRecord(recipe.door_id, recipe.version, recipe.bar_code, recipe.author, created)
 
 
 def _unknown_door(door_id: str) -> DatabaseError:

@@ -102,7 +102,7 @@ def _sqlite(url: sa.URL) -> sa.Engine:
         engine = sa.create_engine(url.set(database=str(path)), connect_args=arguments)
 
     @sa.event.listens_for(engine, "connect")
-    def connect(connection, record) -> None:
+    def connect(connection: sqlite3.Connection, record: object) -> None:
         # The driver would open transactions by itself and too late; `begin` below does it.
         connection.isolation_level = None
         connection.execute(f"PRAGMA busy_timeout = {BUSY_SECONDS * 1000}")

@@ -1,0 +1,1 @@
+"""The recipe database: versions that are never overwritten, in SQLite or PostgreSQL."""
