@@ -12,7 +12,6 @@ import logging
 import sys
 import time
 from collections import defaultdict
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -22,14 +21,8 @@ from rich.console import Console
 from rich.table import Table
 
 from support.faults.judge import Verdict
-from support.faults.run import run
+from support.faults.run import campaign
 from support.faults.scenario import KINDS, Scenario, draw
-
-
-def campaign(scenarios: list[Scenario], workers: int) -> list[tuple[Scenario, Verdict]]:
-    """Play all scenarios, a few at a time."""
-    with ThreadPoolExecutor(workers) as pool:
-        return list(zip(scenarios, pool.map(run, scenarios), strict=True))
 
 
 def table(results: list[tuple[Scenario, Verdict]]) -> Table:

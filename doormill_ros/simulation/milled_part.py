@@ -152,6 +152,13 @@ class _Way:
     """One robot's path in the frame of a feature."""
 
     def __init__(self, T_feature_tool: FloatArray, own: BoolArray, cutting: BoolArray) -> None:
+        """Take the samples.
+
+        Args:
+            T_feature_tool: Poses of the tool, shape (n, 4, 4).
+            own: Which samples belong to the feature, shape (n,).
+            cutting: Which samples cut, shape (n,).
+        """
         self.tip = T_feature_tool[:, :3, 3]
         self.axis = T_feature_tool[:, :3, 2]
         # The tool moved straight from sample to sample; both must be this feature's.

@@ -1,13 +1,3 @@
-"""Fixtures of these tests; they stand in `support`, where several folders find them."""
+"""The fixture of these tests that stands in `support`, where several folders find it."""
 
-from support.rapid_bench import (  # noqa: F401
-    answer,
-    arm,
-    controller,
-    door,
-    load,
-    machine,
-    say,
-    thesis_listings,
-    thesis_module,
-)
+from support.rapid_bench import door  # noqa: F401

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.faults import campaign
 from doormill_ros.abb.target_file.target_file import read_target_file
 from support.faults.judge import Verdict, judge
+from support.faults.run import campaign
 from support.faults.scenario import KINDS, Scenario, draw
 from support.faults.world import World, digest, make_file
 
@@ -56,13 +56,16 @@ def test_no_wrong_file_is_milled_and_the_cell_recovers(results: dict[str, Verdic
 
 def test_the_faults_did_happen(results: dict[str, Verdict]) -> None:
     struck = {kind for kind, verdict in results.items() if verdict.faults}
+    assert len(results) == len(SAMPLE)
     assert len(struck) >= len(SAMPLE) // 2
 
 
 def test_even_a_robot_that_checks_nothing_mills_the_right_file() -> None:
     """The PC's part alone: the robot mills whatever lies there when ready is high."""
     kinds = ("kill -9 in ready", "torn write, unnoticed", "late file", "kill -9 of both")
-    for scenario, verdict in campaign([scenario_of(kind, robot="blind") for kind in kinds], workers=4):
+    played = campaign([scenario_of(kind, robot="blind") for kind in kinds], workers=4)
+    assert [scenario.kind for scenario, _ in played] == list(kinds)
+    for scenario, verdict in played:
         assert not verdict.wrong, scenario.kind
         assert verdict.recovered, scenario.kind
 

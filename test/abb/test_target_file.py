@@ -96,7 +96,9 @@ def test_a_line_holds_any_pose_within_the_budget_and_gives_it_back(position, qua
 def test_every_written_number_survives_float32(position, quaternion):
     """What a num holds rounds back to the decimals that were written: none of them is noise."""
     line = format_line(pose(position, quaternion), ANY)
-    for text in line.split(";")[:7]:
+    numbers = line.split(";")[:7]
+    assert len(numbers) == 7
+    for text in numbers:
         decimals = len(text.partition(".")[2])
         assert f"{float(np.float32(float(text))):.{decimals}f}" == text
 

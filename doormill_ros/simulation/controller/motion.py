@@ -53,7 +53,14 @@ class _Phase:
 
 @dataclass(eq=False)
 class Recording:
-    """Samples of the commanded motion in the order of time."""
+    """Samples of the commanded motion in the order of time.
+
+    Attributes:
+        time: Simulated time of each [s].
+        poses: T_base_tool commanded, shape (4, 4) each.
+        q: Joint angles commanded, shape (6,) each [rad].
+        context: What the motion is for.
+    """
 
     time: list[float] = field(default_factory=list)
     poses: list[FloatArray] = field(default_factory=list)
@@ -61,7 +68,7 @@ class Recording:
     context: list[MotionContext] = field(default_factory=list)
 
     def add(self, time: float, pose: FloatArray, q: FloatArray, context: MotionContext) -> None:
-        """Append one sample."""
+        """Append one sample: time [s], T_base_tool (4, 4), joint angles (6,) [rad] and what the motion is for."""
         self.time.append(time)
         self.poses.append(pose)
         self.q.append(q)

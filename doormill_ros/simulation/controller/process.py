@@ -47,7 +47,7 @@ def module_context(program: Program, _count: int) -> MotionContext:
 
 
 def no_wrench(_context: MotionContext, T_base_tool: FloatArray, _direction: FloatArray) -> FloatArray:
-    """Cutting air."""
+    """Cutting air: zeros, shape (n, 6) [N, N m], for poses (n, 4, 4)."""
     return np.zeros((len(T_base_tool), 6))
 
 

@@ -62,10 +62,14 @@ def test_no_name_hides_a_predefined_one(machine):
         name for name, _ in empty._modules.data._outer
     }
     known |= {name for name, _ in empty._modules._types}
+    assert {"movel", "strlen", "v100", "robtarget"} <= known
+    named = 0
     for file, module in MODULES.items():
         for node in nodes(module):
             if isinstance(node, s.Data | s.Parameter | s.Routine | s.Record | s.For):
                 assert node.name.lower() not in known, (file, node.line, node.name)
+                named += 1
+    assert named > 100
 
 
 @pytest.mark.parametrize("name", ["WaitDI", "WaitDO", "WaitUntil"])
@@ -90,20 +94,26 @@ def test_errors_reach_a_handler_and_handlers_never_fall_through():
     """main has a handler, and each handler ends by saying where to go on."""
     main = next(r for m in MODULES.values() for r in m.routines if r.name == "main")
     assert main.handler
+    handlers = 0
     for file, module in MODULES.items():
         for routine in module.routines:
             if routine.handler is not None:
                 last = routine.handler[-1]
                 assert isinstance(last, s.TryNext | s.Raise | s.Return | s.Exit), (file, routine.name)
+                handlers += 1
+    assert handlers == sum(text.count(b"\n    ERROR\n") for text in TEXTS.values()) > 1
 
 
 def test_numbers_stand_in_constants():
     """In statements there are no numbers beyond 0, 1 and 2 and powers of ten for NumToStr."""
+    numbers = 0
     for file, module in MODULES.items():
         for routine in module.routines:
             for node in nodes((routine.body, routine.handler or ())):
                 if isinstance(node, s.Number):
                     assert node.value in (0.0, 1.0, 2.0), (file, node.line, node.value)
+                    numbers += 1
+    assert numbers > 10
 
 
 def test_module_and_python_agree_on_every_limit(machine):
@@ -143,6 +153,8 @@ def test_the_configured_signals_are_those_that_are_used():
 
 def test_the_robot_stands_before_each_signal_of_the_cell():
     """MoveHome and the approach end in stop points; between them ZoneBetween decides."""
-    for _, call in [*calls("MoveAbsJ"), *calls("MoveJ")]:
+    found = [*calls("MoveAbsJ"), *calls("MoveJ")]
+    assert len(found) >= 2
+    for _, call in found:
         zone = [a.value for a in call.arguments if not a.name][2]
         assert zone.name in ("fine", "zone")

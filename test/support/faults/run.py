@@ -12,6 +12,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
@@ -87,6 +88,12 @@ def run(scenario: Scenario) -> Verdict:
         finally:
             bridge.kill()
             robot.kill()
+
+
+def campaign(scenarios: list[Scenario], workers: int) -> list[tuple[Scenario, Verdict]]:
+    """Play all scenarios, a few at a time."""
+    with ThreadPoolExecutor(workers) as pool:
+        return list(zip(scenarios, pool.map(run, scenarios), strict=True))
 
 
 def _play(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import json
-import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.abb.target_file.target_file import render_target_file
+from doormill_ros.files import write_atomically
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
@@ -53,9 +53,7 @@ class World:
 
     def replace(self, name: str, text: str) -> None:
         """Write a small file in one step: a process killed in between leaves the old one."""
-        beside = self.root / f"{name}.{os.getpid()}"
-        beside.write_text(text)
-        os.replace(beside, self.root / name)
+        write_atomically(self.root / name, text)
 
     def door(self) -> tuple[int, str]:
         """The present placement and door, as a picture would show them."""
