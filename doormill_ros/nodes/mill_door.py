@@ -18,7 +18,8 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.pipeline.course import Course, Handover, RecipeAnswer, RunEnd
+from doormill_ros.pipeline.course import Course, RunEnd
+from doormill_ros.pipeline.partners import Handover, RecipeAnswer
 
 
 class MillDoorServer:

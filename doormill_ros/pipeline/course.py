@@ -3,84 +3,23 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sized
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
 
-from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, RunOutcome
+from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.errors import StageRefusedError
-from doormill_ros.cell.run import Run, StageAnswer, StageLimits
+from doormill_ros.cell.run import Run, StageLimits
 from doormill_ros.cell.summary import StageDurations
 from doormill_ros.errors import DoormillError
+from doormill_ros.pipeline.partners import Handover, RecipeAnswer, Recipes, Targets
 from doormill_ros.units import m_to_mm
 
 ASK_AGAIN = 1.0  # s
 #: States that a run which was handed over can only reach once the controller has ended it.
 ENDED = (HandshakeState.DONE, HandshakeState.FAILED, HandshakeState.REQUESTED)
-
-
-class Handshake(Protocol):
-    """What the course sees of the handshake with the controller."""
-
-    @property
-    def snapshot(self) -> HandshakeSnapshot:
-        """Its state at this instant."""
-
-    def outcome(self, run_id: str) -> RunOutcome | None:
-        """How a submitted run ended, None while it goes on or when it is unknown."""
-
-
-class Targets(StageAnswer, Protocol):
-    """The answer of the path generator; `largest_correction` in m."""
-
-    targets: Sized
-    largest_correction: float
-
-
-class Handover(Protocol):
-    """The link to the controller."""
-
-    @property
-    def handshake(self) -> Handshake:
-        """The handshake; whoever owns it lets the run look again after each of its changes."""
-
-    def submit(self, targets: Any, request_number: int) -> bytes:
-        """Render the target file of a `Targets` and hand it over for that request; returns its bytes.
-
-        Raises:
-            AbbError: The targets cannot be written, or the handshake does not take them.
-        """
-
-    def file_away(self, run_id: str, data: bytes) -> Path:
-        """Keep a copy of a submitted target file.
-
-        Raises:
-            OSError: It cannot be written.
-        """
-
-
-@dataclass(frozen=True)
-class RecipeAnswer:
-    """What the recipe database answers: the recipe's version, or why there is none."""
-
-    accepted: bool
-    error_code: int
-    reason: str
-    version: int
-
-
-class Recipes(Protocol):
-    """The recipe database, which tells the stages of the recipe it is asked for under a run's id."""
-
-    @property
-    def ready(self) -> bool:
-        """It can be asked."""
-
-    def ask(self, door_id: str, run_id: str, hear: Callable[[RecipeAnswer], None]) -> None:
-        """Ask for a door's recipe; `hear` is called with the answer, from any thread or never."""
 
 
 @dataclass

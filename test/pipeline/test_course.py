@@ -22,7 +22,8 @@ from doormill_ros.abb.target_file.target_file import check_handover, read_target
 from doormill_ros.cell.errors import RunCanceledError, StageTimeoutError
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.run import Clock, Run, StageLimits
-from doormill_ros.pipeline.course import Course, RecipeAnswer, RunEnd
+from doormill_ros.pipeline.course import Course, RunEnd
+from doormill_ros.pipeline.partners import RecipeAnswer
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.toolpath.program import MillingProgram, Target

@@ -1,0 +1,72 @@
+"""Whom a run has to do with, as far as it knows them: the controller's handshake and link, and the recipe database."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sized
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from doormill_ros.abb.handshake.state import HandshakeSnapshot, RunOutcome
+from doormill_ros.cell.run import StageAnswer
+
+
+class Handshake(Protocol):
+    """What the course sees of the handshake with the controller."""
+
+    @property
+    def snapshot(self) -> HandshakeSnapshot:
+        """Its state at this instant."""
+
+    def outcome(self, run_id: str) -> RunOutcome | None:
+        """How a submitted run ended, None while it goes on or when it is unknown."""
+
+
+class Targets(StageAnswer, Protocol):
+    """The answer of the path generator; `largest_correction` in m."""
+
+    targets: Sized
+    largest_correction: float
+
+
+class Handover(Protocol):
+    """The link to the controller."""
+
+    @property
+    def handshake(self) -> Handshake:
+        """The handshake; whoever owns it lets the run look again after each of its changes."""
+
+    def submit(self, targets: Any, request_number: int) -> bytes:
+        """Render the target file of a `Targets` and hand it over for that request; returns its bytes.
+
+        Raises:
+            AbbError: The targets cannot be written, or the handshake does not take them.
+        """
+
+    def file_away(self, run_id: str, data: bytes) -> Path:
+        """Keep a copy of a submitted target file.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+
+
+@dataclass(frozen=True)
+class RecipeAnswer:
+    """What the recipe database answers: the recipe's version, or why there is none."""
+
+    accepted: bool
+    error_code: int
+    reason: str
+    version: int
+
+
+class Recipes(Protocol):
+    """The recipe database, which tells the stages of the recipe it is asked for under a run's id."""
+
+    @property
+    def ready(self) -> bool:
+        """It can be asked."""
+
+    def ask(self, door_id: str, run_id: str, hear: Callable[[RecipeAnswer], None]) -> None:
+        """Ask for a door's recipe; `hear` is called with the answer, from any thread or never."""
