@@ -13,7 +13,6 @@ from support.source_tree import ROOT, SOURCES
 WITHOUT_IMPORT = {
     "run": {
         "psycopg": "SQLAlchemy loads it for a postgresql:// URL",
-        "pin": "peer of the kinematics in tests and benches",
     },
     "test": {
         "pytest-xdist": "plug-in: tests in several processes",

@@ -19,7 +19,7 @@ from doormill_ros.identification.weighted import StiffnessFit
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import SCHEMA as ROBOT_SCHEMA
 from doormill_ros.robot.description import Robot
-from doormill_ros.units import rad_to_deg
+from doormill_ros.units import m_to_um, rad_to_deg
 
 SCHEMA = "doormill/identification/1"
 JSON_NAME, ROBOT_NAME = "identification.json", "robot.yaml"
@@ -100,7 +100,7 @@ def outcome_of_loadings(
         k, s = fit.stiffness[joint - 1], fit.std[joint - 1]
         all_ = f"{k:11.4g} +- {s:<9.2g} ({s / k:.1%})" if math.isfinite(k) else f"{'not told':>11}"
         lines.append(f"{joint:>5} {one} {step.isolation:6.2f} {all_}")
-    lines.append(f"residual {fit.rmse * 1e6:.1f} um rms, chi-square per degree of freedom {reduced:.2f}")
+    lines.append(f"residual {m_to_um(fit.rmse):.1f} um rms, chi-square per degree of freedom {reduced:.2f}")
     if len(outliers):
         lines.append(f"left out as gross errors, worst first: trials {', '.join(map(str, outliers))}")
     if reduced > MISFIT:

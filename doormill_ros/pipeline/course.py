@@ -15,7 +15,7 @@ from doormill_ros.cell.run import Run, StageLimits
 from doormill_ros.cell.summary import StageDurations
 from doormill_ros.errors import DoormillError
 from doormill_ros.pipeline.partners import Handover, RecipeAnswer, Recipes, Targets
-from doormill_ros.units import m_to_mm
+from doormill_ros.units import m_to_mm, s_to_ms
 
 ASK_AGAIN = 1.0  # s
 #: States that a run which was handed over can only reach once the controller has ended it.
@@ -241,6 +241,6 @@ class Course:
         end.sha256 = hashlib.sha256(data).hexdigest()
         end.message = (
             f"door {end.door_id} milled: {len(targets.targets)} targets, largest correction "
-            f"{m_to_mm(targets.largest_correction):.3f} mm, ready {1e3 * end.times.request_to_ready:.0f} ms after the "
-            "request"
+            f"{m_to_mm(targets.largest_correction):.3f} mm, ready {s_to_ms(end.times.request_to_ready):.0f} ms "
+            "after the request"
         )

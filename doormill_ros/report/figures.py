@@ -13,7 +13,7 @@ from doormill_ros.messages.from_message import picture_of, transform_of
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED, sheet, styled, svg
 from doormill_ros.report.run_record import HandshakeStep
-from doormill_ros.units import m_to_mm, rad_to_deg
+from doormill_ros.units import m_to_mm, m_to_um, rad_to_deg
 
 SIGMAS = 3.0
 GOOD, BAD = ("ready", "done"), ("failed",)
@@ -98,7 +98,7 @@ def pose_figure(found: Any, true: Any, limits: Any) -> str:
     near.plot(0.0, 0.0, "+", color=BLUE, label="found")
     reach = 0.7 * max(width, height)
     if true is not None:
-        off = 1e6 * (true.offset_y - found.offset_y), 1e6 * (true.offset_z - found.offset_z)
+        off = m_to_um(true.offset_y - found.offset_y), m_to_um(true.offset_z - found.offset_z)
         near.plot(*off, "x", color=GREEN, label="true (simulation)")
         reach = max(reach, 1.2 * max(abs(v) for v in off))
     near.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")

@@ -26,7 +26,7 @@ from doormill_ros.report.figures import (
 )
 from doormill_ros.report.run_record import RunRecord, read_run
 from doormill_ros.toolpath.drawing import draw_program
-from doormill_ros.units import m_to_mm, rad_to_deg
+from doormill_ros.units import m_to_mm, rad_to_deg, s_to_ms
 
 TARGET_LINES = 400  # of the RAPID file that the page shows
 
@@ -141,7 +141,7 @@ def _picture(record: RunRecord) -> str:
 
 def _stage_times(result: Any) -> Facts:
     names = ("picture_to_pose", "pose_to_targets", "targets_to_ready", "request_to_ready")
-    times = {name.replace("_", " "): 1e3 * getattr(result.times, name) for name in names}
+    times = {name.replace("_", " "): s_to_ms(getattr(result.times, name)) for name in names}
     return Facts(
         [(name, f"{value:.1f} ms" if value > 0 else "not reached") for name, value in times.items()],
         numbers=True,

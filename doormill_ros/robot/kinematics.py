@@ -14,8 +14,8 @@ _FLANGE = np.zeros(3)
 class Kinematics:
     """Vectorised kinematics from the Denavit-Hartenberg table.
 
-    `PinocchioKinematics` computes the same from the URDF, one configuration a call; the tests
-    hold the two together to 1e-12.
+    The tests hold it to 1e-12 together with Pinocchio, which computes the same from the URDF, one
+    configuration a call.
     """
 
     def __init__(self, robot: Robot | FloatArray) -> None:

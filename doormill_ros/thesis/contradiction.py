@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.thesis.loading_tests import ThesisData
 from doormill_ros.thesis.recovery import Recovery
+from doormill_ros.units import m_to_um
 
 
 @dataclass(frozen=True)
@@ -46,4 +47,4 @@ class Evidence:
 
 def um(value: float) -> str:
     """A length for a sentence."""
-    return f"{value * 1e6:.1f} um"
+    return f"{m_to_um(value):.1f} um"

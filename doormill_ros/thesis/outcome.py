@@ -13,6 +13,7 @@ from doormill_ros.thesis.contradiction import Contradiction, Evidence
 from doormill_ros.thesis.fit import FIGURES, ThesisFit, fit_thesis, overall_std
 from doormill_ros.thesis.loading_tests import ThesisData
 from doormill_ros.thesis.recovery import Recovery, recover, repeatability
+from doormill_ros.units import m_to_um
 
 SOURCE = (
     "thesis; joint 1 from A.8, joint 2 from A.9, joints 3 to 6 from the ratios of table 4.1; deviations from "
@@ -77,8 +78,8 @@ def _stiffness_lines(data: ThesisData, recovery: Recovery, fit: ThesisFit, std: 
     lines += [
         f"K2/K1 {recovery.ratio_2_to_1:.4f} +- {recovery.ratio_2_to_1_std:.4f}, table 4.1 prints {data.ratios[1]}; "
         f"K4 from table 4.2 alone {recovery.stiffness_4_from_rotation:.4g}",
-        f"a repeated test scatters by {repeatability(data) * 1e6:.1f} um (table 4.3); chi-square of the nine printed "
-        f"figures {fit.chi_square:.0f} with {fit.degrees_of_freedom} degrees of freedom",
+        f"a repeated test scatters by {m_to_um(repeatability(data)):.1f} um (table 4.3); chi-square of the nine "
+        f"printed figures {fit.chi_square:.0f} with {fit.degrees_of_freedom} degrees of freedom",
     ]
     return lines
 
@@ -93,8 +94,9 @@ def _comparison_lines(sides: dict[int, list[TestComparison]]) -> list[str]:
         for row in rows if side > 0 else rows[5:]:
             nearest = "+".join(map(str, row.nearest_joints))
             lines.append(
-                f"{row.joint:>4} {row.measured * 1e6:9.1f} {row.simulated * 1e6:9.1f} {row.own_joint * 1e6:11.1f} "
-                f"{row.predicted * 1e6:9.1f} +- {row.predicted_std * 1e6:<6.1f} {row.nearest * 1e6:7.1f} "
+                f"{row.joint:>4} {m_to_um(row.measured):9.1f} {m_to_um(row.simulated):9.1f} "
+                f"{m_to_um(row.own_joint):11.1f} {m_to_um(row.predicted):9.1f} +- {m_to_um(row.predicted_std):<6.1f} "
+                f"{m_to_um(row.nearest):7.1f} "
                 f"(joint {nearest})" + ("" if side > 0 else "   reflector on the side away from the load")
             )
     return lines

@@ -7,11 +7,12 @@ import numpy as np
 from doormill_ros.measurements.loading import displacement_per_compliance
 from doormill_ros.thesis.contradiction import Contradiction, Evidence, um
 from doormill_ros.thesis.recovery import repeatability
+from doormill_ros.units import UM, m_to_um
 
 
 def _simulated_lengths(c: Evidence) -> Contradiction:
     one, two = c.components(1), c.components(2)
-    table = c.data.table_4_2["deviation_um"] * 1e-6
+    table = c.data.table_4_2["deviation_um"] * UM
     m1, m2 = c.data.test(1).measured, c.data.test(2).measured
     s1, s2 = c.data.test(1).simulated, c.data.test(2).simulated
     return Contradiction(
@@ -82,7 +83,7 @@ def _test_3_lengths(c: Evidence) -> Contradiction:
 def _joint_5_in_test_3(c: Evidence) -> Contradiction:
     A = displacement_per_compliance(c.kinematics, c.data.loadings(repeatability(c.data)))[2]
     share = float(np.linalg.norm(A[:, 4])) / c.recovery.stiffness[4]
-    deviation = c.data.table_4_2["deviation_um"][2] * 1e-6
+    deviation = c.data.table_4_2["deviation_um"][2] * UM
     return Contradiction(
         "cause of test 3's deviation",
         "chapter 5; sections 3.1.3, table 4.1",
@@ -118,7 +119,7 @@ def _simulated_rotation_4(c: Evidence) -> Contradiction:
         "simulated rotation of test 4",
         "A.11; table 4.1",
         f"0.0002677 rad is {test.extra['simulated_rotation'] / alone:.3f} of what the spring of table 4.1 "
-        f"gives ({alone * 1e6:.1f} urad), although it is called the rotation of joint 4 in a simulation "
+        f"gives ({m_to_um(alone):.1f} urad), although it is called the rotation of joint 4 in a simulation "
         "with that spring",
         {"ratio": test.extra["simulated_rotation"] / alone},
     )

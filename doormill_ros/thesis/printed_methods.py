@@ -8,7 +8,7 @@ from doormill_ros.measurements.loading import displacement_per_compliance
 from doormill_ros.thesis.contradiction import Contradiction, Evidence, um
 from doormill_ros.thesis.fit import joint1_of_a13
 from doormill_ros.thesis.recovery import repeatability
-from doormill_ros.units import DEG, GRAVITY
+from doormill_ros.units import DEG, GRAVITY, m_to_mm, m_to_um
 
 
 def _frames_of_a13(c: Evidence) -> Contradiction:
@@ -90,8 +90,8 @@ def _alpha_of_test_4(c: Evidence) -> Contradiction:
         "angle taken off in test 4",
         "equations 3.14 to 3.16; tables 4.1, 4.2",
         "joint 2 moves puck A by its own lever of more than a metre, but 3.14 divides by 270 mm: it takes "
-        f"{alpha * 1e6:.0f} urad off where joints 2 and 3 turn {true * 1e6:.0f} urad, about another axis "
-        f"than joint 4, which turns {theta * 1e6:.0f} urad",
+        f"{m_to_um(alpha):.0f} urad off where joints 2 and 3 turn {m_to_um(true):.0f} urad, about another axis "
+        f"than joint 4, which turns {m_to_um(theta):.0f} urad",
         {"alpha": alpha, "rotation": true, "rotation_joint_4": theta},
     )
 
@@ -146,7 +146,7 @@ def _load_arms(c: Evidence) -> Contradiction:
         "arm of the load in tests 1, 5 and 6",
         "A.8, A.12, A.13",
         "all take the load 180 mm in front of the flange, yet moment over force puts it "
-        f"{arm[1] * 1e3:.0f}, {arm[5] * 1e3:.0f} and {arm[6] * 1e3:.0f} mm from the sensor; with one and "
+        f"{m_to_mm(arm[1]):.0f}, {m_to_mm(arm[5]):.0f} and {m_to_mm(arm[6]):.0f} mm from the sensor; with one and "
         "the same sensor at most one arm is right, and if test 1's is, joint 5 was loaded "
         f"{(arm[5] - arm[1]) / 0.38:+.1%}",
         {"arm_1": arm[1], "arm_5": arm[5], "arm_6": arm[6]},

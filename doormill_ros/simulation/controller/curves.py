@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.units import deg_to_rad, rad_to_deg
+from doormill_ros.units import deg_to_rad, m_to_mm, rad_to_deg
 
 #: Limits of MoveC as documented for the controller.
 SHORTEST_CHORD = 0.1e-3  # m, from the start to the circle point and to the end
@@ -89,7 +89,7 @@ class Arc:
         for what, chord in (("circle point", to_via), ("end point", to_end)):
             if np.linalg.norm(chord) < SHORTEST_CHORD:
                 raise ValueError(
-                    f"the {what} is {np.linalg.norm(chord) * 1e3:.3f} mm from the start, allowed is at least 0.1 mm"
+                    f"the {what} is {m_to_mm(float(np.linalg.norm(chord))):.3f} mm from the start, allowed is at least 0.1 mm"
                 )
         cosine = to_via @ to_end / np.linalg.norm(to_via) / np.linalg.norm(to_end)
         seen = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
