@@ -88,9 +88,8 @@ class Arc:
         to_via, to_end = b - a, c - a
         for what, chord in (("circle point", to_via), ("end point", to_end)):
             if np.linalg.norm(chord) < SHORTEST_CHORD:
-                raise ValueError(
-                    f"the {what} is {m_to_mm(float(np.linalg.norm(chord))):.3f} mm from the start, allowed is at least 0.1 mm"
-                )
+                length = m_to_mm(float(np.linalg.norm(chord)))
+                raise ValueError(f"the {what} is {length:.3f} mm from the start, allowed is at least 0.1 mm")
         cosine = to_via @ to_end / np.linalg.norm(to_via) / np.linalg.norm(to_end)
         seen = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
         if seen < SMALLEST_ANGLE or seen > np.pi - 1e-9:
