@@ -1,0 +1,132 @@
+"""The plan of the house, read from the imports: what stands above what, and that no room is walled up."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import re
+from collections.abc import Iterable, Mapping
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+from support.source_tree import PACKAGE, ROOT, SOURCES, imports_of
+
+NAME = PACKAGE.name
+#: What takes part in milling a real door; none of it may need the laboratory or the simulation.
+PRODUCTION = ("door_localizer", "recipe_database", "path_generator", "abb_bridge", "bag_recorder")
+LABORATORY = ("diagnosis", "thesis", "identification", "measurements", "simulation")
+
+
+def module_name(path: Path) -> str:
+    """Dotted name of a source file."""
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {module_name(path): path for path in SOURCES}
+
+
+def imported_modules(path: Path) -> set[str]:
+    """Modules of the package that a file imports anywhere, `from package import module` resolved."""
+    found = imports_of(path)
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return {name for name in found if name in MODULES and MODULES[name].name != "__init__.py"}
+
+
+@functools.cache
+def graph() -> dict[str, set[str]]:
+    """Which module imports which."""
+    return {
+        name: imported_modules(path) - {name} for name, path in MODULES.items() if path.name != "__init__.py"
+    }
+
+
+def cycle_of(arrows: Mapping[str, Iterable[str]]) -> list[str]:
+    """The nodes of one cycle, or nothing."""
+    try:
+        TopologicalSorter(arrows).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def rooms_of(folder: str, arrows: Mapping[str, set[str]]) -> dict[str, set[str]]:
+    """Which folder below a folder imports from which other one; `folder` is a dotted name."""
+    depth = folder.count(".") + 2
+    inside = {
+        m: ".".join(m.split(".")[:depth])
+        for m in arrows
+        if m.startswith(f"{folder}.") and m.count(".") >= depth
+    }
+    rooms: dict[str, set[str]] = {}
+    for module, room in inside.items():
+        rooms.setdefault(room, set()).update(
+            inside[m] for m in arrows[module] if m in inside and inside[m] != room
+        )
+    return rooms
+
+
+def reach(starts: Iterable[str], arrows: Mapping[str, set[str]]) -> set[str]:
+    """Everything that the starts need, themselves included."""
+    seen: set[str] = set()
+    todo = list(starts)
+    while todo:
+        name = todo.pop()
+        if name not in seen:
+            seen.add(name)
+            todo.extend(arrows.get(name, ()))
+    return seen
+
+
+def test_cycles_and_ways_are_seen() -> None:
+    """The tools of this file, on plans whose faults are known."""
+    arrows = {"p.a.x": {"p.b.y"}, "p.b.y": {"p.c.z"}, "p.c.z": set(), "p.b.w": {"p.a.v"}, "p.a.v": set()}
+    assert not cycle_of(arrows)
+    assert set(cycle_of(rooms_of("p", arrows))) == {"p.a", "p.b"}
+    assert reach(["p.b.y"], arrows) == {"p.b.y", "p.c.z"}
+    assert len(graph()) > 200
+    assert f"{NAME}.frames" in graph()[f"{NAME}.cell.layout"]
+
+
+def test_no_two_files_import_each_other() -> None:
+    """Also not for the type checker alone, nor inside a function."""
+    assert cycle_of(graph()) == []
+
+
+FOLDERS = sorted(
+    {".".join(module.split(".")[:n]) for module in graph() for n in range(1, module.count(".") + 1)}
+)
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_rooms_stand_on_top_of_each_other(folder: str) -> None:
+    assert cycle_of(rooms_of(folder, graph())) == []
+
+
+def test_milling_a_door_needs_no_laboratory() -> None:
+    needed = reach([f"{NAME}.nodes.{node}" for node in PRODUCTION], graph())
+    assert len(needed) > 80
+    assert {m for m in needed if m.split(".")[1] in LABORATORY} == set()
+
+
+def executables() -> set[str]:
+    """Modules whose `main` a command or node of setup.py starts."""
+    text = (ROOT / "setup.py").read_text(encoding="utf-8")
+    return {
+        f"{NAME}.{folder.lower()}.{item}"
+        for folder, items in re.findall(r"^(NODES|TOOLS) = \[(.*?)\]", text, re.DOTALL | re.MULTILINE)
+        for item in re.findall(r'"(\w+)"', items)
+    }
+
+
+def test_every_module_is_reached_from_an_executable() -> None:
+    """What only tests, benches or bag making need stands in test/support or bags."""
+    starts = executables()
+    assert starts <= set(graph())
+    # Migrations are found by alembic in their folder.
+    starts |= {m for m in graph() if ".migrations." in m}
+    assert sorted(set(graph()) - reach(starts, graph())) == []
