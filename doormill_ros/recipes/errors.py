@@ -32,6 +32,10 @@ class DatabaseError(RecipeError):
     """The database lacks what was asked for, or cannot be used."""
 
 
+class ExchangeError(RecipeError):
+    """An exchange file cannot be read or written."""
+
+
 UnknownField = FieldError.row("UnknownField", 101, "A field that no recipe has.")
 MissingField = FieldError.row("MissingField", 102, "A field without a default is absent.")
 WrongType = FieldError.row("WrongType", 103, "A value of another type, such as text where a number belongs.")
@@ -62,7 +66,7 @@ BarCodeTaken = DatabaseError.row("BarCodeTaken", 143, "Another door has this bar
 SchemaTooNew = DatabaseError.row("SchemaTooNew", 144, "The database was written by a later release.")
 DatabaseUnreachable = DatabaseError.row("DatabaseUnreachable", 145, "The database cannot be opened.")
 DamagedRecord = DatabaseError.row("DamagedRecord", 146, "A stored recipe is not what was stored.")
-UnreadableFile = RecipeError.row("UnreadableFile", 150, "A file is absent or is not what its name says.")
-UnknownFileType = RecipeError.row("UnknownFileType", 151, "A file name that stands for no exchange format.")
-NotExpressible = RecipeError.row("NotExpressible", 152, "The format has no place for a part of the recipe.")
-BadTable = RecipeError.row("BadTable", 153, "A row or a column of a table is wrong.")
+UnreadableFile = ExchangeError.row("UnreadableFile", 150, "A file is absent or is not what its name says.")
+UnknownFileType = ExchangeError.row("UnknownFileType", 151, "A file name that stands for no exchange format.")
+NotExpressible = ExchangeError.row("NotExpressible", 152, "The format has no place for a part of the recipe.")
+BadTable = ExchangeError.row("BadTable", 153, "A row or a column of a table is wrong.")

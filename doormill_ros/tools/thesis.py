@@ -13,6 +13,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from doormill_ros.errors import DoormillError
+
 
 def identify(out: Path) -> list[str]:
     """Write identification.json and robot.yaml; the lines to print."""
@@ -42,7 +44,7 @@ def contradictions() -> list[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the tool; 2 when a file cannot be written."""
+    """Run the tool; 2 when a file cannot be read or written."""
     parser = argparse.ArgumentParser(
         prog="thesis", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -61,8 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             lines = contradictions()
         else:
             lines = {"identify": identify, "diagnose": diagnose}[chosen.command](chosen.out)
-    except OSError as error:
-        print(f"thesis: {error}", file=sys.stderr)
+    except (DoormillError, OSError) as error:
+        print(f"thesis: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
     print("\n".join(lines))
     return 0
