@@ -10,7 +10,7 @@ import math
 import re
 import types
 import typing
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import ConfigDict, GetCoreSchemaHandler, StringConstraints
@@ -23,20 +23,20 @@ _EXPONENT = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+")
 
 
 class Section:
-    """Base of the models, frozen dataclasses: beside its fields a mapping holds nothing."""
+    """Base of the models, frozen dataclasses: beside its fields a mapping holds nothing.
+
+    `class Part(Section, extra="ignore")` passes by what else the mapping holds.
+    """
 
     __pydantic_config__: ClassVar[ConfigDict]
 
-    def __init_subclass__(cls) -> None:
+    def __init_subclass__(cls, extra: Literal["forbid", "ignore"] = "forbid") -> None:
         """Let pydantic read the class; the names in the document are looked up once all fields are known."""
-        if "__pydantic_config__" not in vars(cls):
-            cls.__pydantic_config__ = ConfigDict(
-                extra="forbid",
-                arbitrary_types_allowed=True,
-                alias_generator=lambda name: next(
-                    key for key, field in keys(cls).items() if field.name == name
-                ),
-            )
+        cls.__pydantic_config__ = ConfigDict(
+            extra=extra,
+            arbitrary_types_allowed=True,
+            alias_generator=lambda name: next(key for key, field in keys(cls).items() if field.name == name),
+        )
 
 
 class Field(NamedTuple):

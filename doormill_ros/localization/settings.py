@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import ClassVar
-
-from pydantic import ConfigDict
 
 from doormill_ros.config import read
 from doormill_ros.localization.errors import BadCameraFile
@@ -47,10 +44,8 @@ class LocalizerSettings(Section):
 
 
 @dataclass(frozen=True)
-class _CameraFile(Section):
+class _CameraFile(Section, extra="ignore"):
     """The other sections of the file belong to `camera.load_camera`."""
-
-    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="ignore")
 
     localizer: LocalizerSettings
 

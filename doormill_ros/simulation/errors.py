@@ -7,6 +7,9 @@ from doormill_ros.errors import DoormillError
 EffectsFileError = DoormillError.row(
     "EffectsFileError", 850, "The file with the hidden effects cannot be used."
 )
+SceneFileError = DoormillError.row(
+    "SceneFileError", 852, "The camera file of a simulated scene cannot be used."
+)
 WebServicesError = DoormillError.row(
     "WebServicesError", 851, "The simulated controller's web services cannot be served."
 )

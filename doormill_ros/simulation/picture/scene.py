@@ -8,13 +8,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
-import yaml
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset, load_layout
+from doormill_ros.config import read
 from doormill_ros.resources import resource
+from doormill_ros.simulation.errors import SceneFileError
+from doormill_ros.values import Array, Count, Finite, Section
+
+FORM = "config/camera.yaml"
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,16 +40,45 @@ class SceneCamera:
 
     @staticmethod
     def load(path: Path | None = None) -> SceneCamera:
-        """The camera of config/camera.yaml, taken to be true."""
-        document = yaml.safe_load((path or resource("config/camera.yaml")).read_text(encoding="utf-8"))
-        columns, rows = document["size"]
-        mounting = document["mounting"]
+        """The camera of config/camera.yaml, taken to be true.
+
+        Raises:
+            SceneFileError: The file cannot be read, lacks a key or holds a value that cannot be.
+        """
+        content = read(path or resource(FORM), _CameraFile, SceneFileError, f"compare it with {FORM}")
+        columns, rows = content.size
+        mounting = content.mounting
         return SceneCamera(
-            matrix=np.array(document["intrinsics"]["k"], dtype=float),
-            brown=np.array(document["distortion"]["coefficients"], dtype=float),
-            shape=(int(rows), int(columns)),
-            origin=np.array([mounting["x"], mounting["slider_y"], mounting["z"]], dtype=float),
+            matrix=content.intrinsics.k,
+            brown=content.distortion.coefficients,
+            shape=(rows, columns),
+            origin=np.array([mounting.x, mounting.slider_y, mounting.z]),
         )
+
+
+@dataclass(frozen=True, eq=False)
+class _Intrinsics(Section, extra="ignore"):
+    k: Annotated[FloatArray, Array((3, 3))]
+
+
+@dataclass(frozen=True, eq=False)
+class _Distortion(Section, extra="ignore"):
+    coefficients: Annotated[FloatArray, Array((5,))]
+
+
+@dataclass(frozen=True)
+class _Mounting(Section, extra="ignore"):
+    x: Finite
+    slider_y: Finite
+    z: Finite
+
+
+@dataclass(frozen=True, eq=False)
+class _CameraFile(Section, extra="ignore"):
+    size: tuple[Count, Count]
+    intrinsics: _Intrinsics
+    distortion: _Distortion
+    mounting: _Mounting
 
 
 @dataclass(frozen=True)
