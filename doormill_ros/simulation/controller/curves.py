@@ -89,7 +89,8 @@ class Arc:
         for what, chord in (("circle point", to_via), ("end point", to_end)):
             if np.linalg.norm(chord) < SHORTEST_CHORD:
                 raise ValueError(
-                    f"the {what} is {m_to_mm(float(np.linalg.norm(chord))):.3f} mm from the start, allowed is at least 0.1 mm"
+                    f"the {what} is {m_to_mm(float(np.linalg.norm(chord))):.3f} mm from the start, "
+                    "allowed is at least 0.1 mm"
                 )
         cosine = to_via @ to_end / np.linalg.norm(to_via) / np.linalg.norm(to_end)
         seen = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
