@@ -20,8 +20,8 @@ run: setup        ## run the cell on a demo door (DOOR=id), results under out/la
 test: setup       ## all tests
 	@$(ENV) python -m pytest -n 2 --dist loadfile test
 
-lint: setup       ## style, imports, docstrings, formatting
-	@$(ENV) ruff check . && ruff format --check .
+lint: setup       ## style, imports, docstrings, formatting, types
+	@$(ENV) ruff check . && ruff format --check . && mypy
 
 format: setup     ## rewrite the code in the house format
 	@$(ENV) ruff check --fix . ; ruff format .
