@@ -13,14 +13,13 @@ from doormill_ros.diagnosis.pose.problem import Block, Problem
 from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.chain import Placement, frames, residual
+from doormill_ros.robot_model.pose.chain import Placement, frames
+from doormill_ros.statistics import GROSS_SHARE, median_length
 
 #: Contiguous blocks of a series, the units of cross-validation.
 BLOCKS = 10
 #: Residuals beyond this many standard deviations lose weight, and beyond the second one all of it.
 DOUBT, GROSS = 2.5, 7.0
-#: Largest share of a series that may be gross errors.
-GROSS_SHARE = 0.1
 #: Smallest part of the rows that is taken to be independent.
 LEAST_SHARE = 0.02
 
@@ -137,8 +136,8 @@ def noise_of(
     floor = np.array([data.noise for data in sets]).min(axis=0)
     found = []
     for part, low in ((every[:, :3], floor[0]), (every[:, 3:], floor[1])):
-        # Length of a residual against the median of a chi distribution with three degrees of freedom.
-        found.append(max(float(np.median(np.linalg.norm(part, axis=1))) / 1.538, float(low)))
+        length = float(np.median(np.linalg.norm(part, axis=1)))
+        found.append(max(length / median_length(3), float(low)))
     return found[0], found[1]
 
 
@@ -160,32 +159,3 @@ def weigh(error: FloatArray, sigma: tuple[float, float]) -> FloatArray:
     weight = 1.0 / np.maximum(1.0, size / DOUBT) ** 2
     weight[size > limit] = 0.0
     return weight
-
-
-def held_out_residuals(fitted: Fitted, solutions: Sequence[Solution], folds: FloatArray) -> list[FloatArray]:
-    """Exact residuals of every row with the solution that has not seen it, base axes, shape (n, 6) each.
-
-    Args:
-        fitted: The fit whose blocks were left out.
-        solutions: One for each fold.
-        folds: Fold of every block.
-    """
-    problem = fitted.problem
-    out = [np.zeros((len(data), 6)) for data in problem.sets]
-    for fold, solution in enumerate(solutions):
-        x = solution.x[: problem.layout.size]
-        for series, data in enumerate(problem.sets):
-            parts = [
-                block.rows
-                for block, at in zip(fitted.blocks, folds, strict=True)
-                if block.series == series and at == fold
-            ]
-            if not parts:
-                continue
-            step = solution.x[problem.placement_ids(series)]
-            placement = problem.placements[series].moved(step[:6], step[6:])
-            rows = np.concatenate(parts)
-            out[series][rows] = residual(
-                problem.frames(series, x, rows), placement, data.position[rows], data.rotation[rows]
-            )
-    return out

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.errors import PosePlacementError
 from doormill_ros.robot_model.pose.chain import Placement, derivatives, residual
+from doormill_ros.statistics import huber_weights
 
 #: A residual this many robust standard deviations large loses weight (Huber).
 HUBER = 2.5
@@ -56,7 +57,7 @@ def first_placement(T_base_flange: FloatArray, position: FloatArray, rotation: F
 def huber(size: FloatArray, floor: float = 0.0) -> FloatArray:
     """Weights of residuals of these lengths, 1 for ordinary ones, shape (n,)."""
     scale = max(1.2 * float(np.median(size)), floor, 1e-12)
-    return 1.0 / np.maximum(1.0, size / (HUBER * scale))
+    return huber_weights(size, HUBER * scale)
 
 
 def fit_placement(
