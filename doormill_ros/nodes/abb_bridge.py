@@ -15,7 +15,7 @@ from doormill_interfaces.msg import AbbStatus, DoorLocalization, TargetArray
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
-from doormill_ros.abb.target_file.target_file import check_handover, render_target_file
+from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
 from doormill_ros.errors import DoormillError
 from doormill_ros.messages.from_message import program_of
@@ -116,11 +116,15 @@ class AbbBridge(ManagedNode):
         return data
 
     def file_away(self, run_id: str, data: bytes) -> Path:
-        """Put a copy of a submitted target file into the archive, show it, and return the copy's path."""
+        """Put a copy of a submitted target file into the archive, show it, and return the copy's path.
+
+        Raises:
+            TargetFileWriteError: The copy could not be written.
+        """
         archive = Path(self.value("archive"))
         archive.mkdir(parents=True, exist_ok=True)
         path = (archive / f"{run_id}.txt").resolve()
-        path.write_bytes(data)
+        write_target_file(path, data)
         self._file.publish(String(data=data.decode("ascii")))
         return path
 

@@ -191,7 +191,7 @@ class Course:
                 "the target file was not written and verified; see abb/status",
             )
         except DoormillError:
-            with suppress(OSError):  # the reason counts more than the copy
+            with suppress(OSError, DoormillError):  # the reason counts more than the copy
                 self._handover.file_away(run.run_id, data)
             raise
         path = self._handover.file_away(run.run_id, data)  # the controller does not wait for the copy

@@ -47,7 +47,8 @@ class Handover(Protocol):
         """Keep a copy of a submitted target file.
 
         Raises:
-            OSError: It cannot be written.
+            OSError: There is no folder to keep it in.
+            TargetFileWriteError: It cannot be written.
         """
 
 
