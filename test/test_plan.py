@@ -130,3 +130,20 @@ def test_every_module_is_reached_from_an_executable() -> None:
     # Migrations are found by alembic in their folder.
     starts |= {m for m in graph() if ".migrations." in m}
     assert sorted(set(graph()) - reach(starts, graph())) == []
+
+
+def test_the_architecture_page_lists_the_rooms_from_the_ground_up() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    table = text[text.index("## Rooms") : text.index("Beside the package")]
+    listed = [
+        room
+        for row in re.findall(r"^\| (`\w+/`.*?) \|", table, re.MULTILINE)
+        for room in re.findall(r"`(\w+)/`", row)
+    ]
+    rooms = {
+        room.split(".")[1]: {below.split(".")[1] for below in others}
+        for room, others in rooms_of(NAME, graph()).items()
+    }
+    assert sorted(listed) == sorted(rooms)
+    for place, room in enumerate(listed):
+        assert rooms[room] <= set(listed[:place]), f"{room} stands too low in docs/architecture.md"
