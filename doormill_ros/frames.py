@@ -54,7 +54,7 @@ def check_transform(T_a_b: FloatArray, name: str = "transform", tolerance: float
 
 
 def are_transforms(T_a_b: Sequence[FloatArray], tolerance: float = 1e-6) -> bool:
-    """True when `check_transform` would let each of many matrices pass."""
+    """True when `check_transform` would let each of many matrices, shape (n, 4, 4), pass."""
     try:
         matrices = np.array(T_a_b, dtype=float)
     except ValueError:

@@ -139,7 +139,7 @@ class Array:
         return f"{size} finite numbers{', all positive' if self.positive else ''}"
 
     def check(self, value: object) -> FloatArray:
-        """The array; raises what pydantic expects of a validator."""
+        """The array of the declared shape, read-only; raises what pydantic expects of a validator."""
         kind = Positive if self.positive else Finite
         (entry,) = (part for part in typing.get_args(kind) if isinstance(part, Number))
         numbers: list[float] = []

@@ -81,7 +81,7 @@ class CellLayout:
         return transform(rotation_x(offset.rotation), origin)
 
     def offset_of(self, T_base_door: FloatArray, width: float) -> DoorOffset:
-        """The three free degrees of freedom of a door pose; inverse of `T_base_door`."""
+        """The three free degrees of freedom of a door pose, shape (4, 4); inverse of `T_base_door`."""
         return DoorOffset(
             y=float(T_base_door[1, 3] - (self.centre_y - width / 2.0)),
             z=float(T_base_door[2, 3] - self.bottom_z),

@@ -83,7 +83,7 @@ def outcome_of_loadings(
     loadings: int,
     outliers: Sequence[int] | IntArray = (),
 ) -> Outcome:
-    """Outcome of loadings that were identified both ways; `outliers` names trials that were left out."""
+    """Outcome of loadings that were identified both ways; `outliers` names trials that were left out, shape (k,)."""
     by_joint = {step.joint: step for step in steps}
     reduced = fit.chi_square / fit.degrees_of_freedom if fit.degrees_of_freedom > 0 else float("nan")
     lines = [

@@ -21,7 +21,7 @@ def pose_message(T_a_b: FloatArray) -> Pose:
 
 
 def pose_values(T_a_b: Sequence[FloatArray]) -> list[list[float]]:
-    """x, y, z, qx, qy, qz, qw of each of many poses, for `fill_pose`."""
+    """x, y, z, qx, qy, qz, qw of each of many poses, shape (4, 4) each, for `fill_pose`."""
     if len(T_a_b) == 0:
         return []
     stacked = np.array(T_a_b, dtype=float)
@@ -36,7 +36,7 @@ def fill_pose(message: Pose, values: list[float]) -> None:
 
 
 def path_message(header: Header, T_a_b: Sequence[FloatArray]) -> Path:
-    """A path through many poses, all with the path's header."""
+    """A path through many poses, shape (4, 4) each, all with the path's header."""
     path = Path(header=header)
     for values in pose_values(T_a_b):
         stamped = PoseStamped()

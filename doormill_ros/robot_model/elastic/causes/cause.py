@@ -106,11 +106,11 @@ class Cause:
         raise NotImplementedError
 
     def starts(self, case: LoadCase) -> list[FloatArray]:
-        """Values of theta from which a fit may start."""
+        """Values of theta, shape (p,), from which a fit may start."""
         return [np.zeros(self.size)]
 
     def setup(self, setup: Setup, theta: FloatArray) -> None:
-        """Change what comes before the elasticity."""
+        """Change what comes before the elasticity, by theta, shape (p,)."""
 
     def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Extra displacement of the points and rotation, base axes, shape (n, 6) [m, rad]."""
@@ -137,11 +137,11 @@ class Cause:
         return None
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Reported values of all parameters in a row."""
+        """Reported values of all parameters in a row, shape (v,), of theta, shape (p,)."""
         raise NotImplementedError
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
-        """Theta of reported values, the inverse of `values`."""
+        """Theta, shape (p,), of reported values, the inverse of `values`."""
         raise NotImplementedError
 
 
