@@ -10,7 +10,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.measurements.picture_reading import DoorReading, Localisations
-from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter
+from doormill_ros.robot_model.candidate import Candidate, Parameter
 
 _STEP = 3e-3  #: share of the plausible range for which a camera model is made wrong to derive its reading
 
@@ -18,7 +18,7 @@ _STEP = 3e-3  #: share of the plausible range for which a camera model is made w
 Wrong = Callable[[CameraModel, FloatArray, DoorReading], CameraModel]
 
 
-class CameraCause(LinearTwist):
+class CameraCause(Candidate[Localisations]):
     """A camera error that is linear in its parameters.
 
     Two statements of one thing: columns of an ideal pinhole, and the camera model with that error. The second is
@@ -54,7 +54,7 @@ class CameraCause(LinearTwist):
         """What it leaves."""
         return self._sentence
 
-    def values(self, theta: FloatArray, case: object = None) -> FloatArray:
+    def values(self, theta: FloatArray, case: Localisations | None = None) -> FloatArray:
         """Parameters as they are."""
         return np.array(theta)
 

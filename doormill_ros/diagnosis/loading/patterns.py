@@ -7,12 +7,17 @@ blamed for an effect that merely resembles it.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import Cause, LinearTwist
+from doormill_ros.robot_model.candidate import Candidate
+from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+#: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
+_VARYING = ("ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming", "yielding")
 
 
 class Pattern(LinearTwist):
@@ -38,6 +43,15 @@ class Pattern(LinearTwist):
         """What it is."""
         return f"{self.name.replace('_', ' ')} of {self.where}"
 
+    def spoils(self, other: Candidate[Any]) -> bool:
+        """Where this one lets the same spring vary."""
+        if not any(word in self.name for word in _VARYING):
+            return False
+        if self.where == other.where:
+            return True
+        everywhere = other.name in ("wrench_gain", "tracker_scale")
+        return everywhere or (self.where == "cell" and other.name.startswith("joint_"))
+
     def unit(self, case: LoadCase) -> FloatArray:
         """The pattern."""
         return self._unit(case)
@@ -45,20 +59,6 @@ class Pattern(LinearTwist):
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Amplitudes."""
         return np.array(theta)
-
-
-#: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
-_VARYING = ("ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming", "yielding")
-
-
-def spoils(pattern: Cause, cause: Cause) -> bool:
-    """Whether a pattern in the same model makes a cause unbelievable: both shape the same spring."""
-    if not any(word in pattern.name for word in _VARYING):
-        return False
-    if pattern.where == cause.where:
-        return True
-    everywhere = cause.name in ("wrench_gain", "tracker_scale")
-    return everywhere or (pattern.where == "cell" and cause.name.startswith("joint_"))
 
 
 def _joint(k: int, law: Callable[[LoadCase], list[FloatArray]]) -> Callable[[LoadCase], FloatArray]:

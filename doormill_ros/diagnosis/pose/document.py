@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.document import MODEL_FILE, SCHEMA
+from doormill_ros.diagnosis.core.document import MODEL_FILE, SCHEMA
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, distinct_share, rmse
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.ranking import first_largest
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.document import BINS, covered
-from doormill_ros.diagnosis.ranking import first_largest
 from doormill_ros.robot_model.pose.chain import derivatives, direction, frames
 from doormill_ros.robot_model.pose.layout import design, frame_twists
 from doormill_ros.robot_model.pose.model import view_of

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.ranking import ranks
 from doormill_ros.diagnosis.pose.fit import Fitted
-from doormill_ros.diagnosis.ranking import ranks
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
 
 #: Highest order that is looked for: twice the input turns of a 1:100 gear and the second wave of that.

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.problem import Prediction, Problem
-from doormill_ros.diagnosis.ranking import QUANTUM, ranks
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.diagnosis.core.problem import C, Prediction, Problem
+from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
 
 GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
 OUTLIER_SHARE = 0.1  #: at most this share of the trials is set aside
@@ -22,7 +22,7 @@ _RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(Generic[C]):
     """A model that was fitted to all trials.
 
     Attributes:
@@ -38,7 +38,7 @@ class Fit:
         free: Numbers that do not sit on a bound, shape (p,).
     """
 
-    members: tuple[Cause, ...]
+    members: tuple[C, ...]
     theta: FloatArray
     covariance: FloatArray
     prediction: Prediction
@@ -59,7 +59,7 @@ class Fit:
         """Identities of the members, whatever their order."""
         return frozenset(cause.identity for cause in self.members)
 
-    def part(self, cause: Cause) -> slice:
+    def part(self, cause: C) -> slice:
         """Where a member's numbers stand in theta."""
         at = 0
         for member in self.members:
@@ -88,7 +88,7 @@ def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> Fl
     return weights
 
 
-def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[FloatArray] | None = None) -> Fit:
+def fit(problem: Problem[C], members: Sequence[C], starts: Sequence[FloatArray] | None = None) -> Fit[C]:
     """Fit a model from the best of the starts given, or of its own."""
     members = tuple(members)
     starts = list(starts) if starts is not None else _starts(problem, members)
@@ -108,7 +108,7 @@ def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[FloatArray]
 
 
 def score_without(
-    problem: Problem, members: Sequence[Cause], starts: Sequence[FloatArray], index: int
+    problem: Problem[C], members: Sequence[C], starts: Sequence[FloatArray], index: int
 ) -> float:
     """Score of a model in which one number stays at zero, the best from several starts.
 
@@ -127,14 +127,14 @@ def score_without(
     return min(scores)
 
 
-def _starts(problem: Problem, members: tuple[Cause, ...]) -> list[FloatArray]:
+def _starts(problem: Problem[C], members: tuple[C, ...]) -> list[FloatArray]:
     starts = [np.zeros(0)]
     for cause in members:
         starts = [np.concatenate([theta, part]) for theta in starts for part in cause.starts(problem.case)]
     return starts
 
 
-def bounds(members: Sequence[Cause]) -> tuple[FloatArray, FloatArray]:
+def bounds(members: Sequence[C]) -> tuple[FloatArray, FloatArray]:
     """Allowed range of theta, two arrays of shape (p,)."""
     none = [np.zeros(0)]
     return (
@@ -143,18 +143,16 @@ def bounds(members: Sequence[Cause]) -> tuple[FloatArray, FloatArray]:
     )
 
 
-def polish(problem: Problem, found: Fit) -> Fit:
+def polish(problem: Problem[C], found: Fit[C]) -> Fit[C]:
     """Walk numbers with a kinked cost over all their kinks; a descent stops at the next one.
 
     A number that may as well be zero becomes zero: a gap is a step until the data say otherwise.
-    The kinks of a torque limit lie at the torques of the trials, which the other numbers then
-    follow in two steps each.
+    The other numbers follow in two steps each.
     """
     for cause in found.members:
         for i in cause.kinked:
             index = found.part(cause).start + i
-            k = int(cause.where.split()[1]) - 1
-            size = np.abs(problem.case.torque[:, k]) / max(problem.case.largest_torque[k], 1e-9)
+            size = cause.kinks(problem.case)
             values = np.unique(np.append(np.quantile(size, np.linspace(0.0, 1.0, _KINKS)), 0.0))
             tried = [(robust_sum(found.prediction.cost), found.theta)]
             for value in values:
@@ -187,8 +185,8 @@ def normal_equations(prediction: Prediction, weights: FloatArray) -> tuple[Float
 
 
 def _descend(
-    problem: Problem,
-    members: tuple[Cause, ...],
+    problem: Problem[C],
+    members: tuple[C, ...],
     theta: FloatArray,
     steps: int = 25,
     fixed: int | None = None,
@@ -226,8 +224,8 @@ def _descend(
 
 
 def _finish(
-    problem: Problem, members: tuple[Cause, ...], theta: FloatArray, weights: FloatArray, score: float
-) -> Fit:
+    problem: Problem[C], members: tuple[C, ...], theta: FloatArray, weights: FloatArray, score: float
+) -> Fit[C]:
     """Covariance and held-out residuals by one exact step away from the fit to all trials."""
     prediction = problem.predict(members, theta, derivative=True)
     if not members:
