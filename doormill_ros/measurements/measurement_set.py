@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.measurements.trials import Noise, Reflector, Trials
@@ -107,14 +107,14 @@ def _reflectors(document: SetDocument) -> dict[str, Reflector]:
     return reflectors
 
 
-def _trials(table: TrialTable, reflectors: dict[str, Reflector]) -> dict[str, FloatArray]:
+def _trials(table: TrialTable, reflectors: dict[str, Reflector]) -> dict[str, Any]:
     trial = table.integers("trial")
     for row in range(len(trial)):
         if trial[row] in trial[:row]:
             raise table.fail(row, "trial", f"{trial[row]} stands there twice, trial numbers are unique")
     dt = table.numbers("dt")
-    for row in np.flatnonzero(dt < 0.0):
-        raise table.fail(int(row), "dt", f"{dt[row]} s is negative")
+    for late in np.flatnonzero(dt < 0.0):
+        raise table.fail(int(late), "dt", f"{dt[late]} s is negative")
     direction = table.block(DIRECTION_COLUMNS)
     for row, k in np.argwhere(~np.isin(direction, (-1.0, 0.0, 1.0))):
         raise table.fail(int(row), f"a{k + 1}", f"{direction[row, k]} is not allowed, it is -1, 0 or 1")

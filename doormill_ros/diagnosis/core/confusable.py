@@ -52,7 +52,7 @@ def equals(search: Search[C], best: Fit[C], cause: C, structure: bool) -> list[E
     remains = structure or not all(member.named for member in best.members)
     excess = float(np.mean(best.prediction.cost[good])) / search.problem.components
     limit = EQUAL * max(3.0, excess) if remains else EQUAL
-    found: dict[tuple[str, str], tuple[C, Fit]] = {}
+    found: dict[tuple[str, str], tuple[C, Fit[C]]] = {}
     for other, model in search.rivals(best, cause):
         nested = other.where == cause.where and cause.name in (other.generalises, other.name)
         if nested and other.name != cause.name:

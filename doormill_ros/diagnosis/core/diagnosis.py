@@ -9,14 +9,14 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from scipy.stats import chi2
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.finding import Finding, make_findings
-from doormill_ros.diagnosis.core.fit import MEDIAN, OUTLIER_SHARE, Fit
+from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.problem import C, Examined, Problem
 from doormill_ros.diagnosis.core.search import ENTRY, Search
 from doormill_ros.diagnosis.core.stability import beaten, clustered, instability, turned_joint, unevenness
 from doormill_ros.diagnosis.core.verdict import CONSISTENT, EXPLAINED, PARTLY_EXPLAINED, UNEXPLAINED, rmse
-from doormill_ros.statistics import bootstrap_ratio
+from doormill_ros.statistics import CHI_SQUARE_MEDIAN, GROSS_SHARE, bootstrap_ratio
 
 #: Chance of an innocent residual below which structure remains.
 STRUCTURE = 1e-4
@@ -60,7 +60,7 @@ class Diagnosis(Generic[P, C]):
     extended: Fit[C]
     best: Fit[C]
     outliers: tuple[int, ...]
-    kept: FloatArray
+    kept: BoolArray
     train_rmse: tuple[float, float]
     holdout_rmse: tuple[float, float]
     ratio: float
@@ -88,7 +88,7 @@ def diagnose_problem(problem: P, progress: Callable[[str], None] = lambda line: 
         or clustered(problem, outliers)
         or turned_joint(problem, best.prediction.white, outliers) != ""
     )
-    established = _established(search, best, structure)
+    established = _established(problem, search, best, structure)
     extended = search.fit(established, [_theta_of(best, established)])
     kept = ~outliers
     baseline = search.fit(())
@@ -123,7 +123,7 @@ def _search(problem: Examined[C], progress: Callable[[str], None]) -> tuple[Sear
     return search, search.run()
 
 
-def _train(problem: Problem[C], found: Fit[C], kept: FloatArray) -> float:
+def _train(problem: Problem[C], found: Fit[C], kept: BoolArray) -> float:
     return rmse(problem.measured_part(found.prediction.white), kept, problem.components)
 
 
@@ -143,7 +143,7 @@ def _theta_of(found: Fit[C], members: tuple[C, ...]) -> FloatArray:
     return np.concatenate([np.zeros(0)] + [found.theta[found.part(cause)] for cause in members])
 
 
-def _established(search: Search[C], best: Fit[C], structure: bool) -> tuple[C, ...]:
+def _established(problem: Examined[C], search: Search[C], best: Fit[C], structure: bool) -> tuple[C, ...]:
     """Members that may be named."""
     named = tuple(
         cause
@@ -153,23 +153,23 @@ def _established(search: Search[C], best: Fit[C], structure: bool) -> tuple[C, .
         and not any(other.spoils(cause) for other in best.members if not other.named)
     )
     if not structure and len(named) == len(best.members):
-        return tuple(c for c in named if not _wild(search.problem, best, c))
+        return tuple(c for c in named if not _wild(problem, best, c))
     empty = search.fit(())
-    floor = float(search.problem.components * len(search.problem))
+    floor = float(problem.components * len(problem))
     excess = max(empty.held_out_score - floor, 1.0)
     kept = []
     for cause in named:
         without = search.without(best, cause)
         share = (without.held_out_score - best.held_out_score) / excess
         steady = min(
-            instability(search.problem, best, cause)[0],
-            unevenness(search.problem, best, cause, best.weights)[0],
+            instability(problem, best, cause)[0],
+            unevenness(problem, best, cause, best.weights)[0],
         )
         rivals = [
             other
             for other, found in search.rivals(best, cause)
             if not other.named
-            and (search.total(found) < search.total(best) + ENTRY or not beaten(search.problem, best, found))
+            and (search.total(found) < search.total(best) + ENTRY or not beaten(problem, best, found))
         ]
         if share > MAIN_PART and steady > UNSTABLE and not rivals:
             kept.append(cause)
@@ -199,20 +199,20 @@ def _verdict(best: Fit[C], established: tuple[C, ...], structure: bool) -> str:
     return PARTLY_EXPLAINED if structure else EXPLAINED
 
 
-def _outliers(best: Fit[C], components: int) -> FloatArray:
+def _outliers(best: Fit[C], components: int) -> BoolArray:
     """Gross errors, at most one in ten, shape (n,)."""
     cost = best.prediction.cost
     n = len(cost)
-    scale = max(1.0, float(np.median(cost)) / MEDIAN[components])
+    scale = max(1.0, float(np.median(cost)) / CHI_SQUARE_MEDIAN[components])
     limit = chi2.isf(0.01 / n, components) * scale
-    worst = np.argsort(-cost, kind="stable")[: int(OUTLIER_SHARE * n)]
+    worst = np.argsort(-cost, kind="stable")[: int(GROSS_SHARE * n)]
     mask = np.zeros(n, dtype=bool)
     mask[worst[cost[worst] > limit]] = True
     return mask
 
 
 def _gain(
-    problem: Problem[C], baseline: Fit[C], extended: Fit[C], kept: FloatArray
+    problem: Problem[C], baseline: Fit[C], extended: Fit[C], kept: BoolArray
 ) -> tuple[float, tuple[float, float]]:
     """Ratio of held-out RMSE and its 95 % interval, by resampling whole configurations."""
     numbers = np.unique(problem.configuration[kept])
@@ -222,7 +222,7 @@ def _gain(
 
 
 def _remarks(
-    problem: Examined[C], best: Fit[C], established: tuple[C, ...], outliers: FloatArray
+    problem: Examined[C], best: Fit[C], established: tuple[C, ...], outliers: BoolArray
 ) -> tuple[str, ...]:
     lines = []
     joint = turned_joint(problem, best.prediction.white, outliers)

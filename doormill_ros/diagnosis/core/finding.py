@@ -8,7 +8,7 @@ from typing import Generic
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.confusable import Equal, equals
 from doormill_ros.diagnosis.core.fit import Fit, bounds, normal_equations
 from doormill_ros.diagnosis.core.problem import C, Problem
@@ -52,7 +52,7 @@ def make_findings(
     extended: Fit[C],
     established: Sequence[C],
     structure: bool,
-    kept: FloatArray,
+    kept: BoolArray,
 ) -> tuple[Finding[C], ...]:
     """All established causes, each sized also in the models where equals stand for the others."""
     doubles = [equals(search, best, cause, structure) for cause in established]
@@ -76,7 +76,7 @@ def _make_finding(
     extended: Fit[C],
     cause: C,
     structure: bool,
-    kept: FloatArray,
+    kept: BoolArray,
     same: Sequence[Equal[C]],
     alternatives: Sequence[Fit[C]],
 ) -> Finding[C]:
@@ -160,4 +160,4 @@ def profile_std(problem: Problem[C], found: Fit[C], index: int) -> float:
                 reach[-1] = before[0] + share * (abs(value - start) - before[0])
                 break
             before = (abs(value - start), max(rise, 0.0))
-    return max(reach) / 2.0
+    return float(max(reach)) / 2.0

@@ -8,17 +8,20 @@ from typing import Generic
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.problem import C, Prediction, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
+from doormill_ros.statistics import CHI_SQUARE_MEDIAN, GROSS_SHARE, huber_weights
 
 GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
-OUTLIER_SHARE = 0.1  #: at most this share of the trials is set aside
 _HUBER = 4.0  #: standard deviations up to which a trial keeps its full weight
-MEDIAN = {1: 0.455, 3: 2.366}  #: median of chi-square by its degrees of freedom
 _KINKS = 16  #: values at which a kinked number is tried
 _NOTHING = 2.7  #: fall of the score below which a kinked number may as well be zero (one in ten)
 _RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
+
+
+#: What tells models apart: name, place and variant of every member.
+Identity = frozenset[tuple[str, str, str]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +50,7 @@ class Fit(Generic[C]):
     held_out: FloatArray
     held_out_cost: FloatArray
     held_out_score: float
-    free: FloatArray
+    free: BoolArray
 
     @property
     def size(self) -> int:
@@ -55,7 +58,7 @@ class Fit(Generic[C]):
         return len(self.theta)
 
     @property
-    def identity(self) -> frozenset:
+    def identity(self) -> Identity:
         """Identities of the members, whatever their order."""
         return frozenset(cause.identity for cause in self.members)
 
@@ -72,16 +75,16 @@ class Fit(Generic[C]):
 def robust_sum(cost: FloatArray) -> float:
     """Sum of costs in which the worst tenth counts no more than GROSS each."""
     ordered = np.sort(cost)[::-1]
-    spared = int(OUTLIER_SHARE * len(cost))
+    spared = int(GROSS_SHARE * len(cost))
     return float(np.minimum(ordered[:spared], GROSS).sum() + ordered[spared:].sum())
 
 
 def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> FloatArray:
     """Huber weights of squared distances, shape (n,); with `reject` gross errors get zero."""
-    scale2 = max(1.0, float(np.median(distance)) / MEDIAN[components])
+    scale2 = max(1.0, float(np.median(distance)) / CHI_SQUARE_MEDIAN[components])
     size = np.sqrt(np.maximum(distance / scale2, 1e-12))
-    weights = np.minimum(1.0, _HUBER / size)
-    spared = int(OUTLIER_SHARE * len(distance))
+    weights = huber_weights(size, _HUBER)
+    spared = int(GROSS_SHARE * len(distance))
     if reject and spared:
         worst = np.argsort(-distance, kind="stable")[:spared]
         weights[worst[distance[worst] > GROSS * scale2]] = 0.0
@@ -172,7 +175,7 @@ def polish(problem: Problem[C], found: Fit[C]) -> Fit[C]:
 
 def normal_equations(prediction: Prediction, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Hessian (p, p) and descent (p,) of half the weighted cost."""
-    jacobian, white = prediction.jacobian, prediction.white
+    jacobian, white = prediction.derived, prediction.white
     weighted = jacobian * weights[:, None, None]
     hessian = np.einsum("nip,niq->pq", weighted, jacobian)
     descent = np.einsum("nip,ni->p", weighted, white)
@@ -261,7 +264,7 @@ def _finish(
             prediction.residual[rows],
             prediction.white[rows],
             prediction.cost[rows],
-            prediction.jacobian[rows],
+            prediction.derived[rows],
             None if prediction.spread is None else (prediction.spread[0][rows], prediction.spread[1][rows]),
         )
         own_hessian, own_descent = normal_equations(part, weights[rows])
@@ -269,7 +272,7 @@ def _finish(
         change = np.zeros_like(theta)
         change[smooth] = np.linalg.solve(matrix, -own_descent[smooth])
         change = np.clip(theta + change, lower, upper) - theta
-        held_white[rows] -= prediction.jacobian[rows] @ change
+        held_white[rows] -= prediction.derived[rows] @ change
     held_cost = prediction.cost + np.sum(held_white**2, axis=1) - np.sum(prediction.white**2, axis=1)
     held_out = problem.measured_part(held_white)
     return Fit(

@@ -16,7 +16,7 @@ from doormill_ros.diagnosis.core.diagnosis import (
 )
 from doormill_ros.diagnosis.core.margin import Margin
 from doormill_ros.diagnosis.core.search import ENTRY, EQUAL
-from doormill_ros.diagnosis.core.stability import CLUSTERED, clustering, instability, turning, unevenness
+from doormill_ros.diagnosis.core.stability import CLUSTERED, clustering, instability, unevenness
 
 
 def margins(diagnosis: Diagnosis[Any, Any]) -> list[Margin]:
@@ -27,7 +27,7 @@ def margins(diagnosis: Diagnosis[Any, Any]) -> list[Margin]:
     chances = [
         ("something is left over", excess_probability(best, problem.components), STRUCTURE),
         ("gross errors sit together", clustering(problem, gross), CLUSTERED),
-        ("gross errors point along one joint", turning(problem, best.prediction.white, gross)[1], CLUSTERED),
+        ("gross errors point along one joint", problem.turning(best.prediction.white, gross)[1], CLUSTERED),
     ]
     found += [Margin(decision, value, limit, "probability") for decision, value, limit in chances]
     for cause in best.members:

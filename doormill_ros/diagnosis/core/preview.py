@@ -8,7 +8,7 @@ from typing import Generic
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.fit import Fit, trial_weights
 from doormill_ros.diagnosis.core.problem import C, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
@@ -50,7 +50,7 @@ class Preview(Generic[C]):
         """By how much the score may fall when each candidate joins, at its best start, shape (candidates,)."""
         return self._gains(*self._left(found))[0]
 
-    def _gains(self, target: FloatArray, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _gains(self, target: FloatArray, columns: FloatArray) -> tuple[FloatArray, IntArray]:
         """The gains and the number of the block that gave each."""
         pull = columns.T @ target
         of_block = np.zeros(len(self._blocks))
@@ -69,7 +69,7 @@ class Preview(Generic[C]):
                 gains[index], chosen[index] = gain, number
         return gains, chosen
 
-    def pairs(self, found: Fit[C]) -> tuple[FloatArray, FloatArray]:
+    def pairs(self, found: Fit[C]) -> tuple[IntArray, FloatArray]:
         """By how much the score may fall when two candidates join together.
 
         Two effects that hide each other show in no single candidate, so a search that adds one at a

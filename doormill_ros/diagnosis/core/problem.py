@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 
@@ -16,6 +16,7 @@ FOLDS = 10  #: at most; a fold is one or several whole configurations
 
 #: Kind of candidate that a problem knows how to predict with.
 C = TypeVar("C", bound=Candidate[Any])
+_C = TypeVar("_C", bound=Candidate[Any], contravariant=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +37,14 @@ class Prediction:
     jacobian: FloatArray | None = None
     spread: tuple[FloatArray, FloatArray] | None = None
 
+    @property
+    def derived(self) -> FloatArray:
+        """The Jacobian of a prediction that was asked for it."""
+        assert self.jacobian is not None, "predict with derivative=True"
+        return self.jacobian
 
-class Problem(Protocol[C]):
+
+class Problem(Protocol[_C]):
     """One set of trials made ready for fitting.
 
     Attributes:
@@ -58,10 +65,10 @@ class Problem(Protocol[C]):
     def case(self) -> Any:
         """What the candidates look at."""
 
-    def predict(self, members: Sequence[C], theta: FloatArray, derivative: bool = False) -> Prediction:
+    def predict(self, members: Sequence[_C], theta: FloatArray, derivative: bool = False) -> Prediction:
         """Residuals, likelihood and derivatives of a model of some candidates with their numbers theta, shape (p,)."""
 
-    def slope(self, cause: C, theta: FloatArray) -> FloatArray:
+    def slope(self, cause: _C, theta: FloatArray) -> FloatArray:
         """Whitened derivative of the prediction by one candidate alone, shape (n, 3, p)."""
 
     def measured_part(self, white: FloatArray) -> FloatArray:
@@ -74,7 +81,7 @@ class Examined(Problem[C], Protocol[C]):
     def candidates(self) -> list[C]:
         """Everything that may be wrong, and the patterns that may not be named."""
 
-    def bent(self) -> Examined[C] | None:
+    def bent(self) -> Self | None:
         """The same trials by a finer model, where that could matter."""
 
     def cuts(self) -> dict[str, BoolArray]:

@@ -10,7 +10,7 @@ from typing import Generic
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.fit import Fit, fit, polish
+from doormill_ros.diagnosis.core.fit import Fit, Identity, fit, polish
 from doormill_ros.diagnosis.core.preview import Preview
 from doormill_ros.diagnosis.core.problem import C, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranked, ranks
@@ -41,10 +41,10 @@ class Search(Generic[C]):
 
     problem: Problem[C]
     candidates: Sequence[C]
-    fits: dict[frozenset, Fit] = field(default_factory=dict)
+    fits: dict[Identity, Fit[C]] = field(default_factory=dict)
     progress: Callable[[str], None] = lambda line: None
-    _polished: set[tuple[frozenset, frozenset]] = field(default_factory=set)
-    _walked: set[frozenset] = field(default_factory=set)
+    _polished: set[tuple[Identity, Identity]] = field(default_factory=set)
+    _walked: set[Identity] = field(default_factory=set)
 
     def fit(self, members: Iterable[C], starts: Sequence[FloatArray] | None = None) -> Fit[C]:
         """Fit a model once."""
@@ -58,11 +58,8 @@ class Search(Generic[C]):
         """Held-out score plus what its numbers and unnamed patterns cost; smaller is better."""
         each = max(np.log(self.problem.components * len(self.problem)) - 2.0, 1.0)
         # Numbers on a bound do nothing and cost nothing; every model pays for those that it uses.
-        return (
-            found.held_out_score
-            + each * found.size
-            + PATTERN_PENALTY * sum(not cause.named for cause in found.members)
-        )
+        unnamed = sum(not cause.named for cause in found.members)
+        return float(found.held_out_score + each * found.size + PATTERN_PENALTY * unnamed)
 
     def order(self, found: Fit[C]) -> tuple[int, int, list[int]]:
         """What goes first among equals: the measuring chain before the robot, fewer numbers, the library's order."""
@@ -121,7 +118,7 @@ class Search(Generic[C]):
         beam = [empty]
         best = smaller = empty
         for size in range(1, LARGEST + 1):
-            grown: dict[frozenset, Fit] = {}
+            grown: dict[Identity, Fit[C]] = {}
             for parent in beam:
                 for cause, gain in self.extensions(parent):
                     # The preview is to first order: leave it a factor of two.
@@ -201,7 +198,7 @@ class Search(Generic[C]):
                 self.fits[again.identity] = smaller = again
         return smaller
 
-    def rivals(self, found: Fit[C], cause: C) -> list[tuple[C, Fit]]:
+    def rivals(self, found: Fit[C], cause: C) -> list[tuple[C, Fit[C]]]:
         """Every candidate in the place of one member, the best first."""
         rest = self.without(found, cause)
         swapped = []

@@ -29,7 +29,7 @@ def instability(problem: Examined[C], found: Fit[C], cause: C) -> tuple[float, s
     part = found.part(cause)
     prediction, weights = found.prediction, np.sqrt(found.weights)[:, None]
     target = (prediction.white * weights).ravel()
-    base = prediction.jacobian * weights[:, :, None]
+    base = prediction.derived * weights[:, :, None]
     kept = float((found.weights > 0.0).sum())
     freedom = max(problem.components * kept - found.size, 1.0)
     left = float(target @ target)
@@ -128,8 +128,8 @@ def unevenness(problem: Problem[C], found: Fit[C], cause: C, weights: FloatArray
     part = found.part(cause)
     prediction, root = found.prediction, np.sqrt(weights)
     target = (prediction.white * root[:, None]).ravel()
-    base = (prediction.jacobian * root[:, None, None]).reshape(len(target), -1)
-    amount = (prediction.jacobian[:, :, part] @ found.theta[part]) * root[:, None]
+    base = (prediction.derived * root[:, None, None]).reshape(len(target), -1)
+    amount = (prediction.derived[:, :, part] @ found.theta[part]) * root[:, None]
     numbers, group = np.unique(problem.configuration, return_inverse=True)
     if len(numbers) < 2:
         return 1.0, 0.0

@@ -9,6 +9,7 @@ from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
 from doormill_ros.diagnosis.wording import micrometres, spoken
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED
 from doormill_ros.pages.page import Bar, Block, Table, Text
+from doormill_ros.robot_model.elastic.causes.cause import Cause
 
 ROWS = 12  #: models that are listed
 
@@ -52,7 +53,7 @@ def candidates_table(diagnosis: LoadingDiagnosis) -> list[Block]:
     return [Table(head, rows, marked, "models"), Text([note])]
 
 
-def _remark(diagnosis: LoadingDiagnosis, found: Fit) -> str:
+def _remark(diagnosis: LoadingDiagnosis, found: Fit[Cause]) -> str:
     if found is diagnosis.extended and found.members:
         return "named"
     if not found.members:
@@ -69,7 +70,7 @@ def _remark(diagnosis: LoadingDiagnosis, found: Fit) -> str:
     return "best fit, not believed" if found is diagnosis.best else ""
 
 
-def _colour(diagnosis: LoadingDiagnosis, found: Fit) -> str:
+def _colour(diagnosis: LoadingDiagnosis, found: Fit[Cause]) -> str:
     if found is diagnosis.extended and found.members:
         return GREEN
     if not found.members:

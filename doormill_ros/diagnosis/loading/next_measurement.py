@@ -14,6 +14,7 @@ from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
 from doormill_ros.measurements.trials import Reflector, Trials
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.causes.cause import Cause
 from doormill_ros.statistics import uniform
 from doormill_ros.units import rad_to_deg
 
@@ -135,10 +136,10 @@ class _Forecast:
     value: FloatArray
 
 
-def _closest(diagnosis: LoadingDiagnosis) -> tuple[Fit, Fit, tuple[str, str]] | None:
+def _closest(diagnosis: LoadingDiagnosis) -> tuple[Fit[Cause], Fit[Cause], tuple[str, str]] | None:
     """The pair of models whose difference matters most for the verdict."""
     search, best = diagnosis.search, diagnosis.best
-    options: list[tuple[float, Fit, Fit, tuple[str, str]]] = []
+    options: list[tuple[float, Fit[Cause], Fit[Cause], tuple[str, str]]] = []
     for finding in diagnosis.findings:
         for other, found in search.rivals(best, finding.cause):
             nested = other.where == finding.cause.where and finding.cause.name in (
@@ -151,17 +152,15 @@ def _closest(diagnosis: LoadingDiagnosis) -> tuple[Fit, Fit, tuple[str, str]] | 
                 (found.held_out_score - best.held_out_score, best, found, (repr(finding.cause), repr(other)))
             )
     if not options:
-        for found in search.ranked(f for f in search.fits.values() if f is not best)[:1]:
-            options.append((search.total(found), best, found, (_title(best), _title(found))))
+        for next_best in search.ranked(f for f in search.fits.values() if f is not best)[:1]:
+            options.append((search.total(next_best), best, next_best, (_title(best), _title(next_best))))
     if not options:
         return None
-    _, mine, other, names = ranked(options, lambda option: option[0], lambda option: search.order(option[2]))[
-        0
-    ]
-    return mine, other, names
+    closest = ranked(options, lambda option: option[0], lambda option: search.order(option[2]))[0]
+    return closest[1:]
 
 
-def _title(found: Fit) -> str:
+def _title(found: Fit[Cause]) -> str:
     return " + ".join(map(repr, found.members)) or "no cause at all"
 
 
@@ -233,7 +232,7 @@ def _rows(pool: Trials, rows: list[int]) -> Trials:
     return replace(pool, **{name: getattr(pool, name)[index] for name in per_trial})
 
 
-def _predict(pool: Trials, found: Fit) -> _Forecast:
+def _predict(pool: Trials, found: Fit[Cause]) -> _Forecast:
     problem = LoadingProblem(pool)
     # Patterns are tied to the times and angles of the measured trials: leave them out of a forecast.
     members = tuple(cause for cause in found.members if cause.named)

@@ -52,7 +52,8 @@ def path_shift(diagnosis: LoadingDiagnosis) -> PathShift | None:
     before = {target.name: target.T_base_tool_corrected[:3, 3] for target in springs.targets}
     largest: dict[str, float] = {}
     for motion in extended.motions:
-        for index in {motion.target, motion.via} - {None} if motion.cutting else ():
+        used = {i for i in (motion.target, motion.via) if i is not None} if motion.cutting else set()
+        for index in used:
             target = extended.targets[index]
             if target.name in before:
                 away = float(np.linalg.norm(target.T_base_tool_corrected[:3, 3] - before[target.name]))

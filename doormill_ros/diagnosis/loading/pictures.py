@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.finding import Finding, rmse
+from doormill_ros.diagnosis.core.finding import Finding
 from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.verdict import rmse
 from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
 from doormill_ros.diagnosis.wording import MICRO, spoken
@@ -17,7 +18,7 @@ UM = 1e6  #: micrometres in a metre
 MOST = 16  #: rows of a chart by group
 
 
-def stages(diagnosis: LoadingDiagnosis) -> list[tuple[str, str, Fit]]:
+def stages(diagnosis: LoadingDiagnosis) -> list[tuple[str, str, Fit[Cause]]]:
     """Name, colour and model of what is shown side by side: before, and after where something was found."""
     if not diagnosis.findings:
         return [("", RED, diagnosis.baseline)]
@@ -153,7 +154,7 @@ def residual_by_group(diagnosis: LoadingDiagnosis) -> list[str]:
     return charts
 
 
-def pattern_of(diagnosis: LoadingDiagnosis, finding: Finding) -> str:
+def pattern_of(diagnosis: LoadingDiagnosis, finding: Finding[Cause]) -> str:
     """What gave a cause away: the residual without it, against what drives it."""
     problem, kept, cause = diagnosis.problem, diagnosis.kept, finding.cause
     effect = _effect(diagnosis.problem, diagnosis.extended, cause)
@@ -226,7 +227,7 @@ def _against_prediction(title: str, residual: FloatArray, effect: FloatArray, co
     )
 
 
-def _effect(problem: LoadingProblem, found: Fit, cause: Cause) -> FloatArray:
+def _effect(problem: LoadingProblem, found: Fit[Cause], cause: Cause) -> FloatArray:
     """Displacement that a cause adds to a model, shape (n, 3) [m]."""
     theta = found.theta.copy()
     theta[found.part(cause)] = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Self
 
 import numpy as np
 
@@ -85,11 +86,11 @@ class LoadingProblem:
         patterns = unnamed_patterns(data.q, data.time, data.temperature, data.dt)
         return [*(cause for cause in library if self.allowed(cause)), *patterns]
 
-    def bent(self) -> LoadingProblem | None:
+    def bent(self) -> Self | None:
         """The same with finite joint angles, where these differ from first order by more than the noise."""
         if np.sqrt(np.mean(self.curvature**2)) <= CURVED * self.noise_floor:
             return None
-        return LoadingProblem(self.data, True, self.sight, self.configuration, self.allowed)
+        return type(self)(self.data, True, self.sight, self.configuration, self.allowed)
 
     def cuts(self) -> dict[str, BoolArray]:
         """Small and large loads, early and late, each joint's angle and torque, each reflector."""
@@ -147,8 +148,8 @@ class LoadingProblem:
     def measured_part(self, white: FloatArray) -> FloatArray:
         """Residual in metres, shape (n, 3), of a whitened one; along the sight where there is one."""
         if self.sight is None:
-            return np.linalg.solve(self.whiten, white[:, :, None])[:, :, 0]
-        size = white[:, 0] / np.linalg.norm(self.whiten[:, 0], axis=1)
+            return np.asarray(np.linalg.solve(self.whiten, white[:, :, None])[:, :, 0], dtype=float)
+        size: FloatArray = white[:, 0] / np.linalg.norm(self.whiten[:, 0], axis=1)
         return size[:, None] * self.sight
 
     def case_of(self, members: Sequence[Cause], theta: FloatArray) -> LoadCase:
@@ -215,7 +216,7 @@ class LoadingProblem:
         """Whitened derivative of the prediction by one cause alone, shape (n, 3, p)."""
         if cause.stage == "robot" and cause.hidden_state(self.case) is None:
             return self.whiten @ cause.derivative(self.case, theta)[:, :3]
-        return self.predict([cause], theta, derivative=True).jacobian
+        return self.predict([cause], theta, derivative=True).derived
 
     def _derivative(
         self,

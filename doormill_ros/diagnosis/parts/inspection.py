@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
 from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
@@ -150,7 +150,7 @@ def _can_act(cause: Cause) -> bool:
     return cause.stage not in _ABSENT
 
 
-def _stretches(contours: list[InspectedContour]) -> FloatArray:
+def _stretches(contours: list[InspectedContour]) -> IntArray:
     """Number of the stretch of every point: neighbours know too much of each other."""
     groups, start = [], 0
     for contour in contours:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core import verdict
 from doormill_ros.diagnosis.pose.fit import Fitted, deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.orders import find_orders
@@ -69,7 +69,7 @@ class PoseDiagnosis:
     established: list[Score]
     rejected: list[Score]
     std: FloatArray
-    gross: list[FloatArray]
+    gross: list[BoolArray]
     before: Errors
     after: Errors
     ratio: float
@@ -188,7 +188,7 @@ def _errors(fitted: Fitted, validation: Validation) -> Errors:
     )
 
 
-def rmse(errors: Sequence[FloatArray], kept: Sequence[FloatArray], rotation: bool = False) -> float:
+def rmse(errors: Sequence[FloatArray], kept: Sequence[BoolArray], rotation: bool = False) -> float:
     """Root mean square length of the position [m] or rotation [rad] error over the rows that count."""
     part = slice(3, 6) if rotation else slice(0, 3)
     return verdict.rmse(np.concatenate(errors)[:, part], np.concatenate(kept), 1)
@@ -207,7 +207,7 @@ def _verdict(
 
 
 def _gain(
-    before: Sequence[FloatArray], after: Sequence[FloatArray], kept: Sequence[FloatArray]
+    before: Sequence[FloatArray], after: Sequence[FloatArray], kept: Sequence[BoolArray]
 ) -> tuple[float, tuple[float, float]]:
     """Ratio of held-out errors, its interval from drawing blocks."""
 
@@ -229,7 +229,8 @@ def standard_deviations(fitted: Fitted) -> FloatArray:
     shift = np.array(pull) @ solution.covariance
     scatter = np.sqrt(np.sum(shift**2, axis=0) * len(pull) / max(len(pull) - 1, 1))
     m = fitted.problem.layout.size
-    return np.maximum(np.sqrt(np.diag(solution.covariance)), scatter)[:m]
+    result: FloatArray = np.maximum(np.sqrt(np.diag(solution.covariance)), scatter)[:m]
+    return result
 
 
 def distinct_share(fitted: Fitted) -> FloatArray:
@@ -238,7 +239,8 @@ def distinct_share(fitted: Fitted) -> FloatArray:
     H, _ = add_up(fitted.blocks, size)
     P = H[m:, m:] + 1e-12 * np.diag(np.diag(H)[m:])
     explained = np.sum(H[:m, m:] * np.linalg.solve(P, H[m:, :m]).T, axis=1)
-    return 1.0 - explained / np.maximum(np.diag(H)[:m], 1e-300)
+    result: FloatArray = 1.0 - explained / np.maximum(np.diag(H)[:m], 1e-300)
+    return result
 
 
 def _model(fitted: Fitted) -> PoseModel:

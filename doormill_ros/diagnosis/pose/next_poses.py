@@ -102,7 +102,8 @@ def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> FloatArray:
     measured = np.concatenate(seen)
     out, reach = np.linalg.norm(target[:, :2], axis=1), np.linalg.norm(measured[:, :2], axis=1)
     good = (target[:, 2] > measured[:, 2].min()) & (out > reach.min()) & (out < reach.max())
-    return q[good][:POSSIBLE]
+    result: FloatArray = q[good][:POSSIBLE]
+    return result
 
 
 def effect_on_pose(diagnosis: PoseDiagnosis, q: FloatArray) -> FloatArray:

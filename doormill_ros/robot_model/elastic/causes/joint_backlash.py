@@ -74,7 +74,8 @@ class JointBacklash(Cause):
     def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """With the gap open in every trial that may be open; the fit weighs by the hidden state."""
         sign, ramp, _ = self._ramp(case, theta)
-        return (_GAP * theta[0] * sign * ramp)[:, None] * case.joint_twist(index(self.where))
+        result: FloatArray = (_GAP * theta[0] * sign * ramp)[:, None] * case.joint_twist(index(self.where))
+        return result
 
     def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """By gap and crossing."""

@@ -43,19 +43,23 @@ class JointFriction(Cause):
         k = index(self.where)
         limit = theta[0] * case.largest_torque[k]
         held = np.clip(case.torque[:, k], -limit, limit)
-        return -(held / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
+        result: FloatArray = -(held / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
+        return result
 
     def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Only trials beyond the friction torque know its size."""
         k = index(self.where)
         beyond = np.abs(case.torque[:, k]) > theta[0] * case.largest_torque[k]
         slope = -np.where(beyond, np.sign(case.torque[:, k]), 0.0) * case.largest_torque[k]
-        return ((slope / case.joint_stiffness[k])[:, None] * case.joint_twist(k))[:, :, None]
+        result: FloatArray = ((slope / case.joint_stiffness[k])[:, None] * case.joint_twist(k))[:, :, None]
+        return result
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Friction torque."""
-        return theta * case.largest_torque[index(self.where)]
+        result: FloatArray = theta * case.largest_torque[index(self.where)]
+        return result
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the friction torque."""
-        return np.asarray(values) / case.largest_torque[index(self.where)]
+        result: FloatArray = np.asarray(values) / case.largest_torque[index(self.where)]
+        return result

@@ -40,7 +40,8 @@ class JointHardening(Cause):
     def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Difference to the model's spring."""
         give, _, stiffer = self._parts(case, theta)
-        return ((1.0 + theta[0]) / stiffer - 1.0)[:, None] * give
+        result: FloatArray = ((1.0 + theta[0]) / stiffer - 1.0)[:, None] * give
+        return result
 
     def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Of the quotient."""

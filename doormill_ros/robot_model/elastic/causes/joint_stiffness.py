@@ -26,12 +26,17 @@ class JointStiffness(LinearTwist):
     def unit(self, case: LoadCase) -> FloatArray:
         """Give of the model's own spring."""
         k = index(self.where)
-        return (case.torque[:, k, None] / case.joint_stiffness[k] * case.joint_twist(k))[:, :, None]
+        result: FloatArray = (case.torque[:, k, None] / case.joint_stiffness[k] * case.joint_twist(k))[
+            :, :, None
+        ]
+        return result
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Stiffness."""
-        return case.joint_stiffness[index(self.where)] / (1.0 + theta)
+        result: FloatArray = case.joint_stiffness[index(self.where)] / (1.0 + theta)
+        return result
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the stiffness."""
-        return case.joint_stiffness[index(self.where)] / np.asarray(values) - 1.0
+        result: FloatArray = case.joint_stiffness[index(self.where)] / np.asarray(values) - 1.0
+        return result

@@ -28,7 +28,8 @@ class TrackerFrameRotation(Cause):
 
     def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Turn."""
-        return displacement @ Rotation.from_rotvec(theta).as_matrix().T
+        result: FloatArray = displacement @ Rotation.from_rotvec(theta).as_matrix().T
+        return result
 
     def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Of the small turn that follows: exact at zero, a fine descent direction elsewhere."""

@@ -27,7 +27,8 @@ class TrackerScale(Cause):
 
     def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Scale."""
-        return displacement * (1.0 + theta[0])
+        result: FloatArray = displacement * (1.0 + theta[0])
+        return result
 
     def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """The displacement itself."""
