@@ -21,8 +21,8 @@ from scipy.stats import chi2
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 
-from doormill_ros.diagnosis.loading.diagnosis import Diagnosis, diagnose_set
-from doormill_ros.diagnosis.loading.document import parameters_of
+from doormill_ros.diagnosis.core.document import parameters_of
+from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis, diagnose_set
 from doormill_ros.measurements.measurement_set import read_measurement_set
 from doormill_ros.robot.description import load_robot
 from support.truth.hidden_effects import (
@@ -125,7 +125,12 @@ def draw_set(folder: Path, seed: int, kind: str) -> tuple[list[dict], list[float
 
 
 def judge(
-    seed: int, kind: str, effects: list[dict], strengths: list[float], drawn: np.ndarray, diagnosis: Diagnosis
+    seed: int,
+    kind: str,
+    effects: list[dict],
+    strengths: list[float],
+    drawn: np.ndarray,
+    diagnosis: LoadingDiagnosis,
 ) -> Outcome:
     """Compare what was said with what was hidden."""
     library = [e for e in effects if e["cause"] in LIBRARY_CAUSES]

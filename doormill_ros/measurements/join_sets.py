@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -38,12 +39,15 @@ def join_sets(sets: Sequence[MeasurementSet]) -> MeasurementSet:
     for one in sets:
         trial.append(one.trial + shift)
         shift = int(trial[-1].max())
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(one, name) for one in sets]) for name in _COLUMNS
+    }
     return replace(
         first,
         reflectors=reflectors,
         trial=np.concatenate(trial),
         reflector=np.concatenate([one.reflector for one in sets]),
-        **{name: np.concatenate([getattr(one, name) for one in sets]) for name in _COLUMNS},
+        **columns,
     )
 
 

@@ -34,9 +34,9 @@ class Loadings:
 
     q: FloatArray
     wrench: FloatArray
-    load_link: FloatArray
+    load_link: IntArray
     load_point: FloatArray
-    reflector_link: FloatArray
+    reflector_link: IntArray
     reflector: FloatArray
     displacement: FloatArray
     displacement_std: FloatArray
@@ -73,7 +73,7 @@ def displacement_per_compliance(kinematics: Kinematics, loadings: Loadings) -> F
     return lever * joint_torques(kinematics, loadings)[:, None, :]
 
 
-def _jacobian(kinematics: Kinematics, q: FloatArray, link: FloatArray, point: FloatArray) -> FloatArray:
+def _jacobian(kinematics: Kinematics, q: FloatArray, link: IntArray, point: FloatArray) -> FloatArray:
     """Jacobians of points on different links: one vectorised call for each distinct point."""
     keys = np.column_stack([np.asarray(link, dtype=float), point])
     distinct, group = np.unique(keys, axis=0, return_inverse=True)

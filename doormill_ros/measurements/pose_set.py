@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import PoseTableError
 from doormill_ros.measurements.set_document import SetDocument
@@ -55,13 +55,13 @@ class PoseSet:
     dh: FloatArray
     links: tuple[LinkMass, ...]
     noise: tuple[float, float]
-    row: FloatArray
+    row: IntArray
     time: FloatArray
     temperature: FloatArray
     q: FloatArray
     position: FloatArray
     rotation: FloatArray
-    placement: FloatArray
+    placement: BoolArray
 
     def __len__(self) -> int:
         return len(self.row)
@@ -103,7 +103,7 @@ def read_pose_set(folder: Path) -> PoseSet:
     flag = table.integers("placement")
     for index in np.flatnonzero((flag != 0) & (flag != 1)):
         raise _fail(table, int(index), "placement", f"is {flag[index]}, allowed are 0 and 1")
-    arrays: dict[str, FloatArray] = {
+    arrays: dict[str, Any] = {
         "row": row,
         "time": table.numbers("t", may_be_empty=True),
         "temperature": table.numbers("temperature", may_be_empty=True),

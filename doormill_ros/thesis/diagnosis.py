@@ -13,8 +13,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.diagnosis.core.ranking import ranked
 from doormill_ros.diagnosis.loading.path_shift import DOOR, paths_apart
-from doormill_ros.diagnosis.ranking import ranked
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.causes.cause import Cause
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness

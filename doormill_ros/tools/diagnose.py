@@ -10,54 +10,12 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
 
 from doormill_ros.errors import DoormillError
-from doormill_ros.measurements.errors import SetMixError
-from doormill_ros.measurements.set_document import SetDocument
-
-Runner = Callable[[list[Path], list[Path], Path, Callable[[str], None]], str]
-
-
-def _measurement_sets(data: list[Path], check: list[Path], out: Path, progress: Callable[[str], None]) -> str:
-    from doormill_ros.diagnosis.loading.run import run_measurement_sets
-
-    return run_measurement_sets(data, check, out, progress)
-
-
-def _pose_sets(data: list[Path], check: list[Path], out: Path, progress: Callable[[str], None]) -> str:
-    from doormill_ros.diagnosis.pose.run import run_pose_sets
-
-    return run_pose_sets(data, check, out, progress)
-
-
-#: What to do with sets of a schema; returns the verdict in one line.
-RUNNERS: dict[str, Runner] = {
-    "doormill/measurement-set/1": _measurement_sets,
-    "doormill/pose-set/1": _pose_sets,
-}
-
-
-def choose_runner(folders: Sequence[Path]) -> Runner:
-    """The runner for the schema that all folders share.
-
-    Raises:
-        DataSetError: A set.yaml cannot be read, has an unknown schema, or the schemas differ.
-    """
-    schemas: dict[str, Path] = {}
-    for folder in folders:
-        document = SetDocument(folder / "set.yaml")
-        schema = str(document.get("schema"))
-        if schema not in RUNNERS:
-            raise document.fail(("schema",), f"is {schema!r}, allowed are {', '.join(sorted(RUNNERS))}")
-        schemas.setdefault(schema, folder)
-    if len(schemas) > 1:
-        mixed = " and ".join(f"{path / 'set.yaml'} has {schema}" for schema, path in schemas.items())
-        raise SetMixError(f"{mixed}: sets given together need one schema")
-    return RUNNERS[next(iter(schemas))]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -98,6 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
                 verdict = run_inspections(chosen.inspections, chosen.out, progress)
             else:
+                from doormill_ros.diagnosis.kinds import choose_runner
+
                 run = choose_runner([*chosen.data, *chosen.check])
                 verdict = run(chosen.data, chosen.check, chosen.out, progress)
     except DoormillError as error:

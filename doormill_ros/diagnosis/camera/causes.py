@@ -10,7 +10,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.measurements.picture_reading import DoorReading, Localisations
-from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter
+from doormill_ros.robot_model.candidate import Candidate, Parameter
 
 _STEP = 3e-3  #: share of the plausible range for which a camera model is made wrong to derive its reading
 
@@ -18,7 +18,7 @@ _STEP = 3e-3  #: share of the plausible range for which a camera model is made w
 Wrong = Callable[[CameraModel, FloatArray, DoorReading], CameraModel]
 
 
-class CameraCause(LinearTwist):
+class CameraCause(Candidate[Localisations]):
     """A camera error that is linear in its parameters.
 
     Two statements of one thing: columns of an ideal pinhole, and the camera model with that error. The second is
@@ -54,33 +54,35 @@ class CameraCause(LinearTwist):
         """What it leaves."""
         return self._sentence
 
-    def values(self, theta: FloatArray, case: object = None) -> FloatArray:
+    def values(self, theta: FloatArray, case: Localisations | None = None) -> FloatArray:
         """Parameters as they are."""
         return np.array(theta)
 
     def unit(self, case: Localisations) -> FloatArray:
         """y, z and rotation for a unit of each component, shape (n, 3, p) [m, m, rad]."""
         reading, (parameter,) = case.reading, self.parameters
-        if reading is None or self.wrong is None:
+        wrong = self.wrong
+        if reading is None or wrong is None:
+            assert self.columns is not None, "left out of the candidates where no camera model is known"
             return np.stack(self.columns(case), axis=2)
-        return np.stack(
-            [
-                reading.derivative(
-                    case.moved,
-                    lambda camera, size, unit=unit: self.wrong(camera, size * unit, reading),
-                    _STEP * parameter.high,
-                )
-                for unit in np.eye(parameter.size)
-            ],
-            axis=2,
-        )
+        made_wrong, known = wrong, reading
+
+        def along(unit: FloatArray) -> FloatArray:
+            derivative: FloatArray = known.derivative(
+                case.moved,
+                lambda camera, size: made_wrong(camera, size * unit, known),
+                _STEP * parameter.high,
+            )
+            return derivative
+
+        return np.stack([along(unit) for unit in np.eye(parameter.size)], axis=2)
 
 
 def _plane(y: FloatArray, z: FloatArray) -> FloatArray:
     return np.stack([y, z, np.zeros_like(y)], axis=1)
 
 
-def _turned(camera: CameraModel, by: Sequence[float]) -> CameraModel:
+def _turned(camera: CameraModel, by: Sequence[float] | FloatArray) -> CameraModel:
     return replace(camera, rotation_vector=camera.rotation_vector + np.array(by))
 
 

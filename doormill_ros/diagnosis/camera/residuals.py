@@ -10,36 +10,41 @@ from scipy.stats import chi2
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.camera.causes import CameraCause, camera_causes
-from doormill_ros.diagnosis.loading.fit import Fit
-from doormill_ros.diagnosis.loading.problem import Prediction, make_folds
-from doormill_ros.diagnosis.loading.search import EQUAL, Search
+from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.problem import Prediction, Problem, make_folds
+from doormill_ros.diagnosis.core.search import EQUAL, Search
+from doormill_ros.diagnosis.core.verdict import CONSISTENT, EXPLAINED, UNEXPLAINED
 from doormill_ros.measurements.picture_reading import Localisations
 
 STRUCTURE = 1e-4  #: chance of an innocent residual below which something is wrong
 
 
-class PictureProblem:
+class PictureProblem(Problem[CameraCause]):
     """Localisations in the form that search and fit work on.
 
     Attributes:
         data: The localisations.
-        case: Itself; causes find the localisations there.
         cache: Columns of causes that have been asked for.
         folds: Positions that are left out together, shape (n,).
     """
 
-    components = 3
-
     def __init__(self, data: Localisations) -> None:
         """Weigh by the noise; every position of the door is one group."""
-        self.data, self.cache = data, {}
-        self.case = self
+        self.data, self.components = data, 3
+        self.cache: dict[tuple[str, str, str], FloatArray] = {}
         _, groups = np.unique(np.round(data.moved, 6), axis=0, return_inverse=True)
-        self.folds = make_folds(groups.ravel())
+        self.configuration = groups.ravel()
+        self.folds = make_folds(self.configuration)
+        self.noise_floor = float(np.sqrt(np.mean(np.asarray(data.std) ** 2)))
         self.whiten = np.broadcast_to(np.diag(1.0 / data.std), (len(data.time), 3, 3))
 
     def __len__(self) -> int:
         return len(self.data.time)
+
+    @property
+    def case(self) -> Localisations:
+        """Where the causes find everything."""
+        return self.data
 
     def predict(
         self, members: Sequence[CameraCause], theta: FloatArray, derivative: bool = False
@@ -91,7 +96,7 @@ class CameraDiagnosis:
     findings: tuple[CameraFinding, ...]
     before: float
     after: float
-    fit: Fit
+    fit: Fit[CameraCause]
 
 
 def diagnose_pictures(data: Localisations) -> CameraDiagnosis:
@@ -113,6 +118,6 @@ def diagnose_pictures(data: Localisations) -> CameraDiagnosis:
         ]
         std = np.sqrt(np.diag(best.covariance)[part])
         findings.append(CameraFinding(cause, best.theta[part], std, tuple(rivals)))
-    verdict = "unexplained" if structure else "explained" if findings else "consistent"
+    verdict = UNEXPLAINED if structure else EXPLAINED if findings else CONSISTENT
     size = [float(np.sqrt(np.mean((f.held_out[kept] / data.std) ** 2))) for f in (empty, best)]
     return CameraDiagnosis(verdict, tuple(findings), size[0], size[1] if findings else size[0], best)

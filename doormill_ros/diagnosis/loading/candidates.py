@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
-from doormill_ros.diagnosis.loading.finding import rmse
-from doormill_ros.diagnosis.loading.fit import Fit
-from doormill_ros.diagnosis.loading.search import ENTRY
+from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.search import ENTRY
+from doormill_ros.diagnosis.core.verdict import rmse
+from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
 from doormill_ros.diagnosis.wording import micrometres, spoken
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED
 from doormill_ros.pages.page import Bar, Block, Table, Text
+from doormill_ros.robot_model.elastic.causes.cause import Cause
 
 ROWS = 12  #: models that are listed
 
 
-def candidates_table(diagnosis: Diagnosis) -> list[Block]:
+def candidates_table(diagnosis: LoadingDiagnosis) -> list[Block]:
     """The best models in the order of their scores; the simulation as it is stands last.
 
     Models with more members than the best are left out and counted: none of them gained enough,
@@ -52,7 +53,7 @@ def candidates_table(diagnosis: Diagnosis) -> list[Block]:
     return [Table(head, rows, marked, "models"), Text([note])]
 
 
-def _remark(diagnosis: Diagnosis, found: Fit) -> str:
+def _remark(diagnosis: LoadingDiagnosis, found: Fit[Cause]) -> str:
     if found is diagnosis.extended and found.members:
         return "named"
     if not found.members:
@@ -69,7 +70,7 @@ def _remark(diagnosis: Diagnosis, found: Fit) -> str:
     return "best fit, not believed" if found is diagnosis.best else ""
 
 
-def _colour(diagnosis: Diagnosis, found: Fit) -> str:
+def _colour(diagnosis: LoadingDiagnosis, found: Fit[Cause]) -> str:
     if found is diagnosis.extended and found.members:
         return GREEN
     if not found.members:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 
 #: Pairs of (inverse Cholesky factor, displacement) to whitened displacement.
 _WHITE = "nij,nj->ni"
@@ -33,7 +33,7 @@ class HiddenEffect:
     sign: FloatArray
 
     @property
-    def unsure(self) -> FloatArray:
+    def unsure(self) -> BoolArray:
         """Trials in which it may or may not act, shape (n,)."""
         return (self.chance > 0.0) & (self.chance < 1.0)
 

@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
-from doormill_ros.diagnosis.loading.fit import Fit
-from doormill_ros.diagnosis.loading.problem import Problem
-from doormill_ros.diagnosis.loading.search import EQUAL
-from doormill_ros.diagnosis.ranking import first_largest, ranked
-from doormill_ros.measurements.measurement_set import MeasurementSet, Reflector
+from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.ranking import first_largest, ranked
+from doormill_ros.diagnosis.core.search import EQUAL
+from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
+from doormill_ros.diagnosis.loading.problem import LoadingProblem
+from doormill_ros.measurements.trials import Reflector, Trials
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.causes.cause import Cause
 from doormill_ros.statistics import uniform
 from doormill_ros.units import rad_to_deg
 
@@ -89,10 +90,10 @@ class NextMeasurement:
     trials: tuple[ProposedTrial, ...]
     odds: float
     sentence: str
-    plan: MeasurementSet | None
+    plan: Trials | None
 
 
-def plan_next(diagnosis: Diagnosis, seed: int = 0) -> NextMeasurement:
+def plan_next(diagnosis: LoadingDiagnosis, seed: int = 0) -> NextMeasurement:
     """Choose the trials that separate the best model from its closest rival."""
     pair = _closest(diagnosis)
     if pair is None:
@@ -135,10 +136,10 @@ class _Forecast:
     value: FloatArray
 
 
-def _closest(diagnosis: Diagnosis) -> tuple[Fit, Fit, tuple[str, str]] | None:
+def _closest(diagnosis: LoadingDiagnosis) -> tuple[Fit[Cause], Fit[Cause], tuple[str, str]] | None:
     """The pair of models whose difference matters most for the verdict."""
     search, best = diagnosis.search, diagnosis.best
-    options: list[tuple[float, Fit, Fit, tuple[str, str]]] = []
+    options: list[tuple[float, Fit[Cause], Fit[Cause], tuple[str, str]]] = []
     for finding in diagnosis.findings:
         for other, found in search.rivals(best, finding.cause):
             nested = other.where == finding.cause.where and finding.cause.name in (
@@ -151,21 +152,19 @@ def _closest(diagnosis: Diagnosis) -> tuple[Fit, Fit, tuple[str, str]] | None:
                 (found.held_out_score - best.held_out_score, best, found, (repr(finding.cause), repr(other)))
             )
     if not options:
-        for found in search.ranked(f for f in search.fits.values() if f is not best)[:1]:
-            options.append((search.total(found), best, found, (_title(best), _title(found))))
+        for next_best in search.ranked(f for f in search.fits.values() if f is not best)[:1]:
+            options.append((search.total(next_best), best, next_best, (_title(best), _title(next_best))))
     if not options:
         return None
-    _, mine, other, names = ranked(options, lambda option: option[0], lambda option: search.order(option[2]))[
-        0
-    ]
-    return mine, other, names
+    closest = ranked(options, lambda option: option[0], lambda option: search.order(option[2]))[0]
+    return closest[1:]
 
 
-def _title(found: Fit) -> str:
+def _title(found: Fit[Cause]) -> str:
     return " + ".join(map(repr, found.members)) or "no cause at all"
 
 
-def _pool(data: MeasurementSet, seed: int) -> tuple[MeasurementSet, FloatArray]:
+def _pool(data: Trials, seed: int) -> tuple[Trials, FloatArray]:
     """Trials to choose from: postures within the tested range, six loads, two approaches, all reflectors."""
     low, high = data.q.min(axis=0), data.q.max(axis=0)
     middle, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, 0.5)
@@ -197,8 +196,13 @@ def _pool(data: MeasurementSet, seed: int) -> tuple[MeasurementSet, FloatArray]:
     wrench[:, :3] = np.einsum("ij,nkj,nk->ni", to_sensor, axes.transpose(0, 2, 1), force * _LOADS[grid[:, 1]])
     names = np.array(list(reflectors))
     n = len(grid)
-    return replace(
-        data,
+    return Trials(
+        robot=data.robot,
+        dh=data.dh,
+        joint_stiffness=data.joint_stiffness,
+        noise=data.noise,
+        wrench_frame_rotation=data.wrench_frame_rotation,
+        load_point=data.load_point,
         reflectors=reflectors,
         trial=np.arange(1, n + 1),
         time=np.full(n, float(np.median(data.time))),
@@ -212,7 +216,7 @@ def _pool(data: MeasurementSet, seed: int) -> tuple[MeasurementSet, FloatArray]:
     ), grid[:, 1]
 
 
-def _rows(pool: MeasurementSet, rows: list[int]) -> MeasurementSet:
+def _rows(pool: Trials, rows: list[int]) -> Trials:
     index = np.array(rows, dtype=int)
     per_trial = (
         "trial",
@@ -228,8 +232,8 @@ def _rows(pool: MeasurementSet, rows: list[int]) -> MeasurementSet:
     return replace(pool, **{name: getattr(pool, name)[index] for name in per_trial})
 
 
-def _predict(pool: MeasurementSet, found: Fit) -> _Forecast:
-    problem = Problem(pool)
+def _predict(pool: Trials, found: Fit[Cause]) -> _Forecast:
+    problem = LoadingProblem(pool)
     # Patterns are tied to the times and angles of the measured trials: leave them out of a forecast.
     members = tuple(cause for cause in found.members if cause.named)
     theta = np.concatenate([np.zeros(0)] + [found.theta[found.part(cause)] for cause in members])

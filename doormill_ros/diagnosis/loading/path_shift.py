@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
+from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
 from doormill_ros.errors import DoormillError
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
@@ -37,7 +37,7 @@ class PathShift:
     sentence: str
 
 
-def path_shift(diagnosis: Diagnosis) -> PathShift | None:
+def path_shift(diagnosis: LoadingDiagnosis) -> PathShift | None:
     """Send both models through the path generator; None where no cause acts in the robot."""
     causes = [SizedCause(f.cause, f.values) for f in diagnosis.findings if f.cause.of_robot]
     if not causes:
@@ -52,7 +52,8 @@ def path_shift(diagnosis: Diagnosis) -> PathShift | None:
     before = {target.name: target.T_base_tool_corrected[:3, 3] for target in springs.targets}
     largest: dict[str, float] = {}
     for motion in extended.motions:
-        for index in {motion.target, motion.via} - {None} if motion.cutting else ():
+        used = {i for i in (motion.target, motion.via) if i is not None} if motion.cutting else set()
+        for index in used:
             target = extended.targets[index]
             if target.name in before:
                 away = float(np.linalg.norm(target.T_base_tool_corrected[:3, 3] - before[target.name]))
@@ -66,7 +67,7 @@ def path_shift(diagnosis: Diagnosis) -> PathShift | None:
     )
 
 
-def choices(diagnosis: Diagnosis) -> dict[str, list[SizedCause]]:
+def choices(diagnosis: LoadingDiagnosis) -> dict[str, list[SizedCause]]:
     """What acts in the robot with every way in which the findings may be read, by the words for it; ours first."""
     case = diagnosis.problem.case
     named = [finding.cause for finding in diagnosis.findings]
@@ -117,7 +118,7 @@ def paths_apart(
     return worst, apart
 
 
-def doubt(diagnosis: Diagnosis) -> str:
+def doubt(diagnosis: LoadingDiagnosis) -> str:
     """Why the path gets no extended model, in a sentence; empty where all readings send the tool the same way."""
     data = diagnosis.problem.data
     (one, two), apart = paths_apart(data.robot, data.dh, data.joint_stiffness, choices(diagnosis))

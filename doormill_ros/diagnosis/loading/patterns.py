@@ -7,12 +7,17 @@ blamed for an effect that merely resembles it.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import Cause, LinearTwist
+from doormill_ros.robot_model.candidate import Candidate
+from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+#: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
+_VARYING = ("ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming", "yielding")
 
 
 class Pattern(LinearTwist):
@@ -38,6 +43,15 @@ class Pattern(LinearTwist):
         """What it is."""
         return f"{self.name.replace('_', ' ')} of {self.where}"
 
+    def spoils(self, other: Candidate[Any]) -> bool:
+        """Where this one lets the same spring vary."""
+        if not any(word in self.name for word in _VARYING):
+            return False
+        if self.where == other.where:
+            return True
+        everywhere = other.name in ("wrench_gain", "tracker_scale")
+        return everywhere or (self.where == "cell" and other.name.startswith("joint_"))
+
     def unit(self, case: LoadCase) -> FloatArray:
         """The pattern."""
         return self._unit(case)
@@ -47,35 +61,37 @@ class Pattern(LinearTwist):
         return np.array(theta)
 
 
-#: Patterns that let a spring vary; a constant cause beside one of them is only its mean value.
-_VARYING = ("ripple", "square_law", "cubic_law", "one_sided", "dead_zone", "ageing", "warming", "yielding")
+#: Least amplitude of a pattern that may have either sign.
+_ANY = -1e6
+#: What a pattern makes of joint k, 0 ... 5.
+Law = Callable[[LoadCase, int], list[FloatArray]]
 
 
-def spoils(pattern: Cause, cause: Cause) -> bool:
-    """Whether a pattern in the same model makes a cause unbelievable: both shape the same spring."""
-    if not any(word in pattern.name for word in _VARYING):
-        return False
-    if pattern.where == cause.where:
-        return True
-    everywhere = cause.name in ("wrench_gain", "tracker_scale")
-    return everywhere or (pattern.where == "cell" and cause.name.startswith("joint_"))
-
-
-def _joint(k: int, law: Callable[[LoadCase], list[FloatArray]]) -> Callable[[LoadCase], FloatArray]:
+def _joint(k: int, law: Law) -> Callable[[LoadCase], FloatArray]:
     """Angles of joint k, each shape (n,), as twists of the points."""
-    return lambda case: np.stack([a[:, None] * case.joint_twist(k) for a in law(case)], axis=2)
+
+    def twists(case: LoadCase) -> FloatArray:
+        return np.stack([angle[:, None] * case.joint_twist(k) for angle in law(case, k)], axis=2)
+
+    return twists
+
+
+def _at(k: int, unit: Callable[[LoadCase, int], FloatArray]) -> Callable[[LoadCase], FloatArray]:
+    return lambda case: unit(case, k)
 
 
 def _springs(case: LoadCase, k: int) -> FloatArray:
-    return case.torque[:, k] / case.joint_stiffness[k]
+    result: FloatArray = case.torque[:, k] / case.joint_stiffness[k]
+    return result
 
 
 def _share(case: LoadCase, k: int) -> FloatArray:
-    return np.abs(case.torque[:, k]) / max(case.largest_torque[k], 1e-9)
+    result: FloatArray = np.abs(case.torque[:, k]) / max(case.largest_torque[k], 1e-9)
+    return result
 
 
 def _full(case: LoadCase, k: int) -> float:
-    return max(case.largest_torque[k], 1e-9) / case.joint_stiffness[k]
+    return float(max(case.largest_torque[k], 1e-9) / case.joint_stiffness[k])
 
 
 def _shift(vectors: list[FloatArray], case: LoadCase, first_link: int) -> FloatArray:
@@ -100,54 +116,32 @@ def unnamed_patterns(
     long = np.zeros_like(dt) if np.ptp(dt) == 0.0 else (dt - dt.mean()) / np.ptp(dt)
     warm = np.where(np.isfinite(temperature), temperature, np.nan)
     warm = np.nan_to_num(warm - np.nanmean(warm)) if np.isfinite(warm).any() else np.zeros_like(time)
+    # Name, numbers, law and least amplitude; a spring that stiffens with the torque has a name, one that softens none.
+    laws: tuple[tuple[str, int, Law, float], ...] = (
+        ("joint_ripple", 2, lambda c, k: [f(q[:, k]) * _springs(c, k) for f in (np.sin, np.cos)], _ANY),
+        (
+            "joint_double_ripple",
+            2,
+            lambda c, k: [f(2 * q[:, k]) * _springs(c, k) for f in (np.sin, np.cos)],
+            _ANY,
+        ),
+        ("joint_one_sided_spring", 1, lambda c, k: [np.abs(_springs(c, k))], _ANY),
+        ("joint_square_law", 1, lambda c, k: [_springs(c, k) * _share(c, k)], 0.0),
+        ("joint_cubic_law", 1, lambda c, k: [_springs(c, k) * _share(c, k) ** 2], 0.0),
+        ("joint_dead_zone", 1, lambda c, k: [np.sign(c.torque[:, k]) * _full(c, k)], _ANY),
+        ("joint_direction_shift", 1, lambda c, k: [c.direction[:, k] * _full(c, k)], _ANY),
+        ("joint_ageing", 1, lambda c, k: [_springs(c, k) * late], _ANY),
+        ("joint_yielding", 1, lambda c, k: [_springs(c, k) * long], _ANY),
+        ("joint_creep", 1, lambda c, k: [late * _full(c, k)], _ANY),
+        ("joint_warming", 1, lambda c, k: [_springs(c, k) * warm], _ANY),
+    )
     found = []
     for k in range(6):
         where = f"joint {k + 1}"
+        found += [Pattern(name, where, size, _joint(k, law), lowest) for name, size, law, lowest in laws]
         found += [
-            Pattern(
-                "joint_ripple",
-                where,
-                2,
-                _joint(
-                    k, lambda c, k=k: [np.sin(q[:, k]) * _springs(c, k), np.cos(q[:, k]) * _springs(c, k)]
-                ),
-            ),
-            Pattern(
-                "joint_double_ripple",
-                where,
-                2,
-                _joint(
-                    k,
-                    lambda c, k=k: [
-                        np.sin(2 * q[:, k]) * _springs(c, k),
-                        np.cos(2 * q[:, k]) * _springs(c, k),
-                    ],
-                ),
-            ),
-            Pattern("joint_one_sided_spring", where, 1, _joint(k, lambda c, k=k: [np.abs(_springs(c, k))])),
-            # A spring that stiffens with the torque has a name; one that softens has none.
-            Pattern(
-                "joint_square_law", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * _share(c, k)]), 0.0
-            ),
-            Pattern(
-                "joint_cubic_law",
-                where,
-                1,
-                _joint(k, lambda c, k=k: [_springs(c, k) * _share(c, k) ** 2]),
-                0.0,
-            ),
-            Pattern(
-                "joint_dead_zone", where, 1, _joint(k, lambda c, k=k: [np.sign(c.torque[:, k]) * _full(c, k)])
-            ),
-            Pattern(
-                "joint_direction_shift", where, 1, _joint(k, lambda c, k=k: [c.direction[:, k] * _full(c, k)])
-            ),
-            Pattern("joint_ageing", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * late])),
-            Pattern("joint_yielding", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * long])),
-            Pattern("joint_creep", where, 1, _joint(k, lambda c, k=k: [late * _full(c, k)])),
-            Pattern("joint_warming", where, 1, _joint(k, lambda c, k=k: [_springs(c, k) * warm])),
-            Pattern("link_torsion", f"link {k + 1}", 1, lambda c, k=k: _torsion(c, k)),
-            Pattern("bearing_shift", where, 1, lambda c, k=k: _shift([1e-7 * c.force], c, k + 1)),
+            Pattern("link_torsion", f"link {k + 1}", 1, _at(k, _torsion)),
+            Pattern("bearing_shift", where, 1, _at(k, lambda c, k: _shift([1e-7 * c.force], c, k + 1))),
         ]
     found += [
         Pattern("base_shift", "base", 1, lambda c: _shift([1e-7 * c.force], c, 0)),

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
-from doormill_ros.diagnosis.loading.finding import Finding, rmse
-from doormill_ros.diagnosis.loading.fit import Fit
-from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.diagnosis.core.finding import Finding
+from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.verdict import rmse
+from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
+from doormill_ros.diagnosis.loading.problem import LoadingProblem
 from doormill_ros.diagnosis.wording import MICRO, spoken
 from doormill_ros.pages.charts import BLUE, DARK, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
 from doormill_ros.robot_model.elastic.causes.cause import Cause
@@ -17,14 +18,14 @@ UM = 1e6  #: micrometres in a metre
 MOST = 16  #: rows of a chart by group
 
 
-def stages(diagnosis: Diagnosis) -> list[tuple[str, str, Fit]]:
+def stages(diagnosis: LoadingDiagnosis) -> list[tuple[str, str, Fit[Cause]]]:
     """Name, colour and model of what is shown side by side: before, and after where something was found."""
     if not diagnosis.findings:
         return [("", RED, diagnosis.baseline)]
     return [("before", RED, diagnosis.baseline), ("after", BLUE, diagnosis.extended)]
 
 
-def before_and_after(diagnosis: Diagnosis) -> list[str]:
+def before_and_after(diagnosis: LoadingDiagnosis) -> list[str]:
     """Measured against simulated displacement, and what is left over on one scale, before and after."""
     kept, noise = diagnosis.kept, UM * diagnosis.problem.noise_floor
     measured = diagnosis.problem.data.displacement[kept]
@@ -59,7 +60,7 @@ def before_and_after(diagnosis: Diagnosis) -> list[str]:
     return [*rows[0], *rows[1]]
 
 
-def residual_by_joint(diagnosis: Diagnosis) -> list[str]:
+def residual_by_joint(diagnosis: LoadingDiagnosis) -> list[str]:
     """Residual along the motion of every joint over its torque, before and after, all on one scale."""
     problem, kept = diagnosis.problem, diagnosis.kept
     drawn = []
@@ -100,7 +101,7 @@ def angle(residual: FloatArray, lever: FloatArray, size: FloatArray) -> FloatArr
     return turn
 
 
-def residual_by_circumstance(diagnosis: Diagnosis) -> list[str]:
+def residual_by_circumstance(diagnosis: LoadingDiagnosis) -> list[str]:
     """Residual over load, time between measurements and time of day, before and after."""
     problem, kept = diagnosis.problem, diagnosis.kept
     data = problem.data
@@ -121,7 +122,7 @@ def residual_by_circumstance(diagnosis: Diagnosis) -> list[str]:
     return charts
 
 
-def residual_by_group(diagnosis: Diagnosis) -> list[str]:
+def residual_by_group(diagnosis: LoadingDiagnosis) -> list[str]:
     """Root mean square residual by direction of the load, reflector and posture, before and after."""
     problem, data = diagnosis.problem, diagnosis.problem.data
     force = problem.case.force
@@ -153,7 +154,7 @@ def residual_by_group(diagnosis: Diagnosis) -> list[str]:
     return charts
 
 
-def pattern_of(diagnosis: Diagnosis, finding: Finding) -> str:
+def pattern_of(diagnosis: LoadingDiagnosis, finding: Finding[Cause]) -> str:
     """What gave a cause away: the residual without it, against what drives it."""
     problem, kept, cause = diagnosis.problem, diagnosis.kept, finding.cause
     effect = _effect(diagnosis.problem, diagnosis.extended, cause)
@@ -175,7 +176,7 @@ def pattern_of(diagnosis: Diagnosis, finding: Finding) -> str:
     return _against_prediction(f"{spoken(cause)}: ", residual[kept], effect[kept])
 
 
-def patterns_without_a_name(diagnosis: Diagnosis) -> list[str]:
+def patterns_without_a_name(diagnosis: LoadingDiagnosis) -> list[str]:
     """The same for the shapes in the best model that belong to no cause."""
     best, kept = diagnosis.best, diagnosis.kept
     charts = []
@@ -189,7 +190,7 @@ def patterns_without_a_name(diagnosis: Diagnosis) -> list[str]:
     return charts
 
 
-def _over_torque(diagnosis: Diagnosis, cause: Cause, residual: FloatArray, effect: FloatArray) -> str:
+def _over_torque(diagnosis: LoadingDiagnosis, cause: Cause, residual: FloatArray, effect: FloatArray) -> str:
     """Joint angle over torque, one colour for each side from which the joint came."""
     problem = diagnosis.problem
     k = int(cause.where[-1]) - 1
@@ -226,7 +227,7 @@ def _against_prediction(title: str, residual: FloatArray, effect: FloatArray, co
     )
 
 
-def _effect(problem: Problem, found: Fit, cause: Cause) -> FloatArray:
+def _effect(problem: LoadingProblem, found: Fit[Cause], cause: Cause) -> FloatArray:
     """Displacement that a cause adds to a model, shape (n, 3) [m]."""
     theta = found.theta.copy()
     theta[found.part(cause)] = 0.0

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from typing import Self
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.diagnosis.core.problem import Prediction, make_folds, split
 from doormill_ros.diagnosis.loading.hidden_states import (
     HiddenEffect,
     hidden_effect,
@@ -15,34 +16,19 @@ from doormill_ros.diagnosis.loading.hidden_states import (
     total,
     undecided,
 )
-from doormill_ros.measurements.measurement_set import MeasurementSet
+from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
+from doormill_ros.diagnosis.loading.suspicion import halves, turning
+from doormill_ros.measurements.trials import Trials
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup
+from doormill_ros.robot_model.elastic.causes.registry import candidates
 from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
 
-FOLDS = 10  #: at most; a fold is one or several whole configurations
+#: Difference between first-order and finite joint angles, in noise floors, from which both are tried.
+CURVED = 0.3
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
-    """What a model says about every trial.
-
-    Attributes:
-        residual: Measured minus predicted, shape (n, 3) [m].
-        white: The same in standard deviations, shape (n, 3).
-        cost: -2 log likelihood of each trial (squared distance when nothing is hidden), shape (n,).
-        jacobian: Derivative of the whitened prediction by theta, shape (n, 3, p), or None.
-        spread: Whitened pseudo-rows for undecided hidden states, shape (n, 3), and their derivative.
-    """
-
-    residual: FloatArray
-    white: FloatArray
-    cost: FloatArray
-    jacobian: FloatArray | None = None
-    spread: tuple[FloatArray, FloatArray] | None = None
-
-
-class Problem:
+class LoadingProblem:
     """Predicts the trials of one set from any list of causes.
 
     Attributes:
@@ -56,10 +42,11 @@ class Problem:
 
     def __init__(
         self,
-        data: MeasurementSet,
+        data: Trials,
         finite: bool = False,
         sight: FloatArray | None = None,
-        groups: FloatArray | None = None,
+        groups: IntArray | None = None,
+        allowed: Callable[[Cause], bool] = lambda cause: True,
     ) -> None:
         """Compute geometry and the noise of every trial.
 
@@ -69,8 +56,9 @@ class Problem:
             sight: Unit vectors along which alone displacement was measured, shape (n, 3); None for all
                 three components.
             groups: What is left out together, shape (n,); None for configurations.
+            allowed: Which causes of the library can act in these trials.
         """
-        self.data, self.finite, self.sight = data, finite, sight
+        self.data, self.finite, self.sight, self.allowed = data, finite, sight, allowed
         self.components = 3 if sight is None else 1
         self.kinematics = Kinematics(data.dh)
         self._position, self._link = data.reflector_position, data.reflector_link
@@ -90,6 +78,35 @@ class Problem:
 
     def __len__(self) -> int:
         return len(self.data)
+
+    def candidates(self) -> list[Cause]:
+        """Every cause at every place where it can act, and the patterns without a name."""
+        data = self.data
+        library = candidates(dict.fromkeys(data.reflector.tolist()))
+        patterns = unnamed_patterns(data.q, data.time, data.temperature, data.dt)
+        return [*(cause for cause in library if self.allowed(cause)), *patterns]
+
+    def bent(self) -> Self | None:
+        """The same with finite joint angles, where these differ from first order by more than the noise."""
+        if np.sqrt(np.mean(self.curvature**2)) <= CURVED * self.noise_floor:
+            return None
+        return type(self)(self.data, True, self.sight, self.configuration, self.allowed)
+
+    def cuts(self) -> dict[str, BoolArray]:
+        """Small and large loads, early and late, each joint's angle and torque, each reflector."""
+        return halves(self.data, self.case)
+
+    def groupings(self) -> Sequence[IntArray]:
+        """Configurations and reflectors."""
+        return self.configuration, np.unique(self.data.reflector, return_inverse=True)[1]
+
+    def turning(self, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:
+        """The joint that some trials point along most, and the chance of that; none along one line of sight."""
+        return turning(self.case, self.whiten, residual, gross) if self.components == 3 else ("", 1.0)
+
+    def labels(self) -> IntArray:
+        """Trial numbers."""
+        return self.data.trial
 
     def _build(self, setup: Setup, largest_torque: FloatArray | None) -> LoadCase:
         data, position = self.data, self._position
@@ -131,8 +148,8 @@ class Problem:
     def measured_part(self, white: FloatArray) -> FloatArray:
         """Residual in metres, shape (n, 3), of a whitened one; along the sight where there is one."""
         if self.sight is None:
-            return np.linalg.solve(self.whiten, white[:, :, None])[:, :, 0]
-        size = white[:, 0] / np.linalg.norm(self.whiten[:, 0], axis=1)
+            return np.asarray(np.linalg.solve(self.whiten, white[:, :, None])[:, :, 0], dtype=float)
+        size: FloatArray = white[:, 0] / np.linalg.norm(self.whiten[:, 0], axis=1)
         return size[:, None] * self.sight
 
     def case_of(self, members: Sequence[Cause], theta: FloatArray) -> LoadCase:
@@ -199,7 +216,7 @@ class Problem:
         """Whitened derivative of the prediction by one cause alone, shape (n, 3, p)."""
         if cause.stage == "robot" and cause.hidden_state(self.case) is None:
             return self.whiten @ cause.derivative(self.case, theta)[:, :3]
-        return self.predict([cause], theta, derivative=True).jacobian
+        return self.predict([cause], theta, derivative=True).derived
 
     def _derivative(
         self,
@@ -275,30 +292,7 @@ class Problem:
         return np.stack(slopes, axis=2)
 
 
-def split(members: Sequence[Cause], theta: FloatArray) -> list[tuple[Cause, FloatArray]]:
-    """Each cause with its part of theta."""
-    parts, at = [], 0
-    for cause in members:
-        parts.append((cause, theta[at : at + cause.size]))
-        at += cause.size
-    return parts
-
-
 def _trackers(members: Sequence[Cause], theta: FloatArray) -> list[tuple[Cause, FloatArray]]:
     """Causes in the tracker, in the order in which they act: a drift is added to what is reported."""
     found = [(cause, part) for cause, part in split(members, theta) if cause.stage == "tracker"]
     return sorted(found, key=lambda pair: pair[0].name == "thermal_drift")
-
-
-def make_folds(configuration: FloatArray, folds: int = FOLDS) -> FloatArray:
-    """Deal whole configurations to folds of similar size, shape (n,); lone trials when there is one only."""
-    numbers, counts = np.unique(configuration, return_counts=True)
-    if len(numbers) == 1:
-        return np.arange(len(configuration)) % min(folds, len(configuration))
-    load = np.zeros(min(folds, len(numbers)), dtype=int)
-    fold_of = {}
-    for i in np.argsort(-counts, kind="stable"):
-        fold = int(np.argmin(load))
-        fold_of[numbers[i]] = fold
-        load[fold] += counts[i]
-    return np.array([fold_of[c] for c in configuration])

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.diagnosis.core.document import parameters_of
+from doormill_ros.diagnosis.core.margin import margins_table
 from doormill_ros.diagnosis.loading import pictures
 from doormill_ros.diagnosis.loading.candidates import candidates_table
-from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
-from doormill_ros.diagnosis.loading.document import parameters_of
+from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
 from doormill_ros.diagnosis.loading.next_measurement import DECIDED, NextMeasurement
 from doormill_ros.diagnosis.loading.path_shift import PathShift
-from doormill_ros.diagnosis.margin import margins_table
 from doormill_ros.diagnosis.wording import (
     micrometres,
     spoken,
@@ -26,7 +26,7 @@ from doormill_ros.units import m_to_mm, rad_to_deg
 
 
 def render_report(
-    diagnosis: Diagnosis,
+    diagnosis: LoadingDiagnosis,
     plan: NextMeasurement,
     checks: Sequence[dict[str, Any]] = (),
     shift: PathShift | None = None,
@@ -80,7 +80,7 @@ def render_report(
     return render(Page(headline(diagnosis), sections, lead))
 
 
-def headline(diagnosis: Diagnosis) -> str:
+def headline(diagnosis: LoadingDiagnosis) -> str:
     """The verdict in one line."""
     names = spoken_findings([(finding.cause, *finding.tied) for finding in diagnosis.findings])
     before, after = map(micrometres, diagnosis.holdout_rmse)
@@ -93,7 +93,7 @@ def headline(diagnosis: Diagnosis) -> str:
     return f"{word}: {names} ({before} down to {after}, noise {floor})"
 
 
-def _tiles(diagnosis: Diagnosis) -> Tiles:
+def _tiles(diagnosis: LoadingDiagnosis) -> Tiles:
     low, high = diagnosis.ratio_ci
     before, after = map(micrometres, diagnosis.holdout_rmse)
     entries = [
@@ -113,7 +113,7 @@ def _tiles(diagnosis: Diagnosis) -> Tiles:
     return Tiles(entries)
 
 
-def _patterns(diagnosis: Diagnosis) -> list[Block]:
+def _patterns(diagnosis: LoadingDiagnosis) -> list[Block]:
     blocks: list[Block] = []
     for finding in diagnosis.findings:
         blocks.append(Text([f"{finding.cause.pattern().capitalize()}."]))
@@ -121,7 +121,7 @@ def _patterns(diagnosis: Diagnosis) -> list[Block]:
     return blocks
 
 
-def _causes(diagnosis: Diagnosis) -> list[Block]:
+def _causes(diagnosis: LoadingDiagnosis) -> list[Block]:
     rows = []
     for finding in diagnosis.findings:
         for name, entry in parameters_of(finding).items():
@@ -150,7 +150,7 @@ def _part(shift: PathShift | None) -> list[Block]:
     return [Text([shift.sentence]), *table]
 
 
-def _confusable(diagnosis: Diagnosis) -> list[Block]:
+def _confusable(diagnosis: LoadingDiagnosis) -> list[Block]:
     rows = [
         [
             spoken(finding.cause),

@@ -9,20 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.loading.diagnosis import Diagnosis, diagnose_set
-from doormill_ros.diagnosis.loading.document import (
-    diagnosis_document,
-    extended_model_document,
-    write_diagnosis,
-)
-from doormill_ros.diagnosis.loading.finding import rmse
-from doormill_ros.diagnosis.loading.margins import margins
+from doormill_ros.diagnosis.core.document import diagnosis_document, write_diagnosis
+from doormill_ros.diagnosis.core.margins import margins
+from doormill_ros.diagnosis.core.verdict import rmse, spoken_verdict
+from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis, diagnose_set
 from doormill_ros.diagnosis.loading.next_measurement import NextMeasurement, plan_next
 from doormill_ros.diagnosis.loading.path_shift import doubt, path_shift
-from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.diagnosis.loading.problem import LoadingProblem
 from doormill_ros.diagnosis.loading.report import render_report
 from doormill_ros.measurements.join_sets import check_same_model, join_sets
 from doormill_ros.measurements.measurement_set import MeasurementSet, read_measurement_set
+from doormill_ros.robot_model.extended_model import SizedCause, model_document
 
 
 def run_measurement_sets(
@@ -60,25 +57,36 @@ def run_measurement_sets(
     more["margins"] = [margin.document() for margin in margins(diagnosis)]
     document = diagnosis_document(diagnosis, plan.sentence, **more)
     page = render_report(diagnosis, plan, checked, shift, more["margins"])
-    write_diagnosis(out, document, extended_model_document(diagnosis, unchanged), page)
+    write_diagnosis(out, document, extended_model_document(diagnosis, joined.path.name, unchanged), page)
     return verdict_line(diagnosis)
 
 
-def verdict_line(diagnosis: Diagnosis) -> str:
+def extended_model_document(diagnosis: LoadingDiagnosis, source: str, unchanged: str = "") -> dict[str, Any]:
+    """The content of model.yaml; without any cause where there is a reason for that."""
+    data = diagnosis.problem.data
+    return model_document(
+        data.robot,
+        data.joint_stiffness,
+        [] if unchanged else [SizedCause(finding.cause, finding.values) for finding in diagnosis.findings],
+        f"diagnosis of {source}, verdict {diagnosis.verdict}",
+        unchanged,
+    )
+
+
+def verdict_line(diagnosis: LoadingDiagnosis) -> str:
     """The verdict and what it rests on, in one line."""
-    names = " and ".join(" or ".join(map(repr, (f.cause, *f.tied))) for f in diagnosis.findings)
-    before, after = (1e6 * value for value in diagnosis.holdout_rmse)
-    floor = 1e6 * diagnosis.problem.noise_floor
-    if diagnosis.verdict == "consistent":
-        return f"consistent: the residual of {before:.1f} um is the measurement noise ({floor:.1f} um)"
-    if diagnosis.verdict == "unexplained":
-        return f"unexplained: {before:.1f} um against {floor:.1f} um of noise, and no known cause earns its place"
-    return f"{diagnosis.verdict}: {names}; held-out residual {before:.1f} -> {after:.1f} um, noise {floor:.1f} um"
+    return spoken_verdict(
+        diagnosis.verdict,
+        " and ".join(" or ".join(map(repr, (f.cause, *f.tied))) for f in diagnosis.findings),
+        [f"{1e6 * value:.1f}" for value in (*diagnosis.holdout_rmse, diagnosis.problem.noise_floor)],
+        "residual",
+        "residual",
+    )
 
 
-def check_set(diagnosis: Diagnosis, other: MeasurementSet) -> dict[str, Any]:
+def check_set(diagnosis: LoadingDiagnosis, other: MeasurementSet) -> dict[str, Any]:
     """Predict a set that no fit has seen."""
-    problem = Problem(other)
+    problem = LoadingProblem(other)
     members, theta = diagnosis.extended.members, diagnosis.extended.theta
     everything = np.ones(len(other), dtype=bool)
     return {

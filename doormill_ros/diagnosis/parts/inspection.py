@@ -8,16 +8,16 @@ known; the difference is one component of the robot's displacement under the loa
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.diagnosis import Diagnosis, diagnose_problem
-from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
+from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
+from doormill_ros.diagnosis.loading.problem import LoadingProblem
 from doormill_ros.frames import rotate_wrench
-from doormill_ros.measurements.measurement_set import MeasurementSet, Noise, Reflector
+from doormill_ros.measurements.trials import Noise, Reflector, Trials
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.causes.cause import Cause
@@ -107,7 +107,7 @@ def diagnose_part(
     robot: Robot,
     T_flange_tool: FloatArray,
     accuracy: float,
-) -> Diagnosis:
+) -> LoadingDiagnosis:
     """Question the joint springs of a robot by what it milled.
 
     Args:
@@ -123,8 +123,7 @@ def diagnose_part(
     tip, n = np.asarray(T_flange_tool)[:3, 3], len(joined["q"])
     along = joined["deviation"] - joined["sent"]
     R_flange_base = np.swapaxes(Kinematics(robot).forward(joined["q"])[:, :3, :3], 1, 2)
-    data = MeasurementSet(
-        path=Path("part"),
+    data = Trials(
         robot=robot.name,
         dh=np.array(robot.dh),
         joint_stiffness=np.array(robot.stiffness),
@@ -142,15 +141,16 @@ def diagnose_part(
         reflector=np.full(n, "tool"),
         displacement=along[:, None] * joined["normal"],
     )
-    problem = Problem(data, sight=joined["normal"], groups=_stretches(contours))
-    return diagnose_problem(problem, allowed=_can_act)
+    return diagnose_problem(
+        LoadingProblem(data, sight=joined["normal"], groups=_stretches(contours), allowed=_can_act)
+    )
 
 
 def _can_act(cause: Cause) -> bool:
     return cause.stage not in _ABSENT
 
 
-def _stretches(contours: list[InspectedContour]) -> FloatArray:
+def _stretches(contours: list[InspectedContour]) -> IntArray:
     """Number of the stretch of every point: neighbours know too much of each other."""
     groups, start = [], 0
     for contour in contours:

@@ -13,8 +13,8 @@ import yaml
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.diagnosis.loading.document import diagnosis_document, extended_model_document
-from doormill_ros.diagnosis.loading.run import verdict_line
+from doormill_ros.diagnosis.core.document import diagnosis_document
+from doormill_ros.diagnosis.loading.run import extended_model_document, verdict_line
 from doormill_ros.diagnosis.parts.inspection import InspectedContour, diagnose_part, match_contour
 from doormill_ros.files import write_atomically
 from doormill_ros.frames import apply, inverse
@@ -83,7 +83,9 @@ def run_inspections(folder: Path, out: Path, progress: Callable[[str], None] = l
     diagnosis = diagnose_part(contours, load_robot(layout.robot), layout.T_flange_tool, noise)
     out.mkdir(parents=True, exist_ok=True)
     document = diagnosis_document(diagnosis, NEXT, **_facts(inspections, contours))
-    write_atomically(out / "model.yaml", yaml.safe_dump(extended_model_document(diagnosis), sort_keys=False))
+    write_atomically(
+        out / "model.yaml", yaml.safe_dump(extended_model_document(diagnosis, "part"), sort_keys=False)
+    )
     write_atomically(out / "diagnosis.json", json.dumps(document, indent=2, allow_nan=False) + "\n")
     return verdict_line(diagnosis)
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.diagnosis.core import verdict
 from doormill_ros.diagnosis.pose.fit import Fitted, deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.orders import find_orders
 from doormill_ros.diagnosis.pose.selection import REAL, Score, eliminate, explained_cost, scores
@@ -15,7 +16,8 @@ from doormill_ros.diagnosis.pose.solve import add_up
 from doormill_ros.diagnosis.pose.validation import Validation, by_block
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.pose_set import PoseSet
-from doormill_ros.robot_model.pose.causes.cause import PoseCause, number
+from doormill_ros.robot_model.candidate import number
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orders
 from doormill_ros.robot_model.pose.causes.registry import candidates
@@ -67,7 +69,7 @@ class PoseDiagnosis:
     established: list[Score]
     rejected: list[Score]
     std: FloatArray
-    gross: list[FloatArray]
+    gross: list[BoolArray]
     before: Errors
     after: Errors
     ratio: float
@@ -119,10 +121,8 @@ def diagnose_poses(
     gross = [weight == 0.0 for weight in extended.problem.weights]
     floor = float(np.sqrt(3.0) * max(data.noise[0] for data in sets))
     kept = [~bad for bad in gross]
-    verdict = _verdict(
-        rmse(before.blocks, kept), rmse(after.blocks, kept), floor, extended, before, bool(stay)
-    )
-    if verdict in ("unexplained", "consistent"):
+    word = _verdict(rmse(before.blocks, kept), rmse(after.blocks, kept), floor, extended, before, bool(stay))
+    if word in (verdict.UNEXPLAINED, verdict.CONSISTENT):
         gone, stay = stay + gone, []
         extended, after = baseline, before
         gross = [
@@ -133,7 +133,7 @@ def diagnose_poses(
     ratio, interval = _gain(before.blocks, after.blocks, kept)
     return PoseDiagnosis(
         sets=tuple(sets),
-        verdict=verdict,
+        verdict=word,
         noise_floor=floor,
         extended=extended,
         baseline=baseline,
@@ -188,13 +188,10 @@ def _errors(fitted: Fitted, validation: Validation) -> Errors:
     )
 
 
-def rmse(errors: Sequence[FloatArray], kept: Sequence[FloatArray], rotation: bool = False) -> float:
+def rmse(errors: Sequence[FloatArray], kept: Sequence[BoolArray], rotation: bool = False) -> float:
     """Root mean square length of the position [m] or rotation [rad] error over the rows that count."""
     part = slice(3, 6) if rotation else slice(0, 3)
-    squares = np.concatenate(
-        [np.sum(error[good, part] ** 2, axis=1) for error, good in zip(errors, kept, strict=True)]
-    )
-    return float(np.sqrt(np.mean(squares))) if len(squares) else 0.0
+    return verdict.rmse(np.concatenate(errors)[:, part], np.concatenate(kept), 1)
 
 
 def _verdict(
@@ -202,15 +199,15 @@ def _verdict(
 ) -> str:
     lasting = any(cause.name for cause in fitted.problem.layout.causes) and found
     if not lasting:
-        return "consistent" if baseline <= AT_NOISE * floor else "unexplained"
+        return verdict.CONSISTENT if baseline <= AT_NOISE * floor else verdict.UNEXPLAINED
     if extended <= AT_NOISE * floor:
-        return "explained"
+        return verdict.EXPLAINED
     share = (baseline**2 - extended**2) / max(baseline**2 - floor**2, 1e-18)
-    return "partly_explained" if share > MAIN_PART else "unexplained"
+    return verdict.PARTLY_EXPLAINED if share > MAIN_PART else verdict.UNEXPLAINED
 
 
 def _gain(
-    before: Sequence[FloatArray], after: Sequence[FloatArray], kept: Sequence[FloatArray]
+    before: Sequence[FloatArray], after: Sequence[FloatArray], kept: Sequence[BoolArray]
 ) -> tuple[float, tuple[float, float]]:
     """Ratio of held-out errors, its interval from drawing blocks."""
 
@@ -232,7 +229,8 @@ def standard_deviations(fitted: Fitted) -> FloatArray:
     shift = np.array(pull) @ solution.covariance
     scatter = np.sqrt(np.sum(shift**2, axis=0) * len(pull) / max(len(pull) - 1, 1))
     m = fitted.problem.layout.size
-    return np.maximum(np.sqrt(np.diag(solution.covariance)), scatter)[:m]
+    result: FloatArray = np.maximum(np.sqrt(np.diag(solution.covariance)), scatter)[:m]
+    return result
 
 
 def distinct_share(fitted: Fitted) -> FloatArray:
@@ -241,7 +239,8 @@ def distinct_share(fitted: Fitted) -> FloatArray:
     H, _ = add_up(fitted.blocks, size)
     P = H[m:, m:] + 1e-12 * np.diag(np.diag(H)[m:])
     explained = np.sum(H[:m, m:] * np.linalg.solve(P, H[m:, :m]).T, axis=1)
-    return 1.0 - explained / np.maximum(np.diag(H)[:m], 1e-300)
+    result: FloatArray = 1.0 - explained / np.maximum(np.diag(H)[:m], 1e-300)
+    return result
 
 
 def _model(fitted: Fitted) -> PoseModel:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.document import MODEL_FILE, SCHEMA
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.diagnosis.core.document import MODEL_FILE, SCHEMA
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, distinct_share, rmse
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
@@ -273,12 +273,12 @@ def coverage(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
 BINS = 72
 
 
-def bin_of(angle: FloatArray) -> FloatArray:
+def bin_of(angle: FloatArray) -> IntArray:
     """Bin of a turn in which an angle lies."""
     return (np.floor((angle + np.pi) * BINS / (2.0 * np.pi)).astype(int)) % BINS
 
 
-def covered(angle: FloatArray) -> FloatArray:
+def covered(angle: FloatArray) -> BoolArray:
     """Which bins of a turn hold at least five rows, shape (72,)."""
     return np.bincount(bin_of(angle), minlength=BINS) >= 5
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.pose.placement import fit_placement
 from doormill_ros.diagnosis.pose.problem import Block, Problem
 from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
@@ -41,7 +41,7 @@ class Fitted:
     blocks: list[Block]
 
 
-def contiguous(count: int) -> list[FloatArray]:
+def contiguous(count: int) -> list[IntArray]:
     """Rows of the contiguous blocks of a series."""
     return [part for part in np.array_split(np.arange(count), BLOCKS) if len(part)]
 
@@ -143,13 +143,14 @@ def noise_of(
 
 def deviation(error: FloatArray, sigma: tuple[float, float]) -> FloatArray:
     """Root mean square of the six components in standard deviations, shape (n,)."""
-    return np.sqrt(
+    result: FloatArray = np.sqrt(
         (
             np.sum(error[:, :3] ** 2, axis=1) / sigma[0] ** 2
             + np.sum(error[:, 3:] ** 2, axis=1) / sigma[1] ** 2
         )
         / 6.0
     )
+    return result
 
 
 def weigh(error: FloatArray, sigma: tuple[float, float]) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.diagnosis.margin import Margin
+from doormill_ros.diagnosis.core.margin import Margin
 from doormill_ros.diagnosis.pose.diagnosis import AT_NOISE, MAIN_PART, PoseDiagnosis, rmse
 from doormill_ros.diagnosis.pose.selection import SURE
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.ranking import first_largest
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.document import BINS, covered
-from doormill_ros.diagnosis.ranking import first_largest
 from doormill_ros.robot_model.pose.chain import derivatives, direction, frames
 from doormill_ros.robot_model.pose.layout import design, frame_twists
 from doormill_ros.robot_model.pose.model import view_of
@@ -102,7 +102,8 @@ def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> FloatArray:
     measured = np.concatenate(seen)
     out, reach = np.linalg.norm(target[:, :2], axis=1), np.linalg.norm(measured[:, :2], axis=1)
     good = (target[:, 2] > measured[:, 2].min()) & (out > reach.min()) & (out < reach.max())
-    return q[good][:POSSIBLE]
+    result: FloatArray = q[good][:POSSIBLE]
+    return result
 
 
 def effect_on_pose(diagnosis: PoseDiagnosis, q: FloatArray) -> FloatArray:

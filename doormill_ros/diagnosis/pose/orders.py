@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.diagnosis.core.ranking import ranks
 from doormill_ros.diagnosis.pose.fit import Fitted
-from doormill_ros.diagnosis.ranking import ranks
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
 
 #: Highest order that is looked for: twice the input turns of a 1:100 gear and the second wave of that.
@@ -18,7 +18,7 @@ FACTOR = 6.0
 _CHUNK = 2000
 
 
-def order_scores(fitted: Fitted, joint: int, orders: FloatArray) -> FloatArray:
+def order_scores(fitted: Fitted, joint: int, orders: IntArray) -> FloatArray:
     """Fall of the sum of squares when an order alone is added to a fit, shape (len(orders),)."""
     problem = fitted.problem
     scale = np.repeat(1.0 / np.array(problem.sigma), 3)

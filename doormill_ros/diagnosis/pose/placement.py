@@ -105,4 +105,5 @@ def fit_placement(
 
 def _nearest(matrix: FloatArray) -> FloatArray:
     U, _, V = np.linalg.svd(matrix)
-    return U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V
+    result: FloatArray = U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V
+    return result

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import (
@@ -40,8 +40,8 @@ class Block:
     """
 
     series: int
-    rows: FloatArray
-    ids: FloatArray
+    rows: IntArray
+    ids: IntArray
     H: FloatArray
     g: FloatArray
     c: float
@@ -81,11 +81,11 @@ class Problem:
         """All unknowns: causes, and a placement for every series."""
         return self.layout.size + PLACEMENT * len(self.sets)
 
-    def placement_ids(self, series: int) -> FloatArray:
+    def placement_ids(self, series: int) -> IntArray:
         """Indices of the placement of a series."""
         return self.layout.size + PLACEMENT * series + np.arange(PLACEMENT)
 
-    def frames(self, series: int, x: FloatArray | None = None, rows: FloatArray | None = None) -> FloatArray:
+    def frames(self, series: int, x: FloatArray | None = None, rows: IntArray | None = None) -> FloatArray:
         """Displaced frames of a series or some rows of it, shape (n, 7, 4, 4)."""
         x = self.x if x is None else x
         rows = np.arange(len(self.sets[series])) if rows is None else rows
@@ -98,7 +98,7 @@ class Problem:
         return residual(self.frames(series, x), self.placements[series], data.position, data.rotation)
 
     def blocks(
-        self, rows: Sequence[Sequence[FloatArray]], progress: Callable[[int], None] = lambda n: None
+        self, rows: Sequence[Sequence[IntArray]], progress: Callable[[int], None] = lambda n: None
     ) -> list[Block]:
         """Normal equations of blocks of rows, given for every series."""
         found = []
@@ -111,7 +111,7 @@ class Problem:
                 progress(len(part))
         return found
 
-    def _block(self, series: int, rows: FloatArray, T: FloatArray, error: FloatArray) -> Block:
+    def _block(self, series: int, rows: IntArray, T: FloatArray, error: FloatArray) -> Block:
         weight = self.share * self.weights[series][rows]
         scale = np.repeat(1.0 / np.array(self.sigma), 3) * np.sqrt(weight)[:, None]
         D = derivatives(T, self.placements[series]) * scale[:, None, :]

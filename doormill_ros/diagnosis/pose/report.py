@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.margin import margins_table
+from doormill_ros.diagnosis.core.margin import margins_table
 from doormill_ros.diagnosis.pose import pictures
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.wording import verdict_sentence

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.loading.document import write_diagnosis
+from doormill_ros.diagnosis.core.document import write_diagnosis
+from doormill_ros.diagnosis.core.verdict import spoken_verdict
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, check_together, diagnose_poses, rmse
 from doormill_ros.diagnosis.pose.document import BINS, bin_of, covered, pose_document
 from doormill_ros.diagnosis.pose.fit import deviation
@@ -58,20 +59,14 @@ def run_pose_sets(
 def verdict_line(diagnosis: PoseDiagnosis) -> str:
     """The verdict and what it rests on, in one line."""
     kept = [~bad for bad in diagnosis.gross]
-    before = 1e6 * rmse(diagnosis.before.blocks, kept)
-    after = 1e6 * rmse(diagnosis.after.blocks, kept)
-    floor = 1e6 * diagnosis.noise_floor
-    if diagnosis.verdict == "consistent":
-        return f"consistent: the position error of {before:.0f} um is the measurement noise ({floor:.0f} um)"
-    if diagnosis.verdict == "unexplained":
-        return f"unexplained: {before:.0f} um against {floor:.0f} um of noise, and no known cause earns its place"
+    before = rmse(diagnosis.before.blocks, kept)
+    after = rmse(diagnosis.after.blocks, kept)
     names: dict[str, list[str]] = {}
     for score in diagnosis.established:
         names.setdefault(score.cause.name.replace("_", " "), []).append(score.cause.where)
     listed = "; ".join(f"{name} ({', '.join(places)})" for name, places in names.items())
-    return (
-        f"{diagnosis.verdict}: {listed}; held-out error {before:.0f} -> {after:.0f} um, noise {floor:.0f} um"
-    )
+    figures = [f"{1e6 * value:.0f}" for value in (before, after, diagnosis.noise_floor)]
+    return spoken_verdict(diagnosis.verdict, listed, figures, "position error", "error")
 
 
 def check_set(diagnosis: PoseDiagnosis, other: PoseSet) -> dict[str, Any]:

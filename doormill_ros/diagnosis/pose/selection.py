@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.diagnosis.core.ranking import ranked
+from doormill_ros.diagnosis.core.verdict import rmse
 from doormill_ros.diagnosis.pose.validation import AXES_OF_POSITION, Validation, by_block
-from doormill_ros.diagnosis.ranking import ranked
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 
 #: A cause earns its place when taking it away raises the held-out cost of the blocks by this many standard errors
@@ -51,10 +52,8 @@ class Score:
     status: str
 
 
-def position_rmse(errors: list[FloatArray], kept: list[FloatArray]) -> float:
-    """Root mean square of the 3-D position error over all rows that count [m]."""
-    every = np.concatenate([error[good, :3] for error, good in zip(errors, kept, strict=True)])
-    return float(np.sqrt(np.mean(np.sum(every**2, axis=1)))) if len(every) else 0.0
+def _position_rmse(errors: Sequence[FloatArray], kept: Sequence[BoolArray]) -> float:
+    return rmse(np.concatenate(errors)[:, :3], np.concatenate(kept), 1)
 
 
 def explained_cost(validation: Validation) -> float:
@@ -100,7 +99,7 @@ def scores(validation: Validation, chosen: Sequence[int], explained: float) -> l
             total_sure,
             transfer,
             position_sure,
-            position_rmse(errors, kept),
+            _position_rmse(errors, kept),
             NO_GAIN,
         )
         found.append(replace(score, status=_status(score, max(WORTH, SHARE * explained))))

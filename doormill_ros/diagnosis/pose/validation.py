@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.pose.fit import BLOCKS, Fitted
 from doormill_ros.diagnosis.pose.problem import PLACEMENT
 from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
@@ -35,12 +35,12 @@ class Split:
         series: The whole series that was left out, or None for blocks.
     """
 
-    rows: tuple[FloatArray, ...]
+    rows: tuple[IntArray, ...]
     solution: Solution
     series: int | None
 
 
-def without(solution: Solution, ids: FloatArray) -> Solution:
+def without(solution: Solution, ids: IntArray) -> Solution:
     """The solution with some coefficients held at zero: exact, by conditioning."""
     if not len(ids):
         return solution
@@ -89,12 +89,12 @@ class Validation:
                 found = learn(Hs, gs, problem.layout, ROUNDS, fitted.solution.variance)
                 self.series.append(Split(rows, found, s))
 
-    def remove(self, ids: FloatArray) -> None:
+    def remove(self, ids: IntArray) -> None:
         """Hold coefficients at zero from now on."""
         self.blocks = [replace(split, solution=without(split.solution, ids)) for split in self.blocks]
         self.series = [replace(split, solution=without(split.solution, ids)) for split in self.series]
 
-    def residuals(self, splits: Sequence[Split], removed: FloatArray) -> list[FloatArray]:
+    def residuals(self, splits: Sequence[Split], removed: IntArray) -> list[FloatArray]:
         """Residual of every row by the split that left it out, base axes, with coefficients removed."""
         problem = self.fitted.problem
         out = [np.zeros((len(data), 6)) for data in problem.sets]
@@ -133,7 +133,7 @@ class _Linear:
         self.placing = marked if len(marked) >= 3 else np.arange(0, len(self.error), _EVERY)
         self.weight = problem.weights[series]
 
-    def residual(self, x: FloatArray, rows: FloatArray) -> FloatArray:
+    def residual(self, x: FloatArray, rows: IntArray) -> FloatArray:
         """Residual with all coefficients and the placement in x, shape (len(rows), 6)."""
         step = x[: self.size] - self.x
         twists = np.zeros((len(rows), DIRECTIONS))
@@ -143,7 +143,8 @@ class _Linear:
                 twists[:, key] = basis @ part if len(rows) == len(basis) else basis[rows] @ part
         twists[:, :6] += x[self.own[:6]]
         twists[:, direction(6, 0) :] += x[self.own[6:]]
-        return self.error[rows] - np.einsum("na,nac->nc", twists, self.D[rows])
+        result: FloatArray = self.error[rows] - np.einsum("na,nac->nc", twists, self.D[rows])
+        return result
 
     def place(self, x: FloatArray) -> FloatArray:
         """The same coefficients with the placement fitted to the rows that may place the series."""

@@ -68,7 +68,7 @@ def solve_springs(stiffness: FloatArray, K_c: FloatArray, torque: FloatArray) ->
     for p in range(JOINTS):
         if matrix[p, p].min() < _SAFE_PIVOT * stiffness[p]:
             full = np.diag(stiffness) - K_c.transpose(2, 0, 1)
-            return np.linalg.solve(full, torque.T[..., None])[..., 0].T
+            return np.asarray(np.linalg.solve(full, torque.T[..., None])[..., 0].T, dtype=float)
         if p + 1 < JOINTS:
             factor = matrix[p + 1 :, p] / matrix[p, p]  # (5 - p, n)
             matrix[p + 1 :, p + 1 :] -= factor[:, None] * matrix[p, p + 1 :]

@@ -47,13 +47,15 @@ class JointSpringModel:
             Shape (..., 6) [N m].
         """
         J = self.kinematics.link_jacobian(q, link, load_point)
-        return np.einsum("...ij,...i->...j", J, np.asarray(wrench, dtype=float))
+        result: FloatArray = np.einsum("...ij,...i->...j", J, np.asarray(wrench, dtype=float))
+        return result
 
     def joint_deflection(
         self, q: FloatArray, wrench: FloatArray, load_point: FloatArray, link: int = 6
     ) -> FloatArray:
         """Joint angles by which the springs give way, shape (..., 6) [rad] (thesis eq. 3.44)."""
-        return self.torque(q, wrench, load_point, link) / self.stiffness
+        result: FloatArray = self.torque(q, wrench, load_point, link) / self.stiffness
+        return result
 
     def deflection(
         self,
@@ -76,7 +78,8 @@ class JointSpringModel:
         del direction
         J = self.kinematics.jacobian(q, load_point)
         torque = np.einsum("...ij,...i->...j", J, np.asarray(wrench, dtype=float))
-        return np.einsum("...ij,...j->...i", J, torque / self.stiffness)
+        result: FloatArray = np.einsum("...ij,...j->...i", J, torque / self.stiffness)
+        return result
 
     def displacement(
         self,
@@ -103,4 +106,5 @@ class JointSpringModel:
         """
         bent = self.joint_deflection(q, wrench, load_point, load_link)
         J = self.kinematics.link_jacobian(q, reflector_link, reflector)
-        return np.einsum("...ij,...j->...i", J[..., :3, :], bent)
+        result: FloatArray = np.einsum("...ij,...j->...i", J[..., :3, :], bent)
+        return result

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.frames import rotate_wrench, rotation_z
 from doormill_ros.robot.kinematics import Kinematics
 
@@ -36,7 +36,7 @@ class LoadCase:
     moment: FloatArray
     torque: FloatArray
     point: FloatArray
-    link: FloatArray
+    link: IntArray
     direction: FloatArray
     joint_stiffness: FloatArray
     torque_noise: FloatArray
@@ -76,7 +76,9 @@ class LoadCase:
         """Twist of each point by the linear joint springs, shape (n, 6) (thesis eq. 2.40)."""
         if "springs" not in self.cache:
             give = self.torque / self.joint_stiffness
-            self.cache["springs"] = sum(give[:, k, None] * self.joint_twist(k) for k in range(6))
+            self.cache["springs"] = sum(
+                (give[:, k, None] * self.joint_twist(k) for k in range(6)), np.zeros((len(self), 6))
+            )
         return self.cache["springs"]
 
     def curvature(self) -> FloatArray:
@@ -106,7 +108,7 @@ def build_load_case(
     *,
     wrench_rotation: float | None = None,
     points: FloatArray | None = None,
-    links: FloatArray | None = None,
+    links: IntArray | None = None,
     direction: FloatArray | None = None,
     joint_stiffness: FloatArray,
     noise: tuple[float, float] = (0.0, 0.0),

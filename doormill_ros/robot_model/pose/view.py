@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.robot_model.pose.chain import frames, link_transforms
 from doormill_ros.units import GRAVITY
 
@@ -58,7 +58,7 @@ class SetView:
     dh: FloatArray
     links: tuple[LinkMass, ...]
     q: FloatArray
-    row: FloatArray
+    row: IntArray
     motion: FloatArray | None = None
 
     def __len__(self) -> int:
@@ -67,7 +67,8 @@ class SetView:
     @cached_property
     def order(self) -> FloatArray:
         """Place of every row in the recording, 0 at its start and 1 at its end, shape (n,)."""
-        return (self.row - self.row[0]) / max(float(self.row[-1] - self.row[0]), 1.0)
+        result: FloatArray = (self.row - self.row[0]) / max(float(self.row[-1] - self.row[0]), 1.0)
+        return result
 
     @cached_property
     def transforms(self) -> FloatArray:
@@ -85,7 +86,7 @@ class SetView:
         return gravity_moment(frames(self.transforms), self.links)
 
 
-def last_motion(q: FloatArray, row: FloatArray, crossing: float = CROSSING) -> FloatArray:
+def last_motion(q: FloatArray, row: IntArray, crossing: float = CROSSING) -> FloatArray:
     """State of a play in every joint: follows the motion between rows and stops at the flanks.
 
     Args:

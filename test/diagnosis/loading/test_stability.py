@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.core.stability import beaten, instability, turned_joint, unevenness
 from doormill_ros.diagnosis.loading.diagnosis import diagnose_set
-from doormill_ros.diagnosis.loading.fit import fit
-from doormill_ros.diagnosis.loading.problem import Problem
-from doormill_ros.diagnosis.loading.stability import beaten, instability, turned_joint, unevenness
+from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 
 SOFT = {"cause": "joint_stiffness", "where": "joint 2", "parameters": {"stiffness": 1.6e6}}

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
-from doormill_ros.diagnosis.loading.problem import Problem
+from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.causes.registry import build_cause, candidates
 from support.truth.loading_test import Spoil

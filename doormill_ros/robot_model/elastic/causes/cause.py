@@ -7,25 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.robot_model.candidate import Candidate, number
 from doormill_ros.robot_model.elastic.load_case import LoadCase
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One reported number (or vector) of a cause.
-
-    Attributes:
-        name: Key in the diagnosis.
-        unit: SI unit.
-        low, high: Plausible range of each component.
-        size: Number of components.
-    """
-
-    name: str
-    unit: str
-    low: float
-    high: float
-    size: int = 1
 
 
 @dataclass
@@ -45,69 +28,23 @@ class Setup:
     reflector_offset: dict[str, FloatArray] = field(default_factory=dict)
 
 
-class Cause:
+class Cause(Candidate[LoadCase]):
     """One way in which reality can differ from linear joint springs.
 
-    Numbers that are fitted ("theta") are scaled so that the effect is near linear in them and
-    zero means no effect. A cause acts in one of three ways: on the `Setup` (posture, wrench,
-    reflector), as an extra `twist` of the robot, or on what the tracker reports (`observe`).
+    It acts in one of three ways: on the `Setup` (posture, wrench, reflector), as an extra `twist` of the robot, or
+    on what the tracker reports (`observe`).
 
     Attributes:
-        name: Fixed name of the cause.
-        where: Place.
-        parameters: What is reported.
-        scale: Size of a typical effect in theta, shape (p,).
-        lower, upper: Allowed theta, shape (p,).
         stage: "setup", "robot" or "tracker".
-        of_robot: Whether it is in the robot; one in the measuring chain changes nothing for who mills with it.
-        named: Whether a diagnosis may name it; patterns that only warn of the unknown are not.
-        generalises: Name of the cause at the same place that this one contains as a special case.
-        variant: Tells apart two readings of the same cause.
-        kinked: Indices of theta in which the cost is not smooth; their uncertainty is profiled.
     """
 
-    name: str = ""
-    where: str = ""
-    parameters: tuple[Parameter, ...] = ()
-    scale: FloatArray
-    lower: FloatArray
-    upper: FloatArray
     stage: str = "robot"
-    of_robot: bool = True
-    named: bool = True
-    generalises: str = ""
-    variant: str = ""
-    kinked: tuple[int, ...] = ()
 
-    def __init__(self, where: str) -> None:
-        """Put the cause at its place."""
-        self.where = where
-
-    def __repr__(self) -> str:
-        return f"{self.name} at {self.where}" + (f" ({self.variant})" if self.variant else "")
-
-    @property
-    def key(self) -> tuple[str, str]:
-        """Name and place."""
-        return self.name, self.where
-
-    @property
-    def identity(self) -> tuple[str, str, str]:
-        """Name, place and variant."""
-        return self.name, self.where, self.variant
-
-    @property
-    def size(self) -> int:
-        """Number of fitted numbers."""
-        return len(self.scale)
-
-    def pattern(self) -> str:
-        """One sentence: what the cause leaves in the data."""
-        raise NotImplementedError
-
-    def starts(self, case: LoadCase) -> list[FloatArray]:
-        """Values of theta, shape (p,), from which a fit may start."""
-        return [np.zeros(self.size)]
+    def kinks(self, case: LoadCase) -> FloatArray:
+        """Of a torque limit, as a share of the largest torque of the joint: they lie at the torques of the trials."""
+        k = index(self.where)
+        share: FloatArray = np.abs(case.torque[:, k]) / max(case.largest_torque[k], 1e-9)
+        return share
 
     def setup(self, setup: Setup, theta: FloatArray) -> None:
         """Change what comes before the elasticity, by theta, shape (p,)."""
@@ -136,10 +73,6 @@ class Cause:
         """Log odds that `twist` has the right sign in each trial, shape (n,), inf where sure; None when always."""
         return None
 
-    def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Reported values of all parameters in a row, shape (v,), of theta, shape (p,)."""
-        raise NotImplementedError
-
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """Theta, shape (p,), of reported values, the inverse of `values`."""
         raise NotImplementedError
@@ -163,6 +96,6 @@ class LinearTwist(Cause):
         return self.derivative(case, theta) @ theta
 
 
-def number(where: str) -> int:
-    """Zero-based number of 'joint 3' or 'link 3'."""
-    return int(where.split()[1]) - 1
+def index(where: str) -> int:
+    """Index of 'joint 3' or 'link 3' in an array over joints or links 1 ... 6."""
+    return number(where) - 1

@@ -6,7 +6,8 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, number
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import Cause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 _GAP = 1e-4  #: theta 1 is a gap of this size [rad]
@@ -38,13 +39,13 @@ class JointBacklash(Cause):
 
     def starts(self, case: LoadCase) -> list[FloatArray]:
         """Steps and ramps, of several sizes where last motions are unknown: there the gap picks the trials."""
-        unknown = np.any(case.direction[:, number(self.where)] == 0.0)
+        unknown = np.any(case.direction[:, index(self.where)] == 0.0)
         gaps = (0.1, 0.5, 3.0) if unknown else (1.0,)
         return [np.array([gap, crossing]) for crossing in _CROSSINGS for gap in gaps]
 
     def hidden_state(self, case: LoadCase) -> FloatArray | None:
         """Unknown direction, or a torque too small to tell its sign."""
-        k = number(self.where)
+        k = index(self.where)
         direction, torque = case.direction[:, k], case.torque[:, k]
         noise = np.maximum(case.torque_noise[:, k], 1e-12)
         along = np.where(direction == 0.0, 0.5, ndtr(direction * torque / noise))
@@ -52,13 +53,13 @@ class JointBacklash(Cause):
 
     def hidden_sign(self, case: LoadCase) -> FloatArray | None:
         """Neither last motion nor the sign of the torque known: the gap may have opened either way."""
-        k = number(self.where)
+        k = index(self.where)
         distance = np.abs(case.torque[:, k]) / np.maximum(case.torque_noise[:, k], 1e-12)
         unknown = (case.direction[:, k] == 0.0) & (distance < 5.0)
         return np.where(unknown, log_ndtr(distance) - log_ndtr(-distance), np.inf)
 
     def _ramp(self, case: LoadCase, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        k = number(self.where)
+        k = index(self.where)
         direction, torque = case.direction[:, k], case.torque[:, k]
         # Near zero the size of a torque is mostly that of its noise.
         size = np.sqrt(np.maximum(torque**2 - case.torque_noise[:, k] ** 2, 0.0))
@@ -73,18 +74,19 @@ class JointBacklash(Cause):
     def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """With the gap open in every trial that may be open; the fit weighs by the hidden state."""
         sign, ramp, _ = self._ramp(case, theta)
-        return (_GAP * theta[0] * sign * ramp)[:, None] * case.joint_twist(number(self.where))
+        result: FloatArray = (_GAP * theta[0] * sign * ramp)[:, None] * case.joint_twist(index(self.where))
+        return result
 
     def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """By gap and crossing."""
         sign, ramp, slope = self._ramp(case, theta)
-        unit = _GAP * sign[:, None] * case.joint_twist(number(self.where))
+        unit = _GAP * sign[:, None] * case.joint_twist(index(self.where))
         return np.stack([ramp[:, None] * unit, theta[0] * slope[:, None] * unit], axis=2)
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Gap and crossing torque."""
-        return np.array([_GAP * theta[0], theta[1] * case.largest_torque[number(self.where)]])
+        return np.array([_GAP * theta[0], theta[1] * case.largest_torque[index(self.where)]])
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From gap and crossing torque."""
-        return np.array([values[0] / _GAP, values[1] / case.largest_torque[number(self.where)]])
+        return np.array([values[0] / _GAP, values[1] / case.largest_torque[index(self.where)]])

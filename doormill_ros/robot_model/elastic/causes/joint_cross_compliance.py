@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter, number
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 _SCALE = 1e-7  #: theta 1 is this compliance [rad / (N m)]
@@ -26,7 +27,7 @@ class JointCrossCompliance(LinearTwist):
 
     def unit(self, case: LoadCase) -> FloatArray:
         """Tilt by the transverse moment."""
-        k = number(self.where)
+        k = index(self.where)
         moment = case.moment[:, k] - case.torque[:, k, None] * case.axis(k)
         return case.rotate(_SCALE * moment, k, k + 1)[:, :, None]
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, number
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import Cause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -33,28 +34,32 @@ class JointFriction(Cause):
 
     def hidden_state(self, case: LoadCase) -> FloatArray | None:
         """Unknown directions; a torque too small to tell its sign moves nothing anyway."""
-        k = number(self.where)
+        k = index(self.where)
         direction = case.direction[:, k]
         return np.where(direction == 0.0, 0.5, np.where(direction * case.torque[:, k] < 0.0, 1.0, 0.0))
 
     def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Minus the part of the spring that friction holds."""
-        k = number(self.where)
+        k = index(self.where)
         limit = theta[0] * case.largest_torque[k]
         held = np.clip(case.torque[:, k], -limit, limit)
-        return -(held / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
+        result: FloatArray = -(held / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
+        return result
 
     def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Only trials beyond the friction torque know its size."""
-        k = number(self.where)
+        k = index(self.where)
         beyond = np.abs(case.torque[:, k]) > theta[0] * case.largest_torque[k]
         slope = -np.where(beyond, np.sign(case.torque[:, k]), 0.0) * case.largest_torque[k]
-        return ((slope / case.joint_stiffness[k])[:, None] * case.joint_twist(k))[:, :, None]
+        result: FloatArray = ((slope / case.joint_stiffness[k])[:, None] * case.joint_twist(k))[:, :, None]
+        return result
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Friction torque."""
-        return theta * case.largest_torque[number(self.where)]
+        result: FloatArray = theta * case.largest_torque[index(self.where)]
+        return result
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the friction torque."""
-        return np.asarray(values) / case.largest_torque[number(self.where)]
+        result: FloatArray = np.asarray(values) / case.largest_torque[index(self.where)]
+        return result

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, number
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import Cause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -31,7 +32,7 @@ class JointHardening(Cause):
         return [np.array([0.0, 0.05]), np.array([1.0, 1.5])]
 
     def _parts(self, case: LoadCase, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        k = number(self.where)
+        k = index(self.where)
         share = np.abs(case.torque[:, k]) / max(case.largest_torque[k], 1e-9)
         give = (case.torque[:, k] / case.joint_stiffness[k])[:, None] * case.joint_twist(k)
         return give, share, 1.0 + theta[1] * share
@@ -39,7 +40,8 @@ class JointHardening(Cause):
     def twist(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Difference to the model's spring."""
         give, _, stiffer = self._parts(case, theta)
-        return ((1.0 + theta[0]) / stiffer - 1.0)[:, None] * give
+        result: FloatArray = ((1.0 + theta[0]) / stiffer - 1.0)[:, None] * give
+        return result
 
     def derivative(self, case: LoadCase, theta: FloatArray) -> FloatArray:
         """Of the quotient."""
@@ -50,10 +52,10 @@ class JointHardening(Cause):
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Stiffness at zero torque and h."""
-        k = number(self.where)
+        k = index(self.where)
         return np.array([case.joint_stiffness[k] / (1.0 + theta[0]), theta[1] / case.largest_torque[k]])
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From stiffness and h."""
-        k = number(self.where)
+        k = index(self.where)
         return np.array([case.joint_stiffness[k] / values[0] - 1.0, values[1] * case.largest_torque[k]])

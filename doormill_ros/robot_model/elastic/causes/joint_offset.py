@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup, number
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -25,7 +26,7 @@ class JointOffset(Cause):
 
     def setup(self, setup: Setup, theta: FloatArray) -> None:
         """Turn the joint."""
-        setup.joint_offset[number(self.where)] += float(theta[0])
+        setup.joint_offset[index(self.where)] += float(theta[0])
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Angle."""

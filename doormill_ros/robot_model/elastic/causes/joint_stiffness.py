@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter, number
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -24,13 +25,18 @@ class JointStiffness(LinearTwist):
 
     def unit(self, case: LoadCase) -> FloatArray:
         """Give of the model's own spring."""
-        k = number(self.where)
-        return (case.torque[:, k, None] / case.joint_stiffness[k] * case.joint_twist(k))[:, :, None]
+        k = index(self.where)
+        result: FloatArray = (case.torque[:, k, None] / case.joint_stiffness[k] * case.joint_twist(k))[
+            :, :, None
+        ]
+        return result
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Stiffness."""
-        return case.joint_stiffness[number(self.where)] / (1.0 + theta)
+        result: FloatArray = case.joint_stiffness[index(self.where)] / (1.0 + theta)
+        return result
 
     def from_values(self, values: FloatArray, case: LoadCase) -> FloatArray:
         """From the stiffness."""
-        return case.joint_stiffness[number(self.where)] / np.asarray(values) - 1.0
+        result: FloatArray = case.joint_stiffness[index(self.where)] / np.asarray(values) - 1.0
+        return result

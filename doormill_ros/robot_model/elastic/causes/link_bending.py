@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, Parameter, number
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 _SCALE = 1e-6  #: theta 1 is an EI of a million N m^2
@@ -30,7 +31,7 @@ class LinkBending(LinearTwist):
 
     def unit(self, case: LoadCase) -> FloatArray:
         """Motion of the far end, carried to the points."""
-        k = number(self.where)
+        k = index(self.where)
         line = case.origin[:, k + 1] - case.origin[:, k]
         length = np.linalg.norm(line, axis=1, keepdims=True)
         axis = line / np.where(length > 1e-9, length, 1.0)

@@ -6,7 +6,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import Cause
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -27,7 +28,8 @@ class TrackerFrameRotation(Cause):
 
     def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Turn."""
-        return displacement @ Rotation.from_rotvec(theta).as_matrix().T
+        result: FloatArray = displacement @ Rotation.from_rotvec(theta).as_matrix().T
+        return result
 
     def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Of the small turn that follows: exact at zero, a fine descent direction elsewhere."""

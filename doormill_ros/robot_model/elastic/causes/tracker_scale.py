@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import Cause
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -26,7 +27,8 @@ class TrackerScale(Cause):
 
     def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Scale."""
-        return displacement * (1.0 + theta[0])
+        result: FloatArray = displacement * (1.0 + theta[0])
+        return result
 
     def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """The displacement itself."""

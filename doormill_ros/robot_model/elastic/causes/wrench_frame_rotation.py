@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Parameter, Setup
+from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 

@@ -104,8 +104,3 @@ class PoseCause:
 
     def __repr__(self) -> str:
         return f"{self.name} at {self.where}"
-
-
-def number(where: str) -> int:
-    """Number of 'joint 3' or 'link 3'."""
-    return int(where.split()[1])

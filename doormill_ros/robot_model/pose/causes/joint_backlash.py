@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, number
+from doormill_ros.robot_model.candidate import number
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
 from doormill_ros.robot_model.pose.chain import joint_turn
 from doormill_ros.robot_model.pose.view import SetView
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, number
+from doormill_ros.robot_model.candidate import number
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
 from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
 from doormill_ros.robot_model.pose.chain import joint_turn

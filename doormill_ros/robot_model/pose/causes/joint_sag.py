@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, number
+from doormill_ros.robot_model.candidate import number
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
 from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
 from doormill_ros.robot_model.pose.chain import joint_turn
 from doormill_ros.robot_model.pose.view import SetView

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.pose.causes.cause import PoseCause, number
+from doormill_ros.robot_model.candidate import number
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.view import SetView
 
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause, number
+from doormill_ros.robot_model.candidate import number
+from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints
 from doormill_ros.robot_model.pose.chain import direction
 from doormill_ros.robot_model.pose.view import SetView

@@ -8,17 +8,16 @@ from typing import Any
 
 import yaml
 
-from doormill_ros.diagnosis.loading.diagnosis import Diagnosis
-from doormill_ros.diagnosis.loading.finding import Finding
-from doormill_ros.diagnosis.ranking import QUANTUM
+from doormill_ros.diagnosis.core.diagnosis import Diagnosis
+from doormill_ros.diagnosis.core.finding import Finding
+from doormill_ros.diagnosis.core.ranking import QUANTUM
 from doormill_ros.files import write_atomically
-from doormill_ros.robot_model.extended_model import SizedCause, model_document
 
 SCHEMA = "doormill/diagnosis/1"
 MODEL_FILE = "model.yaml"
 
 
-def diagnosis_document(diagnosis: Diagnosis, next_measurement: str, **more: Any) -> dict[str, Any]:
+def diagnosis_document(diagnosis: Diagnosis[Any, Any], next_measurement: str, **more: Any) -> dict[str, Any]:
     """The content of diagnosis.json."""
     return {
         "schema": SCHEMA,
@@ -36,7 +35,7 @@ def diagnosis_document(diagnosis: Diagnosis, next_measurement: str, **more: Any)
     }
 
 
-def _cause(finding: Finding) -> dict[str, Any]:
+def _cause(finding: Finding[Any]) -> dict[str, Any]:
     return {
         "cause": finding.cause.name,
         "where": finding.cause.where,
@@ -47,7 +46,7 @@ def _cause(finding: Finding) -> dict[str, Any]:
     }
 
 
-def _tied(finding: Finding) -> list[dict[str, Any]]:
+def _tied(finding: Finding[Any]) -> list[dict[str, Any]]:
     """What differs in score by less than counts, with the difference in whole quanta of a score."""
     return [
         {
@@ -60,7 +59,7 @@ def _tied(finding: Finding) -> list[dict[str, Any]]:
     ]
 
 
-def parameters_of(finding: Finding) -> dict[str, dict[str, Any]]:
+def parameters_of(finding: Finding[Any]) -> dict[str, dict[str, Any]]:
     """Value, standard deviation and unit by name; lists for vectors."""
     named: dict[str, dict[str, Any]] = {}
     at = 0
@@ -87,15 +86,3 @@ def write_diagnosis(out: Path, document: dict[str, Any], model: dict[str, Any], 
     }
     for name, text in contents.items():
         write_atomically(out / name, text)
-
-
-def extended_model_document(diagnosis: Diagnosis, unchanged: str = "") -> dict[str, Any]:
-    """The content of model.yaml; without any cause where there is a reason for that."""
-    data = diagnosis.problem.data
-    return model_document(
-        data.robot,
-        data.joint_stiffness,
-        [] if unchanged else [SizedCause(finding.cause, finding.values) for finding in diagnosis.findings],
-        f"diagnosis of {data.path.name}, verdict {diagnosis.verdict}",
-        unchanged,
-    )

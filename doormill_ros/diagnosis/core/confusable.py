@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 
-from doormill_ros.diagnosis.loading.fit import Fit, score_without
-from doormill_ros.diagnosis.loading.search import EQUAL, Search
-from doormill_ros.diagnosis.loading.stability import beaten
-from doormill_ros.diagnosis.ranking import QUANTUM
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.diagnosis.core.fit import Fit, score_without
+from doormill_ros.diagnosis.core.problem import C
+from doormill_ros.diagnosis.core.ranking import QUANTUM
+from doormill_ros.diagnosis.core.search import EQUAL, Search
+from doormill_ros.diagnosis.core.stability import beaten
 
 #: Fall of the score with one more number that chance reaches once in ten sets.
 LEANING = 2.7
@@ -19,7 +20,7 @@ _TRIED = 6  #: pairs of causes that are fitted in place of one
 
 
 @dataclass(frozen=True, eq=False)
-class Equal:
+class Equal(Generic[C]):
     """A cause that does as well as one that is named.
 
     Attributes:
@@ -28,8 +29,8 @@ class Equal:
         behind: By how much the score of that model is larger.
     """
 
-    cause: Cause
-    model: Fit
+    cause: C
+    model: Fit[C]
     behind: float
 
     @property
@@ -38,7 +39,7 @@ class Equal:
         return abs(self.behind) <= QUANTUM
 
 
-def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[Equal]:
+def equals(search: Search[C], best: Fit[C], cause: C, structure: bool) -> list[Equal[C]]:
     """Causes that do as well in the place of one member; the best first.
 
     Args:
@@ -51,7 +52,7 @@ def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[Equ
     remains = structure or not all(member.named for member in best.members)
     excess = float(np.mean(best.prediction.cost[good])) / search.problem.components
     limit = EQUAL * max(3.0, excess) if remains else EQUAL
-    found: dict[tuple[str, str], tuple[Cause, Fit]] = {}
+    found: dict[tuple[str, str], tuple[C, Fit[C]]] = {}
     for other, model in search.rivals(best, cause):
         nested = other.where == cause.where and cause.name in (other.generalises, other.name)
         if nested and other.name != cause.name:
@@ -73,7 +74,7 @@ def equals(search: Search, best: Fit, cause: Cause, structure: bool) -> list[Equ
     return [Equal(other, model, search.total(model) - total) for other, model in found.values()]
 
 
-def _instead(search: Search, best: Fit, model: Fit, other: Cause) -> bool:
+def _instead(search: Search[C], best: Fit[C], model: Fit[C], other: C) -> bool:
     """Whether a law fits as well without its first number, which it shares with the law it contains."""
     part = model.part(other)
     starts = []
@@ -84,7 +85,7 @@ def _instead(search: Search, best: Fit, model: Fit, other: Cause) -> bool:
     return score_without(search.problem, model.members, starts, part.start) < best.score + EQUAL
 
 
-def _pairs_with_fewer_numbers(search: Search, best: Fit, cause: Cause) -> list[Fit]:
+def _pairs_with_fewer_numbers(search: Search[C], best: Fit[C], cause: C) -> list[Fit[C]]:
     """Models in which two causes of one number each stand for one of three numbers, and fit as well.
 
     One cause is simpler than two, yet three numbers are more than two: nothing then speaks for either.

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Generic
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.fit import Fit, fit, polish
-from doormill_ros.diagnosis.loading.preview import Preview
-from doormill_ros.diagnosis.loading.problem import Problem
-from doormill_ros.diagnosis.ranking import QUANTUM, ranked, ranks
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.diagnosis.core.fit import Fit, Identity, fit, polish
+from doormill_ros.diagnosis.core.preview import Preview
+from doormill_ros.diagnosis.core.problem import C, Problem
+from doormill_ros.diagnosis.core.ranking import QUANTUM, ranked, ranks
 
 #: Score by which a cause must improve the held-out prediction. A pattern of pure noise reaches
 #: this with a chance of 1e-5; times a hundred candidates that is one false alarm in a thousand.
@@ -29,7 +29,7 @@ _PAIRS = 8  #: pairs of candidates that are
 
 
 @dataclass(eq=False)
-class Search:
+class Search(Generic[C]):
     """All models that were fitted, and the way to more of them.
 
     Attributes:
@@ -39,14 +39,14 @@ class Search:
         progress: Called with one line a step.
     """
 
-    problem: Problem
-    candidates: Sequence[Cause]
-    fits: dict[frozenset, Fit] = field(default_factory=dict)
+    problem: Problem[C]
+    candidates: Sequence[C]
+    fits: dict[Identity, Fit[C]] = field(default_factory=dict)
     progress: Callable[[str], None] = lambda line: None
-    _polished: set[tuple[frozenset, frozenset]] = field(default_factory=set)
-    _walked: set[frozenset] = field(default_factory=set)
+    _polished: set[tuple[Identity, Identity]] = field(default_factory=set)
+    _walked: set[Identity] = field(default_factory=set)
 
-    def fit(self, members: Iterable[Cause], starts: Sequence[FloatArray] | None = None) -> Fit:
+    def fit(self, members: Iterable[C], starts: Sequence[FloatArray] | None = None) -> Fit[C]:
         """Fit a model once."""
         members = tuple(members)
         key = frozenset(cause.identity for cause in members)
@@ -54,17 +54,14 @@ class Search:
             self.fits[key] = fit(self.problem, members, starts)
         return self.fits[key]
 
-    def total(self, found: Fit) -> float:
+    def total(self, found: Fit[C]) -> float:
         """Held-out score plus what its numbers and unnamed patterns cost; smaller is better."""
         each = max(np.log(self.problem.components * len(self.problem)) - 2.0, 1.0)
         # Numbers on a bound do nothing and cost nothing; every model pays for those that it uses.
-        return (
-            found.held_out_score
-            + each * found.size
-            + PATTERN_PENALTY * sum(not cause.named for cause in found.members)
-        )
+        unnamed = sum(not cause.named for cause in found.members)
+        return float(found.held_out_score + each * found.size + PATTERN_PENALTY * unnamed)
 
-    def order(self, found: Fit) -> tuple[int, int, list[int]]:
+    def order(self, found: Fit[C]) -> tuple[int, int, list[int]]:
         """What goes first among equals: the measuring chain before the robot, fewer numbers, the library's order."""
         return (
             sum(cause.of_robot for cause in found.members),
@@ -72,7 +69,7 @@ class Search:
             sorted(self._place[cause.identity] for cause in found.members),
         )
 
-    def ranked(self, fits: Iterable[Fit]) -> list[Fit]:
+    def ranked(self, fits: Iterable[Fit[C]]) -> list[Fit[C]]:
         """Models by their totals, the best first."""
         return ranked(fits, self.total, self.order)
 
@@ -80,7 +77,7 @@ class Search:
     def _place(self) -> dict[tuple[str, str, str], int]:
         return {cause.identity: place for place, cause in enumerate(self.candidates)}
 
-    def extensions(self, found: Fit) -> list[tuple[Cause, float]]:
+    def extensions(self, found: Fit[C]) -> list[tuple[C, float]]:
         """Candidates that may join a model and by how much, to first order; the most promising first."""
         gains = self._preview.gains(found)
         allowed = [
@@ -92,22 +89,22 @@ class Search:
         return [pair for i, pair in enumerate(allowed) if pair[1] > 0.5 * ENTRY or i < 3][:_SCREEN]
 
     @cached_property
-    def _preview(self) -> Preview:
+    def _preview(self) -> Preview[C]:
         return Preview(self.problem, self.candidates)
 
-    def _grow_by_pairs(self, found: Fit, best: Fit) -> list[Fit]:
+    def _grow_by_pairs(self, found: Fit[C], best: Fit[C]) -> list[Fit[C]]:
         """Models with two members more than one of a smaller size, for effects that only show together."""
         freedom = self.problem.components * len(self.problem)
         if best.held_out_score < freedom + 3.0 * np.sqrt(2.0 * freedom):
             return []  # nothing is left for a pair to gain
-        grown: list[Fit] = []
+        grown: list[Fit[C]] = []
         for one, two, gain in self.pairs(found):
             if len(grown) == _PAIRS or found.held_out_score - 2.0 * gain > best.held_out_score:
                 break
             grown.append(self.add(self.add(found, one), two))
         return grown
 
-    def pairs(self, found: Fit) -> Iterator[tuple[Cause, Cause, float]]:
+    def pairs(self, found: Fit[C]) -> Iterator[tuple[C, C, float]]:
         """Pairs that may join a model and by how much, to first order; the most promising first."""
         numbers, gains = self._preview.pairs(found)
         for (i, j), gain in zip(numbers, gains, strict=True):
@@ -115,13 +112,13 @@ class Search:
             if may_join(found.members, one) and may_join((*found.members, one), two):
                 yield one, two, float(gain)
 
-    def run(self) -> Fit:
+    def run(self) -> Fit[C]:
         """The best model."""
         empty = self.fit(())
         beam = [empty]
         best = smaller = empty
         for size in range(1, LARGEST + 1):
-            grown: dict[frozenset, Fit] = {}
+            grown: dict[Identity, Fit[C]] = {}
             for parent in beam:
                 for cause, gain in self.extensions(parent):
                     # The preview is to first order: leave it a factor of two.
@@ -143,14 +140,14 @@ class Search:
             beam = best_first[:BEAM]
         return self.polished(self._simplify(self._settle(self._prune(best))))
 
-    def polished(self, found: Fit) -> Fit:
+    def polished(self, found: Fit[C]) -> Fit[C]:
         """The model with its kinked numbers at their best; equals must be compared that way."""
         if any(cause.kinked for cause in found.members) and found.identity not in self._walked:
             self._walked.add(found.identity)
             self.fits[found.identity] = polish(self.problem, found)
         return self.fits[found.identity]
 
-    def _settle(self, best: Fit) -> Fit:
+    def _settle(self, best: Fit[C]) -> Fit[C]:
         """Swap members as long as that helps: the order in which they came must not matter."""
         for _ in range(LARGEST):
             for cause in best.members:
@@ -162,7 +159,7 @@ class Search:
                 return best
         return best
 
-    def _simplify(self, best: Fit) -> Fit:
+    def _simplify(self, best: Fit[C]) -> Fit[C]:
         """Put a simpler law for one of another name that contains it, unless that is clearly better.
 
         One more number in a law is one more cause in all but name: where both count as equally good, the name that
@@ -175,12 +172,12 @@ class Search:
                     return self._simplify(found)
         return best
 
-    def add(self, parent: Fit, cause: Cause) -> Fit:
+    def add(self, parent: Fit[C], cause: C) -> Fit[C]:
         """A model with one more member, started from what is known of the others."""
         starts = [np.concatenate([parent.theta, start]) for start in cause.starts(self.problem.case)]
         return self.fit((*parent.members, cause), starts)
 
-    def _prune(self, best: Fit) -> Fit:
+    def _prune(self, best: Fit[C]) -> Fit[C]:
         """Drop members without which the model is as good."""
         for cause in best.members:
             smaller = self.without(best, cause)
@@ -188,7 +185,7 @@ class Search:
                 return self._prune(smaller)
         return best
 
-    def without(self, found: Fit, cause: Cause) -> Fit:
+    def without(self, found: Fit[C], cause: C) -> Fit[C]:
         """The same model less one member, fitted anew, also from where the others stand now."""
         rest = tuple(c for c in found.members if c is not cause)
         smaller = self.fit(rest)
@@ -201,7 +198,7 @@ class Search:
                 self.fits[again.identity] = smaller = again
         return smaller
 
-    def rivals(self, found: Fit, cause: Cause) -> list[tuple[Cause, Fit]]:
+    def rivals(self, found: Fit[C], cause: C) -> list[tuple[C, Fit[C]]]:
         """Every candidate in the place of one member, the best first."""
         rest = self.without(found, cause)
         swapped = []
@@ -211,7 +208,7 @@ class Search:
         return ranked(swapped, lambda pair: self.total(pair[1]), lambda pair: self.order(pair[1]))
 
 
-def may_join(members: Sequence[Cause], cause: Cause) -> bool:
+def may_join(members: Sequence[C], cause: C) -> bool:
     """Whether a cause is new to a model, and no member at its place is a law that contains it or is contained in it."""
     return not any(
         cause.key == member.key

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from doormill_ros.diagnosis.loading.diagnosis import (
+from doormill_ros.diagnosis.core.diagnosis import (
     STRUCTURE,
     UNSTABLE,
     WILD,
@@ -12,12 +14,12 @@ from doormill_ros.diagnosis.loading.diagnosis import (
     Diagnosis,
     excess_probability,
 )
-from doormill_ros.diagnosis.loading.search import ENTRY, EQUAL
-from doormill_ros.diagnosis.loading.stability import CLUSTERED, clustering, instability, turning, unevenness
-from doormill_ros.diagnosis.margin import Margin
+from doormill_ros.diagnosis.core.margin import Margin
+from doormill_ros.diagnosis.core.search import ENTRY, EQUAL
+from doormill_ros.diagnosis.core.stability import CLUSTERED, clustering, instability, unevenness
 
 
-def margins(diagnosis: Diagnosis) -> list[Margin]:
+def margins(diagnosis: Diagnosis[Any, Any]) -> list[Margin]:
     """Every decision with what it was taken by."""
     problem, best = diagnosis.problem, diagnosis.best
     found = _scores(diagnosis)
@@ -25,7 +27,7 @@ def margins(diagnosis: Diagnosis) -> list[Margin]:
     chances = [
         ("something is left over", excess_probability(best, problem.components), STRUCTURE),
         ("gross errors sit together", clustering(problem, gross), CLUSTERED),
-        ("gross errors point along one joint", turning(problem, best.prediction.white, gross)[1], CLUSTERED),
+        ("gross errors point along one joint", problem.turning(best.prediction.white, gross)[1], CLUSTERED),
     ]
     found += [Margin(decision, value, limit, "probability") for decision, value, limit in chances]
     for cause in best.members:
@@ -45,7 +47,7 @@ def margins(diagnosis: Diagnosis) -> list[Margin]:
     return found
 
 
-def _scores(diagnosis: Diagnosis) -> list[Margin]:
+def _scores(diagnosis: Diagnosis[Any, Any]) -> list[Margin]:
     """Scores: what each member gains, what a further one would, and how far the next model of the same size is."""
     search, best = diagnosis.search, diagnosis.best
     total = search.total(best)

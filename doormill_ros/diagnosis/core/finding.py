@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.confusable import Equal, equals
-from doormill_ros.diagnosis.loading.fit import Fit, bounds, normal_equations
-from doormill_ros.diagnosis.loading.problem import Problem
-from doormill_ros.diagnosis.loading.search import Search
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.diagnosis.core.confusable import Equal, equals
+from doormill_ros.diagnosis.core.fit import Fit, bounds, normal_equations
+from doormill_ros.diagnosis.core.problem import C, Problem
+from doormill_ros.diagnosis.core.search import Search
+from doormill_ros.diagnosis.core.verdict import rmse
 
 
 @dataclass(frozen=True, eq=False)
-class Finding:
+class Finding(Generic[C]):
     """One established cause.
 
     Attributes:
@@ -27,32 +28,32 @@ class Finding:
         rivals: All alternatives in its place with their held-out scores, the best first.
     """
 
-    cause: Cause
+    cause: C
     values: FloatArray
     std: FloatArray
-    equals: tuple[Equal, ...]
+    equals: tuple[Equal[C], ...]
     without: float
-    rivals: tuple[tuple[Cause, float], ...]
+    rivals: tuple[tuple[C, float], ...]
 
     @property
-    def confusable(self) -> tuple[Cause, ...]:
+    def confusable(self) -> tuple[C, ...]:
         """Other causes that would do as well."""
         return tuple(equal.cause for equal in self.equals)
 
     @property
-    def tied(self) -> tuple[Cause, ...]:
+    def tied(self) -> tuple[C, ...]:
         """Those of them between which and the named one the data say nothing at all."""
         return tuple(equal.cause for equal in self.equals if equal.tied)
 
 
-def rmse(residual: FloatArray, kept: FloatArray, components: int = 3) -> float:
-    """Root mean square over all measured components of the trials that count [m]."""
-    return float(np.sqrt(np.sum(residual[kept] ** 2) / (components * max(int(kept.sum()), 1))))
-
-
 def make_findings(
-    search: Search, best: Fit, extended: Fit, established: Sequence[Cause], structure: bool, kept: FloatArray
-) -> tuple[Finding, ...]:
+    search: Search[C],
+    best: Fit[C],
+    extended: Fit[C],
+    established: Sequence[C],
+    structure: bool,
+    kept: BoolArray,
+) -> tuple[Finding[C], ...]:
     """All established causes, each sized also in the models where equals stand for the others."""
     doubles = [equals(search, best, cause, structure) for cause in established]
     findings = []
@@ -70,15 +71,15 @@ def make_findings(
 
 
 def _make_finding(
-    search: Search,
-    best: Fit,
-    extended: Fit,
-    cause: Cause,
+    search: Search[C],
+    best: Fit[C],
+    extended: Fit[C],
+    cause: C,
     structure: bool,
-    kept: FloatArray,
-    same: Sequence[Equal],
-    alternatives: Sequence[Fit],
-) -> Finding:
+    kept: BoolArray,
+    same: Sequence[Equal[C]],
+    alternatives: Sequence[Fit[C]],
+) -> Finding[C]:
     """Size a cause of the best model, its uncertainty and what could stand in its place.
 
     Args:
@@ -122,7 +123,7 @@ def _make_finding(
     )
 
 
-def profile_std(problem: Problem, found: Fit, index: int) -> float:
+def profile_std(problem: Problem[C], found: Fit[C], index: int) -> float:
     """Standard deviation of one number from how far it can move until the cost has risen by 4.
 
     The others follow to first order. For numbers in which the cost has kinks, or that sit on
@@ -159,4 +160,4 @@ def profile_std(problem: Problem, found: Fit, index: int) -> float:
                 reach[-1] = before[0] + share * (abs(value - start) - before[0])
                 break
             before = (abs(value - start), max(rise, 0.0))
-    return max(reach) / 2.0
+    return float(max(reach)) / 2.0

@@ -4,25 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.problem import Prediction, Problem
-from doormill_ros.diagnosis.ranking import QUANTUM, ranks
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.diagnosis.core.problem import C, Prediction, Problem
+from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
+from doormill_ros.statistics import CHI_SQUARE_MEDIAN, GROSS_SHARE, huber_weights
 
 GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
-OUTLIER_SHARE = 0.1  #: at most this share of the trials is set aside
 _HUBER = 4.0  #: standard deviations up to which a trial keeps its full weight
-MEDIAN = {1: 0.455, 3: 2.366}  #: median of chi-square by its degrees of freedom
 _KINKS = 16  #: values at which a kinked number is tried
 _NOTHING = 2.7  #: fall of the score below which a kinked number may as well be zero (one in ten)
 _RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
 
 
+#: What tells models apart: name, place and variant of every member.
+Identity = frozenset[tuple[str, str, str]]
+
+
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(Generic[C]):
     """A model that was fitted to all trials.
 
     Attributes:
@@ -38,7 +41,7 @@ class Fit:
         free: Numbers that do not sit on a bound, shape (p,).
     """
 
-    members: tuple[Cause, ...]
+    members: tuple[C, ...]
     theta: FloatArray
     covariance: FloatArray
     prediction: Prediction
@@ -47,7 +50,7 @@ class Fit:
     held_out: FloatArray
     held_out_cost: FloatArray
     held_out_score: float
-    free: FloatArray
+    free: BoolArray
 
     @property
     def size(self) -> int:
@@ -55,11 +58,11 @@ class Fit:
         return len(self.theta)
 
     @property
-    def identity(self) -> frozenset:
+    def identity(self) -> Identity:
         """Identities of the members, whatever their order."""
         return frozenset(cause.identity for cause in self.members)
 
-    def part(self, cause: Cause) -> slice:
+    def part(self, cause: C) -> slice:
         """Where a member's numbers stand in theta."""
         at = 0
         for member in self.members:
@@ -72,23 +75,23 @@ class Fit:
 def robust_sum(cost: FloatArray) -> float:
     """Sum of costs in which the worst tenth counts no more than GROSS each."""
     ordered = np.sort(cost)[::-1]
-    spared = int(OUTLIER_SHARE * len(cost))
+    spared = int(GROSS_SHARE * len(cost))
     return float(np.minimum(ordered[:spared], GROSS).sum() + ordered[spared:].sum())
 
 
 def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> FloatArray:
     """Huber weights of squared distances, shape (n,); with `reject` gross errors get zero."""
-    scale2 = max(1.0, float(np.median(distance)) / MEDIAN[components])
+    scale2 = max(1.0, float(np.median(distance)) / CHI_SQUARE_MEDIAN[components])
     size = np.sqrt(np.maximum(distance / scale2, 1e-12))
-    weights = np.minimum(1.0, _HUBER / size)
-    spared = int(OUTLIER_SHARE * len(distance))
+    weights = huber_weights(size, _HUBER)
+    spared = int(GROSS_SHARE * len(distance))
     if reject and spared:
         worst = np.argsort(-distance, kind="stable")[:spared]
         weights[worst[distance[worst] > GROSS * scale2]] = 0.0
     return weights
 
 
-def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[FloatArray] | None = None) -> Fit:
+def fit(problem: Problem[C], members: Sequence[C], starts: Sequence[FloatArray] | None = None) -> Fit[C]:
     """Fit a model from the best of the starts given, or of its own."""
     members = tuple(members)
     starts = list(starts) if starts is not None else _starts(problem, members)
@@ -108,7 +111,7 @@ def fit(problem: Problem, members: Sequence[Cause], starts: Sequence[FloatArray]
 
 
 def score_without(
-    problem: Problem, members: Sequence[Cause], starts: Sequence[FloatArray], index: int
+    problem: Problem[C], members: Sequence[C], starts: Sequence[FloatArray], index: int
 ) -> float:
     """Score of a model in which one number stays at zero, the best from several starts.
 
@@ -127,14 +130,14 @@ def score_without(
     return min(scores)
 
 
-def _starts(problem: Problem, members: tuple[Cause, ...]) -> list[FloatArray]:
+def _starts(problem: Problem[C], members: tuple[C, ...]) -> list[FloatArray]:
     starts = [np.zeros(0)]
     for cause in members:
         starts = [np.concatenate([theta, part]) for theta in starts for part in cause.starts(problem.case)]
     return starts
 
 
-def bounds(members: Sequence[Cause]) -> tuple[FloatArray, FloatArray]:
+def bounds(members: Sequence[C]) -> tuple[FloatArray, FloatArray]:
     """Allowed range of theta, two arrays of shape (p,)."""
     none = [np.zeros(0)]
     return (
@@ -143,18 +146,16 @@ def bounds(members: Sequence[Cause]) -> tuple[FloatArray, FloatArray]:
     )
 
 
-def polish(problem: Problem, found: Fit) -> Fit:
+def polish(problem: Problem[C], found: Fit[C]) -> Fit[C]:
     """Walk numbers with a kinked cost over all their kinks; a descent stops at the next one.
 
     A number that may as well be zero becomes zero: a gap is a step until the data say otherwise.
-    The kinks of a torque limit lie at the torques of the trials, which the other numbers then
-    follow in two steps each.
+    The other numbers follow in two steps each.
     """
     for cause in found.members:
         for i in cause.kinked:
             index = found.part(cause).start + i
-            k = int(cause.where.split()[1]) - 1
-            size = np.abs(problem.case.torque[:, k]) / max(problem.case.largest_torque[k], 1e-9)
+            size = cause.kinks(problem.case)
             values = np.unique(np.append(np.quantile(size, np.linspace(0.0, 1.0, _KINKS)), 0.0))
             tried = [(robust_sum(found.prediction.cost), found.theta)]
             for value in values:
@@ -174,7 +175,7 @@ def polish(problem: Problem, found: Fit) -> Fit:
 
 def normal_equations(prediction: Prediction, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Hessian (p, p) and descent (p,) of half the weighted cost."""
-    jacobian, white = prediction.jacobian, prediction.white
+    jacobian, white = prediction.derived, prediction.white
     weighted = jacobian * weights[:, None, None]
     hessian = np.einsum("nip,niq->pq", weighted, jacobian)
     descent = np.einsum("nip,ni->p", weighted, white)
@@ -187,8 +188,8 @@ def normal_equations(prediction: Prediction, weights: FloatArray) -> tuple[Float
 
 
 def _descend(
-    problem: Problem,
-    members: tuple[Cause, ...],
+    problem: Problem[C],
+    members: tuple[C, ...],
     theta: FloatArray,
     steps: int = 25,
     fixed: int | None = None,
@@ -226,8 +227,8 @@ def _descend(
 
 
 def _finish(
-    problem: Problem, members: tuple[Cause, ...], theta: FloatArray, weights: FloatArray, score: float
-) -> Fit:
+    problem: Problem[C], members: tuple[C, ...], theta: FloatArray, weights: FloatArray, score: float
+) -> Fit[C]:
     """Covariance and held-out residuals by one exact step away from the fit to all trials."""
     prediction = problem.predict(members, theta, derivative=True)
     if not members:
@@ -263,7 +264,7 @@ def _finish(
             prediction.residual[rows],
             prediction.white[rows],
             prediction.cost[rows],
-            prediction.jacobian[rows],
+            prediction.derived[rows],
             None if prediction.spread is None else (prediction.spread[0][rows], prediction.spread[1][rows]),
         )
         own_hessian, own_descent = normal_equations(part, weights[rows])
@@ -271,7 +272,7 @@ def _finish(
         change = np.zeros_like(theta)
         change[smooth] = np.linalg.solve(matrix, -own_descent[smooth])
         change = np.clip(theta + change, lower, upper) - theta
-        held_white[rows] -= prediction.jacobian[rows] @ change
+        held_white[rows] -= prediction.derived[rows] @ change
     held_cost = prediction.cost + np.sum(held_white**2, axis=1) - np.sum(prediction.white**2, axis=1)
     held_out = problem.measured_part(held_white)
     return Fit(

@@ -6,46 +6,18 @@ import numpy as np
 from scipy.stats import binom, chi2, wilcoxon
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
-from doormill_ros.diagnosis.loading.fit import Fit
-from doormill_ros.diagnosis.loading.problem import Problem
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.problem import C, Examined, Problem
 
 #: Chance with which honest gross errors sit together, or turn one joint, as much.
 CLUSTERED = 1e-3
 #: Chance with which an equal model loses in as many configurations.
 BEATEN = 0.05
 _SAME_CHANCE = 1e-3  #: share by which two chances differ that are not the same
-_ROUNDING = 1e-9  #: share of the largest value that is no difference
 _SAME = 0.1  #: difference of the cost of a configuration below which it speaks for neither model
 
 
-def halves(problem: Problem) -> dict[str, FloatArray]:
-    """Ways to cut the trials in two, each a mask of shape (n,)."""
-    data, case = problem.data, problem.case
-    force = np.linalg.norm(case.force, axis=1)
-    cuts = {
-        "load": _above(force, float(np.median(force))),
-        "time": _above(data.time, float(np.median(data.time))),
-        "load up or down": _above(case.force[:, 2], 0.0),
-        "load left or right": _above(case.force[:, 1], 0.0),
-    }
-    for k in range(6):
-        size = np.abs(case.torque[:, k])
-        cuts[f"torque of joint {k + 1}"] = _above(size, float(np.median(size)))
-        cuts[f"sign of the torque of joint {k + 1}"] = _above(case.torque[:, k], 0.0)
-        cuts[f"angle of joint {k + 1}"] = _above(data.q[:, k], float(np.median(data.q[:, k])))
-    for name in data.reflectors:
-        cuts[f"reflector {name}"] = data.reflector == name
-    share = {name: mask.mean() for name, mask in cuts.items()}
-    return {name: mask for name, mask in cuts.items() if 0.1 <= share[name] <= 0.9}
-
-
-def _above(values: FloatArray, limit: float) -> BoolArray:
-    """Values above a limit by more than rounding, shape (n,): those of one posture stay on one side of it."""
-    return values > limit + _ROUNDING * max(float(np.abs(values).max()), 1e-300)
-
-
-def instability(problem: Problem, found: Fit, cause: Cause) -> tuple[float, str, float]:
+def instability(problem: Examined[C], found: Fit[C], cause: C) -> tuple[float, str, float]:
     """Smallest probability, over all cuts, that both halves hold the same cause of the same size.
 
     The residual's own size is the yardstick, so that structure left by something else does not
@@ -57,11 +29,11 @@ def instability(problem: Problem, found: Fit, cause: Cause) -> tuple[float, str,
     part = found.part(cause)
     prediction, weights = found.prediction, np.sqrt(found.weights)[:, None]
     target = (prediction.white * weights).ravel()
-    base = prediction.jacobian * weights[:, :, None]
+    base = prediction.derived * weights[:, :, None]
     kept = float((found.weights > 0.0).sum())
     freedom = max(problem.components * kept - found.size, 1.0)
     left = float(target @ target)
-    cuts = halves(problem)
+    cuts = problem.cuts()
     size = max(float(np.linalg.norm(found.theta[part])), 1e-30)
     worst, where, apart = 1.0, "", 0.0
     for name, mask in cuts.items():
@@ -79,7 +51,7 @@ def instability(problem: Problem, found: Fit, cause: Cause) -> tuple[float, str,
     return min(1.0, worst * len(cuts)), where, apart
 
 
-def clustered(problem: Problem, gross: BoolArray) -> bool:
+def clustered(problem: Examined[C], gross: BoolArray) -> bool:
     """Whether gross errors sit together in few configurations or on one reflector.
 
     Args:
@@ -89,7 +61,7 @@ def clustered(problem: Problem, gross: BoolArray) -> bool:
     return clustering(problem, gross) < CLUSTERED
 
 
-def clustering(problem: Problem, gross: BoolArray) -> float:
+def clustering(problem: Examined[C], gross: BoolArray) -> float:
     """Chance with which slips of the hand, which fall anywhere, sit together as much as some trials do.
 
     An unknown effect that shows in a few postures only does not fall anywhere. The smaller chance of two, by
@@ -101,7 +73,7 @@ def clustering(problem: Problem, gross: BoolArray) -> float:
     """
     if gross.sum() < 3:
         return 1.0
-    return min(chance_together(groups, gross) for groups in (problem.configuration, problem.data.reflector))
+    return min(chance_together(groups, gross) for groups in problem.groupings())
 
 
 def chance_together(groups: IntArray, chosen: BoolArray) -> float:
@@ -132,40 +104,13 @@ def chance_together(groups: IntArray, chosen: BoolArray) -> float:
     return float(chance[wanted, together] / chance[wanted].sum())
 
 
-def turned_joint(problem: Problem, residual: FloatArray, gross: BoolArray) -> str:
+def turned_joint(problem: Examined[C], residual: FloatArray, gross: BoolArray) -> str:
     """The joint that gross errors all point along as if it had turned too far; empty for none."""
-    joint, chance = turning(problem, residual, gross)
+    joint, chance = problem.turning(residual, gross)
     return joint if chance < CLUSTERED else ""
 
 
-def turning(problem: Problem, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:
-    """The joint that some trials point along most, and the chance that slips of the hand would as much.
-
-    The cosine of a random direction with a given one is uniform, so 1 - |cos| is a chance; Fisher's
-    sum joins those of all gross errors. A slip of the hand does not know where the axes are.
-
-    Args:
-        problem: The set.
-        residual: Whitened, shape (n, 3).
-        gross: The trials in question, shape (n,).
-    """
-    if problem.components != 3 or not gross.any():
-        return "", 1.0
-    away = residual[gross]
-    chances = np.ones(6)
-    for k in range(6):
-        turn = np.einsum("nij,nj->ni", problem.whiten[gross], problem.case.joint_twist(k)[gross, :3])
-        size = np.linalg.norm(turn, axis=1) * np.linalg.norm(away, axis=1)
-        moved = size > 0.0
-        if not moved.any():
-            continue
-        cosine = np.abs(np.sum(turn * away, axis=1)[moved]) / size[moved]
-        joined = -2.0 * np.sum(np.log(np.maximum(1.0 - cosine, 1e-6)))
-        chances[k] = chi2.sf(joined, 2 * int(moved.sum()))
-    return f"joint {chances.argmin() + 1}", min(6.0 * float(chances.min()), 1.0)
-
-
-def unevenness(problem: Problem, found: Fit, cause: Cause, weights: FloatArray) -> tuple[float, float]:
+def unevenness(problem: Problem[C], found: Fit[C], cause: C, weights: FloatArray) -> tuple[float, float]:
     """Chance that a cause of one size leaves as much scatter between the configurations, and that scatter.
 
     Every configuration may hold its own amount of the cause. A spring that changes from posture to
@@ -183,8 +128,8 @@ def unevenness(problem: Problem, found: Fit, cause: Cause, weights: FloatArray) 
     part = found.part(cause)
     prediction, root = found.prediction, np.sqrt(weights)
     target = (prediction.white * root[:, None]).ravel()
-    base = (prediction.jacobian * root[:, None, None]).reshape(len(target), -1)
-    amount = (prediction.jacobian[:, :, part] @ found.theta[part]) * root[:, None]
+    base = (prediction.derived * root[:, None, None]).reshape(len(target), -1)
+    amount = (prediction.derived[:, :, part] @ found.theta[part]) * root[:, None]
     numbers, group = np.unique(problem.configuration, return_inverse=True)
     if len(numbers) < 2:
         return 1.0, 0.0
@@ -203,7 +148,7 @@ def unevenness(problem: Problem, found: Fit, cause: Cause, weights: FloatArray) 
     return float(chi2.sf(max(gain, 0.0) / scale, more)), scatter
 
 
-def beaten(problem: Problem, best: Fit, other: Fit) -> bool:
+def beaten(problem: Problem[C], best: Fit[C], other: Fit[C]) -> bool:
     """Whether a model predicts worse in most configurations, not only in a few that decide the sum.
 
     What no cause explains is the same within a posture and differs between them, so postures are

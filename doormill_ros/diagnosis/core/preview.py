@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Generic
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.fit import Fit, trial_weights
-from doormill_ros.diagnosis.loading.problem import Problem
-from doormill_ros.diagnosis.ranking import QUANTUM, ranks
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.diagnosis.core.fit import Fit, trial_weights
+from doormill_ros.diagnosis.core.problem import C, Problem
+from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
 
 _ALIKE = 1e-6  #: squared sine of the angle between two effects below which they are one
 
 
-class Preview:
+class Preview(Generic[C]):
     """Derivatives of all candidates at all their starts, computed once for a set."""
 
-    def __init__(self, problem: Problem, candidates: Sequence[Cause]) -> None:
+    def __init__(self, problem: Problem[C], candidates: Sequence[C]) -> None:
         """Derive every candidate, whitened."""
         self.problem, self.candidates = problem, candidates
         blocks, self._owner = [], []
@@ -33,7 +33,7 @@ class Preview:
         sizes = np.diff(ends)
         self._by_size = {int(size): np.flatnonzero(sizes == size) for size in np.unique(sizes)}
 
-    def _left(self, found: Fit) -> tuple[FloatArray, FloatArray]:
+    def _left(self, found: Fit[C]) -> tuple[FloatArray, FloatArray]:
         """Residual (3n,) and derivatives (3n, m) less what the members can take over themselves."""
         white, own = found.prediction.white, found.prediction.jacobian
         # Trials set aside by the smaller model may be just those that a new cause explains.
@@ -46,11 +46,11 @@ class Preview:
             columns = columns - base @ (base.T @ columns)
         return target, columns
 
-    def gains(self, found: Fit) -> FloatArray:
+    def gains(self, found: Fit[C]) -> FloatArray:
         """By how much the score may fall when each candidate joins, at its best start, shape (candidates,)."""
         return self._gains(*self._left(found))[0]
 
-    def _gains(self, target: FloatArray, columns: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _gains(self, target: FloatArray, columns: FloatArray) -> tuple[FloatArray, IntArray]:
         """The gains and the number of the block that gave each."""
         pull = columns.T @ target
         of_block = np.zeros(len(self._blocks))
@@ -69,7 +69,7 @@ class Preview:
                 gains[index], chosen[index] = gain, number
         return gains, chosen
 
-    def pairs(self, found: Fit) -> tuple[FloatArray, FloatArray]:
+    def pairs(self, found: Fit[C]) -> tuple[IntArray, FloatArray]:
         """By how much the score may fall when two candidates join together.
 
         Two effects that hide each other show in no single candidate, so a search that adds one at a
