@@ -100,7 +100,7 @@ class Candidate(Generic[Case]):
         return False
 
     def values(self, theta: FloatArray, case: Case) -> FloatArray:
-        """Reported values of all parameters in a row."""
+        """Reported values of all parameters in a row, shape (v,)."""
         raise NotImplementedError
 
 

@@ -55,7 +55,7 @@ class CameraCause(Candidate[Localisations]):
         return self._sentence
 
     def values(self, theta: FloatArray, case: Localisations | None = None) -> FloatArray:
-        """Parameters as they are."""
+        """Parameters as they are, shape (p,)."""
         return np.array(theta)
 
     def unit(self, case: Localisations) -> FloatArray:

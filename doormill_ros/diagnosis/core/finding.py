@@ -54,7 +54,10 @@ def make_findings(
     structure: bool,
     kept: BoolArray,
 ) -> tuple[Finding[C], ...]:
-    """All established causes, each sized also in the models where equals stand for the others."""
+    """All established causes, each sized also in the models where equals stand for the others.
+
+    `kept` marks the trials that count, shape (n,).
+    """
     doubles = [equals(search, best, cause, structure) for cause in established]
     findings = []
     for i, cause in enumerate(established):

@@ -73,7 +73,7 @@ class Fit(Generic[C]):
 
 
 def robust_sum(cost: FloatArray) -> float:
-    """Sum of costs in which the worst tenth counts no more than GROSS each."""
+    """Sum of costs, shape (n,), in which the worst tenth counts no more than GROSS each."""
     ordered = np.sort(cost)[::-1]
     spared = int(GROSS_SHARE * len(cost))
     return float(np.minimum(ordered[:spared], GROSS).sum() + ordered[spared:].sum())
@@ -92,7 +92,7 @@ def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> Fl
 
 
 def fit(problem: Problem[C], members: Sequence[C], starts: Sequence[FloatArray] | None = None) -> Fit[C]:
-    """Fit a model from the best of the starts given, or of its own."""
+    """Fit a model from the best of the starts given, shape (p,) each, or of its own."""
     members = tuple(members)
     starts = list(starts) if starts is not None else _starts(problem, members)
     best: tuple[float, FloatArray, FloatArray] | None = None

@@ -39,7 +39,7 @@ class Prediction:
 
     @property
     def derived(self) -> FloatArray:
-        """The Jacobian of a prediction that was asked for it."""
+        """The Jacobian of a prediction that was asked for it, shape (n, 3, p)."""
         assert self.jacobian is not None, "predict with derivative=True"
         return self.jacobian
 
@@ -91,14 +91,14 @@ class Examined(Problem[C], Protocol[C]):
         """Group of every trial, shape (n,): an effect sits together in few of them, slips of the hand do not."""
 
     def turning(self, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:
-        """What some trials point along most, and the chance that slips of the hand would as much."""
+        """What trials marked gross, shape (n,), point along most, and the chance that slips would as much."""
 
     def labels(self) -> IntArray:
         """Numbers of the trials as the data give them, shape (n,)."""
 
 
 def split(members: Sequence[C], theta: FloatArray) -> list[tuple[C, FloatArray]]:
-    """Each cause with its part of theta."""
+    """Each cause with its part of theta, shape (p,)."""
     parts: list[tuple[C, FloatArray]] = []
     at = 0
     for cause in members:

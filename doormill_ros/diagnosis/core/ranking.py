@@ -47,6 +47,6 @@ def ranked(
 
 
 def first_largest(values: FloatArray, share: float = 1e-6) -> int:
-    """Index of the first value that is the largest to within a share of it."""
+    """Index of the first of some values, shape (n,), that is the largest to within a share of it."""
     largest = float(np.max(values))
     return int(np.flatnonzero(values >= largest - share * abs(largest))[0])

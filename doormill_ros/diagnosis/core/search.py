@@ -47,7 +47,7 @@ class Search(Generic[C]):
     _walked: set[Identity] = field(default_factory=set)
 
     def fit(self, members: Iterable[C], starts: Sequence[FloatArray] | None = None) -> Fit[C]:
-        """Fit a model once."""
+        """Fit a model once, from the starts given, shape (p,) each, or of its own."""
         members = tuple(members)
         key = frozenset(cause.identity for cause in members)
         if key not in self.fits:

@@ -105,7 +105,7 @@ def chance_together(groups: IntArray, chosen: BoolArray) -> float:
 
 
 def turned_joint(problem: Examined[C], residual: FloatArray, gross: BoolArray) -> str:
-    """The joint that gross errors all point along as if it had turned too far; empty for none."""
+    """The joint that gross errors, marks of shape (n,), all point along as if it had turned; empty for none."""
     joint, chance = problem.turning(residual, gross)
     return joint if chance < CLUSTERED else ""
 

@@ -44,7 +44,7 @@ class HiddenEffect:
 
 
 def hidden_effect(chance: FloatArray, effect: FloatArray, odds: FloatArray | None) -> HiddenEffect:
-    """A hidden effect before its trials were looked at."""
+    """A hidden effect, shape (n, 3), before its trials were looked at; chance and odds have shape (n,)."""
     n = len(chance)
     return HiddenEffect(
         chance,
@@ -93,7 +93,7 @@ def read_states(
 
 
 def undecided(h: HiddenEffect, whiten: FloatArray) -> FloatArray:
-    """What an unknown state adds to -2 log likelihood: its spread, and the information that chose it."""
+    """What an unknown state adds to -2 log likelihood, shape (n,): its spread, and the information that chose it."""
     s, r = np.clip(h.state, 1e-300, 1.0), np.clip(1.0 - h.state, 1e-300, 1.0)
     p = np.where(h.unsure, h.chance, 0.5)
     information = 2.0 * (h.state * np.log(s / p) + (1.0 - h.state) * np.log(r / (1.0 - p)))

@@ -57,7 +57,7 @@ class Pattern(LinearTwist):
         return self._unit(case)
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
-        """Amplitudes."""
+        """Amplitudes, shape (p,)."""
         return np.array(theta)
 
 

@@ -93,19 +93,19 @@ class LoadingProblem:
         return type(self)(self.data, True, self.sight, self.configuration, self.allowed)
 
     def cuts(self) -> dict[str, BoolArray]:
-        """Small and large loads, early and late, each joint's angle and torque, each reflector."""
+        """Small and large loads, early and late, each joint's angle and torque, each reflector; shape (n,)."""
         return halves(self.data, self.case)
 
     def groupings(self) -> Sequence[IntArray]:
-        """Configurations and reflectors."""
+        """Configurations and reflectors, shape (n,) each."""
         return self.configuration, np.unique(self.data.reflector, return_inverse=True)[1]
 
     def turning(self, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:
-        """The joint that some trials point along most, and the chance of that; none along one line of sight."""
+        """The joint that trials marked gross, shape (n,), point along most, and the chance of that; none along one line of sight."""
         return turning(self.case, self.whiten, residual, gross) if self.components == 3 else ("", 1.0)
 
     def labels(self) -> IntArray:
-        """Trial numbers."""
+        """Trial numbers, shape (n,)."""
         return self.data.trial
 
     def _build(self, setup: Setup, largest_torque: FloatArray | None) -> LoadCase:
@@ -153,7 +153,7 @@ class LoadingProblem:
         return size[:, None] * self.sight
 
     def case_of(self, members: Sequence[Cause], theta: FloatArray) -> LoadCase:
-        """Geometry and loads after the causes that act before the elasticity."""
+        """Geometry and loads after the causes, sized by theta, shape (p,), that act before the elasticity."""
         parts = split(members, theta)
         if not any(cause.stage == "setup" for cause in members):
             return self.case

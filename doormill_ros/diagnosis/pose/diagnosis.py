@@ -189,7 +189,7 @@ def _errors(fitted: Fitted, validation: Validation) -> Errors:
 
 
 def rmse(errors: Sequence[FloatArray], kept: Sequence[BoolArray], rotation: bool = False) -> float:
-    """Root mean square length of the position [m] or rotation [rad] error over the rows that count."""
+    """Root mean square length of the position [m] or rotation [rad] error, shape (n, 6), over the rows that count."""
     part = slice(3, 6) if rotation else slice(0, 3)
     return verdict.rmse(np.concatenate(errors)[:, part], np.concatenate(kept), 1)
 

@@ -274,7 +274,7 @@ BINS = 72
 
 
 def bin_of(angle: FloatArray) -> IntArray:
-    """Bin of a turn in which an angle lies."""
+    """Bin of a turn in which each angle lies, shape (n,) [rad]."""
     return (np.floor((angle + np.pi) * BINS / (2.0 * np.pi)).astype(int)) % BINS
 
 

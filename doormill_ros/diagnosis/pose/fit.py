@@ -42,7 +42,7 @@ class Fitted:
 
 
 def contiguous(count: int) -> list[IntArray]:
-    """Rows of the contiguous blocks of a series."""
+    """Rows of the contiguous blocks of a series, shape (k,) each."""
     return [part for part in np.array_split(np.arange(count), BLOCKS) if len(part)]
 
 
@@ -131,7 +131,7 @@ def _move(problem: Problem, solution: Solution) -> None:
 def noise_of(
     errors: Sequence[FloatArray], weights: Sequence[FloatArray], sets: Sequence[PoseSet]
 ) -> tuple[float, float]:
-    """Standard deviation per axis of ordinary rows, position [m] and rotation [rad]; never below the tracker's."""
+    """Standard deviation per axis of errors, shape (n, 6), position [m] and rotation [rad]; at least the tracker's."""
     every = np.concatenate(errors)
     floor = np.array([data.noise for data in sets]).min(axis=0)
     found = []

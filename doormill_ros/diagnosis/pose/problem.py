@@ -82,7 +82,7 @@ class Problem:
         return self.layout.size + PLACEMENT * len(self.sets)
 
     def placement_ids(self, series: int) -> IntArray:
-        """Indices of the placement of a series."""
+        """Indices of the placement of a series, shape (12,)."""
         return self.layout.size + PLACEMENT * series + np.arange(PLACEMENT)
 
     def frames(self, series: int, x: FloatArray | None = None, rows: IntArray | None = None) -> FloatArray:
@@ -100,7 +100,7 @@ class Problem:
     def blocks(
         self, rows: Sequence[Sequence[IntArray]], progress: Callable[[int], None] = lambda n: None
     ) -> list[Block]:
-        """Normal equations of blocks of rows, given for every series."""
+        """Normal equations of blocks of rows, shape (k,) each, given for every series."""
         found = []
         for series, parts in enumerate(rows):
             T = self.frames(series)

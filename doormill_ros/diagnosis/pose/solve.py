@@ -45,7 +45,7 @@ class Solution:
 
 
 def solve(H: FloatArray, g: FloatArray, variance: FloatArray) -> Solution:
-    """Solve with known prior variances."""
+    """Solve H x = g, shapes (m, m) and (m,), with known prior variances, shape (m,)."""
     scale = np.where(np.isfinite(variance), np.sqrt(variance), 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-12)))
     prior = np.where(np.isfinite(variance), 1.0, 1e-10)
     A = np.asfortranarray(H * scale * scale[:, None])
@@ -68,7 +68,7 @@ def learn(
     rounds: int = 8,
     start: FloatArray | None = None,
 ) -> Solution:
-    """Solve and learn the typical size of every group (empirical Bayes, MacKay's update)."""
+    """Solve H x = g and learn the typical size of every group (empirical Bayes, MacKay's update); shapes as `solve`."""
     m = layout.size
     variance = np.full(len(g), np.inf)
     variance[:m] = layout.typical**2 if start is None else start[:m]

@@ -41,7 +41,7 @@ class Split:
 
 
 def without(solution: Solution, ids: IntArray) -> Solution:
-    """The solution with some coefficients held at zero: exact, by conditioning."""
+    """The solution with some coefficients, shape (k,), held at zero: exact, by conditioning."""
     if not len(ids):
         return solution
     C = solution.covariance
@@ -90,12 +90,12 @@ class Validation:
                 self.series.append(Split(rows, found, s))
 
     def remove(self, ids: IntArray) -> None:
-        """Hold coefficients at zero from now on."""
+        """Hold coefficients, shape (k,), at zero from now on."""
         self.blocks = [replace(split, solution=without(split.solution, ids)) for split in self.blocks]
         self.series = [replace(split, solution=without(split.solution, ids)) for split in self.series]
 
     def residuals(self, splits: Sequence[Split], removed: IntArray) -> list[FloatArray]:
-        """Residual of every row by the split that left it out, base axes, with coefficients removed."""
+        """Residual of every row by the split that left it out, base axes, shape (n, 6), with coefficients removed."""
         problem = self.fitted.problem
         out = [np.zeros((len(data), 6)) for data in problem.sets]
         for split in splits:
@@ -166,5 +166,5 @@ class _Linear:
 
 
 def by_block(cost: Sequence[FloatArray]) -> list[FloatArray]:
-    """Sums over the contiguous blocks of every series."""
+    """Sums over the contiguous blocks of every series, shape (10,) each, of costs of rows, shape (n,)."""
     return [np.array([part.sum() for part in np.array_split(one, BLOCKS)]) for one in cost]
