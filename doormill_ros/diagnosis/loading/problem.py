@@ -101,7 +101,7 @@ class LoadingProblem:
         return self.configuration, np.unique(self.data.reflector, return_inverse=True)[1]
 
     def turning(self, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:
-        """The joint that trials marked gross, shape (n,), point along most, and the chance of that; none along one line of sight."""
+        """The joint that trials marked gross, shape (n,), point along most, and its chance; none along one sight."""
         return turning(self.case, self.whiten, residual, gross) if self.components == 3 else ("", 1.0)
 
     def labels(self) -> IntArray:
