@@ -54,10 +54,10 @@ class Names:
         return own.without(function.name)
 
 
-def tests_of(path: Path) -> list[Function]:
-    """The test functions of a file, methods of test classes included."""
+def collected(path: Path) -> list[Function]:
+    """What pytest collects from a file, methods of test classes included."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    return [node for node in ast.walk(tree) if isinstance(node, Function) and node.name.startswith("test_")]
+    return [node for node in ast.walk(tree) if isinstance(node, Function) and node.name.startswith("test")]
 
 
 @functools.cache
