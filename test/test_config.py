@@ -290,6 +290,7 @@ def test_no_document_raises_anything_else(document):
 @settings(max_examples=300, deadline=None)
 @given(st.text(alphabet="ab:-[]{}!&*#|>'\"%@`,?~ \n\t0123456789.eE_<=", max_size=40))
 def test_no_text_raises_anything_else(text):
+    """Read, or refused as no YAML."""
     with suppress(NotYaml):
         parse(text)
 

@@ -190,6 +190,7 @@ def test_reading_gives_back_what_was_written(door):
 
 def test_every_cut_is_named(program):
     data = render_target_file(program, "run-1")
+    assert data.count(b"\n") > len(program.targets) + len(program.motions)
     for length in range(len(data)):
         with pytest.raises((TargetFileCutShortError, TargetLineError)):
             read_target_file(data[:length])

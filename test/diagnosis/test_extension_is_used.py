@@ -68,6 +68,7 @@ def test_the_largest_deviation_on_the_part_shrinks_by_a_third(milled):
 
 
 def test_every_feature_gains(milled):
+    assert [feature.feature for feature in milled["springs"].features] == ["hinge_1", "hinge_2"]
     for one, two in zip(milled["springs"].features, milled["extended"].features, strict=True):
         assert np.sqrt(np.mean(two.deviation**2)) < 0.8 * np.sqrt(np.mean(one.deviation**2))
         assert two.max_deviation < one.max_deviation

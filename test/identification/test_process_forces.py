@@ -195,6 +195,7 @@ def test_table_4_8_is_read_a_hand_behind_the_tool_tip():
 
 
 def test_recipes_take_the_same_arm(cell_recipe):
+    assert [feature.id for feature in cell_recipe.features] == ["hinge_1", "hinge_2"]
     for feature in cell_recipe.features:
         given_at = np.array([0.0, 0.0, feature.wrench_point])
         for name, row in zip(("left_line", "top_turn", "right_line", "bottom_turn"), TABLE_4_8, strict=True):

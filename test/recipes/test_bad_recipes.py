@@ -293,6 +293,7 @@ GOOD = [
 
 @pytest.mark.parametrize("changes", GOOD, ids=[f"{i}" for i in range(len(GOOD))])
 def test_recipe_at_the_limit(document, changes):
+    """The limit itself is not refused."""
     Recipe.from_document(changed(document, changes))
 
 

@@ -38,7 +38,9 @@ def test_every_point_of_an_inset_is_so_far_from_the_wall(shape, share):
     """Measured by shapely against the outline as a fine polygon."""
     distance = share * min(shape.width, shape.length) / 2
     wall = shape.outline().polygon(1e-8).exterior
-    for point in shape.inset(distance).outline().points(step=shape.length / 20):
+    points = shape.inset(distance).outline().points(step=shape.length / 20)
+    assert len(points) >= 20
+    for point in points:
         assert wall.distance(shapely.Point(point)) == pytest.approx(distance, abs=3e-8)
 
 
@@ -50,6 +52,7 @@ def test_order_of_the_outline_is_climb_milling(shape, split):
     The tool axis is the feature's +z, so the spindle turns with +z. At a point of the wall with
     outward normal n the tooth moves along z x n; climb milling means that the tool's feed is opposite.
     """
+    judged = 0
     for segment in shape.outline(split).segments:
         for fraction in (0.2, 0.5, 0.8):
             a, b = segment.points(np.array([fraction - 1e-4, fraction + 1e-4]))
@@ -63,20 +66,24 @@ def test_order_of_the_outline_is_climb_milling(shape, split):
             normal = (outside[0] - centre) / np.linalg.norm(outside[0] - centre)
             tooth = np.cross([0, 0, 1], [*normal, 0])[:2]
             assert tooth @ feed == pytest.approx(-1.0, abs=1e-3)
+            judged += 1
+    assert judged >= 3
 
 
 @given(shapes())
 @settings(max_examples=100, deadline=None)
 def test_arcs_are_arcs(shape):
-    for segment in shape.outline().segments:
-        if segment.is_arc:
-            points = segment.points(np.linspace(0, 1, 9))
-            np.testing.assert_allclose(
-                np.linalg.norm(points - segment.centre, axis=1), segment.radius, rtol=1e-9, atol=1e-12
-            )
-            np.testing.assert_allclose(points[0], segment.start, atol=1e-12)
-            np.testing.assert_allclose(points[4], segment.via, atol=1e-12)
-            np.testing.assert_allclose(points[-1], segment.end, atol=1e-12)
+    arcs = [segment for segment in shape.outline().segments if segment.is_arc]
+    # Sharp corners have none, an oblong one at either end, all others one a corner.
+    assert len(arcs) == (0 if shape.radius == 0 else 2 if 2 * shape.radius == shape.width else 4)
+    for segment in arcs:
+        points = segment.points(np.linspace(0, 1, 9))
+        np.testing.assert_allclose(
+            np.linalg.norm(points - segment.centre, axis=1), segment.radius, rtol=1e-9, atol=1e-12
+        )
+        np.testing.assert_allclose(points[0], segment.start, atol=1e-12)
+        np.testing.assert_allclose(points[4], segment.via, atol=1e-12)
+        np.testing.assert_allclose(points[-1], segment.end, atol=1e-12)
 
 
 def test_thesis_points_run_as_path_20():

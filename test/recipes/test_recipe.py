@@ -28,6 +28,7 @@ def test_door_limits_are_those_of_the_thesis(facts):
 
 def test_shipped_thesis_doors_are_those_of_figure_4_4(facts):
     shipped = shipped_recipes()
+    assert len(facts["verified_paths"]) == 4
     for path in facts["verified_paths"]:
         recipe = shipped[f"thesis_{path['width_mm']}_{path['rotation_deg']}deg"]
         assert recipe.width == path["width_mm"] / 1000

@@ -44,6 +44,7 @@ def test_document_gives_back_every_value(document):
                 assert kept_part[key] == value, f"{path}.{key}"
 
     kept = Recipe.from_document(document).to_document()
+    assert kept["features"]
     check({k: v for k, v in document.items() if k not in ("features", "tools")}, kept)
     for feature, kept_feature in zip(document["features"], kept["features"], strict=True):
         check(feature, kept_feature)

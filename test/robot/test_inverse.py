@@ -41,6 +41,7 @@ def test_table_4_6_to_the_printed_hundredth_of_a_degree(irb6600, position, angle
 def test_table_4_6_was_cut_off_not_rounded(irb6600):
     # The rows of the widest door are our angles cut off after two decimals, every one of them; the
     # others are their mirror image, so that joint 6 of the narrowest is -180 deg minus a cut angle.
+    assert len(TABLE_4_6) == 4
     for (position, widest), (_, narrowest) in zip(TABLE_4_6[0::2], TABLE_4_6[1::2], strict=True):
         found = np.degrees(inverse(irb6600, transform(R_AT_HINGE, np.array(position))))
         row = found[np.abs(found - widest).max(axis=1).argmin()]
@@ -71,10 +72,14 @@ def test_ten_thousand_poses_of_every_branch_come_back(robot, branch):
 
 
 def test_solutions_reach_the_pose_by_plain_denavit_hartenberg(irb6600, table_2_1, frames_of):
+    solved = []
     for q in configurations(irb6600, 200, 7):
         T = frames_of(table_2_1, q)[6]
-        for solution in inverse(irb6600, T):
+        solutions = inverse(irb6600, T)
+        solved.append(len(solutions) > 0)
+        for solution in solutions:
             np.testing.assert_allclose(frames_of(table_2_1, solution)[6], T, atol=1e-9)
+    assert solved == [True] * 200
 
 
 def test_every_turn_within_the_limits_and_none_beyond(irb6600):

@@ -42,7 +42,9 @@ def test_agrees_with_plain_denavit_hartenberg(irb6600, table_2_1, frames_of):
 
 def test_agrees_with_pinocchio(robot):
     ours, pinocchio = Kinematics(robot), PinocchioKinematics(robot)
-    for q in configurations(robot, 300, 2):
+    drawn = configurations(robot, 300, 2)
+    assert len(drawn) == 300
+    for q in drawn:
         np.testing.assert_allclose(ours.forward(q), pinocchio.forward(q), atol=1e-12)
         np.testing.assert_allclose(ours.jacobian(q, POINT), pinocchio.jacobian(q, POINT), atol=1e-12)
         np.testing.assert_allclose(ours.hessian(q, POINT), pinocchio.hessian(q, POINT), atol=1e-12)
@@ -50,7 +52,9 @@ def test_agrees_with_pinocchio(robot):
 
 def test_jacobian_agrees_with_finite_differences_of_plain_kinematics(irb6600, table_2_1, frames_of):
     kinematics = Kinematics(irb6600)
-    for q in configurations(irb6600, 50, 3):
+    drawn = configurations(irb6600, 50, 3)
+    assert len(drawn) == 50
+    for q in drawn:
         T = frames_of(table_2_1, q)[6]
 
         def moved(angles, T=T):
@@ -64,7 +68,9 @@ def test_jacobian_agrees_with_finite_differences_of_plain_kinematics(irb6600, ta
 
 def test_hessian_agrees_with_finite_differences(robot):
     kinematics = Kinematics(robot)
-    for q in configurations(robot, 50, 4):
+    drawn = configurations(robot, 50, 4)
+    assert len(drawn) == 50
+    for q in drawn:
         numeric = central(lambda angles: kinematics.jacobian(angles, POINT), q, 1e-5)
         np.testing.assert_allclose(kinematics.hessian(q, POINT), numeric, atol=1e-9)
 

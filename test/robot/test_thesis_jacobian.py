@@ -78,7 +78,9 @@ def printed(q1, q2, q3, q4, q5):
 def test_entries_agree_but_for_the_exchanged_lengths(irb6600, seed):
     q = np.random.default_rng(seed).uniform(irb6600.lower, irb6600.upper)
     J = Kinematics(irb6600).jacobian(q)
-    for (row, column), value in printed(*q[:5]).items():
+    entries = printed(*q[:5])
+    assert len(entries) == 3 * 6 + 5  # all of the rotation, five of the position
+    for (row, column), value in entries.items():
         ours = J[row - 1, column - 1]
         if (row, column) == (1, 1):
             # A.6 builds its first link as TrZ(L2) TrX(L1): 0.320 up and 0.780 out where table 2.1

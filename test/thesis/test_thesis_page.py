@@ -61,7 +61,9 @@ def test_comparison_table(page, computed):
     data, recovery, fit = computed
     section = "Simulation against measurement (table 4.2)"
     for side, suffix in ((1, "load's side"), (-1, "other side")):
-        for r in compare_with_simulation(data, recovery, overall_std(recovery, fit), side):
+        rows = compare_with_simulation(data, recovery, overall_std(recovery, fit), side)
+        assert [r.joint for r in rows] == [1, 2, 3, 4, 5, 6]
+        for r in rows:
             first = str(r.joint) if r.joint < 6 else f"6, reflector on the {suffix}"
             cells = row(page, section, first)
             assert numbers(cells[1])[0] == pytest.approx(r.measured * 1e6, abs=0.051)

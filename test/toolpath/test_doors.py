@@ -84,6 +84,7 @@ def test_motions_join_and_arcs_keep_the_limits(standard):
 def test_configuration_is_constant_through_each_feature(cell, standard):
     """Joint angles never jump while cutting, and the branch (cfx) stays."""
     recipe, _, program = standard
+    assert len(recipe.features) == 6
     for feature in recipe.features:
         used = [m for m in program.motions if m.feature == feature.id]
         q = np.array([program.targets[m.target].q for m in used])
@@ -236,8 +237,9 @@ def test_exaggeration_is_of_the_correction_alone(cell, standard):
     """A factor of 1 draws the corrected targets themselves, 0 the nominal ones."""
     from doormill_ros.toolpath.drawing import _ways
 
-    _, T_base_door, program = standard
+    recipe, T_base_door, program = standard
     cuts = [i for i, m in enumerate(program.motions) if i and m.kind is not MotionKind.JOINT]
+    assert {program.motions[i].feature for i in cuts} >= {feature.id for feature in recipe.features}
     for factor, pose in ((0.0, "T_base_tool_nominal"), (1.0, "T_base_tool_corrected")):
         for (points, feature, _), i in zip(_ways(program, T_base_door, factor), cuts, strict=True):
             motion = program.motions[i]

@@ -101,11 +101,13 @@ def shared_targets_leave(cell, program):
 
 
 def judged(cell, recipe, T_base_door, program, limit):
+    assert program.targets
     for target in program.targets:
         T_base_tool = cell.kinematics.forward(target.q) @ cell.layout.T_flange_tool
         assert np.abs(T_base_tool - target.T_base_tool_corrected).max() < 1e-8
         assert np.all((target.q > cell.robot.lower) & (target.q < cell.robot.upper))
     part = inspect(recipe, T_base_door, cell.execute(program, cell.springs))
+    assert len(part.features) == len(recipe.features) > 0
     for result in part.features:
         assert result.milled
         assert result.max_deviation < limit, result.feature
@@ -162,6 +164,8 @@ def test_the_program_of_the_thesis_leaves_what_its_14_poses_must_leave(cell, doo
     if refusal is None:
         event("milled by the general program")
         judged(cell, free, T_base_door, program, LIMIT)
+    else:
+        assert cause_is_there(cell, free, T_base_door, refusal), refusal.message
 
 
 SIZES = list(itertools.product((1000, 3000), (190, 1350), (30, 100)))

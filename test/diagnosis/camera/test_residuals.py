@@ -171,6 +171,7 @@ def test_a_lens_without_distortion_reads_as_a_pinhole():
     centre = camera.T_base_camera(WIDTH)[1:3, 3] - layout.T_base_door(WIDTH, THICKNESS)[1:3, 3]
     pinhole = Localisations(moved, moved, np.zeros(9), STD, centre)
     known = replace(pinhole, reading=DoorReading(camera, layout, WIDTH, THICKNESS))
+    assert {"camera_scale", "camera_turn", "camera_tilt"} <= {cause.name for cause in camera_causes()}
     for cause in camera_causes():
         if cause.name in ("camera_scale", "camera_turn", "camera_tilt"):
             expected = cause.unit(pinhole)[:, :2]

@@ -48,6 +48,7 @@ def test_held_out_residuals_are_those_of_refits_without_the_configuration(make_s
     problem = Problem(data)
     members = [build_cause(effect["cause"], effect["where"]), build_cause("joint_stiffness", "joint 4")]
     own = fit(problem, members)
+    assert set(problem.folds) == set(range(10))  # as many as the set has postures
     for fold in range(problem.folds.max() + 1):
         rows = problem.folds == fold
         peer = least_squares(

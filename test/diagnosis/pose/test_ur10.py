@@ -26,6 +26,7 @@ def found():
 def test_the_nominal_model_is_as_wrong_as_published(found):
     """0.8 to 1.0 mm by the task that came with the data."""
     kept = [~bad for bad in found.gross]
+    assert len(kept) == len(NAMES)
     for errors, good in zip(found.before.blocks, kept, strict=True):
         assert 0.75e-3 < rmse([errors], [good]) < 1.1e-3
 
@@ -45,5 +46,6 @@ def test_blocks_left_out_are_predicted_to_a_tenth_of_a_millimetre(found):
 
 
 def test_whole_series_left_out_gain_too(found):
+    assert len(found.gross) == len(NAMES)
     for before, after, bad in zip(found.before.series, found.after.series, found.gross, strict=True):
         assert rmse([after], [~bad]) < 0.5 * rmse([before], [~bad])

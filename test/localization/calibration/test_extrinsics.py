@@ -15,6 +15,7 @@ from support.sensors.axis_vision import AxisVisionRig
 from support.sensors.pose_errors import assert_honest
 
 QUALITY = PictureQuality(2.0, 25.0)
+SEEDS = 4
 MOVES = [
     (0.04, (0, 0, 0)),
     (0.04, (0, 0.01, 0)),
@@ -56,13 +57,13 @@ def moved_doors(rig, seed):
 def calibrations(rig):
     """(found, true T_base_camera at a width of zero)."""
     out = []
-    for seed in range(4):
+    for seed in range(SEEDS):
         centre, axes = rig.stand(0, 0.826, 0.04, seed)
         true = transform(axes, centre + np.array([0.0, 0.826 / 2, 0.0]))
         out.append(
             (calibrate_extrinsics(moved_doors(rig, seed), load_camera(), load_layout(), QUALITY), true)
         )
-    assert len(out) == 4
+    assert len(out) == SEEDS
     return out
 
 
@@ -78,6 +79,7 @@ def test_the_mounting_comes_back_with_an_honest_covariance(calibrations):
 
 def test_what_remains_in_the_pose_of_a_door_is_hundredths_of_a_millimetre(calibrations):
     """Place and turn of the camera trade against each other; the door's pose hardly notices."""
+    assert len(calibrations) == SEEDS
     for found, _ in calibrations:
         assert set(found.door_deviation) == {0.04, 0.1}
         for y, z, rotation in found.door_deviation.values():
@@ -87,6 +89,7 @@ def test_what_remains_in_the_pose_of_a_door_is_hundredths_of_a_millimetre(calibr
 
 
 def test_the_thesis_scale_is_that_of_the_camera_at_that_thickness(calibrations):
+    assert len(calibrations) == SEEDS
     for found, true in calibrations:
         assert len(found.scale) == 2
         for thesis, model in zip(found.scale, found.model_scale, strict=True):

@@ -19,7 +19,9 @@ def stiff(irb6600):
 def test_complementary_stiffness_by_finite_differences(irb6600, stiff, configurations):
     # d(J^T W)/dq with W held in the base frame.
     kinematics = Kinematics(irb6600)
-    for q in configurations(60, 51):
+    drawn = configurations(60, 51)
+    assert len(drawn) == 60
+    for q in drawn:
         h = 1e-5
         numeric = np.stack(
             [
@@ -46,7 +48,9 @@ def test_complementary_stiffness_improves_on_the_true_equilibrium(irb6600, stiff
     # the tool's way, which is of the same order as K_c.)
     model = JointSpringModel(irb6600)
     K = np.diag(irb6600.stiffness)
-    for q in configurations(60, 53):
+    drawn = configurations(60, 53)
+    assert len(drawn) == 60
+    for q in drawn:
         dq = np.zeros(6)
         for _ in range(80):
             dq = model.kinematics.jacobian(q + dq, POINT).T @ WRENCH / irb6600.stiffness
@@ -74,7 +78,9 @@ def test_the_remaining_error_falls_with_the_square_of_the_load(irb6600, stiff, c
 
 
 def test_stiffness_times_deflection_is_the_wrench(stiff, configurations):
-    for q in configurations(100, 55):
+    drawn = configurations(100, 55)
+    assert len(drawn) == 100
+    for q in drawn:
         for wrench, deflection in (
             (WRENCH, stiff.deflection(q, WRENCH, POINT)),
             (None, stiff.compliance(q, POINT) @ WRENCH),

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.registry import build_cause, candidates
+from doormill_ros.robot_model.elastic.causes.registry import LIBRARY, build_cause, candidates
 from support.truth.loading_test import Spoil
 
 #: Name, place and parameters of one example each, as the set description fixes them.
@@ -119,6 +119,7 @@ def test_derivatives_agree_with_finite_differences(make_set, name, where, parame
         hidden = members[0].hidden_state(problem.case_of(members, theta))
         # The state of a trial near zero torque is chosen anew at every theta; leave those out.
         sure = np.ones(len(problem), bool) if hidden is None else (hidden == 0.0) | (hidden == 1.0)
+        assert len(theta) >= members[0].size > 0
         for i in range(len(theta)):
             step = 1e-6 * max(1.0, abs(theta[i]))
             up, down = theta.copy(), theta.copy()
@@ -164,12 +165,14 @@ def test_no_cause_means_no_effect(problem):
         *candidates(data.reflectors),
         *unnamed_patterns(data.q, data.time, data.temperature, data.dt),
     ]
+    assert len(everything) > len(LIBRARY)
     plain = problem.predict([], np.zeros(0)).residual
     for cause in everything:
         np.testing.assert_allclose(problem.predict([cause], np.zeros(cause.size)).residual, plain, atol=1e-15)
 
 
 def test_every_cause_tells_its_pattern():
+    assert {cause.name for cause in candidates(["ee"])} == {kind.name for kind, _, _ in LIBRARY}
     for cause in candidates(["ee"]):
         sentence = cause.pattern()
         assert len(sentence) > 30

@@ -23,7 +23,9 @@ def test_torque_is_the_gradient_of_work(irb6600, link_pose, configurations):
     model = JointSpringModel(irb6600)
     wrench = np.array([120.0, -340.0, 220.0, 0, 0, 0])
     for link in (2, 4, 6):
-        for q in configurations(10, link):
+        drawn = configurations(10, link)
+        assert len(drawn) == 10
+        for q in drawn:
             h = 1e-6
             numeric = [
                 (
@@ -40,7 +42,9 @@ def test_deflection_is_where_the_bent_joints_put_the_tool(irb6600, link_pose, co
     # Torque by plain gradient, joints bent by torque over stiffness, tool placed by plain kinematics.
     model = JointSpringModel(irb6600)
     wrench = np.array([2.0, -3.5, 1.2, 0, 0, 0])
-    for q in configurations(40, 21):
+    drawn = configurations(40, 21)
+    assert len(drawn) == 40
+    for q in drawn:
         h = 1e-6
         torque = [
             (
@@ -77,7 +81,9 @@ def test_load_and_reflector_change_places(irb6600, configurations):
     model = JointSpringModel(irb6600)
     u, v = np.array([0.36, 0.48, 0.8]), np.array([-0.6, 0.64, 0.48])
     at_a, at_b = np.append(u, [0, 0, 0]), np.append(v, [0, 0, 0])
-    for q in configurations(50, 41):
+    drawn = configurations(50, 41)
+    assert len(drawn) == 50
+    for q in drawn:
         there = model.displacement(q, 100 * at_a, POINT, 3, REFLECTOR, load_link=6) @ v
         back = model.displacement(q, 100 * at_b, REFLECTOR, 6, POINT, load_link=3) @ u
         assert there == pytest.approx(back, rel=1e-9, abs=1e-15)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from doormill_ros.abb.errors import AbbError
@@ -174,8 +174,7 @@ def test_no_lost_doubled_or_exchanged_line_is_milled(data, good, checker):
         changed.insert(j, lines[i])
     else:
         changed[i], changed[j] = lines[j], lines[i]
-    if changed == lines:
-        return
+    assume(changed != lines)
     assert not checker(("\n".join(changed) + "\n").encode())
 
 

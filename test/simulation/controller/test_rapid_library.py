@@ -137,6 +137,7 @@ def test_strings_survive_being_written_as_literals(text):
 
 @given(st.text(max_size=60))
 def test_no_text_crashes_the_reading_of_literals(text):
+    """A text that is no literal is no error either."""
     for kind in (NUM, STRING, ROBTARGET, ArrayType(NUM, (2, 2))):
         parse_literal(text, kind)
 
