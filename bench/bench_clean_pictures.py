@@ -20,11 +20,11 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture.optics import expose
-from doormill_ros.simulation.picture.picture import expected_picture
 from doormill_ros.simulation.picture.scene import PictureScene, Sensor
 from doormill_ros.units import MM
 from harness import Entry, limit
 from support.pictures.bound import cramer_rao_deviations
+from support.pictures.expected import expected_picture
 
 COUNT, SEED = 200, 2018  # pictures of a set; the spread of 200 is known to 5 %
 ALLOWED = 1.5

@@ -19,13 +19,14 @@ import py_opw_kinematics as opw
 from eaik.IK_URDF import UrdfRobot
 
 from doormill_ros.robot.description import Robot, load_robot
-from doormill_ros.robot.inverse import inverse_all, inverse_branches
+from doormill_ros.robot.inverse import inverse_branches
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot.ortho_parallel import ortho_parallel
 from doormill_ros.workspace.conditioning import characteristic_length
 from doormill_ros.workspace.grid import thesis_grid
 from doormill_ros.workspace.maps import WRENCH_TEXT, compute_maps
 from harness import Entry, compare, entry
+from support.inverse_kinematics import inverse_all
 
 SAMPLE = 2000  #: configurations of the pinocchio loop; the full grid follows by proportion
 POSES = 10_000

@@ -13,8 +13,6 @@ MM = 1e-3  #: metres in a millimetre
 UM = 1e-6  #: metres in a micrometre; also radians in a microradian
 DEG = math.pi / 180.0  #: radians in a degree
 RPM = 2.0 * math.pi / 60.0  #: radians per second in a revolution per minute
-INCH = 25.4e-3  #: metres in an inch
-FOOT = 12.0 * INCH  #: metres in a foot
 #: Standard acceleration of free fall [m/s^2] (3rd CGPM 1901), along base -z; what weighs a load here takes it.
 GRAVITY = 9.80665
 

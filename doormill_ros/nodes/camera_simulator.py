@@ -24,7 +24,6 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera, Sensor
 
-RETRY_PERIOD = 2.0  # s
 UNSET = 999.0
 
 

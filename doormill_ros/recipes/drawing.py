@@ -102,20 +102,6 @@ class DoorDrawing:
             points = _points(self.panels[name].pixels(points_door))
             elements.append(f'<polyline class="overlay" {style} points="{points}"/>')
 
-    def overlay_exaggerated(
-        self,
-        layer: str,
-        nominal_door: FloatArray,
-        shifted_door: FloatArray,
-        factor: float,
-        feature: str | None = None,
-        colour: str = "#06c",
-    ) -> None:
-        """Draw `shifted` with its distance from `nominal` multiplied, both shape (n, 3) [m]."""
-        nominal = np.asarray(nominal_door, dtype=float)
-        shown = nominal + factor * (np.asarray(shifted_door, dtype=float) - nominal)
-        self.overlay(layer, shown, feature, colour)
-
     def note(self, text: str, layer: str = "labels") -> None:
         """Add a line of text under the title, for example what an overlay shows."""
         count = sum('class="note"' in element for elements in self.layers.values() for element in elements)

@@ -34,7 +34,6 @@ RULE_FILES = (
     "features/*.py",
 )
 SHARED_FILES = ("config.py", "values.py")  #: of the package above, which read every configuration
-UNKNOWN_RULES = ""  #: of records from before rules were noted
 
 
 @functools.cache

@@ -1,4 +1,4 @@
-"""Closed-form inverse kinematics: every branch and every extra turn that the limits allow.
+"""Closed-form inverse kinematics: every branch.
 
 The eight branches come from py-opw-kinematics. Branches are numbered like RAPID's cfx: 4 when
 the wrist centre is behind axis 1, plus 2 when it is behind the lower arm, plus 1 when axis 5 is
@@ -8,7 +8,7 @@ negative.
 from __future__ import annotations
 
 import functools
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 
 import numpy as np
 import py_opw_kinematics as opw
@@ -22,63 +22,11 @@ from doormill_ros.robot.ortho_parallel import OrthoParallel, ortho_parallel
 BRANCHES = 8
 _TURN = 2.0 * np.pi
 _SLOT_OF_BRANCH = [4 * (b & 1) + 2 * (b >> 2 & 1) + (b >> 1 & 1) for b in range(BRANCHES)]
-_LIMIT_SLACK = 1e-9  # rad; a pose computed at a limit must not be lost to rounding
 _FLAT_WRIST = 1e-3  # sine of axis 5 below which the library's arc cosine loses digits
 _NUDGE = 1e-5  # rad
 _ALIGNED_WRIST = 1e-10  # sine of axis 5 below which only the sum of axes 4 and 6 is defined
 # Limits that nothing satisfies: the library then skips singular values that nobody asked for.
 _NO_LIMITS = np.tile([1e3, 1e3 + 1.0], (JOINTS, 1))
-
-
-@dataclass(frozen=True, eq=False)
-class Solutions:
-    """All solutions of many poses.
-
-    Attributes:
-        q: Joint angles within the limits, shape (m, 6) [rad].
-        pose: Index of the pose that each row solves, ascending, shape (m,).
-        branch: Branch 0..7 of each row, ascending within a pose, shape (m,).
-    """
-
-    q: FloatArray
-    pose: IntArray
-    branch: IntArray
-
-
-def inverse(robot: Robot, T_base_flange: FloatArray) -> FloatArray:
-    """All joint angles within the limits that reach one pose, shape (n, 6) [rad].
-
-    Empty, shape (0, 6), when the pose is out of reach or beyond the limits. At a wrist
-    singularity axes 4 and 6 turn about one line; axis 4 is then given as zero or a half turn.
-
-    Args:
-        robot: The robot.
-        T_base_flange: The pose, shape (4, 4).
-
-    Raises:
-        GeometryError: The robot has no closed-form inverse here.
-    """
-    return inverse_all(robot, np.asarray(T_base_flange, dtype=float)[None]).q
-
-
-def inverse_all(robot: Robot, T_base_flange: FloatArray) -> Solutions:
-    """All joint angles within the limits that reach each of many poses.
-
-    Args:
-        robot: The robot.
-        T_base_flange: Poses, shape (n, 4, 4).
-
-    Raises:
-        GeometryError: The robot has no closed-form inverse here.
-    """
-    branches = inverse_branches(robot, T_base_flange)
-    pose: IntArray
-    branch: IntArray
-    pose, branch = np.nonzero(np.isfinite(branches[..., 0]))
-    q = branches[pose, branch]
-    for joint in range(JOINTS):
-        q, pose, branch = _with_turns(robot, joint, q, pose, branch)
-    return Solutions(q, pose, branch)
 
 
 def inverse_branches(robot: Robot, T_base_flange: FloatArray) -> FloatArray:
@@ -130,20 +78,6 @@ def _turned_about_wrist(arm: OrthoParallel, T_base_flange: FloatArray) -> FloatA
 @functools.cache
 def _solver(arm: OrthoParallel) -> opw.Robot:
     return opw.Robot(opw.KinematicModel(**asdict(arm)), degrees=False)
-
-
-def _with_turns(
-    robot: Robot, joint: int, q: FloatArray, pose: IntArray, branch: IntArray
-) -> tuple[FloatArray, IntArray, IntArray]:
-    """Repeat the rows for each whole turn of a joint that lands within its limits."""
-    low, high = robot.lower[joint] - _LIMIT_SLACK, robot.upper[joint] + _LIMIT_SLACK
-    turns = np.arange(np.floor((low + np.pi) / _TURN), np.ceil((high - np.pi) / _TURN) + 1) * _TURN
-    angle = q[:, joint, None] + turns
-    # Row by row, so that the rows stay in the order of poses and branches.
-    row, column = np.nonzero((angle >= low) & (angle <= high))
-    q = q[row]
-    q[:, joint] = angle[row, column]
-    return q, pose[row], branch[row]
 
 
 def _exact_wrist(robot: Robot, q: FloatArray, T_base_flange: FloatArray, flip: IntArray) -> FloatArray:

@@ -8,8 +8,6 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS, chain_frames, cross, jacobian_columns
 from doormill_ros.robot.description import Robot
 
-_FLANGE = np.zeros(3)
-
 
 class Kinematics:
     """Vectorised kinematics from the Denavit-Hartenberg table.

@@ -14,7 +14,6 @@ from doormill_ros.recipes.features.lock_case import LockCase
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.singularity import clearance
-from doormill_ros.toolpath.errors import CycleTimeError
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.timing import feature_times, motion_times
@@ -101,30 +100,6 @@ def check_door(
             used.setdefault(motion.feature, set()).update(places)
     rows = [_feature_check(name, sorted(used[name]), by_feature[name], program, robot) for name in used]
     return DoorCheck(tuple(rows), _budgets(by_feature, recipe, settings), float(times.sum()))
-
-
-def require_cycle(checks: Sequence[DoorCheck], settings: PathSettings | None = None) -> float:
-    """Time of the door: its slowest robot and probing [s].
-
-    Args:
-        checks: One of each robot that mills the door at the same time.
-        settings: Values of config/toolpath.yaml; None reads the file.
-
-    Raises:
-        CycleTimeError: It is longer than appendix A.1 allows.
-    """
-    whole = cycle_budget(checks, settings)
-    if not whole.kept:
-        slow = max((f for check in checks for f in check.features), key=lambda f: f.time)
-        raise CycleTimeError(
-            f"{slow.feature}: it takes {slow.time:.1f} s, which makes the door {whole.found:.1f} s with "
-            f"probing, allowed are {whole.allowed:.1f} s; raise its feed or depth step, "
-            "or split the door between two robots",
-            feature=slow.feature,
-            found=whole.found,
-            allowed=whole.allowed,
-        )
-    return whole.found
 
 
 def cycle_budget(checks: Sequence[DoorCheck], settings: PathSettings | None = None) -> Budget:

@@ -6,9 +6,9 @@ import pytest
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import load_settings
-from doormill_ros.simulation.picture.picture import expected_picture
 from doormill_ros.simulation.picture.scene import Edges, PictureScene, Sensor
 from support.pictures.bound import cramer_rao_deviations, picture_information
+from support.pictures.expected import expected_picture
 
 WIDTH, THICKNESS, NOISE = 0.9, 0.05, 2.0
 

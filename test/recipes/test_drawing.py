@@ -84,7 +84,7 @@ def test_exaggeration_multiplies_the_distance(recipe):
     nominal = np.array([[0, 0.1, 0.5], [0, 0.2, 0.5]])
     shifted = np.add(nominal, [0, 0, 0.0003])
     drawing.overlay("nominal", nominal)
-    drawing.overlay_exaggerated("corrected", nominal, shifted, 200.0)
+    drawing.overlay("corrected", nominal + 200.0 * (shifted - nominal))
     svg = drawing.to_svg()
     a, b = (pixels(group(svg, name)[0]) for name in ("nominal", "corrected"))
     np.testing.assert_allclose((a - b)[:, 1] / (HEIGHT / 2.0), 0.06, atol=1e-3)

@@ -6,9 +6,9 @@ from doormill_ros.robot.branch import choose_branch
 from doormill_ros.robot.branch_rules import BranchRules
 from doormill_ros.robot.configuration import configuration_index
 from doormill_ros.robot.errors import BranchError, JointLimitError, SingularityError, UnreachableError
-from doormill_ros.robot.inverse import inverse_all
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot.singularity import clearance
+from support.inverse_kinematics import inverse_all
 
 R_AT_HINGE = np.array([[0, 0, 1], [-1, 0, 0], [0, -1, 0.0]])
 

@@ -8,8 +8,8 @@ import yaml
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import GeometryError, RobotDescriptionError
-from doormill_ros.robot.inverse import inverse
 from doormill_ros.robot.kinematics import Kinematics
+from support.inverse_kinematics import inverse
 from support.pinocchio_model import PinocchioKinematics
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from doormill_ros.recipes.tool import Tool
-from doormill_ros.units import FOOT, INCH, MM, RPM
+from doormill_ros.units import MM, RPM
 
+INCH = 25.4e-3  #: metres in an inch
+FOOT = 12.0 * INCH  #: metres in a foot
 SURFACE_FOOT_PER_MINUTE = FOOT / 60.0  #: metres per second in a surface foot per minute (SFM)
 #: The cutter of section 3.9: 19 mm, two flutes, 18000 rpm; chip load of similar tools, softwood.
 THESIS_MILL = Tool("19 mm two-flute straight wood mill", 19.0 * MM, 2, 0.1, 18000.0 * RPM)

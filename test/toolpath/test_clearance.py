@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from doormill_ros.recipes.door import Side
-from doormill_ros.robot.inverse import inverse
 from doormill_ros.toolpath.clearance import _gaps
 from doormill_ros.toolpath.settings import load_settings
+from support.inverse_kinematics import inverse
 from support.tool_poses import T_door_tool
 
 APPROACH = replace(load_settings().approach, nose=0.120, mill_radius=0.010, spindle_radius=0.060)

@@ -8,12 +8,13 @@ import pytest
 
 from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.simulation.milled_part import inspect
-from doormill_ros.toolpath.door_checks import check_door, require_cycle, text_table
+from doormill_ros.toolpath.door_checks import check_door, text_table
 from doormill_ros.toolpath.drawing import draw_program, save_png
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
 from doormill_ros.toolpath.timing import motion_times
+from support.cycle import require_cycle
 
 
 @pytest.fixture(scope="module")

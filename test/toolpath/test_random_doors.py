@@ -12,7 +12,6 @@ from hypothesis import HealthCheck, Phase, event, given, settings
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.recipes.program import Program
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.robot.inverse import inverse
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.toolpath.errors import (
     AirMoveError,
@@ -24,6 +23,7 @@ from doormill_ros.toolpath.errors import (
 from doormill_ros.toolpath.settings import load_settings
 from support import doors
 from support import recipe_strategies as recipes
+from support.inverse_kinematics import inverse
 from support.tool_poses import T_door_tool
 
 # A campaign over other doors each time: DOORMILL_DOORS=500 pytest ...

@@ -16,12 +16,13 @@ from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.toolpath import errors
 from doormill_ros.toolpath.arcs import check_arcs
 from doormill_ros.toolpath.clearance import check_air
-from doormill_ros.toolpath.door_checks import check_door, require_cycle
+from doormill_ros.toolpath.door_checks import check_door
 from doormill_ros.toolpath.operation import operation
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.route import route
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
+from support.cycle import require_cycle
 from support.source_tree import ROOT
 
 LEAVES = [

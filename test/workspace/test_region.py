@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from doormill_ros.robot.inverse import inverse_all
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.workspace.doors import DoorRange, FlangeBox, thesis_box
 from doormill_ros.workspace.posture import R_AT_HINGE, posture_figures
 from doormill_ros.workspace.region import RegionRules, _sliding_minimum, assess, survey
+from support.inverse_kinematics import inverse_all
 
 
 def test_travel_of_table_4_4():

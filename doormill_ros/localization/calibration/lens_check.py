@@ -21,7 +21,6 @@ class LensCheck:
         corner: r' of the picture's farthest corner.
         blind_share: Share of the picture's area beyond `reach`, where a pixel has no ray of its own.
         corner_shift: How far an ideal ray to the farthest corner is moved by the lens, outwards [px].
-        largest_inside: Largest displacement within half of `reach`, or of the corner if it never folds [px].
         usable: Largest r up to which the coefficients stay below 2 % and grow.
     """
 
@@ -30,7 +29,6 @@ class LensCheck:
     corner: float
     blind_share: float
     corner_shift: float
-    largest_inside: float
     usable: float
 
 
@@ -51,7 +49,6 @@ def check_lens(k: FloatArray, size: tuple[int, int], radial: tuple[float, float,
     )
     r = np.hypot((u - k[0, 2]) / k[0, 0], (v - k[1, 2]) / k[1, 1])
     corner, focal = float(r.max()), float(np.sqrt(k[0, 0] * k[1, 1]))
-    inner = np.linspace(0.0, corner if not np.isfinite(fold) else fold / 2, 200)
     steps = np.linspace(1e-4, min(fold, 2 * corner), 4000)
     off = np.abs(distorted_radius(steps, radial) / steps - 1.0) > 0.02
     return LensCheck(
@@ -60,7 +57,6 @@ def check_lens(k: FloatArray, size: tuple[int, int], radial: tuple[float, float,
         corner=corner,
         blind_share=float(np.mean(r > reach)),
         corner_shift=float(distorted_radius(corner, radial) - corner) * focal,
-        largest_inside=float(np.abs(distorted_radius(inner, radial) - inner).max()) * focal,
         usable=float(steps[np.argmax(off)]) if off.any() else float(steps[-1]),
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, Vector3, Wrench
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Vector3, Wrench
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 
@@ -53,8 +53,3 @@ def _vector(values: FloatArray) -> Vector3:
 def wrench_message(wrench: FloatArray) -> Wrench:
     """Wrench from shape (6,), force first [N, N m]."""
     return Wrench(force=_vector(wrench[:3]), torque=_vector(wrench[3:]))
-
-
-def twist_message(twist: FloatArray) -> Twist:
-    """Small displacement from shape (6,), translation first [m, rad]."""
-    return Twist(linear=_vector(twist[:3]), angular=_vector(twist[3:]))

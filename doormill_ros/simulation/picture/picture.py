@@ -155,7 +155,7 @@ class _Painter:
         return [b for b in blocks if b[1] > b[0] and b[3] > b[2]]
 
 
-def _exposure(scene: PictureScene, rng: np.random.Generator) -> Float32Array:
+def exposure(scene: PictureScene, rng: np.random.Generator) -> Float32Array:
     """Light that each pixel collects, shape (rows, columns)."""
     painter = _Painter(scene, rng)
     rows, columns = scene.camera.shape
@@ -173,11 +173,6 @@ def _exposure(scene: PictureScene, rng: np.random.Generator) -> Float32Array:
     return picture
 
 
-def expected_picture(scene: PictureScene, seed: int) -> Float32Array:
-    """What the sensor would show without noise, clipping and rounding: grey levels, float32, (rows, columns)."""
-    return _exposure(scene, np.random.default_rng(seed)) * np.float32(255.0)
-
-
 def render_picture(scene: PictureScene, seed: int) -> ByteArray:
     """The grey picture of a scene, shape (rows, columns).
 
@@ -186,4 +181,4 @@ def render_picture(scene: PictureScene, seed: int) -> ByteArray:
         seed: Of every random field and of the noise; equal seeds give equal pictures.
     """
     rng = np.random.default_rng(seed)
-    return expose(_exposure(scene, rng), scene.sensor, rng)
+    return expose(exposure(scene, rng), scene.sensor, rng)

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from doormill_ros.robot.description import load_robot
-from doormill_ros.robot.inverse import inverse
 from doormill_ros.simulation.controller import controller as controller_module
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.curves import Arc, Line
@@ -24,6 +23,7 @@ from doormill_ros.simulation.controller.rapid.errors import (
     RapidStoppedError,
 )
 from support.configuration import conf_data
+from support.inverse_kinematics import inverse
 
 FREE, ONE = "[9E9,9E9,9E9,9E9,9E9,9E9]", "[1,0,0,0]"
 #: Target a: tool straight ahead, 1.5 m in front of the robot, at the height of its shoulder.

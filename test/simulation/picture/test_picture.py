@@ -8,10 +8,11 @@ import pytest
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.simulation.picture.outline import Outline, wander
-from doormill_ros.simulation.picture.picture import expected_picture, render_picture
+from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import Chip, Edges, PictureScene, Sensor, Surface
 from doormill_ros.units import MM
 from support.pictures.corpus import HARD, corpus
+from support.pictures.expected import expected_picture
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from doormill_ros.cell.layout import DoorOffset
-from doormill_ros.simulation.picture.picture import expected_picture
 from doormill_ros.simulation.picture.scene import PictureScene
+from support.pictures.expected import expected_picture
 
 # Half widths of the differences: y, z [m], rotation, squareness [rad], brightness of face and background.
 _STEPS = np.array([2e-5, 2e-5, 2e-4, 2e-4, 0.01, 0.01])
