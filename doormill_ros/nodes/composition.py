@@ -84,9 +84,7 @@ class Composition(Generic[Driver]):
             node.bring_up()
 
     def _stop(self) -> None:
-        shut_down(self.nodes)
-        if self._executor is not None:
-            self._executor.shutdown(timeout_sec=STOP_LIMIT)
+        shut_down(self.nodes, self._executor, STOP_LIMIT)
         if self._thread is not None:
             self._thread.join(STOP_LIMIT)
         for node in reversed(self._all):

@@ -12,11 +12,13 @@ from collections.abc import Callable, Sequence
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.signals import uninstall_signal_handlers
 
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.resources import resource
 
 THREADS = 4
+STOP_LIMIT = 1.0  # s
 # Parameters of glibc's mallopt.
 _TRIM_THRESHOLD, _TOP_PAD, _MMAP_THRESHOLD = -1, -2, -3
 _MEGABYTE = 1 << 20
@@ -69,16 +71,34 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
         if rclpy.ok():
             raise
     finally:
-        shut_down(nodes)
-        executor.shutdown(timeout_sec=1.0)
+        # An interrupt that another thread took may be told to this one only now; it is told once.
+        try:
+            _ignore_signals()
+        except KeyboardInterrupt:
+            _ignore_signals()
+        shut_down(nodes, executor, STOP_LIMIT)
         rclpy.try_shutdown()
     return 0
 
 
-def shut_down(nodes: Sequence[ManagedNode]) -> None:
-    """Let each node close its files and drop its signals, also when the context is already gone."""
+def shut_down(nodes: Sequence[ManagedNode], executor: MultiThreadedExecutor | None, timeout: float) -> None:
+    """Let each node close its files and drop its signals, then end the executor's threads.
+
+    Also when the context is already gone. The executor waits `timeout` seconds for its callbacks.
+    """
     for node in nodes:
         node.close()
+    # On a signal a thread of rclpy's wakes the executor through a guard condition that it holds no lock on.
+    # Destroyed meanwhile, that is a segmentation fault: the thread has to end first.
+    uninstall_signal_handlers()
+    if executor is not None:
+        executor.shutdown(timeout_sec=timeout)
+
+
+def _ignore_signals() -> None:
+    """Let no signal disturb the end of the process; what is ignored stays so until its last moment."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _keep_freed_memory() -> None:
