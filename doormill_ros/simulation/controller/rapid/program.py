@@ -18,7 +18,7 @@ from doormill_ros.simulation.controller.rapid.scope import Context, GlobalSymbol
 from doormill_ros.simulation.controller.rapid.types import Value, copy
 
 
-class Program:
+class RapidProgram:
     """The modules of one task, loaded and ready to run.
 
     Global data lives as long as this object: PERS keep their values from run to run, VAR are set
