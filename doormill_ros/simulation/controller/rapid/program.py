@@ -75,10 +75,6 @@ class RapidProgram:
         """Whether global data of that name is loaded."""
         return self._modules.data.has_here(name)
 
-    def has_routine(self, name: str) -> bool:
-        """Whether a procedure or function of that name is loaded."""
-        return self._modules.routines.has_here(name)
-
     def _global(self, name: str) -> GlobalSymbol:
         found = self._modules.data.find(name)
         if not isinstance(found, GlobalSymbol):
