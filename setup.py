@@ -43,6 +43,7 @@ setup(
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={
         PACKAGE: [
+            "py.typed",
             "**/*.lark",
             "**/*.html",
             "**/*.j2",

@@ -37,6 +37,11 @@ def s_to_ms(value: Number) -> Number:
     return value * 1e3
 
 
+def n_per_m_to_n_per_um(value: Number) -> Number:
+    """Newtons per metre to newtons per micrometre."""
+    return value / 1e6
+
+
 def rad_s_to_rpm(value: Number) -> Number:
     """Radians per second to revolutions per minute."""
     return value / RPM

@@ -89,7 +89,7 @@ def contradiction(sentence: str) -> PydanticCustomError:
 
 
 @dataclasses.dataclass(frozen=True)
-class Number:
+class FiniteNumber:
     """A finite number in a model; `low` and `high` are allowed themselves unless `above` is set."""
 
     what: str
@@ -119,10 +119,10 @@ class Number:
         return core_schema.no_info_plain_validator_function(self.check)
 
 
-Finite = Annotated[float, Number("a finite number")]
-Positive = Annotated[float, Number("a positive number", 0.0, above=True)]
-NotNegative = Annotated[float, Number("a number from 0 up", 0.0)]
-Count = Annotated[int, Number("a positive whole number", 1.0, whole=True)]
+Finite = Annotated[float, FiniteNumber("a finite number")]
+Positive = Annotated[float, FiniteNumber("a positive number", 0.0, above=True)]
+NotNegative = Annotated[float, FiniteNumber("a number from 0 up", 0.0)]
+Count = Annotated[int, FiniteNumber("a positive whole number", 1.0, whole=True)]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -141,7 +141,7 @@ class Array:
     def check(self, value: object) -> FloatArray:
         """The array of the declared shape, read-only; raises what pydantic expects of a validator."""
         kind = Positive if self.positive else Finite
-        (entry,) = (part for part in typing.get_args(kind) if isinstance(part, Number))
+        (entry,) = (part for part in typing.get_args(kind) if isinstance(part, FiniteNumber))
         numbers: list[float] = []
         if not self._gather(value, self.shape, entry, numbers):
             raise refused(self.what)
@@ -149,7 +149,9 @@ class Array:
         array.setflags(write=False)
         return array
 
-    def _gather(self, value: object, shape: tuple[int, ...], entry: Number, numbers: list[float]) -> bool:
+    def _gather(
+        self, value: object, shape: tuple[int, ...], entry: FiniteNumber, numbers: list[float]
+    ) -> bool:
         if not shape:
             try:
                 numbers.append(entry.check(value))

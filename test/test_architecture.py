@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
 import pytest
@@ -124,3 +125,75 @@ def test_conversions_to_millimetres_and_degrees_stay_at_the_edges() -> None:
         text = path.read_text(encoding="utf-8")
         for word in ("deg2rad", "rad2deg", "math.radians", "math.degrees", "np.radians", "np.degrees"):
             assert word not in text, f"{path.relative_to(ROOT)} spells {word}; use doormill_ros.units"
+
+
+#: Rooms that still spell their conversions; to be emptied.
+SPELL_CONVERSIONS = {"diagnosis", "robot_model"}
+THOUSANDS = {1e3, 1e6, 1e-3, 1e-6}
+
+
+def spelled_conversions(tree: ast.AST) -> list[int]:
+    """Lines that multiply or divide by a power of a thousand, or give one the name of a unit."""
+    lines = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
+            factors = [node.left, node.right]
+        elif isinstance(node, ast.AugAssign) and isinstance(node.op, ast.Mult | ast.Div):
+            factors = [node.value]
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            unit = node.targets[0].id.strip("_").upper() in ("MM", "UM", "MS")
+            factors = [node.value] if unit else []
+        else:
+            continue
+        if any(isinstance(factor, ast.Constant) and factor.value in THOUSANDS for factor in factors):
+            lines.append(node.lineno)
+    return sorted(lines)
+
+
+def test_the_scan_sees_a_spelled_conversion() -> None:
+    text = "a = 1e6 * b\nb = a / 1000\nb *= 1e-3\n_UM = 1e-6\nlimit = 1e-6\nb = a * 1e-9\n"
+    assert spelled_conversions(ast.parse(text)) == [1, 2, 3, 4]
+
+
+def test_conversions_by_thousands_are_functions_of_units() -> None:
+    """Metres to millimetres and the like are called by name."""
+    spelled = {
+        str(path.relative_to(ROOT)): lines
+        for path in SOURCES
+        if path.name != "units.py" and path.relative_to(PACKAGE).parts[0] not in SPELL_CONVERSIONS
+        if (lines := spelled_conversions(ast.parse(path.read_text(encoding="utf-8"))))
+    }
+    assert spelled == {}
+
+
+#: Names that stand twice, and why.
+SAME_NAME = {
+    "JointBacklash": "one cause, as loading tests and as poses see it",
+    "ThermalDrift": "one cause, as loading tests and as poses see it",
+    "Problem": "what a diagnosis asks, of loading tests and of poses",
+    "Parameter": "of a cause; a node of RAPID's syntax bears RAPID's own word",
+    "Text": "of a page; a node of RAPID's syntax bears RAPID's own word",
+    "Section": "of a page, in HTML's word; of a document that is read",
+}
+
+
+def doubled(sources: dict[str, str]) -> dict[str, list[str]]:
+    """Names of public classes of more than one file, with the files."""
+    files: dict[str, list[str]] = {}
+    for path, text in sources.items():
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                files.setdefault(node.name, []).append(path)
+    return {name: paths for name, paths in files.items() if len(paths) > 1}
+
+
+def test_the_scan_sees_a_doubled_name() -> None:
+    sources = {"a.py": "class Step:\n    class _Own: ...\n", "b.py": "class Step: ...\nclass _Own: ...\n"}
+    assert doubled(sources) == {"Step": ["a.py", "b.py"]}
+
+
+def test_a_class_name_means_one_thing() -> None:
+    """Private classes speak to their file alone and may share a name."""
+    texts = {str(path.relative_to(PACKAGE)): path.read_text(encoding="utf-8") for path in SOURCES}
+    twice = doubled(texts)
+    assert set(twice) == set(SAME_NAME), twice

@@ -6,6 +6,8 @@ import ast
 import importlib
 import re
 import runpy
+import subprocess
+import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
@@ -15,7 +17,7 @@ import yaml
 
 from doormill_ros import __version__
 from support.requirements import imported, required
-from support.source_tree import DATA, ROOT, SOURCES
+from support.source_tree import DATA, PACKAGE, ROOT, SOURCES
 
 PACKAGES = (".", "doormill_interfaces")
 KEYS: dict[str, Any] = yaml.safe_load((DATA / "rosdep_keys.yaml").read_text(encoding="utf-8"))
@@ -107,3 +109,22 @@ def test_bags_are_installed_without_the_scripts_that_make_them(monkeypatch: pyte
     installed = {name for _, names in told["data_files"] for name in names}
     assert {"bags/standard_door/metadata.yaml", "config/cell.yaml", "launch/cell.launch.py"} <= installed
     assert {name for name in installed if Path(name).parts[0] == "bags" and name.endswith(".py")} == set()
+
+
+def test_every_file_of_the_package_is_installed_with_it(tmp_path: Path) -> None:
+    """Templates, grammars, styles, scripts and the mark that there are types."""
+    subprocess.run(
+        [sys.executable, "setup.py", "-q", "build_py", "--build-lib", tmp_path],
+        cwd=ROOT,
+        check=True,
+        timeout=200,
+    )
+
+    def files(package: Path) -> set[str]:
+        names = {path.relative_to(package) for path in package.rglob("*") if path.is_file()}
+        return {str(name) for name in names if "__pycache__" not in name.parts}
+
+    built = files(tmp_path / PACKAGE.name)
+    assert "py.typed" in built
+    assert {Path(name).suffix for name in built} >= {".lark", ".j2", ".html", ".css", ".js", ".svg"}
+    assert built == files(PACKAGE)

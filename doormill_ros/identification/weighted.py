@@ -25,6 +25,7 @@ from doormill_ros.robot.kinematics import Kinematics
 #: A joint counts as identified when its compliance is known better than to this share.
 WORST_RELATIVE_STD = 0.5
 _MAX_ROUNDS = 30
+_UNTOLD = 1e6  # how much worse than the best told a direction without information counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +156,7 @@ def _solve(design: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArr
     solution = v @ ((v.T @ (design / scale).T @ target) / s[:rank] ** 2) / scale
     half = v / s[:rank]
     # A direction without information has infinite variance, not none; a huge one keeps the arithmetic finite.
-    nothing = vt[rank:].T * 1e6 / s[0]
+    nothing = vt[rank:].T * _UNTOLD / s[0]
     covariance = half @ half.T + nothing @ nothing.T
     return solution, covariance / np.outer(scale, scale), rank
 

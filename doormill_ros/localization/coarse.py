@@ -29,7 +29,7 @@ _PARALLEL = 9.0e-3  # largest difference between the tilts of the two edges, as 
 
 
 @dataclass(frozen=True)
-class Line:
+class EdgeLine:
     """A candidate: place at the nominal corner [m], slope across per along, step [grey levels]."""
 
     across: float
@@ -37,7 +37,7 @@ class Line:
     step: float
 
 
-def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
+def candidates(steps: Steps, reach: float) -> tuple[list[EdgeLine], float]:
     """Lines that stand out of the texture, from the inside outwards, and the texture's level.
 
     Args:
@@ -66,7 +66,7 @@ def candidates(steps: Steps, reach: float) -> tuple[list[Line], float]:
     for j in found[::-1]:
         k = int(np.argmax(strength[:, j]))
         tilt = float(steps.tilts[k])
-        lines.append(Line(float(across[j]) - tilt * steps.middle, tilt, float(steps.scores[k, j])))
+        lines.append(EdgeLine(float(across[j]) - tilt * steps.middle, tilt, float(steps.scores[k, j])))
     return lines, median(level)
 
 
@@ -76,7 +76,7 @@ def _distant_pairs(count: int) -> tuple[IntArray, IntArray]:
     return np.triu_indices(count, max(count // 4, 1))
 
 
-def refine(steps: Steps, line: Line) -> Line:
+def refine(steps: Steps, line: EdgeLine) -> EdgeLine:
     """Place a line to about a pixel: peak of the step in each piece of edge, then a robust line."""
     where, half = steps.where, 3
     centre = np.rint((line.across + line.tilt * steps.centres - where.across[0]) / where.step).astype(int)
@@ -105,17 +105,17 @@ def refine(steps: Steps, line: Line) -> Line:
         mean_s, mean_d = weight @ s / total, weight @ d / total
         slope = weight @ ((s - mean_s) * (d - mean_d)) / (weight @ (s - mean_s) ** 2)
         at = mean_d - slope * mean_s
-    return Line(float(at), float(slope), line.step)
+    return EdgeLine(float(at), float(slope), line.step)
 
 
-def meet(hinge: Line, bottom: Line) -> FloatArray:
+def meet(hinge: EdgeLine, bottom: EdgeLine) -> FloatArray:
     """Pose (y, z, rotation) of the corner of two lines; the rotation is the mean of theirs."""
     # Hinge: y = a + p z, bottom: z = b + q y; a turn by r tilts them by -r and +r.
     y = (hinge.across + hinge.tilt * bottom.across) / (1 - hinge.tilt * bottom.tilt)
     return np.array([y, bottom.across + bottom.tilt * y, np.arctan((bottom.tilt - hinge.tilt) / 2)])
 
 
-def _ends_at_corner(steps: dict[str, Steps], hinge: Line, bottom: Line, corner: FloatArray) -> bool:
+def _ends_at_corner(steps: dict[str, Steps], hinge: EdgeLine, bottom: EdgeLine, corner: FloatArray) -> bool:
     """Whether both edges are there near the corner and at least one of them ends in it."""
     beyond, close = [], []
     for edge, line, at in ((HINGE, hinge, corner[1]), (BOTTOM, bottom, corner[0])):

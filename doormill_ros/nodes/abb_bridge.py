@@ -22,7 +22,7 @@ from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.mill_door import MillDoorServer
-from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, Parameter
+from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 
 
@@ -38,22 +38,22 @@ class AbbBridge(ManagedNode):
     """Owns the handshake with the controller; nothing else writes the target file or the ready signal."""
 
     PARAMETERS = (
-        Parameter("transport", "shared_folder", f"way to the controller: {', '.join(TRANSPORTS)}"),
-        Parameter("address", "out/controller/HOME", "folder of shared_folder, URL of rws1 and rws2"),
-        Parameter("certificate", "", "PEM file with the controller's certificate, for rws2"),
-        Parameter("insecure", False, "trust any certificate of the controller, for rws2"),
-        Parameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
-        Parameter("limit.recipe", 5.0, "longest wait for the recipe [s]", 0.1, 600.0),
-        Parameter("limit.picture", 10.0, "longest wait for picture and door pose [s]", 0.1, 600.0),
-        Parameter("limit.targets", 10.0, "longest wait for the targets [s]", 0.1, 600.0),
-        Parameter("limit.request", 20.0, "longest wait for the controller's request [s]", 0.1, 3600.0),
-        Parameter(
+        NodeParameter("transport", "shared_folder", f"way to the controller: {', '.join(TRANSPORTS)}"),
+        NodeParameter("address", "out/controller/HOME", "folder of shared_folder, URL of rws1 and rws2"),
+        NodeParameter("certificate", "", "PEM file with the controller's certificate, for rws2"),
+        NodeParameter("insecure", False, "trust any certificate of the controller, for rws2"),
+        NodeParameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
+        NodeParameter("limit.recipe", 5.0, "longest wait for the recipe [s]", 0.1, 600.0),
+        NodeParameter("limit.picture", 10.0, "longest wait for picture and door pose [s]", 0.1, 600.0),
+        NodeParameter("limit.targets", 10.0, "longest wait for the targets [s]", 0.1, 600.0),
+        NodeParameter("limit.request", 20.0, "longest wait for the controller's request [s]", 0.1, 3600.0),
+        NodeParameter(
             "limit.ready", 10.0, "longest wait for the file to be written and verified [s]", 0.1, 600.0
         ),
-        Parameter(
+        NodeParameter(
             "limit.read", 60.0, "longest wait for the robot to read and check the file [s]", 1.0, 3600.0
         ),
-        Parameter("limit.milling", 600.0, "longest wait for the end of milling [s]", 1.0, 36000.0),
+        NodeParameter("limit.milling", 600.0, "longest wait for the end of milling [s]", 1.0, 36000.0),
     )
 
     handshake: Handshake

@@ -20,7 +20,7 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name
 from doormill_ros.nodes.frame_publisher import frame_topics
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, Parameter
+from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recording.bag_filler import BagFiller
 from doormill_ros.recording.bag_writer import BagWriter
@@ -37,12 +37,12 @@ class BagRecorder(ManagedNode):
     """Subscribes to every topic it can see and writes what arrives, byte for byte."""
 
     PARAMETERS = (
-        Parameter("bag", "", "folder to record into; empty: a new folder under `folder`"),
-        Parameter("folder", "out/bags", "where new bags are made when `bag` is empty"),
-        Parameter("exclude", "", "topics that are not recorded, separated by spaces"),
-        Parameter("include_hidden_topics", False, "record what actions publish too: feedback and status"),
-        Parameter("split_size", 512 << 20, "begin a new file at this size [bytes]; 0: never", 0, 1 << 40),
-        Parameter("queue_size", 256 << 20, "most that may wait for the disk [bytes]", 1 << 20, 1 << 36),
+        NodeParameter("bag", "", "folder to record into; empty: a new folder under `folder`"),
+        NodeParameter("folder", "out/bags", "where new bags are made when `bag` is empty"),
+        NodeParameter("exclude", "", "topics that are not recorded, separated by spaces"),
+        NodeParameter("include_hidden_topics", False, "record what actions publish too: feedback and status"),
+        NodeParameter("split_size", 512 << 20, "begin a new file at this size [bytes]; 0: never", 0, 1 << 40),
+        NodeParameter("queue_size", 256 << 20, "most that may wait for the disk [bytes]", 1 << 20, 1 << 36),
     )
 
     def __init__(self, **kwargs: Any) -> None:

@@ -19,7 +19,7 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import OK, Parameter
+from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera, Sensor
@@ -31,16 +31,20 @@ class CameraSimulator(ManagedNode):
     """Plays the handling robot and the camera: a door for each recipe, a picture for each request."""
 
     PARAMETERS = (
-        Parameter("seed", 0, "of placement and picture noise, together with the door's id", 0, 2**31 - 1),
-        Parameter("scatter_y", 0.008, "doors stand up to this far off along base y [m]", 0.0, 0.1),
-        Parameter("scatter_z", 0.008, "doors stand up to this far off along base z [m]", 0.0, 0.1),
-        Parameter("scatter_rotation", 0.03, "doors are turned up to this far about base x [rad]", 0.0, 0.5),
-        Parameter("offset_y", UNSET, "fixed offset along base y instead [m]; 999: scattered"),
-        Parameter("offset_z", UNSET, "fixed offset along base z instead [m]; 999: scattered"),
-        Parameter("offset_rotation", UNSET, "fixed rotation about base x instead [rad]; 999: scattered"),
-        Parameter("noise", 1.0, "share of the sensor's noise; 0.25: the mean of 16 exposures", 0.0, 4.0),
-        Parameter("retry_period", 1.0, "a picture that nobody used is taken again after [s]", 0.1, 3600.0),
-        Parameter("pictures", True, "false: the camera is broken and sends nothing"),
+        NodeParameter("seed", 0, "of placement and picture noise, together with the door's id", 0, 2**31 - 1),
+        NodeParameter("scatter_y", 0.008, "doors stand up to this far off along base y [m]", 0.0, 0.1),
+        NodeParameter("scatter_z", 0.008, "doors stand up to this far off along base z [m]", 0.0, 0.1),
+        NodeParameter(
+            "scatter_rotation", 0.03, "doors are turned up to this far about base x [rad]", 0.0, 0.5
+        ),
+        NodeParameter("offset_y", UNSET, "fixed offset along base y instead [m]; 999: scattered"),
+        NodeParameter("offset_z", UNSET, "fixed offset along base z instead [m]; 999: scattered"),
+        NodeParameter("offset_rotation", UNSET, "fixed rotation about base x instead [rad]; 999: scattered"),
+        NodeParameter("noise", 1.0, "share of the sensor's noise; 0.25: the mean of 16 exposures", 0.0, 4.0),
+        NodeParameter(
+            "retry_period", 1.0, "a picture that nobody used is taken again after [s]", 0.1, 3600.0
+        ),
+        NodeParameter("pictures", True, "false: the camera is broken and sends nothing"),
     )
 
     def __init__(self, **kwargs: Any) -> None:

@@ -16,7 +16,7 @@ from doormill_ros.messages.from_message import program_of, recipe_of, transform_
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.executed import executed_message, milled_message
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import OK, Parameter
+from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
@@ -31,15 +31,19 @@ class ControllerSimulator(ManagedNode):
     """Starts the RAPID program for each clamped door and inspects what it milled."""
 
     PARAMETERS = (
-        Parameter("home", "out/controller/HOME", "folder behind the controller's HOME:"),
-        Parameter("effects", "", "YAML list of what the simulated robot hides; empty: joint springs only"),
-        Parameter("time_scale", 0.0, "simulated over real seconds; 0: as fast as possible", 0.0, 1e6),
-        Parameter(
+        NodeParameter("home", "out/controller/HOME", "folder behind the controller's HOME:"),
+        NodeParameter(
+            "effects", "", "YAML list of what the simulated robot hides; empty: joint springs only"
+        ),
+        NodeParameter("time_scale", 0.0, "simulated over real seconds; 0: as fast as possible", 0.0, 1e6),
+        NodeParameter(
             "spindle_works", True, "false: the spindle never comes to speed, the program stops with a fault"
         ),
-        Parameter("web_services", "", "Robot Web Services over HOME and signals: rws1, rws2; empty: none"),
-        Parameter("web_services_port", 8090, "their TCP port on 127.0.0.1; 0: any free one", 0, 65535),
-        Parameter(
+        NodeParameter(
+            "web_services", "", "Robot Web Services over HOME and signals: rws1, rws2; empty: none"
+        ),
+        NodeParameter("web_services_port", 8090, "their TCP port on 127.0.0.1; 0: any free one", 0, 65535),
+        NodeParameter(
             "web_services_certificates", "out/controller", "folder that rws2 writes controller.crt and key to"
         ),
     )

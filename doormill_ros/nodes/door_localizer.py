@@ -26,7 +26,7 @@ from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import picture_message
 from doormill_ros.nodes.frame_publisher import frame_publisher
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import OK, WARN, Parameter
+from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.pipeline.look import look
 from doormill_ros.robot.urdf import LinkPose
@@ -38,12 +38,12 @@ class DoorLocalizer(ManagedNode):
     """Localizes the door of the recipe in hand in every picture that arrives."""
 
     PARAMETERS = (
-        Parameter("check_age", True, "refuse pictures that are too old; false when a bag is replayed"),
-        Parameter(
+        NodeParameter("check_age", True, "refuse pictures that are too old; false when a bag is replayed"),
+        NodeParameter(
             "camera_info_wait", 3.0, "how long a picture waits for the first camera info [s]", 0.0, 30.0
         ),
-        Parameter("overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8),
-        Parameter("frames", True, "publish the frames of camera and door"),
+        NodeParameter("overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8),
+        NodeParameter("frames", True, "publish the frames of camera and door"),
     )
 
     def __init__(self, **kwargs: Any) -> None:

@@ -20,7 +20,7 @@ from doormill_ros.messages.from_message import picture_of, seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
-from doormill_ros.nodes.reporting_node import ERROR, OK, Parameter
+from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
 from doormill_ros.operator.history import append_history, load_history
 from doormill_ros.operator.page_server import PageServer, is_loopback
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
@@ -39,9 +39,11 @@ class OperatorPage(ManagedNode):
     """Shows the cell on a web page; the token for control is handed over here, never as a parameter."""
 
     PARAMETERS = (
-        Parameter("host", "127.0.0.1", "address the page is served at, unencrypted; 0.0.0.0: every network"),
-        Parameter("port", 8080, "TCP port of the page; 0: any free one", 0, 65535),
-        Parameter(
+        NodeParameter(
+            "host", "127.0.0.1", "address the page is served at, unencrypted; 0.0.0.0: every network"
+        ),
+        NodeParameter("port", 8080, "TCP port of the page; 0: any free one", 0, 65535),
+        NodeParameter(
             "history", "out/runs", "folder that keeps the ended runs, the summaries of single runs too"
         ),
     )

@@ -22,7 +22,7 @@ from doormill_ros.nodes.convert.markers import no_markers, program_markers
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.frame_publisher import frame_publisher
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import OK, WARN, Parameter
+from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.recipe import Recipe
@@ -34,11 +34,11 @@ class PathGenerator(ManagedNode):
     """Generates a program for each door pose that belongs to the recipe in hand."""
 
     PARAMETERS = (
-        Parameter("robot", "", "robot description in config/robots; empty: the one of config/cell.yaml"),
-        Parameter(
+        NodeParameter("robot", "", "robot description in config/robots; empty: the one of config/cell.yaml"),
+        NodeParameter(
             "robot_model", "", "model.yaml of a diagnosis used for the correction; empty: joint springs"
         ),
-        Parameter(
+        NodeParameter(
             "frames",
             True,
             "publish frames of the robot at its first target; false where its driver does that",

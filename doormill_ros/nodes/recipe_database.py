@@ -13,7 +13,7 @@ from doormill_interfaces.srv import GetRecipe, ImportRecipes, ListRecipes
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.reporting_node import OK, Parameter
+from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.recipes.store.database import RecipeDatabase
 
@@ -22,8 +22,10 @@ class RecipeDatabaseNode(ManagedNode):
     """Answers recipes/get, recipes/list and recipes/import; publishes door/recipe."""
 
     PARAMETERS = (
-        Parameter("database_url", "", "SQLAlchemy URL; empty: a SQLite file in the user's data folder"),
-        Parameter("ship_recipes", True, "put the recipes of config/recipes into a database that lacks them"),
+        NodeParameter("database_url", "", "SQLAlchemy URL; empty: a SQLite file in the user's data folder"),
+        NodeParameter(
+            "ship_recipes", True, "put the recipes of config/recipes into a database that lacks them"
+        ),
     )
 
     def __init__(self, **kwargs: Any) -> None:

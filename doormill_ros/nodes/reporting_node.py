@@ -22,7 +22,7 @@ DISPLAY_DELAY = 0.1  # s
 
 
 @dataclass(frozen=True)
-class Parameter:
+class NodeParameter:
     """A declared parameter: name, default, what it means with its unit, allowed range."""
 
     name: str
@@ -46,7 +46,7 @@ class Parameter:
 class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     """A node that outlives its callbacks' errors and tells of them on /diagnostics."""
 
-    PARAMETERS: tuple[Parameter, ...] = ()
+    PARAMETERS: tuple[NodeParameter, ...] = ()
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         """Declare the parameters and start reporting on /diagnostics."""

@@ -7,41 +7,43 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Step:
+class Advice:
     """A sentence for the operator; `urgency` is wait, act, danger or fault and colours it."""
 
     urgency: str
     text: str
 
 
-_WAIT = Step("wait", "Wait. The cell is measuring the door and working out the robot's path.")
-_STAY_OUT = Step("danger", "Stay out of the cell. The robot mills the door.")
-_CLEARING = Step(
+_WAIT = Advice("wait", "Wait. The cell is measuring the door and working out the robot's path.")
+_STAY_OUT = Advice("danger", "Stay out of the cell. The robot mills the door.")
+_CLEARING = Advice(
     "wait", "Wait until the link to the controller is clear. If this lasts, see the state below."
 )
 
 #: By state of the handshake, for a run in hand; see doormill_ros.abb.handshake.state.
 _WITH_RUN = {
     "clearing": _CLEARING,
-    "idle": Step(
+    "idle": Advice(
         "act", "Clamp the door and start the controller's program; it has not asked for targets yet."
     ),
     "requested": _WAIT,
     "writing": _WAIT,
     "verifying": _WAIT,
     "raising": _WAIT,
-    "ready": Step("danger", "Stay out of the cell. The robot is about to move."),
-    "acknowledged": Step("danger", "Stay out of the cell. The robot is about to move."),
+    "ready": Advice("danger", "Stay out of the cell. The robot is about to move."),
+    "acknowledged": Advice("danger", "Stay out of the cell. The robot is about to move."),
     "milling": _STAY_OUT,
-    "done": Step("wait", "Wait. The run is being closed."),
-    "failed": Step("wait", "Wait. The run is being closed."),
+    "done": Advice("wait", "Wait. The run is being closed."),
+    "failed": Advice("wait", "Wait. The run is being closed."),
 }
 _WITHOUT_RUN = {
     "clearing": _CLEARING,
-    "idle": Step("act", "Clamp the next door, then start the controller's program."),
-    "requested": Step("act", "The controller is ready for a door. Start milling it."),
-    "done": Step("act", "The door is milled. Take it out when the robot has stopped and clamp the next one."),
-    "failed": Step(
+    "idle": Advice("act", "Clamp the next door, then start the controller's program."),
+    "requested": Advice("act", "The controller is ready for a door. Start milling it."),
+    "done": Advice(
+        "act", "The door is milled. Take it out when the robot has stopped and clamp the next one."
+    ),
+    "failed": Advice(
         "act",
         "The last run came to nothing. See that the robot stands still, put right what is said below, start again.",
     ),
@@ -50,7 +52,7 @@ _WITHOUT_RUN = {
 
 def next_step(
     bridge_present: bool, state: str, run_in_hand: bool, refusal: str, faults: Mapping[str, str]
-) -> Step:
+) -> Advice:
     """What to do now.
 
     Args:
@@ -61,7 +63,7 @@ def next_step(
         faults: What nodes in error say of themselves, by node.
     """
     if not bridge_present or not state:
-        return Step(
+        return Advice(
             "fault", "Nothing is known of the robot: /abb_bridge does not answer. Stay out; restart it."
         )
     # The robot may move, whatever else is wrong.
@@ -70,13 +72,13 @@ def next_step(
         return in_motion
     if faults:
         node, message = next(iter(faults.items()))
-        return Step("fault", f"Put right what {node} reports, or call maintenance: {message}")
+        return Advice("fault", f"Put right what {node} reports, or call maintenance: {message}")
     if refusal and not run_in_hand:
         # A run can also end while the robot moves: canceled, or given up after its time limit.
-        return Step(
+        return Advice(
             "act",
             "The door was not milled. See that the robot stands still, put right what is said below, start again.",
         )
-    return in_motion or Step(
+    return in_motion or Advice(
         "fault", f"The controller link is in the unknown state {state!r}. Call maintenance."
     )

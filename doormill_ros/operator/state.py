@@ -26,7 +26,7 @@ class EndedRun:
 
 
 @dataclass(frozen=True)
-class Picture:
+class EncodedPicture:
     """An encoded picture and what it shows; `number` grows with every new one."""
 
     data: bytes
@@ -65,7 +65,7 @@ class CellView:
     notice: str = ""
     faults: dict[str, str] = field(default_factory=dict)
     history: tuple[EndedRun, ...] = ()
-    picture: Picture | None = None
+    picture: EncodedPicture | None = None
 
     def with_bridge(self, present: bool) -> CellView:
         """The bridge was heard of lately, or not."""
@@ -129,7 +129,7 @@ class CellView:
     def with_picture(self, data: bytes, media_type: str, caption: str) -> CellView:
         """A new picture."""
         number = self.picture.number + 1 if self.picture else 1
-        return replace(self, picture=Picture(data, media_type, _short(caption), number))
+        return replace(self, picture=EncodedPicture(data, media_type, _short(caption), number))
 
     def document(self) -> dict[str, Any]:
         """JSON-able content of the page; the picture by its number."""

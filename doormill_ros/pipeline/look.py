@@ -11,7 +11,7 @@ from doormill_ros.localization.result import Localization
 from doormill_ros.messages.from_message import picture_of
 
 
-class DoorSize(Protocol):
+class DoorFace(Protocol):
     """What the localizer has to know of a door: a recipe or the message that holds one."""
 
     width: float
@@ -19,7 +19,7 @@ class DoorSize(Protocol):
 
 
 def look(
-    picture: Any, camera: CameraModel | None, layout: CellLayout, door: DoorSize, *, age: float = 0.0
+    picture: Any, camera: CameraModel | None, layout: CellLayout, door: DoorFace, *, age: float = 0.0
 ) -> Localization:
     """Find the door in a picture message.
 

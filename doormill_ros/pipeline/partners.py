@@ -11,7 +11,7 @@ from doormill_ros.abb.handshake.state import HandshakeSnapshot, RunOutcome
 from doormill_ros.cell.run import StageAnswer
 
 
-class Handshake(Protocol):
+class ControllerHandshake(Protocol):
     """What the course sees of the handshake with the controller."""
 
     @property
@@ -33,7 +33,7 @@ class Handover(Protocol):
     """The link to the controller."""
 
     @property
-    def handshake(self) -> Handshake:
+    def handshake(self) -> ControllerHandshake:
         """The handshake; whoever owns it lets the run look again after each of its changes."""
 
     def submit(self, targets: Any, request_number: int) -> bytes:

@@ -38,7 +38,7 @@ class MillingSetup:
 
 
 @dataclass(frozen=True)
-class Plan:
+class PlannedProgram:
     """A program and its margins and times."""
 
     program: MillingProgram
@@ -68,7 +68,7 @@ def plan(
     T_base_door: FloatArray,
     setup: MillingSetup,
     operations: Sequence[Operation] | None = None,
-) -> Plan:
+) -> PlannedProgram:
     """Generate the program of a door and check it as a whole.
 
     Args:
@@ -89,4 +89,4 @@ def plan(
         operations=operations,
         settings=setup.settings,
     )
-    return Plan(program, check_door(program, recipe, setup.robot, setup.settings))
+    return PlannedProgram(program, check_door(program, recipe, setup.robot, setup.settings))

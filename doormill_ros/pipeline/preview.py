@@ -15,7 +15,7 @@ from doormill_ros.toolpath.split import split
 
 
 @dataclass(frozen=True, eq=False)
-class Preview:
+class ProgramPreview:
     """What one robot would do.
 
     Attributes:
@@ -31,7 +31,7 @@ class Preview:
     check: DoorCheck
 
 
-def preview(recipe: Recipe, robots: int = 1, model: str | None = None) -> list[Preview]:
+def preview(recipe: Recipe, robots: int = 1, model: str | None = None) -> list[ProgramPreview]:
     """Generate the programs of a door where its recipe places it, or in its nominal place.
 
     Args:
@@ -59,5 +59,5 @@ def preview(recipe: Recipe, robots: int = 1, model: str | None = None) -> list[P
     previews = []
     for name, T_robot_door, operations in shares:
         planned = plan(recipe, T_robot_door, setup, operations)
-        previews.append(Preview(name, T_robot_door, planned.program, planned.check))
+        previews.append(ProgramPreview(name, T_robot_door, planned.program, planned.check))
     return previews

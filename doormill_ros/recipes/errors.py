@@ -24,7 +24,7 @@ class FieldError(RecipeError):
         self.field = field
 
 
-class GeometryError(FieldError):
+class RecipeGeometryError(FieldError):
     """Features do not go with the door or with each other."""
 
 
@@ -51,10 +51,14 @@ ImplausibleMass = FieldError.row("ImplausibleMass", 112, "No wood has the densit
 UnfitForProgram = FieldError.row(
     "UnfitForProgram", 113, "The robot's program asked for cannot mill this door."
 )
-LeavesWood = GeometryError.row("LeavesWood", 120, "A feature reaches beyond an edge or face of the door.")
-FeaturesMeet = GeometryError.row("FeaturesMeet", 121, "Two features touch or leave too thin a wall.")
-FeaturesApart = GeometryError.row("FeaturesApart", 122, "A feature misses the lock case that it belongs to.")
-ThinFloor = GeometryError.row("ThinFloor", 123, "A pocket leaves too little wood under its floor.")
+LeavesWood = RecipeGeometryError.row(
+    "LeavesWood", 120, "A feature reaches beyond an edge or face of the door."
+)
+FeaturesMeet = RecipeGeometryError.row("FeaturesMeet", 121, "Two features touch or leave too thin a wall.")
+FeaturesApart = RecipeGeometryError.row(
+    "FeaturesApart", 122, "A feature misses the lock case that it belongs to."
+)
+ThinFloor = RecipeGeometryError.row("ThinFloor", 123, "A pocket leaves too little wood under its floor.")
 ToolTooWide = FieldError.row("ToolTooWide", 130, "The tool does not fit into the outline or a corner.")
 ToolTooShort = FieldError.row("ToolTooShort", 131, "The tool cannot cut as deep as the feature is.")
 SpindleTooFast = FieldError.row("SpindleTooFast", 132, "The spindle speed is beyond the tool's limit.")

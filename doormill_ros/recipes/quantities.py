@@ -130,7 +130,7 @@ class Whole:
 
 
 @dataclasses.dataclass(frozen=True)
-class Text:
+class TextPattern:
     """A text that matches a pattern from end to end."""
 
     pattern: re.Pattern[str]
@@ -148,7 +148,7 @@ class Text:
         return schema(source, self.read)
 
 
-NAME = Text(
+NAME = TextPattern(
     re.compile(r"[A-Za-z0-9][A-Za-z0-9_.\-]{0,63}"), "1 to 64 letters, digits, '_', '-' or '.', no '.' first"
 )
 Name = Annotated[str, NAME]

@@ -26,7 +26,7 @@ from doormill_ros.recipes.quantities import (
     Moment,
     Name,
     Quantity,
-    Text,
+    TextPattern,
     Whole,
 )
 from doormill_ros.recipes.reading import as_mapping, join, read_part, read_value, write_part
@@ -35,12 +35,12 @@ from doormill_ros.values import Section
 
 SCHEMA = "doormill/recipe/1"
 MAX_FEATURES = 40
-BAR_CODE = Text(re.compile(r"[\x21-\x7e]{1,64}"), "1 to 64 printable ASCII characters without blanks")
-AUTHOR = Text(re.compile(r"[^\x00-\x1f\x7f]{0,100}"), "at most 100 printable characters")
+BAR_CODE = TextPattern(re.compile(r"[\x21-\x7e]{1,64}"), "1 to 64 printable ASCII characters without blanks")
+AUTHOR = TextPattern(re.compile(r"[^\x00-\x1f\x7f]{0,100}"), "at most 100 printable characters")
 
 
 @dataclass(frozen=True)
-class Placement(Section):
+class ClampPlacement(Section):
     """Where a simulated clamp shall put the door; a real cell ignores it.
 
     Attributes:
@@ -86,7 +86,7 @@ class Recipe(Section):
     hinge_side: HingeSide
     material: Material
     mass: Annotated[float, Quantity("kg", *limits.MASS_KG)]
-    placement: Placement | None = None
+    placement: ClampPlacement | None = None
     program: Program = Program.GENERAL
     features: tuple[Feature, ...] = ()
 

@@ -23,6 +23,7 @@ from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
 from doormill_ros.robot_model.extended_model import SizedCause
 from doormill_ros.thesis.loading_tests import ThesisData, ThesisTest
 from doormill_ros.thesis.recovery import recover, repeatability
+from doormill_ros.units import m_to_mm
 
 #: Finer end of the tracker's resolution in section 3.1 [m].
 TRACKER = 10e-6
@@ -184,7 +185,7 @@ def _candidate(cause: Cause, theta: FloatArray, cost: float, slope: float, case:
 def _unchanged(pair: tuple[str, str], apart: float) -> str:
     return (
         f"model.yaml is the unchanged model: five printed lengths cannot tell the candidates apart; {pair[0]} and "
-        f"{pair[1]} would send the tool up to {1e3 * apart:.3f} mm apart on the door {DOOR}."
+        f"{pair[1]} would send the tool up to {m_to_mm(apart):.3f} mm apart on the door {DOOR}."
     )
 
 

@@ -18,10 +18,9 @@ from doormill_ros.resources import resource
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.units import GRAVITY, deg_to_rad
+from doormill_ros.units import GRAVITY, UM, deg_to_rad
 
 SCHEMA = "doormill/thesis-loading-tests/1"
-_UM = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,8 +160,8 @@ def _data(document: dict[str, Any], force_joint4: float | None) -> ThesisData:
                 load_arm=float(entry.get("load_arm", np.nan)),
                 reflector_link=entry["reflector"]["link"],
                 reflector=np.array(entry["reflector"]["position"], dtype=float),
-                measured=table["measured_um"][index] * _UM,
-                simulated=table["simulated_um"][index] * _UM,
+                measured=table["measured_um"][index] * UM,
+                simulated=table["simulated_um"][index] * UM,
                 simulated_components=np.array(entry.get("simulated_components", [np.nan] * 3), dtype=float),
                 extra={k: v for k, v in entry.items() if k in _EXTRA},
             )

@@ -10,8 +10,9 @@ from doormill_ros.pages.page import Charts, Page, Section, Table, Text, render
 from doormill_ros.thesis.diagnosis import ThesisDiagnosis, ThesisRow
 from doormill_ros.thesis.preload import PreloadReading
 from doormill_ros.thesis.wording import candidates_sentence, joint_3_sentence
+from doormill_ros.units import m_to_um
 
-UM = 1e6  #: micrometres in a metre
+MILLION = 1e6
 
 
 def thesis_headline(found: ThesisDiagnosis) -> str:
@@ -37,8 +38,8 @@ def render_thesis_report(found: ThesisDiagnosis, gap: PreloadReading) -> str:
     )
     following = (
         "Joint 1 with a second, larger weight, pre-loaded and not: the slope of the pre-loaded readings is the spring "
-        f"alone, and the two readings above put it at {1e-6 * _closed(gap):.2f} or "
-        f"{1e-6 * gap.stiffness_if_friction:.2f} × 10⁶ N m / rad. Test 3 with a second reflector before joint 3: it "
+        f"alone, and the two readings above put it at {_closed(gap) / MILLION:.2f} or "
+        f"{gap.stiffness_if_friction / MILLION:.2f} × 10⁶ N m / rad. Test 3 with a second reflector before joint 3: it "
         "shows what joint 2 does, and parts the candidates for joint 3 from joint 2."
     )
     sections = [
@@ -62,10 +63,10 @@ def _lengths(found: ThesisDiagnosis) -> str:
     rows = []
     for row in found.rows:
         rows += [
-            BarRow(f"test {row.joint}: measured", [UM * row.measured], [GREEN]),
-            BarRow("thesis' simulation", [UM * row.simulated], [RED]),
-            BarRow("all joint springs", [UM * row.all_joints], [GREY]),
-            BarRow("extended", [UM * row.extended], [BLUE]),
+            BarRow(f"test {row.joint}: measured", [m_to_um(row.measured)], [GREEN]),
+            BarRow("thesis' simulation", [m_to_um(row.simulated)], [RED]),
+            BarRow("all joint springs", [m_to_um(row.all_joints)], [GREY]),
+            BarRow("extended", [m_to_um(row.extended)], [BLUE]),
         ]
     return bars("displacement of the reflector", f"{MICRO}m", rows, width=WIDE)
 
@@ -107,8 +108,8 @@ def _angles(gap: PreloadReading) -> str:
     """The two readings over the torque: one load tells one point of each line."""
     torque = np.array([0.0, 2.0 * gap.torque])
     point = np.array([gap.torque])
-    opened, spring = UM * gap.torque / gap.stiffness_if_friction, _closed(gap)
-    closed = opened - UM * gap.gap
+    opened, spring = m_to_um(gap.torque / gap.stiffness_if_friction), _closed(gap)
+    closed = opened - m_to_um(gap.gap)
     held = np.array([gap.friction, 2.0 * gap.torque])
     return scatter(
         "what either reading says of other loads",
@@ -123,21 +124,21 @@ def _angles(gap: PreloadReading) -> str:
                 "not pre-loaded",
                 RED,
                 torque[1:] * [0.02, 1.0],
-                UM * (torque[1:] * [0.02, 1.0] / spring + gap.gap),
+                m_to_um(torque[1:] * [0.02, 1.0] / spring + gap.gap),
             ),
-            Curve("pre-loaded", BLUE, torque, UM * torque / spring),
-            Curve("friction", GREY, torque, UM * torque / gap.stiffness_if_friction),
-            Curve("friction", GREY, held, UM * (held - gap.friction) / gap.stiffness_if_friction),
+            Curve("pre-loaded", BLUE, torque, m_to_um(torque / spring)),
+            Curve("friction", GREY, torque, m_to_um(torque / gap.stiffness_if_friction)),
+            Curve("friction", GREY, held, m_to_um((held - gap.friction) / gap.stiffness_if_friction)),
         ],
         width=WIDE,
     )
 
 
 def _readings(gap: PreloadReading) -> str:
-    low, high = (UM * v for v in gap.gap_ci95)
+    low, high = (m_to_um(v) for v in gap.gap_ci95)
     return (
         f"As a gap that pre-loading closes: {with_deviation([gap.gap], [gap.gap_std], 'rad')}, 95 % "
         f"interval {low:.0f} to {high:.0f} {MICRO}rad because there are only {sum(gap.readings)} readings. As friction "
         f"that carries load when pre-loaded: {with_deviation([gap.friction], [gap.friction_std], 'N m')} in "
-        f"a joint of {1e-6 * gap.stiffness_if_friction:.2f} × 10⁶ N m / rad. One load cannot tell."
+        f"a joint of {gap.stiffness_if_friction / MILLION:.2f} × 10⁶ N m / rad. One load cannot tell."
     )

@@ -15,11 +15,11 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.thesis.formulas import stiffness_from_length, stiffness_from_rotation
 from doormill_ros.thesis.loading_tests import ThesisData
-from doormill_ros.units import GRAVITY
+from doormill_ros.units import GRAVITY, UM
 
 #: Half of the last printed digit, as the standard deviation of a uniform distribution.
 _ROUNDING = 0.5 / np.sqrt(3.0)
-_UM_DIGIT = 0.1e-6  # table 4.2 prints tenths of a micrometre
+_UM_DIGIT = 0.1 * UM  # table 4.2 prints tenths of a micrometre
 _RATIO_DIGIT = (1e-3, 1e-3, 1e-4, 1e-3, 1e-3, 1e-4)  # last digit of each ratio of table 4.1
 
 

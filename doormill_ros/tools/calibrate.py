@@ -71,7 +71,14 @@ class _Moves(Section):
 
 def main(argv: list[str] | None = None) -> int:
     """Run one calibration; 0 when it was written, 2 for bad input."""
-    arguments = _parser().parse_args(argv)
+    parser = _parser()
+    arguments = parser.parse_args(argv)
+    if arguments.run is _lens and len(arguments.radial) not in (0, 3):
+        parser.exit(
+            2,
+            f"calibration: {len(arguments.radial)} coefficients were given, allowed are three (k1 k2 k3) or none "
+            "for those of the camera file\n",
+        )
     try:
         lines = arguments.run(arguments)
     except (DoormillError, OSError) as error:

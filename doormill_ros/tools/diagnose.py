@@ -34,6 +34,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
     parser.add_argument("--quiet", action="store_true", help="print the verdict only")
     chosen = parser.parse_args(arguments)
+    if chosen.check and not chosen.data:
+        other = next(name for name in ("thesis", "pictures", "inspections") if getattr(chosen, name))
+        parser.exit(
+            2, f"diagnose: --check was given with --{other}, allowed is --check with --data; leave one out\n"
+        )
     logging.basicConfig(level=logging.ERROR)
     console = Console(stderr=True, quiet=chosen.quiet, log_path=False)
     try:

@@ -14,7 +14,7 @@ from rich.progress import Progress
 
 from doormill_ros.errors import DoormillError
 from doormill_ros.robot.description import Robot, load_robot
-from doormill_ros.units import MM, deg_to_rad, m_to_mm, rad_to_deg
+from doormill_ros.units import MM, deg_to_rad, m_to_mm, n_per_m_to_n_per_um, rad_to_deg
 from doormill_ros.workspace.doors import DoorRange, thesis_box
 from doormill_ros.workspace.grid import THESIS_STEP, thesis_grid
 from doormill_ros.workspace.maps import WRENCH_SCRIPT, WRENCH_TEXT, Maps, compute_maps, save_maps
@@ -193,10 +193,11 @@ def _report(robot: Robot, document: dict[str, Any], lowest_hinge: float) -> None
             print(f"  {name}: no placement keeps to the rules")
             continue
         low, high = place["flange_min"], place["flange_max"]
+        stiffness = n_per_m_to_n_per_um(place["stiffness"])
         print(
             f"  {name}: flange x {low[0]:.3f}..{high[0]:.3f}, y {low[1]:.3f}..{high[1]:.3f}, "
             f"z {low[2]:.3f}..{high[2]:.3f} m, pedestal {place['pedestal_height']:.3f} m; conditioning "
-            f"{place['inverse_condition_number']:.4f}, stiffness {place['stiffness'] / 1e6:.3f} N/um, joints "
+            f"{place['inverse_condition_number']:.4f}, stiffness {stiffness:.3f} N/um, joints "
             f"{place['joint_margin_deg']:.1f} deg from limits, axis 5 {place['axis_5_from_straight_deg']:.1f} deg "
             f"from straight, elbow {m_to_mm(place['elbow_behind_flange']):.0f} mm behind the flange"
         )

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from doormill_ros.arrays import FloatArray
 from doormill_ros.pages.charts import png_figure, save_png
 from doormill_ros.robot.description import Robot
-from doormill_ros.units import rad_to_deg
+from doormill_ros.units import n_per_m_to_n_per_um, rad_to_deg
 from doormill_ros.workspace.doors import FlangeBox
 from doormill_ros.workspace.maps import Maps
 from doormill_ros.workspace.posture import posture_figures
@@ -54,7 +54,7 @@ def draw_stiffness(maps: Maps, title: str, path: Path, marks: FloatArray | None 
     figure = _figure(title, len(maps.stiffness))
     for axes, (name, values) in zip(figure.axes, maps.stiffness.items(), strict=True):
         # In singular postures a direction turns rigid; the scale ends where the useful range does.
-        shown = np.minimum(values, np.nanquantile(values, 0.98)) / 1e6
+        shown = n_per_m_to_n_per_um(np.minimum(values, np.nanquantile(values, 0.98)))
         _map(figure, axes, maps, shown, f"stiffness {_NAMES[name]} [N/um]", marks, logarithmic=True)
     save_png(figure, path)
 

@@ -27,7 +27,6 @@ from doormill_ros.abb.target_file.checksum import (
     CODES,
     FACTOR_A,
     FACTOR_B,
-    LARGEST_EXACT,
     MODULUS_A,
     MODULUS_B,
     checksum,
@@ -41,6 +40,7 @@ from doormill_ros.units import RPM
 
 LINE = re.compile(r"(-?\d+\.\d+;){7}(-?\d;){4}")
 ANY = ConfData(0, 0, 0, 0)
+LARGEST_EXACT = 2**23  #: integers up to here are exact in a RAPID num
 
 
 def format_line(T_base_tool: np.ndarray, conf: ConfData, name: str = "") -> str:

@@ -10,7 +10,7 @@ import pytest
 
 from doormill_ros.identification.outliers import fit_without_outliers
 from doormill_ros.identification.weighted import fit_stiffness
-from doormill_ros.measurements.measured import loadings_of_set
+from doormill_ros.measurements.loading import loadings_of_set
 from doormill_ros.measurements.measurement_set import read_measurement_set
 from doormill_ros.tools.identify import main
 

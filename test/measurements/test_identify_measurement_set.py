@@ -8,8 +8,7 @@ import pytest
 from doormill_ros.identification.joint_by_joint import identify_joint_by_joint
 from doormill_ros.identification.weighted import fit_stiffness
 from doormill_ros.measurements.errors import IdentifiabilityError
-from doormill_ros.measurements.loading import displacement_per_compliance
-from doormill_ros.measurements.measured import loadings_of_set
+from doormill_ros.measurements.loading import displacement_per_compliance, loadings_of_set
 from doormill_ros.measurements.measurement_set import read_measurement_set
 
 # Not the shipped stiffness, so that nothing can come out right because it went in.

@@ -28,7 +28,7 @@ from doormill_ros.messages.from_message import transform_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.recipe import recipe_message
-from doormill_ros.nodes.convert.transforms import tf_message_class, transform_message
+from doormill_ros.nodes.frame_publisher import tf_message_class, transform_message
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag

@@ -18,7 +18,7 @@ from doormill_ros.pipeline.look import look
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.pipeline.preview import preview
 from doormill_ros.recipes.documents import shipped_recipes
-from doormill_ros.recipes.recipe import Placement
+from doormill_ros.recipes.recipe import ClampPlacement
 from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.toolpath.errors import DoorPoseError
@@ -79,7 +79,7 @@ def test_a_program_is_checked_as_a_whole() -> None:
 
 def test_a_preview_is_the_program_of_the_cell() -> None:
     recipe, setup = shipped_recipes()["thesis_190_0deg"], load_setup()
-    moved = replace(recipe, placement=Placement(0.004, -0.003, 0.01))
+    moved = replace(recipe, placement=ClampPlacement(0.004, -0.003, 0.01))
     (only,) = preview(moved)
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, DoorOffset(0.004, -0.003, 0.01))
     assert only.robot == "only"

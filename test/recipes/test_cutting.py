@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from doormill_ros.recipes.cutting import Cutting
 from doormill_ros.recipes.tool import Tool
-from doormill_ros.units import INCH, MM, RPM, rad_s_to_rpm
+from doormill_ros.units import MM, RPM, rad_s_to_rpm
+from support.thesis_milling import INCH, THESIS_CHIP_LOAD, THESIS_MILL, THESIS_SURFACE_SPEED
 from support.thesis_milling import SURFACE_FOOT_PER_MINUTE as SFM
-from support.thesis_milling import THESIS_CHIP_LOAD, THESIS_MILL, THESIS_SURFACE_SPEED
 
 positive = st.floats(1e-4, 1e4)
 

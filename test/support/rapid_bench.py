@@ -15,7 +15,7 @@ from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.controller import VirtualController
 from doormill_ros.simulation.controller.rapid.parser import parse_module
-from doormill_ros.simulation.controller.rapid.program import Program
+from doormill_ros.simulation.controller.rapid.program import RapidProgram
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram
 from support.thesis_listings import load_listings
@@ -73,12 +73,12 @@ def machine(tmp_path: Path) -> BareMachine:
 
 
 @pytest.fixture
-def load(machine: BareMachine) -> Callable[..., Program]:
+def load(machine: BareMachine) -> Callable[..., RapidProgram]:
     """Load module text; `body` alone becomes PROC main."""
 
-    def load_(declarations: str = "", body: str = "", rest: str = "") -> Program:
+    def load_(declarations: str = "", body: str = "", rest: str = "") -> RapidProgram:
         text = f"MODULE bench\n{declarations}\nPROC main()\n{body}\nENDPROC\n{rest}\nENDMODULE\n"
-        return Program([parse_module(text, "test.mod")], machine)
+        return RapidProgram([parse_module(text, "test.mod")], machine)
 
     return load_
 

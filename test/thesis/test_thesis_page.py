@@ -12,9 +12,9 @@ from doormill_ros.thesis.fit import fit_thesis, overall_std
 from doormill_ros.thesis.loading_tests import load_thesis_data
 from doormill_ros.thesis.outcome import find_contradictions
 from doormill_ros.thesis.recovery import recover
-from doormill_ros.units import INCH, MM, RPM
+from doormill_ros.units import MM, RPM
 from support.source_tree import ROOT
-from support.thesis_milling import SURFACE_FOOT_PER_MINUTE, THESIS_MILL, THESIS_SURFACE_SPEED
+from support.thesis_milling import INCH, SURFACE_FOOT_PER_MINUTE, THESIS_MILL, THESIS_SURFACE_SPEED
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,6 @@ import numpy as np
 
 from doormill_ros.arrays import IntArray
 
-LARGEST_EXACT = 2**23  #: integers up to here are exact in a RAPID num
-
 FACTOR_A, MODULUS_A = 251, 32749
 FACTOR_B, MODULUS_B = 241, 32719
 #: More than any character code of the file, which is ASCII.

@@ -23,7 +23,7 @@ from doormill_ros.localization.picture_file import read_picture
 from doormill_ros.localization.sensors.errors import BadReading
 from doormill_ros.localization.sensors.sensor import ReadingKind
 from doormill_ros.units import mm_to_m
-from doormill_ros.values import Name, Number, Section, Vector3
+from doormill_ros.values import FiniteNumber, Name, Section, Vector3
 
 _ADVICE = "see docs/sensors.md"
 Value = ByteArray | FloatArray | dict[str, ByteArray]
@@ -53,7 +53,7 @@ class _Distance:
         """The number; raises what pydantic expects of a validator."""
         if isinstance(value, float) and np.isnan(value):
             return value
-        return Number(self.what).check(value)
+        return FiniteNumber(self.what).check(value)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.check)

@@ -25,7 +25,7 @@ TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0":
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
-class Record(str, Enum):
+class RowKind(str, Enum):
     """What a row is about; also the names of the sheets of a workbook, with an s."""
 
     DOOR = "door"
@@ -44,7 +44,7 @@ class Row:
         decimal_comma: True when the file may write 1,5 for 1.5.
     """
 
-    record: Record
+    record: RowKind
     cells: Mapping[str, Any]
     place: str = ""
     decimal_comma: bool = False
@@ -55,9 +55,9 @@ def rows_of(recipe: Recipe) -> list[Row]:
     document = recipe.to_document()
     tools, features = document.pop("tools"), document.pop("features")
     door_id = {"door_id": recipe.door_id}
-    rows = [Row(Record.DOOR, _flatten(document))]
-    rows += [Row(Record.TOOL, {**door_id, "name": n, **_flatten(t)}) for n, t in tools.items()]
-    rows += [Row(Record.FEATURE, {**door_id, **_flatten(f)}) for f in features]
+    rows = [Row(RowKind.DOOR, _flatten(document))]
+    rows += [Row(RowKind.TOOL, {**door_id, "name": n, **_flatten(t)}) for n, t in tools.items()]
+    rows += [Row(RowKind.FEATURE, {**door_id, **_flatten(f)}) for f in features]
     return rows
 
 
@@ -79,7 +79,7 @@ def recipes_of(rows: Iterable[Row], name: str) -> list[Recipe]:
         if "door_id" not in row.cells:
             raise BadTable(f"{name} {row.place}: the column door_id is empty, every row needs the door's id")
         door_id = _text(row.cells["door_id"])
-        if row.record is not Record.DOOR:
+        if row.record is not RowKind.DOOR:
             others.append((door_id, row))
             continue
         if door_id in doors:
@@ -96,7 +96,7 @@ def recipes_of(rows: Iterable[Row], name: str) -> list[Recipe]:
 
 
 def _add(document: dict[str, Any], places: dict[str, str], row: Row, name: str) -> None:
-    if row.record is Record.TOOL:
+    if row.record is RowKind.TOOL:
         content = _unflatten(row, Tool, skip="door_id")
         tool = content.pop("name", None)
         if tool is None:

@@ -7,7 +7,7 @@ import io
 from collections.abc import Sequence
 
 from doormill_ros.recipes.errors import BadTable
-from doormill_ros.recipes.exchange.cells import Record, Row, format_number, recipes_of, rows_of
+from doormill_ros.recipes.exchange.cells import Row, RowKind, format_number, recipes_of, rows_of
 from doormill_ros.recipes.recipe import Recipe
 
 RECORD = "record"
@@ -66,10 +66,10 @@ def _row(columns: list[str], cells: list[str], where: str, place: str, decimal_c
             raise BadTable(f"{where}: found {cell!r} in a column without a name")
         content[column] = cell
     record = content.pop(RECORD, "")
-    allowed = [item.value for item in Record]
+    allowed = [item.value for item in RowKind]
     if record not in allowed:
         raise BadTable(f"{where}: found {record!r} in the column {RECORD}, allowed is one of {allowed}")
-    return Row(Record(record), content, place, decimal_comma)
+    return Row(RowKind(record), content, place, decimal_comma)
 
 
 def format_csv(recipes: Sequence[Recipe]) -> str:

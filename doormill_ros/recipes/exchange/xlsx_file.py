@@ -14,11 +14,11 @@ from openpyxl.utils.exceptions import InvalidFileException
 from openpyxl.worksheet.worksheet import Worksheet
 
 from doormill_ros.recipes.errors import BadTable, UnreadableFile
-from doormill_ros.recipes.exchange.cells import Record, Row, recipes_of, rows_of
+from doormill_ros.recipes.exchange.cells import Row, RowKind, recipes_of, rows_of
 from doormill_ros.recipes.exchange.csv_file import check_header
 from doormill_ros.recipes.recipe import Recipe
 
-SHEETS = {record: f"{record.value}s" for record in Record}
+SHEETS = {record: f"{record.value}s" for record in RowKind}
 MAX_BYTES = 200_000_000  #: unpacked; a small file can hold a very large table
 
 
@@ -50,7 +50,7 @@ def read_xlsx(path: Path) -> list[Recipe]:
     return recipes_of(rows, str(path))
 
 
-def _rows(sheet: Any, record: Record, name: str) -> list[Row]:
+def _rows(sheet: Any, record: RowKind, name: str) -> list[Row]:
     rows: list[Row] = []
     columns: list[str] = []
     for number, cells in enumerate(sheet.iter_rows(values_only=True), start=1):

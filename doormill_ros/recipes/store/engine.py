@@ -11,6 +11,7 @@ import sqlalchemy as sa
 from sqlalchemy.pool import StaticPool
 
 from doormill_ros.recipes.errors import DatabaseUnreachable
+from doormill_ros.units import s_to_ms
 
 ENVIRONMENT = "DOORMILL_DATABASE"
 BUSY_SECONDS = 30  #: how long a SQLite writer waits for another
@@ -105,7 +106,7 @@ def _sqlite(url: sa.URL) -> sa.Engine:
     def connect(connection: sqlite3.Connection, record: object) -> None:
         # The driver would open transactions by itself and too late; `begin` below does it.
         connection.isolation_level = None
-        connection.execute(f"PRAGMA busy_timeout = {BUSY_SECONDS * 1000}")
+        connection.execute(f"PRAGMA busy_timeout = {s_to_ms(BUSY_SECONDS):.0f}")
         connection.execute("PRAGMA foreign_keys = ON")
         _write_ahead(connection)
 

@@ -24,7 +24,7 @@ from doormill_ros.simulation.controller.process import Process, WrenchOf, module
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.controller.rapid.parser import parse_module
-from doormill_ros.simulation.controller.rapid.program import Program
+from doormill_ros.simulation.controller.rapid.program import RapidProgram
 from doormill_ros.simulation.controller.rapid.types import Value
 from doormill_ros.simulation.controller.recorded_path import build_executed_path
 from doormill_ros.simulation.truth.robot import TruthRobot
@@ -129,7 +129,7 @@ class VirtualController:
         self._moves = 0
         paths = [resource(name) for name in OWN_MODULES] if modules is None else [Path(m) for m in modules]
         parsed = [parse_module(_module_text(path), path.name) for path in paths]
-        self.program = Program(parsed, self)
+        self.program = RapidProgram(parsed, self)
         if expected_door is not None:
             self.program.write(EXPECTED_DOOR, f'"{expected_door}"')
 

@@ -17,7 +17,7 @@ SMALLEST_ANGLE = deg_to_rad(1.0)  # between circle point and end, seen from the 
 LARGEST_ARC = deg_to_rad(240.0)
 
 
-class Curve(Protocol):
+class TcpCurve(Protocol):
     """A tool path with parameter u from 0 to 1."""
 
     @property
@@ -41,7 +41,7 @@ class Curve(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class TcpLine:
     """Straight line; the orientation turns evenly about one axis.
 
     Attributes:
@@ -69,7 +69,7 @@ class Line:
         return _assemble(_rotations(self.start, self.end, u), points)
 
 
-class Arc:
+class TcpArc:
     """Arc through three points; the orientation turns evenly from the first to the last."""
 
     def __init__(self, start: FloatArray, via: FloatArray, end: FloatArray) -> None:

@@ -52,7 +52,7 @@ class _Phase:
 
 
 @dataclass(eq=False)
-class Recording:
+class MotionRecording:
     """Samples of the commanded motion in the order of time.
 
     Attributes:
@@ -94,7 +94,7 @@ class MotionEngine:
         self.time = 0.0
         self.q = np.array(q, dtype=float)
         self.paused = False
-        self.recording = Recording()
+        self.recording = MotionRecording()
         self._queue: list[PlannedMove] = []
         self._current: PlannedMove | None = None
         self._u = 0.0

@@ -11,7 +11,7 @@ from doormill_ros.abb.errors import AbbError
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import from_wxyz, inverse
 from doormill_ros.simulation.controller.arm import QUARTER, ControllerArm
-from doormill_ros.simulation.controller.curves import Arc, Curve, Line
+from doormill_ros.simulation.controller.curves import TcpArc, TcpCurve, TcpLine
 from doormill_ros.simulation.controller.rapid.errors import RapidMotionError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.controller.rapid.types import Value
@@ -59,7 +59,7 @@ class PlannedMove:
         move: The instruction.
     """
 
-    curve: Curve | None
+    curve: TcpCurve | None
     q_start: FloatArray
     q_end: FloatArray
     T_base_tool_end: FloatArray
@@ -113,8 +113,8 @@ class MovePlanner:
             q_end = self._joint_target(move, wobj, T_flange_tool, q)
             samples = self._arm.forward(np.linspace(q, q_end, 21)) @ T_flange_tool
             length = float(np.linalg.norm(np.diff(samples[:, :3, 3], axis=0), axis=1).sum())
-            end, turn = samples[-1], Line(samples[0], samples[-1]).turn
-            curve: Curve | None = None
+            end, turn = samples[-1], TcpLine(samples[0], samples[-1]).turn
+            curve: TcpCurve | None = None
             if move.kind == "MoveJ":
                 end = wobj @ self._pose(move, move.target, "the target")
         else:
@@ -128,14 +128,14 @@ class MovePlanner:
             duration = move.duration
         return PlannedMove(curve, q, q_end, end, T_flange_tool, length, duration, zone, context, move)
 
-    def _curve(self, move: Move, wobj: FloatArray, start: FloatArray) -> Curve:
+    def _curve(self, move: Move, wobj: FloatArray, start: FloatArray) -> TcpCurve:
         """The tool path of a Cartesian motion from the pose `start` (4, 4) on; `wobj` is T_base_wobj (4, 4)."""
         end = wobj @ self._pose(move, move.target, "the target")
         if move.via is None:
-            return Line(start, end)
+            return TcpLine(start, end)
         via = wobj @ self._pose(move, move.via, "the circle point")
         try:
-            return Arc(start, via, end)
+            return TcpArc(start, via, end)
         except ValueError as error:
             raise self._error(move, str(error), "an arc within the limits of MoveC") from None
 
@@ -166,7 +166,7 @@ class MovePlanner:
             )
         return found
 
-    def _try(self, move: Move, curve: Curve, T_flange_tool: FloatArray, q: FloatArray) -> FloatArray:
+    def _try(self, move: Move, curve: TcpCurve, T_flange_tool: FloatArray, q: FloatArray) -> FloatArray:
         """Follow a Cartesian motion once and give the joint angles at its end, shape (6,) [rad]."""
         poses = curve.poses(np.linspace(0.0, 1.0, TRIALS)) @ inverse(T_flange_tool)
         path = self._arm.nearest(poses, q)

@@ -15,13 +15,13 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.moves import MotionContext
-from doormill_ros.simulation.controller.rapid.program import Program
+from doormill_ros.simulation.controller.rapid.program import RapidProgram
 from doormill_ros.toolpath.program import MillingProgram
 
 #: Data of rapid/DoorMill.mod that tell what is being milled.
 MOTION_DATA, FEATURE_DATA, CUTTING_DATA = "millingMotion", "millingFeature", "millingCutting"
 
-ContextOf = Callable[[Program, int], MotionContext]
+ContextOf = Callable[[RapidProgram, int], MotionContext]
 #: (context, T_base_tool (n, 4, 4), direction of travel (n, 3)) -> wrench on the tool at the tool
 #: centre point, base axes, shape (n, 6) [N, N m].
 WrenchOf = Callable[[MotionContext, FloatArray, FloatArray], FloatArray]
@@ -35,7 +35,7 @@ class Process:
     wrench_of: WrenchOf
 
 
-def module_context(program: Program, _count: int) -> MotionContext:
+def module_context(program: RapidProgram, _count: int) -> MotionContext:
     """What the project's own RAPID module says it is about to do; a motion of no feature elsewhere."""
     if not program.has_data(MOTION_DATA):
         return MotionContext()
@@ -80,7 +80,7 @@ def listed_process(milling: MillingProgram, first: int = 1, wrench_of: WrenchOf 
         wrench_of: Wrenches of another origin than the program's own.
     """
 
-    def context_of(_program: Program, count: int) -> MotionContext:
+    def context_of(_program: RapidProgram, count: int) -> MotionContext:
         index = count - first
         if not 0 <= index < len(milling.motions):
             return MotionContext()

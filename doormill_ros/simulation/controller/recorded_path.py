@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.controller.motion import Recording
+from doormill_ros.simulation.controller.motion import MotionRecording
 from doormill_ros.simulation.controller.process import WrenchOf
 from doormill_ros.simulation.truth.robot import TruthRobot
 
@@ -17,7 +17,7 @@ STILL = 1e-9
 
 
 def build_executed_path(
-    recording: Recording, truth: TruthRobot | None, T_flange_tool: FloatArray, wrench_of: WrenchOf
+    recording: MotionRecording, truth: TruthRobot | None, T_flange_tool: FloatArray, wrench_of: WrenchOf
 ) -> ExecutedPath:
     """Apply the process wrench to every cutting sample and let the robot give way.
 

@@ -40,7 +40,7 @@ def _bite(chip: Chip, along: FloatArray, rng: np.random.Generator) -> FloatArray
     return chip.depth * arc * np.clip(ragged, 0.2, 1.6)
 
 
-class Outline:
+class EdgeProfile:
     """How far one edge of the face lies inside its ideal line."""
 
     def __init__(self, rng: np.random.Generator, edges: Edges, name: str) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
 from doormill_ros.simulation.picture.optics import Block, bin_down, expose, project, rays, spread
-from doormill_ros.simulation.picture.outline import Outline
+from doormill_ros.simulation.picture.outline import EdgeProfile
 from doormill_ros.simulation.picture.scene import PictureScene, Shadow, Surface
 from doormill_ros.simulation.picture.texture import Texture
 
@@ -35,8 +35,8 @@ class _Painter:
 
     def __init__(self, scene: PictureScene, rng: np.random.Generator) -> None:
         self.scene = scene
-        self.hinge = Outline(rng, scene.edges, "hinge")
-        self.bottom = Outline(rng, scene.edges, "bottom")
+        self.hinge = EdgeProfile(rng, scene.edges, "hinge")
+        self.bottom = EdgeProfile(rng, scene.edges, "bottom")
         self.textures = {name: _textures(rng, getattr(scene, name)) for name in ("face", "background")}
         self.band_phase = rng.uniform(0, 2 * np.pi)
         self.turn = np.cos(scene.offset.rotation), np.sin(scene.offset.rotation)

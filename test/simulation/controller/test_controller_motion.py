@@ -13,7 +13,7 @@ import pytest
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller import controller as controller_module
 from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.curves import Arc, Line
+from doormill_ros.simulation.controller.curves import TcpArc, TcpLine
 from doormill_ros.simulation.controller.io_port import FolderIo
 from doormill_ros.simulation.controller.moves import MotionContext
 from doormill_ros.simulation.controller.process import Process, no_wrench
@@ -225,11 +225,11 @@ def test_arcs_match_lines_drawn_through_their_points():
         T = np.eye(4)
         T[:3, 3] = p
         poses.append(T)
-    arc = Arc(*poses)
+    arc = TcpArc(*poses)
     assert arc.radius == pytest.approx(1.0)
     assert arc.length == pytest.approx(np.pi / 2)
     np.testing.assert_allclose(arc.poses(np.array([0.5]))[0, :3, 3], poses[1][:3, 3], atol=1e-12)
-    assert Line(poses[0], poses[2]).length == pytest.approx(np.sqrt(2))
+    assert TcpLine(poses[0], poses[2]).length == pytest.approx(np.sqrt(2))
 
 
 # Configurations and supervision

@@ -19,7 +19,7 @@ from doormill_ros.simulation.controller.rapid.errors import (
     RapidUnsupportedError,
 )
 from doormill_ros.simulation.controller.rapid.parser import parse_module
-from doormill_ros.simulation.controller.rapid.program import Program
+from doormill_ros.simulation.controller.rapid.program import RapidProgram
 
 FUZZ = settings(max_examples=250, deadline=None, suppress_health_check=list(HealthCheck))
 MODULES = ("rapid/DoorMill.mod", "rapid/DoorFile.mod", "rapid/DoorCell.mod")
@@ -115,7 +115,7 @@ def test_mutated_modules_are_loaded_or_named(data, tmp_path_factory, fuzz_machin
             words[i] = data.draw(st.sampled_from(WORDS))
     texts[which] = " ".join(words)
     error = failure(
-        lambda: Program(
+        lambda: RapidProgram(
             [parse_module(t, Path(n).name) for t, n in zip(texts, MODULES, strict=True)], fuzz_machine
         )
     )
@@ -178,7 +178,7 @@ def test_running_ends_or_is_named(body, handler, fuzz_machine):
         + "\n".join(body)
         + f"\n{handler}\nENDPROC\n{again}\nENDMODULE\n"
     )
-    program = Program([parse_module(text, "fuzz.mod")], fuzz_machine)
+    program = RapidProgram([parse_module(text, "fuzz.mod")], fuzz_machine)
     error = failure(program.run)
     assert error is None or "fuzz.mod, line " in error.message or isinstance(error, RapidStoppedError)
 

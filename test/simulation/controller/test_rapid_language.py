@@ -128,12 +128,12 @@ def test_var_is_reset_and_pers_is_kept_when_the_program_starts_anew(load, machin
 
 
 def test_local_names_hide_global_ones_and_modules_share_the_rest(machine):
-    from doormill_ros.simulation.controller.rapid.program import Program
+    from doormill_ros.simulation.controller.rapid.program import RapidProgram
 
     main = "PROC main() VAR num b:=3; TPWrite ValToStr(a)+ValToStr(b); show; ENDPROC"
     one = f"MODULE one LOCAL VAR num a:=1; VAR num b:=2; {main} ENDMODULE"
     two = "MODULE two LOCAL VAR num a:=5; PROC show() TPWrite ValToStr(a)+ValToStr(b); ENDPROC ENDMODULE"
-    Program([parse_module(one, "one"), parse_module(two, "two")], machine).run()
+    RapidProgram([parse_module(one, "one"), parse_module(two, "two")], machine).run()
     assert machine.lines == ["13", "52"]
 
 

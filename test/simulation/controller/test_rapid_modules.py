@@ -15,7 +15,7 @@ from doormill_ros.simulation.controller.cell import read_io_configuration
 from doormill_ros.simulation.controller.controller import OWN_MODULES
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.parser import parse_module
-from doormill_ros.simulation.controller.rapid.program import Program
+from doormill_ros.simulation.controller.rapid.program import RapidProgram
 
 TEXTS = {name: resource(name).read_bytes() for name in OWN_MODULES}
 MODULES = {name: parse_module(text.decode("latin-1"), name) for name, text in TEXTS.items()}
@@ -57,7 +57,7 @@ def test_a_module_file_is_plain_text_that_every_controller_loads(name):
 def test_no_name_hides_a_predefined_one(machine):
     """A local variable called like an instruction is legal and a trap."""
     machine.signal_kinds = lambda: {}
-    empty = Program([], machine)
+    empty = RapidProgram([], machine)
     known = {name for name, _ in empty._modules.routines._outer} | {
         name for name, _ in empty._modules.data._outer
     }
@@ -118,7 +118,7 @@ def test_numbers_stand_in_constants():
 
 def test_module_and_python_agree_on_every_limit(machine):
     machine.signal_kinds = lambda: read_io_configuration(resource("rapid/EIO.cfg"))[0]
-    read = Program(list(MODULES.values()), machine).read
+    read = RapidProgram(list(MODULES.values()), machine).read
     assert read("TARGET_FILE") == TARGET_FILE
     assert read("FILE_VERSION") == target_trailer.VERSION
     assert read("MAX_TARGETS") == target_trailer.MAX_TARGETS == len(read("targets"))

@@ -10,7 +10,7 @@ from doormill_ros.frames import inverse, quaternion_wxyz
 from doormill_ros.simulation.controller.process import listed_process
 from doormill_ros.simulation.controller.rapid.errors import RapidRuntimeError, RapidSyntaxError
 from doormill_ros.simulation.controller.rapid.parser import parse_module
-from doormill_ros.simulation.controller.rapid.program import Program
+from doormill_ros.simulation.controller.rapid.program import RapidProgram
 from doormill_ros.toolpath.program import MillingProgram
 from support.thesis_listings import Repair, load_listings
 
@@ -107,7 +107,7 @@ def test_a_field_that_is_no_number_keeps_the_default_and_is_not_noticed(machine,
     lines = [f"{100 + i}.0;2.0;3.0;1.0;0.0;0.0;0.0;0;0;0;0;" for i in range(14)]
     lines[3] = "1,5;2.0;3.0;1.0;0.0;0.0;0.0;0;0;0;0;"
     (machine.home / "Hei2.txt").write_text("\n".join(lines) + "\n")
-    program = Program([parse_module(thesis_module(path=False), "Thesis.mod")], machine)
+    program = RapidProgram([parse_module(thesis_module(path=False), "Thesis.mod")], machine)
     program.run()
     assert program.read("Target_11")[0] == [102.0, 2.0, 3.0]
     assert program.read("Target_12")[0] == [0.0, 2.0, 3.0]
@@ -118,7 +118,7 @@ def test_fewer_than_14_targets_stop_the_thesis_program_before_it_moves(targets, 
     whole = render_target_file(door("thesis_190_0deg"), "run-1").decode().splitlines()
     trailer = [line for line in whole if line.startswith("#")]
     (machine.home / "Hei2.txt").write_text("\n".join(whole[:targets] + trailer) + "\n")
-    program = Program([parse_module(thesis_module(), "Thesis.mod")], machine)
+    program = RapidProgram([parse_module(thesis_module(), "Thesis.mod")], machine)
     with pytest.raises(RapidRuntimeError, match=r"StrFind: position .* is outside the string"):
         program.run()
     assert machine.moves == []
@@ -127,7 +127,7 @@ def test_fewer_than_14_targets_stop_the_thesis_program_before_it_moves(targets, 
 def test_a_missing_separator_stops_the_thesis_program(machine, thesis_module):
     lines = ["1.0;2.0;3.0;1.0;0.0;0.0;0.0;0;0;0;0;"] * 13 + ["1.0;2.0;3.0;1.0;0.0;0.0;0.0;0;0;0"]
     (machine.home / "Hei2.txt").write_text("\n".join(lines) + "\n")
-    program = Program([parse_module(thesis_module(path=False), "Thesis.mod")], machine)
+    program = RapidProgram([parse_module(thesis_module(path=False), "Thesis.mod")], machine)
     with pytest.raises(RapidRuntimeError, match=r"Thesis.mod, line \d+: StrFind: position 35 is outside"):
         program.run()
 
@@ -141,12 +141,12 @@ def test_a_line_of_more_than_80_characters_shifts_all_that_is_read_after_it(
     (machine.home / "Hei2.txt").write_text("\n".join(lines) + "\n")
     text = thesis_module(path=False)
     assert text.count("\\Line:=") == 13
-    program = Program([parse_module(text, "Thesis.mod")], machine)
+    program = RapidProgram([parse_module(text, "Thesis.mod")], machine)
     program.run()
     assert program.read("Target_11")[0][0] == 102.0
     import re
 
     sequential = re.sub(r"\\Line:=\d+", "", text)
-    program = Program([parse_module(sequential, "Thesis.mod")], machine)
+    program = RapidProgram([parse_module(sequential, "Thesis.mod")], machine)
     with pytest.raises(RapidRuntimeError, match="StrFind"):
         program.run()

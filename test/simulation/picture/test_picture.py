@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.simulation.picture.outline import Outline, wander
+from doormill_ros.simulation.picture.outline import EdgeProfile, wander
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import Chip, Edges, PictureScene, Sensor, Surface
 from doormill_ros.units import MM
@@ -38,7 +38,7 @@ def test_roughness_has_its_rms_and_correlation_length():
 
 
 def test_a_chip_bites_where_it_is():
-    outline = Outline(
+    outline = EdgeProfile(
         np.random.default_rng(1), Edges(chips=(Chip("hinge", 0.03, 2 * MM, 0.5 * MM),)), "hinge"
     )
     along = np.array([[0.025, 0.03, 0.035]], dtype=np.float32)

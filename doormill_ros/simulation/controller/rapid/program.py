@@ -18,7 +18,7 @@ from doormill_ros.simulation.controller.rapid.scope import Context, GlobalSymbol
 from doormill_ros.simulation.controller.rapid.types import Value, copy
 
 
-class Program:
+class RapidProgram:
     """The modules of one task, loaded and ready to run.
 
     Global data lives as long as this object: PERS keep their values from run to run, VAR are set
@@ -74,10 +74,6 @@ class Program:
     def has_data(self, name: str) -> bool:
         """Whether global data of that name is loaded."""
         return self._modules.data.has_here(name)
-
-    def has_routine(self, name: str) -> bool:
-        """Whether a procedure or function of that name is loaded."""
-        return self._modules.routines.has_here(name)
 
     def _global(self, name: str) -> GlobalSymbol:
         found = self._modules.data.find(name)

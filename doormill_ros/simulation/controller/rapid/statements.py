@@ -25,7 +25,7 @@ RETURN, RETRY, TRYNEXT, RERAISE = "RETURN", "RETRY", "TRYNEXT", "RERAISE"
 RETRY_LIMIT = 4
 
 
-class Outcome(NamedTuple):
+class Completion(NamedTuple):
     """What a statement hands to the block around it, which then goes no further.
 
     Attributes:
@@ -38,7 +38,7 @@ class Outcome(NamedTuple):
 
 
 #: Compiled statements; None means go on with the next one.
-Step = Callable[[Frame], Outcome | None]
+Step = Callable[[Frame], Completion | None]
 
 
 class StatementCompiler(CallCompiler):
@@ -90,7 +90,7 @@ class StatementCompiler(CallCompiler):
         context = self._context
         machine, file = context.machine, self._file
 
-        def plain(frame: Frame) -> Outcome | None:
+        def plain(frame: Frame) -> Completion | None:
             for line, run in compiled:
                 context.line = line
                 machine.statement(file, line)
@@ -103,7 +103,7 @@ class StatementCompiler(CallCompiler):
             return plain
         handler = self._handler
 
-        def guarded(frame: Frame) -> Outcome | None:
+        def guarded(frame: Frame) -> Completion | None:
             for line, run in compiled:
                 attempts = 0
                 while True:
@@ -130,7 +130,7 @@ class StatementCompiler(CallCompiler):
 
         return guarded
 
-    def _handle(self, handler: Step, frame: Frame, fault: RapidFault) -> Outcome:
+    def _handle(self, handler: Step, frame: Frame, fault: RapidFault) -> Completion:
         """Run the ERROR clause; a fault that leaves it is marked, so that it reaches the caller."""
         context = self._context
         if not fault.file:
@@ -142,7 +142,7 @@ class StatementCompiler(CallCompiler):
             further.escaped = frame
             raise
         if outcome is None:
-            return Outcome(RETURN)
+            return Completion(RETURN)
         if outcome.word == RERAISE:
             fault.escaped = frame
             raise fault
@@ -175,7 +175,7 @@ class StatementCompiler(CallCompiler):
                 word = RETRY if isinstance(node, s.Retry) else TRYNEXT
                 if not self._in_handler:
                     self.fail(node, f"{word} stands outside an ERROR clause: move it there")
-                outcome = Outcome(word)
+                outcome = Completion(word)
                 return lambda frame: outcome
             case s.Exit():
                 return _exit
@@ -212,7 +212,7 @@ class StatementCompiler(CallCompiler):
         branches = [(self._condition(condition), self.block(block)) for condition, block in node.branches]
         otherwise = self.block(node.otherwise)
 
-        def run(frame: Frame) -> Outcome | None:
+        def run(frame: Frame) -> Completion | None:
             for condition, block in branches:
                 if condition(frame):
                     return block(frame)
@@ -224,7 +224,7 @@ class StatementCompiler(CallCompiler):
         condition, body = self._condition(node.condition), self.block(node.body)
         context, file, line = self._context, self._file, node.line
 
-        def run(frame: Frame) -> Outcome | None:
+        def run(frame: Frame) -> Completion | None:
             while condition(frame):
                 outcome = body(frame)
                 if outcome is not None:
@@ -246,7 +246,7 @@ class StatementCompiler(CallCompiler):
         self._names = outer
         context, file, line = self._context, self._file, node.line
 
-        def run(frame: Frame) -> Outcome | None:
+        def run(frame: Frame) -> Completion | None:
             value, end = first(frame), last(frame)
             # Without STEP the loop counts down when it has to: FROM 1 TO 0 runs twice.
             stride = step(frame) if step is not None else (1.0 if value <= end else -1.0)
@@ -274,7 +274,7 @@ class StatementCompiler(CallCompiler):
         ]
         default, find = self.block(node.default), value.run
 
-        def run(frame: Frame) -> Outcome | None:
+        def run(frame: Frame) -> Completion | None:
             found = find(frame)
             for items, block in cases:
                 if any(item(frame) == found for item in items):
@@ -285,21 +285,21 @@ class StatementCompiler(CallCompiler):
 
     def _return(self, node: s.Return) -> Step:
         if node.value is None and self._result is None:
-            nothing = Outcome(RETURN)
+            nothing = Completion(RETURN)
             return lambda frame: nothing
         if node.value is None or self._result is None:
             allowed = "no value in a procedure" if self._result is None else f"a {self._result.name}"
             self.fail(node, f"RETURN has the wrong form, allowed is {allowed}: correct it")
         value = self.typed(node.value, self._result, "the returned value")
         if is_composite(self._result):
-            return lambda frame: Outcome(RETURN, copy(value(frame)))
-        return lambda frame: Outcome(RETURN, value(frame))
+            return lambda frame: Completion(RETURN, copy(value(frame)))
+        return lambda frame: Completion(RETURN, value(frame))
 
     def _raise(self, node: s.Raise) -> Step:
         if node.value is None:
             if not self._in_handler:
                 self.fail(node, "RAISE without a number stands outside an ERROR clause: name the error")
-            outcome = Outcome(RERAISE)
+            outcome = Completion(RERAISE)
             return lambda frame: outcome
         value = self.typed(node.value, NUM, "the error number")
 

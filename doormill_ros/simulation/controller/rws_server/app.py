@@ -16,7 +16,7 @@ from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
-from doormill_ros.simulation.controller.rws_server.dialect import RWS1_ROUTES, RWS2_ROUTES, Call, dispatch
+from doormill_ros.simulation.controller.rws_server.dialect import RWS1_ROUTES, RWS2_ROUTES, RwsCall, dispatch
 from doormill_ros.simulation.controller.rws_server.events import Group, Subscriptions
 from doormill_ros.simulation.controller.rws_server.operations import Operations
 from doormill_ros.simulation.controller.rws_server.reply import (
@@ -164,7 +164,7 @@ class WebServices:
         if path == "logout":
             self.sessions.end(session)
             return Response(status_code=200, media_type="text/plain")
-        call = Call(request.method, path, dict(request.query_params), dict(form), body)
+        call = RwsCall(request.method, path, dict(request.query_params), dict(form), body)
         answer = dispatch(self._routes, self.operations, call)
         if answer.raw is not None:
             return Response(answer.raw, answer.status, media_type="application/octet-stream")

@@ -16,7 +16,7 @@ from doormill_ros.simulation.controller.rws_server.reply import (
 
 
 @dataclass(frozen=True)
-class Call:
+class RwsCall:
     """One request, taken apart.
 
     Attributes:
@@ -35,7 +35,7 @@ class Call:
 
 
 @dataclass(frozen=True)
-class Answer:
+class RwsAnswer:
     """Status with a list of items, or raw bytes for a file."""
 
     status: int
@@ -43,8 +43,8 @@ class Answer:
     raw: bytes | None = None
 
 
-Handler = Callable[[Operations, Call, str], Answer]
-Action = Callable[[Operations, Call, str], None]
+Handler = Callable[[Operations, RwsCall, str], RwsAnswer]
+Action = Callable[[Operations, RwsCall, str], None]
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Route:
     action: str | None = None
 
 
-def dispatch(routes: tuple[Route, ...], operations: Operations, call: Call) -> Answer:
+def dispatch(routes: tuple[Route, ...], operations: Operations, call: RwsCall) -> RwsAnswer:
     """Find the route and run it.
 
     Raises:
@@ -77,41 +77,41 @@ def dispatch(routes: tuple[Route, ...], operations: Operations, call: Call) -> A
     raise RefusalError(404, CODE_NOT_FOUND, f"no resource /{call.path}")
 
 
-def _ok(*items: Item) -> Answer:
-    return Answer(200, tuple(items))
+def _ok(*items: Item) -> RwsAnswer:
+    return RwsAnswer(200, tuple(items))
 
 
 def _done(action: Action) -> Handler:
     """A handler that acts and answers without content."""
 
-    def handle(operations: Operations, call: Call, path: str) -> Answer:
+    def handle(operations: Operations, call: RwsCall, path: str) -> RwsAnswer:
         action(operations, call, path)
-        return Answer(204)
+        return RwsAnswer(204)
 
     return handle
 
 
-def _get_file(operations: Operations, _: Call, path: str) -> Answer:
+def _get_file(operations: Operations, _: RwsCall, path: str) -> RwsAnswer:
     if operations.path(path).is_dir():
         return _ok(*operations.list_folder(path))
-    return Answer(200, raw=operations.read_file(path))
+    return RwsAnswer(200, raw=operations.read_file(path))
 
 
-def _put_file(operations: Operations, call: Call, path: str) -> Answer:
-    return Answer(201 if operations.write_file(path, call.body) else 200)
+def _put_file(operations: Operations, call: RwsCall, path: str) -> RwsAnswer:
+    return RwsAnswer(201 if operations.write_file(path, call.body) else 200)
 
 
-def _make_folder(operations: Operations, call: Call, path: str) -> Answer:
+def _make_folder(operations: Operations, call: RwsCall, path: str) -> RwsAnswer:
     operations.make_folder(path, call.form.get("fs-newname", ""))
-    return Answer(201)
+    return RwsAnswer(201)
 
 
-def _read_symbol(operations: Operations, _: Call, path: str) -> Answer:
+def _read_symbol(operations: Operations, _: RwsCall, path: str) -> RwsAnswer:
     return _ok(operations.symbol(path))
 
 
 def _symbol_writer(implicit: bool) -> Handler:
-    def write(operations: Operations, call: Call, path: str) -> None:
+    def write(operations: Operations, call: RwsCall, path: str) -> None:
         implied = implicit and call.query.get("mastership") == "implicit"
         operations.write_symbol(path, call.form, implied)
 
@@ -130,11 +130,11 @@ def _mastership(action: str) -> Handler:
     return _done(lambda operations, _, __: operations.mastership(action))
 
 
-def _signal(operations: Operations, _: Call, path: str) -> Answer:
+def _signal(operations: Operations, _: RwsCall, path: str) -> RwsAnswer:
     return _ok(operations.signal_item(operations.signal(path)))
 
 
-def _ramdisk(*_: object) -> Answer:
+def _ramdisk(*_: object) -> RwsAnswer:
     return _ok(Item("ctrl-env", "RAMDISK", "", {"_value": "/hd0a/temp", "value": "/hd0a/temp"}))
 
 

@@ -8,8 +8,6 @@ from doormill_ros.simulation.controller.rapid.operators import num
 from doormill_ros.simulation.controller.rapid.scope import Context, Reference
 from doormill_ros.simulation.controller.rapid.types import Value, format_value
 
-#: Characters of a line on the pendant.
-PENDANT_LINE = 40
 #: Characters of a title in the event log.
 TITLE = 46
 
