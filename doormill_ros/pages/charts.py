@@ -7,10 +7,8 @@ from __future__ import annotations
 
 import functools
 import io
-import re
-import zlib
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Sequence
-from html import escape
 from pathlib import Path
 from typing import NamedTuple, ParamSpec, TypeVar
 
@@ -20,6 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.pages.inline_svg import inline
 
 RED, BLUE, GREEN, GREY, DARK = "#c2562d", "#1f6f8b", "#3b7d4f", "#8a8f98", "#555555"
 THIRD, HALF, WIDE = 380, 560, 1132  #: widths of charts, three or two in a row and alone, as on the page [px]
@@ -205,12 +204,10 @@ def svg(figure: Figure, words: str = "") -> str:
     """The figure as an <svg> element; `words` say what it shows to those who cannot see it."""
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None})
-    text = buffer.getvalue()
-    # Several figures share a page: their ids must not be taken for each other's.
-    prefix = f"f{zlib.crc32(text.encode()):08x}-"
-    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}", text)
-    label = f' role="img" aria-label="{escape(words)}"' if words else ""
-    return f"<svg{label}" + text[text.index("<svg") + len("<svg") :]
+    element = inline(buffer.getvalue())
+    if words:
+        element.attrib |= {"role": "img", "aria-label": words}
+    return ElementTree.tostring(element, encoding="unicode")
 
 
 def png_figure(width: float, height: float) -> Figure:
