@@ -39,7 +39,7 @@ def test_every_point_of_an_inset_is_so_far_from_the_wall(shape, share):
     distance = share * min(shape.width, shape.length) / 2
     wall = shape.outline().polygon(1e-8).exterior
     points = shape.inset(distance).outline().points(step=shape.length / 20)
-    assert len(points) >= 20
+    assert len(points) >= 4  # one at each corner, if nothing else is left
     for point in points:
         assert wall.distance(shapely.Point(point)) == pytest.approx(distance, abs=3e-8)
 
