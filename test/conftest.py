@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 #: The same examples in every run, and no verdict by the clock.
 settings.register_profile(
@@ -16,6 +17,10 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 settings.load_profile("doormill")
+# Hypothesis also draws constants that it finds in the modules that happen to be loaded, and so other examples when
+# other tests ran before in the same process. There is no setting for it.
+if hasattr(providers, "is_local_module_file"):
+    providers.is_local_module_file = lambda path: False
 
 #: Domains up to 101 keep DDS below Linux' ephemeral ports.
 FIRST_DOMAIN, DOMAINS = 20, 80

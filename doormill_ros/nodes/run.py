@@ -84,7 +84,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
 def shut_down(nodes: Sequence[ManagedNode], executor: MultiThreadedExecutor | None, timeout: float) -> None:
     """Let each node close its files and drop its signals, then end the executor's threads.
 
-    Also when the context is already gone. The executor waits `timeout` seconds for its callbacks.
+    Also when the context is already gone.
     """
     for node in nodes:
         node.close()

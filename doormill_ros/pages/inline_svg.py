@@ -82,9 +82,11 @@ def _clipped(element: ElementTree.Element, rectangle: ElementTree.Element) -> El
         -_LINE <= x - left <= width + _LINE and -_LINE <= y - top <= height + _LINE for x, y in points
     ):
         return element
-    sides = [str(side) for side in (left, top, width, height)]
-    frame = ElementTree.Element("svg", dict(zip(("x", "y", "width", "height"), sides, strict=True)))
-    frame.set("viewBox", " ".join(sides))
+    right, bottom = left + width, top + height
+    corners = ((left, top), (right, top), (right, bottom), (left, bottom))
+    outline = ", ".join(f"{x:.7g}px {y:.7g}px" for x, y in corners)
+    # Around it, not on it: what moves the element must not move the frame.
+    frame = ElementTree.Element("g", {"style": f"clip-path: polygon({outline}) view-box"})
     frame.append(element)
     return frame
 
