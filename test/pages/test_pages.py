@@ -96,7 +96,7 @@ def test_texts_stay_text_and_charts_keep_them_inside(tmp_path) -> None:
 
 def test_a_page_without_remarks_has_neither_lead_nor_colour() -> None:
     text = render(Page("It is so", []))
-    assert '<h1>It is so</h1>' in text
+    assert "<h1>It is so</h1>" in text
     assert 'class="lead"' not in text
 
 
