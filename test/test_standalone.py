@@ -33,11 +33,9 @@ MEANT = {
         "Path(text).expanduser()",
         "Path.home()",
     ],
-    "docs/inspection.md": ["path .."],
     "scripts/relocate_wheels.py": ["place /opt/python/"],
     "test/diagnosis/parts/test_run.py": ["string '../bag'"],
     "test/abb/test_transport_rws.py": ["string '../x'"],
-    "test/diagnosis/parts/test_run.py": ["string '../bag'"],
     "test/recipes/test_bad_recipes.py": ["string '../etc/passwd'"],
     "test/simulation/controller/test_rapid_library.py": [
         "string 'Open \"HOME:../f.txt\", f \\\\Read;'",
