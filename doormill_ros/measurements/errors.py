@@ -14,6 +14,9 @@ PoseTableError = _row("PoseTableError", 510, "poses.csv has a column or cell tha
 PosePlacementError = _row(
     "PosePlacementError", 511, "The rows do not tell base-in-tracker and target-in-flange."
 )
+MotionTableError = _row(
+    "MotionTableError", 513, "samples.csv has a column, cell or time that cannot be used."
+)
 RawFileError = _row("RawFileError", 580, "A laser tracker or force sensor file cannot be read.")
 NotSteadyError = _row("NotSteadyError", 581, "A recording holds no steady window that is long enough.")
 LoadingTestError = _row("LoadingTestError", 582, "A description of loading tests contradicts its form.")

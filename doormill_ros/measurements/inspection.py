@@ -19,11 +19,14 @@ from doormill_ros.measurements.trial_table import TrialTable
 
 SCHEMA = "doormill/inspection/1"
 DESCRIPTION, TABLE = "inspection.yaml", "points.csv"
+BESIDE_BAG = "inspection"  #: folder of an inspection in the folder of its run
 SURFACES = ("wall", "floor")
 POINT_COLUMNS, NORMAL_COLUMNS = ("x", "y", "z"), ("nx", "ny", "nz")
 COLUMNS = ("feature", "surface", *POINT_COLUMNS, *NORMAL_COLUMNS, "deviation")
 KEYS = ("schema", "run_id", "bag", "measured_at", "noise", "datum")
 CAMERA = "camera"  #: datum: where the recorded pose put the door
+PART = "part"  #: datum: the door itself, position and angle best fitted
+FEATURE = "feature "  #: datum: begins the name of a feature of that door
 _NORMAL_TOLERANCE = 1e-3
 
 
@@ -60,6 +63,11 @@ class Inspection:
     document: SetDocument
     table: TrialTable
 
+    @property
+    def name(self) -> str:
+        """What the door is called: its folder, or the run's where the inspection lies in one as `cell` makes it."""
+        return self.path.resolve().parent.name if self.path.name == BESIDE_BAG else self.path.name
+
     def __len__(self) -> int:
         return len(self.deviation)
 
@@ -88,7 +96,7 @@ def read_inspection(folder: Path) -> Inspection:
     if not isinstance(bag, str) or not (folder / bag).is_dir():
         raise document.fail(("bag",), f"is {bag!r}, allowed is the folder of a bag, relative to this one")
     datum = document.get("datum")
-    if not isinstance(datum, str) or (datum not in (CAMERA, "part") and not datum.startswith("feature ")):
+    if not isinstance(datum, str) or (datum not in (CAMERA, PART) and not datum.startswith(FEATURE)):
         raise document.fail(("datum",), f"is {datum!r}, allowed are camera, part and feature NAME")
     measured_at = document.get("measured_at")
     if not isinstance(measured_at, datetime):
@@ -122,13 +130,14 @@ def read_inspection(folder: Path) -> Inspection:
 
 
 def inspections_in(folder: Path) -> list[Inspection]:
-    """The inspection that a folder is, or those in its folders, in the order of their names.
+    """The inspection that a folder is, or those in its folders or in `inspection` there, in the order of their names.
 
     Raises:
         DataSetError: There is none, or one cannot be read.
     """
     if (folder / DESCRIPTION).is_file():
         return [read_inspection(folder)]
-    within = sorted(path.parent for path in folder.glob(f"*/{DESCRIPTION}"))
+    patterns = (f"*/{DESCRIPTION}", f"*/{BESIDE_BAG}/{DESCRIPTION}")
+    within = sorted(path.parent for pattern in patterns for path in folder.glob(pattern))
     # Of a folder without any the complaint is that its own description is missing.
     return [read_inspection(path) for path in within or [folder]]

@@ -15,7 +15,8 @@ from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import PoseTableError
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
-from doormill_ros.robot_model.pose.view import KNOWN_LINKS, LinkMass, SetView
+from doormill_ros.robot_model.pose.link_masses import LinkMass, published_masses
+from doormill_ros.robot_model.pose.view import SetView
 
 SCHEMA = "doormill/pose-set/1"
 JOINT_COLUMNS = tuple(f"q{k}" for k in range(1, 7))
@@ -74,7 +75,7 @@ class PoseSet:
     @cached_property
     def view(self) -> SetView:
         """The postures, with published masses where the set states none."""
-        links = self.links or KNOWN_LINKS.get(self.robot, ())
+        links = self.links or published_masses(self.robot)
         return SetView(self.name, self.dh, links, self.q, self.row)
 
 

@@ -57,6 +57,11 @@ class SetDocument:
             line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
             problem = getattr(error, "problem", None) or "syntax error"
             raise SetDescriptionError(f"{path}: line {line}, column {column}: not YAML: {problem}") from error
+        except RecursionError as error:
+            raise SetDescriptionError(f"{path}: line 1, column 1: not YAML: nested too deeply") from error
+        # A wrong value behind a tag, such as !!int x, ends in whatever Python says to it.
+        except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
+            raise SetDescriptionError(f"{path}: line 1, column 1: not YAML: {error}") from error
         if not isinstance(self.data, dict):
             raise SetDescriptionError(f"{path}: line 1, column 1: holds no mapping of keys to values")
 
@@ -121,5 +126,5 @@ def _is_number(value: Any) -> bool:
         return False
     try:
         return bool(np.isfinite(float(value)))
-    except ValueError:
+    except (ValueError, OverflowError):
         return False

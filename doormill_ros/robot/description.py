@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import model_validator
 
 from doormill_ros.arrays import FloatArray
@@ -47,6 +48,7 @@ class Robot:
         upper: Upper joint limits, shape (6,) [rad].
         max_velocity: Largest joint velocities, shape (6,) [rad/s].
         stiffness: Joint stiffness, shape (6,) [N m/rad].
+        stiffness_std: Its standard deviation, shape (6,) [N m/rad]; NaN where nobody stated it, None: nowhere.
         payload: Largest mass at the flange [kg].
         reach: Distance of the stretched wrist centre from axis 1 [m].
         provenance: Source of reach, payload, limits, max_velocity and stiffness.
@@ -64,6 +66,7 @@ class Robot:
     payload: float
     reach: float
     provenance: dict[str, Provenance]
+    stiffness_std: FloatArray | None = None
 
     def unmeasured(self) -> list[str]:
         """Names of the figures that nobody measured."""
@@ -72,6 +75,8 @@ class Robot:
 
 Joints = Annotated[FloatArray, Array((JOINTS,))]
 PositiveJoints = Annotated[FloatArray, Array((JOINTS,), positive=True)]
+_Stated = Positive | None
+StatedJoints = tuple[_Stated, _Stated, _Stated, _Stated, _Stated, _Stated]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +97,7 @@ class _Scalar(_Figure):
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _OfJoints(_Figure):
     value: PositiveJoints
-    std: Any = None
+    std: StatedJoints | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -178,6 +183,7 @@ def _load(path: Path) -> Robot:
         payload=content.payload.value,
         reach=content.reach.value,
         provenance={name: getattr(content, name).provenance for name in _FIGURES},
+        stiffness_std=None if content.stiffness.std is None else np.array(content.stiffness.std, dtype=float),
     )
     if robot.unmeasured():
         _log.warning("%s: nobody measured %s; see %s", robot.label, ", ".join(robot.unmeasured()), path)

@@ -61,6 +61,27 @@ def inverse_branches(robot: Robot, T_base_flange: FloatArray) -> FloatArray:
     return q
 
 
+def inverse_near(robot: Robot, T_base_flange: FloatArray, q: FloatArray) -> FloatArray:
+    """The solution of each pose that is nearest to a posture, whole turns of the joints included.
+
+    Args:
+        robot: The robot.
+        T_base_flange: Poses, shape (n, 4, 4).
+        q: The posture, shape (6,) [rad].
+
+    Returns:
+        Shape (n, 6) [rad], without regard to limits; NaN where a pose is out of reach.
+
+    Raises:
+        GeometryError: The robot has no closed-form inverse here.
+    """
+    found = inverse_branches(robot, T_base_flange)
+    found = found + _TURN * np.round((q - found) / _TURN)
+    apart = np.nan_to_num(np.abs(found - q).max(axis=2), nan=np.inf)  # (n, 8)
+    nearest: FloatArray = found[np.arange(len(found)), apart.argmin(axis=1)]
+    return nearest
+
+
 def _library_branches(arm: OrthoParallel, T_base_flange: FloatArray) -> FloatArray:
     poses = opw.RigidTransform.from_matrix(T_base_flange)
     joints: FloatArray = _solver(arm).reach(poses, _NO_LIMITS).joints

@@ -87,6 +87,12 @@ def joint_names(path: Path) -> list[str]:
     return [joint.get("name", "") for joint in _chain_joints(path)[2] if joint.get("type") != "fixed"]
 
 
+def link_names(path: Path) -> list[str]:
+    """Names of the links of the chain, from the base to the flange."""
+    base, _, steps = _chain_joints(path)
+    return [base, *(_link(path, joint, "child") for joint in steps)]
+
+
 def _chain_joints(path: Path) -> tuple[str, str, list[ElementTree.Element]]:
     """Root link, last link, and the joints between them."""
     try:
@@ -140,11 +146,28 @@ def _zero_position(path: Path, base: str, flange: str, steps: list[ElementTree.E
         axes.append(T_base_link[:3, :3] @ _axis(path, joint))
         points.append(T_base_link[:3, 3].copy())
         limit = joint.find("limit")
-        lower.append(float(limit.get("lower", "-inf")) if limit is not None else -np.inf)
-        upper.append(float(limit.get("upper", "inf")) if limit is not None else np.inf)
+        lower.append(_bound(path, joint, limit, "lower", -np.inf))
+        upper.append(_bound(path, joint, limit, "upper", np.inf))
     return Chain(
         base, flange, np.array(axes), np.array(points), T_base_link, np.array(lower), np.array(upper)
     )
+
+
+def _bound(
+    path: Path, joint: ElementTree.Element, limit: ElementTree.Element | None, name: str, default: float
+) -> float:
+    text = None if limit is None else limit.get(name)
+    if text is None:
+        return default
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if np.isnan(value):
+        raise RobotDescriptionError(
+            f"{path}: joint {joint.get('name')} has the {name} limit '{text}', allowed is a number"
+        )
+    return value
 
 
 def _axis(path: Path, joint: ElementTree.Element) -> FloatArray:

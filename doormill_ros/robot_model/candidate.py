@@ -1,4 +1,4 @@
-"""What every candidate for a wrong model has to say about itself, whatever kind of data questions the model."""
+"""What every cause of a wrong model has to say about itself, whatever kind of data questions the model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Case = TypeVar("Case")
 
 
 @dataclass(frozen=True)
-class Parameter:
+class CauseParameter:
     """One reported number (or vector) of a cause.
 
     Attributes:
@@ -31,38 +31,25 @@ class Parameter:
     size: int = 1
 
 
-class Candidate(Generic[Case]):
-    """One way in which reality can differ from a model.
-
-    Numbers that are fitted ("theta") are scaled so that the effect is near linear in them and zero means no effect.
+class Cause:
+    """One way in which reality can differ from a model, with its place.
 
     Attributes:
         name: Fixed name.
         where: Place.
-        parameters: What is reported.
-        scale: Size of a typical effect in theta, shape (p,).
-        lower, upper: Allowed theta, shape (p,).
         of_robot: Whether it is in the robot; one in the measuring chain changes nothing for who mills with it.
-        named: Whether a diagnosis may name it; patterns that only warn of the unknown are not.
-        generalises: Name of the candidate at the same place that this one contains as a special case.
         variant: Tells apart two readings of the same cause.
-        kinked: Indices of theta in which the cost is not smooth; their uncertainty is profiled.
+        named: Whether a diagnosis may name it; patterns that only warn of the unknown are not.
     """
 
     name: str = ""
     where: str = ""
-    parameters: tuple[Parameter, ...] = ()
-    scale: FloatArray
-    lower: FloatArray
-    upper: FloatArray
     of_robot: bool = True
-    named: bool = True
-    generalises: str = ""
     variant: str = ""
-    kinked: tuple[int, ...] = ()
+    named: bool = True
 
     def __init__(self, where: str) -> None:
-        """Put the candidate at its place."""
+        """Put the cause at its place."""
         self.where = where
 
     def __repr__(self) -> str:
@@ -78,14 +65,35 @@ class Candidate(Generic[Case]):
         """Name, place and variant."""
         return self.name, self.where, self.variant
 
+    def pattern(self) -> str:
+        """One sentence: what it leaves in the data."""
+        raise NotImplementedError
+
+
+class Candidate(Cause, Generic[Case]):
+    """A cause that a search over sets of causes can try.
+
+    Numbers that are fitted ("theta") are scaled so that the effect is near linear in them and zero means no effect.
+
+    Attributes:
+        parameters: What is reported.
+        scale: Size of a typical effect in theta, shape (p,).
+        lower, upper: Allowed theta, shape (p,).
+        generalises: Name of the candidate at the same place that this one contains as a special case.
+        kinked: Indices of theta in which the cost is not smooth; their uncertainty is profiled.
+    """
+
+    parameters: tuple[CauseParameter, ...] = ()
+    scale: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    generalises: str = ""
+    kinked: tuple[int, ...] = ()
+
     @property
     def size(self) -> int:
         """Number of fitted numbers."""
         return len(self.scale)
-
-    def pattern(self) -> str:
-        """One sentence: what it leaves in the data."""
-        raise NotImplementedError
 
     def starts(self, case: Case) -> list[FloatArray]:
         """Values of theta from which a fit may start, each of shape (p,)."""

@@ -14,11 +14,12 @@ from doormill_ros.config import read_document
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
+from doormill_ros.robot_model.model_file import MODEL_FILE, read_model, schema_of
 from doormill_ros.robot_model.pose.compliance import PoseErrorCompliance, load_pose_compliance
 from doormill_ros.robot_model.pose.model import SCHEMA as POSE_SCHEMA
 
@@ -29,7 +30,7 @@ SCHEMA = "doormill/extended-model/1"
 class SizedCause:
     """A cause and the values of its parameters in a row, SI units."""
 
-    cause: Cause
+    cause: ElasticCause
     values: FloatArray
 
 
@@ -140,30 +141,26 @@ def load_compliance_model(path_or_name: str | Path) -> ExtendedComplianceModel |
         PoseModelError: The same of a pose diagnosis, or its robot has no description here.
     """
     path = Path(path_or_name)
-    if path.is_dir() and (path / "model.yaml").is_file():
-        path = path / "model.yaml"
+    if (path / MODEL_FILE).is_file():
+        path = path / MODEL_FILE
     if not path.is_file():
         try:
             robot = load_robot(path_or_name)
         except RobotError as error:
             raise ExtendedModelError(
-                f"{path_or_name} is neither a model.yaml nor a robot: {error.message}", path=str(path_or_name)
+                f"{path_or_name} is neither a {MODEL_FILE} nor a robot: {error.message}",
+                path=str(path_or_name),
             ) from error
         return _own_springs(robot)
-    document = read_document(path, ExtendedModelError)
-    if isinstance(document, dict) and document.get("schema") == POSE_SCHEMA:
+    if schema_of(read_document(path, ExtendedModelError)) == POSE_SCHEMA:
         return load_pose_compliance(path)
-    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-        found = document.get("schema") if isinstance(document, dict) else type(document).__name__
-        raise ExtendedModelError(f"{path} has schema {found}, allowed is {SCHEMA}", path=str(path))
-    try:
-        robot = load_robot(str(document["robot"]))
-        stiffness = np.array(document["joint_stiffness"], dtype=float)
-        causes = [_sized(entry) for entry in document["causes"]]
-    except (KeyError, TypeError, ValueError, RobotError) as error:
-        raise ExtendedModelError(
-            f"{path} cannot be used: {error}; write it anew with diagnose", path=str(path)
-        ) from error
+    return read_model(path, SCHEMA, ExtendedModelError, lambda document: _model(document, path))
+
+
+def _model(document: dict[str, Any], path: Path) -> ExtendedComplianceModel:
+    robot = load_robot(str(document["robot"]))
+    stiffness = np.array(document["joint_stiffness"], dtype=float)
+    causes = [_sized(entry) for entry in document["causes"]]
     if stiffness.shape != (6,) or not np.all(stiffness > 0.0):
         raise ExtendedModelError(
             f"{path} has joint_stiffness {document['joint_stiffness']}, allowed are 6 positive numbers [N m / rad]",

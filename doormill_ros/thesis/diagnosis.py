@@ -16,7 +16,7 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.ranking import ranked
 from doormill_ros.diagnosis.loading.path_shift import DOOR, paths_apart
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import candidates
 from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
@@ -67,7 +67,7 @@ class ThesisCandidate:
         misfit: Squared deviations of the tests with it.
     """
 
-    cause: Cause
+    cause: ElasticCause
     value: float
     std: float
     misfit: float
@@ -98,12 +98,12 @@ class ThesisDiagnosis:
     unchanged: str
 
     @property
-    def cause(self) -> Cause:
+    def cause(self) -> ElasticCause:
         """Of the closest fit."""
         return self.candidates[0].cause
 
     @property
-    def confusable(self) -> tuple[Cause, ...]:
+    def confusable(self) -> tuple[ElasticCause, ...]:
         """Those of the others."""
         return tuple(candidate.cause for candidate in self.candidates[1:])
 
@@ -121,7 +121,7 @@ def diagnose_thesis(data: ThesisData) -> ThesisDiagnosis:
     measured = np.array([test.measured for test in data.tests])
     use = np.array([test.joint in DECIDABLE for test in data.tests])
 
-    def misfit(cause: Cause | None, theta: FloatArray, rows: BoolArray) -> FloatArray:
+    def misfit(cause: ElasticCause | None, theta: FloatArray, rows: BoolArray) -> FloatArray:
         off: FloatArray = _lengths(data, cases[1], cause, theta)[rows] - measured[rows]
         return off / std
 
@@ -175,7 +175,9 @@ def diagnose_thesis(data: ThesisData) -> ThesisDiagnosis:
     )
 
 
-def _candidate(cause: Cause, theta: FloatArray, cost: float, slope: float, case: LoadCase) -> ThesisCandidate:
+def _candidate(
+    cause: ElasticCause, theta: FloatArray, cost: float, slope: float, case: LoadCase
+) -> ThesisCandidate:
     value = float(cause.values(theta, case)[0])
     step = 1e-4
     rate = (float(cause.values(theta + step, case)[0]) - value) / step
@@ -260,7 +262,7 @@ def _case(data: ThesisData, test: ThesisTest, stiffness: FloatArray, side: int) 
 
 
 def _lengths(
-    data: ThesisData, cases: Sequence[LoadCase], cause: Cause | None, theta: FloatArray
+    data: ThesisData, cases: Sequence[LoadCase], cause: ElasticCause | None, theta: FloatArray
 ) -> FloatArray:
     """Predicted length of each test, shape (6,) [m]; test 4 is the rotation of joint 4 times its radius."""
     lengths = []
@@ -291,7 +293,9 @@ def _own(data: ThesisData, case: LoadCase, test: ThesisTest, stiffness: FloatArr
 
 
 def _fit(
-    misfit: Callable[[Cause | None, FloatArray, BoolArray], FloatArray], cause: Cause, rows: BoolArray
+    misfit: Callable[[ElasticCause | None, FloatArray, BoolArray], FloatArray],
+    cause: ElasticCause,
+    rows: BoolArray,
 ) -> tuple[FloatArray, float, float]:
     """Theta, squared deviations, and squared slope of the deviations by theta."""
     best = least_squares(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from doormill_ros.diagnosis.wording import MICRO, micrometres, spoken, with_deviation
+from doormill_ros.diagnosis.core.wording import MICRO, micrometres, spoken, with_deviation
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED, WIDE, BarRow, Curve, bars, scatter
-from doormill_ros.pages.page import Charts, Page, Section, Table, Text, render
+from doormill_ros.pages.page import Charts, Page, PageSection, Paragraphs, Table, render
 from doormill_ros.thesis.diagnosis import ThesisDiagnosis, ThesisRow
 from doormill_ros.thesis.preload import PreloadReading
 from doormill_ros.thesis.wording import candidates_sentence, joint_3_sentence
@@ -43,18 +43,19 @@ def render_thesis_report(found: ThesisDiagnosis, gap: PreloadReading) -> str:
         "shows what joint 2 does, and parts the candidates for joint 3 from joint 2."
     )
     sections = [
-        Section(
+        PageSection(
             "Table 4.2: measured against simulated",
             [
                 Charts([_lengths(found)], "wide"),
                 _table(found),
-                Text([joint_3_sentence(found), found.unchanged, held_out]),
+                Paragraphs([joint_3_sentence(found), found.unchanged, held_out]),
             ],
         ),
-        Section(
-            "Table 4.3: joint 1 pre-loaded and not", [Charts([_angles(gap)], "wide"), Text([_readings(gap)])]
+        PageSection(
+            "Table 4.3: joint 1 pre-loaded and not",
+            [Charts([_angles(gap)], "wide"), Paragraphs([_readings(gap)])],
         ),
-        Section("What to measure next", [Text([following])]),
+        PageSection("What to measure next", [Paragraphs([following])]),
     ]
     return render(Page(thesis_headline(found), sections, lead))
 

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy.ndimage import minimum_filter
 
-from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.robot.branch import choose_branch
 from doormill_ros.robot.branch_rules import BranchRules
 from doormill_ros.robot.description import Robot
@@ -24,7 +24,9 @@ from doormill_ros.workspace.posture import (
 )
 
 _PITCH = 0.05  # m, coarsest spacing of the samples
+NEIGHBOURS = 1  #: places so few steps of the lattice apart are taken for one
 _SLABS = 20  # parts in which the lattice is computed, for the progress bar
+ELBOW = 0.15  #: an elbow that stands out 0.39 m before its axis is then clear of a door 0.25 m before the flange [m]
 _WALKS = 200  # candidates tried before the search gives up
 
 
@@ -157,6 +159,36 @@ class Survey:
         posture = max(POSTURES, key=top)
         worst, allowed = self.worst[posture], self.allowed[posture]
         return RegionSearch(self._first_to_walk(posture, objective), objective, self.corners, worst, allowed)
+
+    def candidates(self, objective: str, most: int) -> list[BoxPlacement]:
+        """Allowed places of all postures, the best by an objective first, none beside one that is better.
+
+        Args:
+            objective: "conditioning" or "stiffness".
+            most: How many at most.
+        """
+        found: list[tuple[float, int, IntArray]] = []
+        for posture in POSTURES:
+            places = np.argwhere(self.allowed[posture])
+            values = self.worst[posture][objective][self.allowed[posture]]
+            found += [(float(v), posture, place) for v, place in zip(values, places, strict=True)]
+        found.sort(key=lambda item: (-item[0], item[1], tuple(item[2])))
+        chosen: list[tuple[float, int, IntArray]] = []
+        for item in found:
+            if all(item[1] != c[1] or np.abs(item[2] - c[2]).max() > NEIGHBOURS for c in chosen):
+                chosen.append(item)
+            if len(chosen) == most:
+                break
+        return [
+            _placed(
+                FlangeBox(
+                    np.array([axis[i] for axis, i in zip(self.corners, place, strict=True)]), self.size
+                ),
+                posture,
+                {name: float(self.worst[posture][name][tuple(place)]) for name in FIGURES},
+            )
+            for _, posture, place in chosen
+        ]
 
     def _first_to_walk(self, posture: int, objective: str) -> BoxPlacement | None:
         """The best allowed place through whose box one configuration really leads."""

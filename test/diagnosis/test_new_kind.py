@@ -1,6 +1,8 @@
 """A kind of data that nobody thought of: a problem, its causes and one line make it a diagnosis like the others."""
 
 import json
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,11 +10,11 @@ import pytest
 import yaml
 
 from doormill_ros.diagnosis import kinds
-from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
-from doormill_ros.diagnosis.core.document import diagnosis_document, write_diagnosis
-from doormill_ros.diagnosis.core.margins import margins
+from doormill_ros.diagnosis.core.kind import SearchedKind
 from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds
-from doormill_ros.robot_model.candidate import Candidate, Parameter
+from doormill_ros.diagnosis.core.wording import Unit, Words
+from doormill_ros.pages.page import PageSection, Paragraphs
+from doormill_ros.robot_model.candidate import Candidate, CauseParameter
 from doormill_ros.tools.diagnose import main
 
 SCHEMA = "invented/room-set/1"
@@ -24,7 +26,7 @@ class Draught(Candidate):
     def __init__(self, name, column, named=True, of_robot=True):
         super().__init__("room")
         self.name, self.column, self.named, self.of_robot = name, column, named, of_robot
-        self.parameters = (Parameter("size", "K", -10.0, 10.0),)
+        self.parameters = (CauseParameter("size", "K", -10.0, 10.0),)
         self.scale, self.lower, self.upper = np.ones(1), np.full(1, -1e3), np.full(1, 1e3)
 
     def values(self, theta, case):
@@ -42,6 +44,7 @@ class Room(Examined[Draught]):
         self.components, self.noise_floor, self.folds = 3, 0.1, make_folds(room)
 
     case = None
+    unit = Unit("K", "K", 2, 1.0)
 
     def __len__(self):
         return len(self.readings)
@@ -95,14 +98,51 @@ def a_room(hidden, seed=0, size=3.0):
     return Room(readings, np.arange(60) // 5, library)
 
 
-def run_rooms(data, check, out, progress):
-    hidden = yaml.safe_load((data[0] / "set.yaml").read_text())["hidden"]
-    diagnosis = diagnose_problem(a_room(hidden), progress)
-    document = diagnosis_document(
-        diagnosis, "open a window", margins=[margin.document() for margin in margins(diagnosis)]
-    )
-    write_diagnosis(out, document, {}, "")
-    return f"{diagnosis.verdict}: {', '.join(f.cause.name for f in diagnosis.findings)}"
+class Rooms(SearchedKind[Room, Room, Draught]):
+    """Rooms by what is hidden in them; told in kelvin, with a model and a page of their own."""
+
+    schema = SCHEMA
+    words = Words("thermometer", "readings", "reading", "reading", "rooms", "By opening windows.")
+    next_measurement = "open a window"
+
+    def read(self, folder, progress):
+        progress("reading the thermometers")
+        document = yaml.safe_load((folder / "set.yaml").read_text())
+        return [a_room(document["hidden"], document.get("seed", 0))]
+
+    def problem(self, sets):
+        (room,) = sets
+        return room
+
+    def name(self, one):
+        return "the room"
+
+    def account(self, diagnosis, sets, checks, progress):
+        account = super().account(diagnosis, sets, checks, progress)
+        by_door = {f"thermometer {k + 1}": float(np.std(sets[0].readings[:, k])) for k in range(3)}
+        return replace(
+            account,
+            sections={"by_thermometer": by_door},
+            model={"schema": "invented/model/1", "causes": [cause.cause for cause in account.causes]},
+            evidence=[PageSection("What the windows show", [Paragraphs(["They are shut."])])],
+        )
+
+
+def diagnose(folder, hidden, *more, check=None):
+    """Exit status, and the folder of what was written."""
+    data = {"data": hidden} | ({} if check is None else {"check": check})
+    arguments = []
+    for name, effects in data.items():
+        (folder / name).mkdir()
+        text = yaml.safe_dump({"schema": SCHEMA, "hidden": effects, "seed": len(arguments)})
+        (folder / name / "set.yaml").write_text(text)
+        arguments += [f"--{name}", str(folder / name)]
+    return main([*arguments, "--out", str(folder / "out"), *more]), folder / "out"
+
+
+@pytest.fixture
+def registered(monkeypatch):
+    monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, Rooms()))
 
 
 @pytest.mark.parametrize(
@@ -115,11 +155,10 @@ def run_rooms(data, check, out, progress):
         (["strange", "sun"], "partly_explained", ["sun"]),
     ],
 )
-def test_one_line_makes_a_kind(monkeypatch, tmp_path, capsys, hidden, verdict, names):
-    monkeypatch.setitem(kinds.KINDS, SCHEMA, run_rooms)
-    (tmp_path / "set.yaml").write_text(yaml.safe_dump({"schema": SCHEMA, "hidden": hidden}))
-    assert main(["--data", str(tmp_path), "--out", str(tmp_path / "out"), "--quiet"]) == 0
-    document = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+def test_one_line_makes_a_kind(registered, tmp_path, capsys, hidden, verdict, names):
+    code, out = diagnose(tmp_path, hidden, "--quiet")
+    assert code == 0
+    document = json.loads((out / "diagnosis.json").read_text())
     assert document["verdict"] == verdict
     assert sorted(cause["cause"] for cause in document["causes"]) == sorted(names)
     assert capsys.readouterr().out.startswith(verdict)
@@ -133,13 +172,56 @@ def test_one_line_makes_a_kind(monkeypatch, tmp_path, capsys, hidden, verdict, n
         assert cause.get("tied_with") == tied
 
 
+def test_a_kind_of_its_own_goes_through_document_model_and_page(registered, tmp_path, capsys):
+    code, out = diagnose(tmp_path, ["sun"], check=["sun"])
+    assert code == 0
+    line, err = capsys.readouterr()
+    assert "reading the thermometers" in err
+    assert "60 trials in 12 configurations, noise floor 0.10 K" in err
+    document = json.loads((out / "diagnosis.json").read_text())
+    assert (document["schema"], document["unit"]) == ("doormill/diagnosis/1", "K")
+    before, after = (document[model]["holdout_rmse"] for model in ("baseline", "extended"))
+    assert line == f"explained: sun at room; held-out reading {before:.2f} -> {after:.2f} K, noise 0.10 K\n"
+    assert after < 0.12 < 2.0 < before
+    assert set(document["by_thermometer"]) == {f"thermometer {k}" for k in (1, 2, 3)}
+    [check] = document["checks"]
+    assert (check["set"], check["rows"]) == ("the room", 60)
+    # Another day has another sun: what was learnt of this one does not help there.
+    assert check["extended"]["rmse"] > check["baseline"]["rmse"] > 2.0
+    model = yaml.safe_load((out / document["extended_model"]).read_text())
+    assert model == {"schema": "invented/model/1", "causes": ["sun"]}
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert page.count("<h1>Explained: sun (") == 1
+    titles = re.findall("<h2>(.*?)</h2>", page)
+    common = ["Causes", "Candidates", "What cannot be told apart", "What to measure next"]
+    assert titles.index("Causes") < titles.index("What the windows show") < titles.index("Candidates")
+    assert [title for title in titles if title in common] == common
+    assert {"How close the decisions were", "Sets that were only predicted"} < set(titles)
+    assert "By opening windows." in page
+    assert f"{before:.2f} K" in page
+
+
+def test_a_kind_may_have_an_option_of_its_own(monkeypatch, tmp_path, capsys):
+    class Chambers(Rooms):
+        option, help = "chambers", "rooms that are heard about"
+
+    monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, Chambers()))
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    options = capsys.readouterr().out
+    assert {"--chambers", "--pictures", "--inspections"} <= set(options.replace("]", " ").split())
+    (tmp_path / "set.yaml").write_text(yaml.safe_dump({"schema": SCHEMA, "hidden": []}))
+    assert main(["--chambers", str(tmp_path), "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    assert capsys.readouterr().out.startswith("consistent: the reading of ")
+
+
 def test_the_core_knows_no_kind():
     """What is common to all kinds imports none of them, nor what only one of them measures."""
     core = Path(kinds.__file__).parent / "core"
     sources = {path.name: path.read_text(encoding="utf-8") for path in core.glob("*.py")}
     assert len(sources) > 10
     for name, text in sources.items():
-        for other in ("loading", "pose", "camera", "parts", "kinds", "wording"):
+        for other in ("loading", "pose", "camera", "parts", "motion", "kinds"):
             assert f"doormill_ros.diagnosis.{other}" not in text, name
         assert "doormill_ros.measurements" not in text, name
         assert "doormill_ros.robot_model.elastic" not in text, name

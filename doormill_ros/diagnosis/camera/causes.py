@@ -10,7 +10,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.measurements.picture_reading import DoorReading, Localisations
-from doormill_ros.robot_model.candidate import Candidate, Parameter
+from doormill_ros.robot_model.candidate import Candidate, CauseParameter
 
 _STEP = 3e-3  #: share of the plausible range for which a camera model is made wrong to derive its reading
 
@@ -26,10 +26,12 @@ class CameraCause(Candidate[Localisations]):
     bends the door besides scaling it. It is used wherever the camera model is known.
     """
 
+    of_robot = False
+
     def __init__(
         self,
         name: str,
-        parameter: Parameter,
+        parameter: CauseParameter,
         pattern: str,
         columns: Callable[[Localisations], list[FloatArray]] | None = None,
         wrong: Wrong | None = None,
@@ -48,7 +50,7 @@ class CameraCause(Candidate[Localisations]):
         self.name, self.parameters, self._sentence = name, (parameter,), pattern
         self.columns, self.wrong = columns, wrong
         self.scale = np.full(parameter.size, parameter.high / 30.0)
-        self.lower, self.upper = -np.ones(parameter.size) * 1e3, np.ones(parameter.size) * 1e3
+        self.lower, self.upper = np.full(parameter.size, -1e3), np.full(parameter.size, 1e3)
 
     def pattern(self) -> str:
         """What it leaves."""
@@ -101,14 +103,14 @@ def camera_causes(known: bool = True) -> list[CameraCause]:
     causes = [
         CameraCause(
             "camera_scale",
-            Parameter("factor_error", "1", -0.1, 0.1),
+            CauseParameter("factor_error", "1", -0.1, 0.1),
             "the error grows with the distance the door was moved, along that distance",
             lambda s: [_plane(*s.moved[:, :2].T)],
             lambda camera, size, reading: _focal(camera, 1.0 / (1.0 + size[0])),
         ),
         CameraCause(
             "camera_distance",
-            Parameter("factor_error", "1", -0.1, 0.1),
+            CauseParameter("factor_error", "1", -0.1, 0.1),
             "the error grows with the distance the door was moved, along that distance, and the lens bends nothing",
             None,
             lambda camera, size, reading: replace(
@@ -117,14 +119,14 @@ def camera_causes(known: bool = True) -> list[CameraCause]:
         ),
         CameraCause(
             "camera_turn",
-            Parameter("angle", "rad", -0.1, 0.1),
+            CauseParameter("angle", "rad", -0.1, 0.1),
             "the error grows with the distance the door was moved, across that distance",
             lambda s: [_plane(-s.moved[:, 1], s.moved[:, 0])],
             lambda camera, size, reading: _turned(camera, [0.0, 0.0, size[0]]),
         ),
         CameraCause(
             "camera_tilt",
-            Parameter("slope", "1 / m", -5.0, 5.0, 2),
+            CauseParameter("slope", "1 / m", -5.0, 5.0, 2),
             "the scale changes from one side of the picture to the other",
             lambda s: [
                 _plane(s.place[:, 0] * s.place[:, i], s.place[:, 1] * s.place[:, i])
@@ -138,7 +140,7 @@ def camera_causes(known: bool = True) -> list[CameraCause]:
         ),
         CameraCause(
             "camera_distortion",
-            Parameter("k1", "1 / m^2", -500.0, 500.0),
+            CauseParameter("k1", "1 / m^2", -500.0, 500.0),
             "the error points from the optical axis and grows with the cube of the distance from it",
             lambda s: [_plane(*(np.sum(s.place**2, axis=1)[:, None] * s.place).T)],
             lambda camera, size, reading: replace(
@@ -147,13 +149,13 @@ def camera_causes(known: bool = True) -> list[CameraCause]:
         ),
         CameraCause(
             "camera_drift",
-            Parameter("velocity", "m / s, rad / s", -1e-5, 1e-5, 3),
+            CauseParameter("velocity", "m / s, rad / s", -1e-5, 1e-5, 3),
             "the error grows with the time since the first picture, wherever the door stands",
             lambda s: [(s.time - s.time[0])[:, None] * e for e in np.eye(3)],
         ),
         CameraCause(
             "camera_placing",
-            Parameter("offset", "m, m, rad", -0.01, 0.01, 3),
+            CauseParameter("offset", "m, m, rad", -0.01, 0.01, 3),
             "the error is the same everywhere",
             lambda s: [np.broadcast_to(e, s.moved.shape) for e in np.eye(3)],
         ),

@@ -7,10 +7,11 @@ from typing import Generic
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.fit import Fit, score_without
+from doormill_ros.diagnosis.core.beam import EQUAL, BeamSearch
+from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.kinks import score_without
 from doormill_ros.diagnosis.core.problem import C
 from doormill_ros.diagnosis.core.ranking import QUANTUM
-from doormill_ros.diagnosis.core.search import EQUAL, Search
 from doormill_ros.diagnosis.core.stability import beaten
 
 #: Fall of the score with one more number that chance reaches once in ten sets.
@@ -39,7 +40,7 @@ class Equal(Generic[C]):
         return abs(self.behind) <= QUANTUM
 
 
-def equals(search: Search[C], best: Fit[C], cause: C, structure: bool) -> list[Equal[C]]:
+def equals(search: BeamSearch[C], best: Fit[C], cause: C, structure: bool) -> list[Equal[C]]:
     """Causes that do as well in the place of one member; the best first.
 
     Args:
@@ -74,7 +75,7 @@ def equals(search: Search[C], best: Fit[C], cause: C, structure: bool) -> list[E
     return [Equal(other, model, search.total(model) - total) for other, model in found.values()]
 
 
-def _instead(search: Search[C], best: Fit[C], model: Fit[C], other: C) -> bool:
+def _instead(search: BeamSearch[C], best: Fit[C], model: Fit[C], other: C) -> bool:
     """Whether a law fits as well without its first number, which it shares with the law it contains."""
     part = model.part(other)
     starts = []
@@ -85,7 +86,7 @@ def _instead(search: Search[C], best: Fit[C], model: Fit[C], other: C) -> bool:
     return score_without(search.problem, model.members, starts, part.start) < best.score + EQUAL
 
 
-def _pairs_with_fewer_numbers(search: Search[C], best: Fit[C], cause: C) -> list[Fit[C]]:
+def _pairs_with_fewer_numbers(search: BeamSearch[C], best: Fit[C], cause: C) -> list[Fit[C]]:
     """Models in which two causes of one number each stand for one of three numbers, and fit as well.
 
     One cause is simpler than two, yet three numbers are more than two: nothing then speaks for either.

@@ -8,12 +8,15 @@ from typing import Generic
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.beam import BeamSearch
 from doormill_ros.diagnosis.core.confusable import Equal, equals
 from doormill_ros.diagnosis.core.fit import Fit, bounds, normal_equations
+from doormill_ros.diagnosis.core.judgement import Examination
 from doormill_ros.diagnosis.core.problem import C, Problem
-from doormill_ros.diagnosis.core.search import Search
 from doormill_ros.diagnosis.core.verdict import rmse
+
+_STEP = 1e-6  #: share of a number by which it is moved to derive what is reported
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +27,7 @@ class Finding(Generic[C]):
         cause: The cause.
         values, std: Reported parameters and their standard deviations, in a row.
         equals: Other causes that would do as well.
-        without: Held-out RMSE of the extended model less this cause [m].
+        without: Held-out RMSE of the extended model less this cause.
         rivals: All alternatives in its place with their held-out scores, the best first.
     """
 
@@ -47,17 +50,16 @@ class Finding(Generic[C]):
 
 
 def make_findings(
-    search: Search[C],
-    best: Fit[C],
-    extended: Fit[C],
-    established: Sequence[C],
-    structure: bool,
-    kept: BoolArray,
+    search: BeamSearch[C], examination: Examination[C, Fit[C]], structure: bool
 ) -> tuple[Finding[C], ...]:
     """All established causes, each sized also in the models where equals stand for the others.
 
-    `kept` marks the trials that count, shape (n,).
+    Args:
+        search: All models.
+        examination: The best of them, and what is named.
+        structure: Whether something remains unexplained; uncertainties then grow with it.
     """
+    best, established = examination.best, examination.named
     doubles = [equals(search, best, cause, structure) for cause in established]
     findings = []
     for i, cause in enumerate(established):
@@ -67,19 +69,15 @@ def make_findings(
             for equal in others
             if j != i and any(member is cause for member in equal.model.members)
         ]
-        findings.append(
-            _make_finding(search, best, extended, cause, structure, kept, doubles[i], alternatives)
-        )
+        findings.append(_make_finding(search, examination, cause, structure, doubles[i], alternatives))
     return tuple(findings)
 
 
 def _make_finding(
-    search: Search[C],
-    best: Fit[C],
-    extended: Fit[C],
+    search: BeamSearch[C],
+    examination: Examination[C, Fit[C]],
     cause: C,
     structure: bool,
-    kept: BoolArray,
     same: Sequence[Equal[C]],
     alternatives: Sequence[Fit[C]],
 ) -> Finding[C]:
@@ -87,15 +85,13 @@ def _make_finding(
 
     Args:
         search: All models.
-        best: The best of them.
-        extended: The model of established causes.
+        examination: The best of them, and what is named.
         cause: The member to report.
         structure: Whether something remains unexplained; uncertainties then grow with it.
-        kept: Trials that count, shape (n,).
         same: What would do as well in its place.
         alternatives: Models that hold this cause beside an equal of another one.
     """
-    problem = search.problem
+    problem, best = search.problem, examination.best
     part = best.part(cause)
     theta = best.theta[part]
     covariance = best.covariance[part, part]
@@ -105,7 +101,7 @@ def _make_finding(
     values = cause.values(theta, problem.case)
     slope = np.zeros((len(values), cause.size))
     for i in range(cause.size):
-        step = 1e-6 * max(abs(theta[i]), cause.scale[i])
+        step = _STEP * max(abs(theta[i]), cause.scale[i])
         moved = theta.copy()
         moved[i] += step
         slope[:, i] = (cause.values(moved, problem.case) - values) / step
@@ -121,7 +117,9 @@ def _make_finding(
         values=values,
         std=std,
         equals=tuple(same),
-        without=rmse(search.without(extended, cause).held_out, kept, problem.components),
+        without=rmse(
+            search.without(examination.extended, cause).held_out, examination.kept, problem.components
+        ),
         rivals=tuple((other, found.held_out_score) for other, found in search.rivals(best, cause)),
     )
 

@@ -9,14 +9,12 @@ from typing import Generic
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.diagnosis.core.held_out import left_out
 from doormill_ros.diagnosis.core.problem import C, Prediction, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
-from doormill_ros.statistics import CHI_SQUARE_MEDIAN, GROSS_SHARE, huber_weights
+from doormill_ros.diagnosis.core.robust import robust_sum, trial_weights
 
-GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
-_HUBER = 4.0  #: standard deviations up to which a trial keeps its full weight
-_KINKS = 16  #: values at which a kinked number is tried
-_NOTHING = 2.7  #: fall of the score below which a kinked number may as well be zero (one in ten)
+_RISE = 1e-6  #: share by which a step may raise the cost and still be taken
 _RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
 
 
@@ -35,7 +33,7 @@ class Fit(Generic[C]):
         prediction: At theta, with Jacobian.
         weights: Weight of each trial, shape (n,); 0 for those set aside.
         score: Robust sum of squared distances.
-        held_out: Residual of each trial predicted without its fold, shape (n, 3) [m].
+        held_out: Residual of each trial predicted without its fold, shape (n, c).
         held_out_cost: Cost of each trial predicted without its fold, shape (n,).
         held_out_score: Robust sum of those.
         free: Numbers that do not sit on a bound, shape (p,).
@@ -72,25 +70,6 @@ class Fit(Generic[C]):
         raise KeyError(cause)
 
 
-def robust_sum(cost: FloatArray) -> float:
-    """Sum of costs, shape (n,), in which the worst tenth counts no more than GROSS each."""
-    ordered = np.sort(cost)[::-1]
-    spared = int(GROSS_SHARE * len(cost))
-    return float(np.minimum(ordered[:spared], GROSS).sum() + ordered[spared:].sum())
-
-
-def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> FloatArray:
-    """Huber weights of squared distances, shape (n,); with `reject` gross errors get zero."""
-    scale2 = max(1.0, float(np.median(distance)) / CHI_SQUARE_MEDIAN[components])
-    size = np.sqrt(np.maximum(distance / scale2, 1e-12))
-    weights = huber_weights(size, _HUBER)
-    spared = int(GROSS_SHARE * len(distance))
-    if reject and spared:
-        worst = np.argsort(-distance, kind="stable")[:spared]
-        weights[worst[distance[worst] > GROSS * scale2]] = 0.0
-    return weights
-
-
 def fit(problem: Problem[C], members: Sequence[C], starts: Sequence[FloatArray] | None = None) -> Fit[C]:
     """Fit a model from the best of the starts given, shape (p,) each, or of its own."""
     members = tuple(members)
@@ -98,36 +77,16 @@ def fit(problem: Problem[C], members: Sequence[C], starts: Sequence[FloatArray] 
     best: tuple[float, FloatArray, FloatArray] | None = None
     if len(starts) > 2:
         # Laws with a kink have many valleys: a few steps from every start show which are worth following.
-        starts = [_descend(problem, members, theta, steps=2)[0] for theta in starts]
+        starts = [descend(problem, members, theta, steps=2)[0] for theta in starts]
         costs = [robust_sum(problem.predict(members, theta).cost) for theta in starts]
         starts = [starts[i] for i in ranks(np.array(costs))[:2]]
     for theta in starts:
-        found, weights = _descend(problem, members, theta)
+        found, weights = descend(problem, members, theta)
         score = robust_sum(problem.predict(members, found).cost)
         if best is None or score < best[0] - QUANTUM:
             best = (score, found, weights)
     assert best is not None  # starts is never empty
-    return _finish(problem, members, best[1], best[2], best[0])
-
-
-def score_without(
-    problem: Problem[C], members: Sequence[C], starts: Sequence[FloatArray], index: int
-) -> float:
-    """Score of a model in which one number stays at zero, the best from several starts.
-
-    Args:
-        problem: The set.
-        members: Causes.
-        starts: Each of shape (p,).
-        index: The number that stays at zero.
-    """
-    scores = []
-    for start in starts:
-        theta = np.array(start, dtype=float)
-        theta[index] = 0.0
-        theta, _ = _descend(problem, tuple(members), theta, fixed=index)
-        scores.append(robust_sum(problem.predict(members, theta).cost))
-    return min(scores)
+    return finish(problem, members, best[1], best[2], best[0])
 
 
 def _starts(problem: Problem[C], members: tuple[C, ...]) -> list[FloatArray]:
@@ -146,33 +105,6 @@ def bounds(members: Sequence[C]) -> tuple[FloatArray, FloatArray]:
     )
 
 
-def polish(problem: Problem[C], found: Fit[C]) -> Fit[C]:
-    """Walk numbers with a kinked cost over all their kinks; a descent stops at the next one.
-
-    A number that may as well be zero becomes zero: a gap is a step until the data say otherwise.
-    The other numbers follow in two steps each.
-    """
-    for cause in found.members:
-        for i in cause.kinked:
-            index = found.part(cause).start + i
-            size = cause.kinks(problem.case)
-            values = np.unique(np.append(np.quantile(size, np.linspace(0.0, 1.0, _KINKS)), 0.0))
-            tried = [(robust_sum(found.prediction.cost), found.theta)]
-            for value in values:
-                theta = found.theta.copy()
-                theta[index] = value
-                theta, _ = _descend(problem, found.members, theta, steps=2, fixed=index)
-                tried.append((robust_sum(problem.predict(found.members, theta).cost), theta))
-            score, theta = tried[ranks(np.array([cost for cost, _ in tried]))[0]]
-            at_zero = next(pair for pair in tried if pair[1][index] == 0.0 and pair is not tried[0])
-            if at_zero[0] < score + _NOTHING:
-                found = _finish(problem, found.members, at_zero[1], found.weights, at_zero[0])
-            elif theta is not found.theta:
-                again = fit(problem, found.members, [theta])
-                found = again if again.score < found.score - QUANTUM else found
-    return found
-
-
 def normal_equations(prediction: Prediction, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Hessian (p, p) and descent (p,) of half the weighted cost."""
     jacobian, white = prediction.derived, prediction.white
@@ -187,13 +119,14 @@ def normal_equations(prediction: Prediction, weights: FloatArray) -> tuple[Float
     return hessian, descent
 
 
-def _descend(
+def descend(
     problem: Problem[C],
     members: tuple[C, ...],
     theta: FloatArray,
     steps: int = 25,
     fixed: int | None = None,
 ) -> tuple[FloatArray, FloatArray]:
+    """Walk downhill from theta, shape (p,), one number fixed where wanted: theta and the weights (n,) there."""
     lower, upper = bounds(members)
     scale = np.concatenate([np.zeros(0)] + [c.scale for c in members])
     ridge = _RIDGE / scale**2
@@ -214,7 +147,7 @@ def _descend(
         for _ in range(6):
             moved = np.clip(theta + move, lower, upper)
             trial = problem.predict(members, moved, derivative=True)
-            if float(weights @ trial.cost) <= objective + 1e-6 * abs(objective):
+            if float(weights @ trial.cost) <= objective + _RISE * abs(objective):
                 break
             move = 0.3 * move
         change = moved - theta
@@ -226,10 +159,22 @@ def _descend(
     return theta, weights
 
 
-def _finish(
+def _rows(prediction: Prediction, rows: BoolArray) -> Prediction:
+    """What a model says of some trials, marked in (n,)."""
+    spread = prediction.spread
+    return Prediction(
+        prediction.residual[rows],
+        prediction.white[rows],
+        prediction.cost[rows],
+        prediction.derived[rows],
+        None if spread is None else (spread[0][rows], spread[1][rows]),
+    )
+
+
+def finish(
     problem: Problem[C], members: tuple[C, ...], theta: FloatArray, weights: FloatArray, score: float
 ) -> Fit[C]:
-    """Covariance and held-out residuals by one exact step away from the fit to all trials."""
+    """Covariance and held-out residuals by one exact step away from theta, shape (p,), with weights, shape (n,)."""
     prediction = problem.predict(members, theta, derivative=True)
     if not members:
         cost = prediction.cost
@@ -256,21 +201,21 @@ def _finish(
     held_white = prediction.white.copy()
     # A number at a kink hangs on the few trials beside it; a linear step away from it means nothing.
     smooth = free & ~np.concatenate([np.isin(np.arange(c.size), c.kinked) for c in members])
-    for fold in range(problem.folds.max() + 1):
-        rows = problem.folds == fold
-        if not smooth.any():
-            break
-        part = Prediction(
-            prediction.residual[rows],
-            prediction.white[rows],
-            prediction.cost[rows],
-            prediction.derived[rows],
-            None if prediction.spread is None else (prediction.spread[0][rows], prediction.spread[1][rows]),
-        )
-        own_hessian, own_descent = normal_equations(part, weights[rows])
-        matrix = (hessian - own_hessian)[np.ix_(smooth, smooth)]
+    folds = [problem.folds == fold for fold in range(problem.folds.max() + 1)] if smooth.any() else []
+    parts = (normal_equations(_rows(prediction, rows), weights[rows]) for rows in folds)
+    for rows, step in zip(
+        folds,
+        # At the fit the descent of all rows vanishes.
+        left_out(
+            hessian,
+            np.zeros_like(theta),
+            parts,
+            lambda H, g: np.linalg.solve(H[np.ix_(smooth, smooth)], g[smooth]),
+        ),
+        strict=True,
+    ):
         change = np.zeros_like(theta)
-        change[smooth] = np.linalg.solve(matrix, -own_descent[smooth])
+        change[smooth] = step
         change = np.clip(theta + change, lower, upper) - theta
         held_white[rows] -= prediction.derived[rows] @ change
     held_cost = prediction.cost + np.sum(held_white**2, axis=1) - np.sum(prediction.white**2, axis=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -30,14 +30,14 @@ class Margin:
         return asdict(self)
 
 
-def margins_table(entries: Sequence[Mapping[str, Any]]) -> Table:
-    """The margins as they stand in diagnosis.json, as a table of a page."""
+def margins_table(entries: Sequence[Margin]) -> Table:
+    """The margins as a table of a page."""
     rows = [
         [
-            str(one["decision"]).replace("_", " "),
-            _plain(one["value"]),
-            _plain(one["threshold"]),
-            str(one["quantity"]),
+            one.decision.replace("_", " "),
+            _plain(one.value),
+            _plain(one.threshold),
+            one.quantity,
         ]
         for one in entries
     ]

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.diagnosis import (
+from doormill_ros.diagnosis.core.beam import ENTRY, EQUAL
+from doormill_ros.diagnosis.core.diagnosis import Diagnosis
+from doormill_ros.diagnosis.core.examination import (
     STRUCTURE,
     UNSTABLE,
     WILD,
     WILD_APART,
-    Diagnosis,
     excess_probability,
 )
 from doormill_ros.diagnosis.core.margin import Margin
-from doormill_ros.diagnosis.core.search import ENTRY, EQUAL
 from doormill_ros.diagnosis.core.stability import CLUSTERED, clustering, instability, unevenness
 
 

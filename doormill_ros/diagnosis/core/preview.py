@@ -9,9 +9,10 @@ from typing import Generic
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.fit import Fit, trial_weights
+from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.problem import C, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
+from doormill_ros.diagnosis.core.robust import trial_weights
 
 _ALIKE = 1e-6  #: squared sine of the angle between two effects below which they are one
 
@@ -34,12 +35,12 @@ class Preview(Generic[C]):
         self._by_size = {int(size): np.flatnonzero(sizes == size) for size in np.unique(sizes)}
 
     def _left(self, found: Fit[C]) -> tuple[FloatArray, FloatArray]:
-        """Residual (3n,) and derivatives (3n, m) less what the members can take over themselves."""
+        """Residual (c n,) and derivatives (c n, m) less what the members can take over themselves."""
         white, own = found.prediction.white, found.prediction.jacobian
         # Trials set aside by the smaller model may be just those that a new cause explains.
         weights = np.sqrt(trial_weights(np.sum(white**2, axis=1), False, self.problem.components))
         target = (white * weights[:, None]).ravel()
-        columns = self._columns * np.repeat(weights, 3)[:, None]
+        columns = self._columns * np.repeat(weights, white.shape[1])[:, None]
         if own is not None and found.size:
             base, _ = np.linalg.qr((own * weights[:, None, None]).reshape(len(target), -1))
             target = target - base @ (base.T @ target)

@@ -9,6 +9,7 @@ from typing import Any, Protocol, Self, TypeVar
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.diagnosis.core.wording import METRES, Unit
 from doormill_ros.robot_model.candidate import Candidate
 
 FOLDS = 10  #: at most; a fold is one or several whole configurations
@@ -24,11 +25,12 @@ class Prediction:
     """What a model says about every trial.
 
     Attributes:
-        residual: Measured minus predicted, shape (n, 3) [m].
-        white: The same in standard deviations, shape (n, 3).
+        residual: Measured minus predicted in the unit of the problem, shape (n, c) with as many columns as the
+            problem likes: 3 for a displacement of which one or all components are measured.
+        white: The same in standard deviations, shape (n, c).
         cost: -2 log likelihood of each trial (squared distance when nothing is hidden), shape (n,).
-        jacobian: Derivative of the whitened prediction by theta, shape (n, 3, p), or None.
-        spread: Whitened pseudo-rows for undecided hidden states, shape (n, 3), and their derivative.
+        jacobian: Derivative of the whitened prediction by theta, shape (n, c, p), or None.
+        spread: Whitened pseudo-rows for undecided hidden states, shape (n, c), and their derivative.
     """
 
     residual: FloatArray
@@ -39,7 +41,7 @@ class Prediction:
 
     @property
     def derived(self) -> FloatArray:
-        """The Jacobian of a prediction that was asked for it, shape (n, 3, p)."""
+        """The Jacobian of a prediction that was asked for it, shape (n, c, p)."""
         assert self.jacobian is not None, "predict with derivative=True"
         return self.jacobian
 
@@ -48,14 +50,16 @@ class Problem(Protocol[_C]):
     """One set of trials made ready for fitting.
 
     Attributes:
-        components: How many of the three components of a residual are measured.
+        components: How many of the c columns of a residual are measured.
         noise_floor: Root mean square of the noise over all components.
+        unit: Of residuals and noise floor.
         configuration: What is left out together, shape (n,).
         folds: Fold of each trial, shape (n,).
     """
 
     components: int
     noise_floor: float
+    unit: Unit = METRES
     configuration: IntArray
     folds: IntArray
 
@@ -69,10 +73,10 @@ class Problem(Protocol[_C]):
         """Residuals, likelihood and derivatives of a model of some candidates with their numbers theta, shape (p,)."""
 
     def slope(self, cause: _C, theta: FloatArray) -> FloatArray:
-        """Whitened derivative of the prediction by one candidate alone, shape (n, 3, p)."""
+        """Whitened derivative of the prediction by one candidate alone, shape (n, c, p)."""
 
     def measured_part(self, white: FloatArray) -> FloatArray:
-        """Residual in the units of measurement, shape (n, 3), of a whitened one."""
+        """Residual in the units of measurement, shape (n, c), of a whitened one."""
 
 
 class Examined(Problem[C], Protocol[C]):

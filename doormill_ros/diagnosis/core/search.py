@@ -1,220 +1,178 @@
-"""Finds which causes earn their place: a beam search over sets of causes, scored on what was held out."""
+"""The one way through sets of causes: what earns its place joins, what does not leaves, what fits better takes over.
+
+How models are fitted and compared is the business of a kind of fit, see `beam` for the one that most kinds share.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Generic
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
-import numpy as np
-
-from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.fit import Fit, Identity, fit, polish
-from doormill_ros.diagnosis.core.preview import Preview
-from doormill_ros.diagnosis.core.problem import C, Problem
-from doormill_ros.diagnosis.core.ranking import QUANTUM, ranked, ranks
-
-#: Score by which a cause must improve the held-out prediction. A pattern of pure noise reaches
-#: this with a chance of 1e-5; times a hundred candidates that is one false alarm in a thousand.
-ENTRY = 20.0
-#: What an unnamed pattern must be better by than a cause that does the same.
-PATTERN_PENALTY = 2.0
-#: Score within which two models count as equally good: odds of e^5, about 150 to 1.
-EQUAL = 10.0
-BEAM = 5  #: models kept at every size
-LARGEST = 4  #: causes in one model, at most
-_SCREEN = 10  #: candidates that are fitted in full after the linear preview
-_PAIRS = 8  #: pairs of candidates that are
+from doormill_ros.diagnosis.core.ranking import ranked
+from doormill_ros.robot_model.candidate import Cause
 
 
-@dataclass(eq=False)
-class Search(Generic[C]):
-    """All models that were fitted, and the way to more of them.
+class Model(Protocol):
+    """What a search knows of a fitted model."""
+
+    @property
+    def members(self) -> tuple[Any, ...]:
+        """Its causes."""
+
+
+#: Kind of cause that is searched for, and of fitted model.
+K = TypeVar("K", bound=Cause)
+M = TypeVar("M", bound=Model)
+
+
+class Search(ABC, Generic[K, M]):
+    """Finds which causes earn their place.
 
     Attributes:
-        problem: The set.
-        candidates: Causes and patterns that may enter.
-        fits: Fitted models by the identities of their members.
         progress: Called with one line a step.
+        largest: Causes in one model up to which further ones join; 0 where all are in from the start.
+        beam: Models of every size that are kept; with one, what a newcomer made useless leaves at once.
+        looked_at: Of the best larger models, for one that is more than chance.
+        swaps: Members that are exchanged at most.
+        shapes_last: Whether shapes without a name are for what named causes leave alone.
+        at_once: Share of the useless members that leave together, at least one; the others alone are asked again then.
     """
 
-    problem: Problem[C]
-    candidates: Sequence[C]
-    fits: dict[Identity, Fit[C]] = field(default_factory=dict)
-    progress: Callable[[str], None] = lambda line: None
-    _polished: set[tuple[Identity, Identity]] = field(default_factory=set)
-    _walked: set[Identity] = field(default_factory=set)
+    progress: Callable[[str], None] = staticmethod(lambda line: None)
+    largest: ClassVar[int] = 0
+    beam: ClassVar[int] = 1
+    looked_at: ClassVar[int] = 1
+    swaps: ClassVar[int] = 0
+    shapes_last: ClassVar[bool] = False
+    at_once: ClassVar[float] = 0.0
 
-    def fit(self, members: Iterable[C], starts: Sequence[FloatArray] | None = None) -> Fit[C]:
-        """Fit a model once, from the starts given, shape (p,) each, or of its own."""
-        members = tuple(members)
-        key = frozenset(cause.identity for cause in members)
-        if key not in self.fits:
-            self.fits[key] = fit(self.problem, members, starts)
-        return self.fits[key]
+    @abstractmethod
+    def starts(self) -> Sequence[M]:
+        """Models from which the search sets out."""
 
-    def total(self, found: Fit[C]) -> float:
-        """Held-out score plus what its numbers and unnamed patterns cost; smaller is better."""
-        each = max(np.log(self.problem.components * len(self.problem)) - 2.0, 1.0)
-        # Numbers on a bound do nothing and cost nothing; every model pays for those that it uses.
-        unnamed = sum(not cause.named for cause in found.members)
-        return float(found.held_out_score + each * found.size + PATTERN_PENALTY * unnamed)
+    @abstractmethod
+    def ranked(self, models: Iterable[M]) -> list[M]:
+        """Models by what they leave of rows left out and by what their numbers cost, the best first."""
 
-    def order(self, found: Fit[C]) -> tuple[int, int, list[int]]:
-        """What goes first among equals: the measuring chain before the robot, fewer numbers, the library's order."""
-        return (
-            sum(cause.of_robot for cause in found.members),
-            found.size,
-            sorted(self._place[cause.identity] for cause in found.members),
-        )
+    @abstractmethod
+    def without(self, model: M, *causes: K) -> M:
+        """The same model less some members."""
 
-    def ranked(self, fits: Iterable[Fit[C]]) -> list[Fit[C]]:
-        """Models by their totals, the best first."""
-        return ranked(fits, self.total, self.order)
+    @abstractmethod
+    def useless(self, model: M, asked: Sequence[K], strictly: bool) -> list[tuple[K, float]]:
+        """Those of some members that do not earn their place, each with what the model gains by it all the same.
 
-    @cached_property
-    def _place(self) -> dict[tuple[str, str, str], int]:
-        return {cause.identity: place for place, cause in enumerate(self.candidates)}
+        Args:
+            model: The model.
+            asked: Its members in question.
+            strictly: Whether nothing else is going to join that would put an odd number right.
+        """
 
-    def extensions(self, found: Fit[C]) -> list[tuple[C, float]]:
-        """Candidates that may join a model and by how much, to first order; the most promising first."""
-        gains = self._preview.gains(found)
-        allowed = [
-            (cause, gain)
-            for cause, gain in zip(self.candidates, gains, strict=True)
-            if may_join(found.members, cause)
-        ]
-        allowed = [allowed[i] for i in ranks(np.array([-gain for _, gain in allowed]))]
-        return [pair for i, pair in enumerate(allowed) if pair[1] > 0.5 * ENTRY or i < 3][:_SCREEN]
+    def grown(self, beam: Sequence[M], smaller: M | None, best: M) -> list[M]:
+        """Models with one member more than those of a beam; none where everything was in from the start.
 
-    @cached_property
-    def _preview(self) -> Preview[C]:
-        return Preview(self.problem, self.candidates)
+        Args:
+            beam: The best models of a size.
+            smaller: The best with one member less, None at first.
+            best: The best so far.
+        """
+        return []
 
-    def _grow_by_pairs(self, found: Fit[C], best: Fit[C]) -> list[Fit[C]]:
-        """Models with two members more than one of a smaller size, for effects that only show together."""
-        freedom = self.problem.components * len(self.problem)
-        if best.held_out_score < freedom + 3.0 * np.sqrt(2.0 * freedom):
-            return []  # nothing is left for a pair to gain
-        grown: list[Fit[C]] = []
-        for one, two, gain in self.pairs(found):
-            if len(grown) == _PAIRS or found.held_out_score - 2.0 * gain > best.held_out_score:
+    def earns(self, smaller: M, larger: M) -> bool:
+        """Whether what the last member of a model brings is more than chance."""
+        return False
+
+    def offers(self, model: M, instead: K) -> Sequence[K]:
+        """What may join a model in the place of a member that left it."""
+        return ()
+
+    def add(self, model: M, cause: K) -> M | None:
+        """A model with one more member; None where that is not plausible."""
+        return None
+
+    def better(self, one: M, other: M) -> bool:
+        """Whether a model that ranks before another is worth the exchange."""
+        return True
+
+    def settled(self, model: M) -> M:
+        """A model fitted to the end, where steps of the search are taken by a shorter way."""
+        return model
+
+    def run(self, starts: Sequence[M] = ()) -> M:
+        """The best model, from some models on; without any from those of the search."""
+        return self.ranked([self.climbed(start) for start in starts or self.starts()])[0]
+
+    def climbed(self, start: M) -> M:
+        """The best model that single steps lead to."""
+        best, beam, smaller = start, [start], None
+        while len(best.members) < self.largest:
+            grown = self.grown(beam, smaller, best)
+            larger = self.first_earning(best, grown)
+            if larger is None:
                 break
-            grown.append(self.add(self.add(found, one), two))
-        return grown
-
-    def pairs(self, found: Fit[C]) -> Iterator[tuple[C, C, float]]:
-        """Pairs that may join a model and by how much, to first order; the most promising first."""
-        numbers, gains = self._preview.pairs(found)
-        for (i, j), gain in zip(numbers, gains, strict=True):
-            one, two = self.candidates[i], self.candidates[j]
-            if may_join(found.members, one) and may_join((*found.members, one), two):
-                yield one, two, float(gain)
-
-    def run(self) -> Fit[C]:
-        """The best model."""
-        empty = self.fit(())
-        beam = [empty]
-        best = smaller = empty
-        for size in range(1, LARGEST + 1):
-            grown: dict[Identity, Fit[C]] = {}
-            for parent in beam:
-                for cause, gain in self.extensions(parent):
-                    # The preview is to first order: leave it a factor of two.
-                    if parent is not beam[0] and self.total(parent) - 2.0 * gain > self.total(best):
-                        continue
-                    child = self.add(parent, cause)
-                    grown[child.identity] = child
-            if size > 1:
-                grown |= {child.identity: child for child in self._grow_by_pairs(smaller, best)}
-            smaller = beam[0]
-            best_first = self.ranked(grown.values())
-            if not best_first:
+            smaller, best = beam[0], larger
+            if self.beam > 1:
+                beam = self.ranked(grown)[: self.beam]
+            else:
+                best = self.prune(self.settled(larger))
+                beam = [best]
+            self.progress(self.told(best))
+            if len(best.members) <= len(larger.members) - 2:
                 break
-            names = " + ".join(map(repr, best_first[0].members))
-            self.progress(f"models of {size}: {len(self.fits)} tried so far, best {names}")
-            if self.total(best_first[0]) > self.total(best) - ENTRY:
-                break
-            best = best_first[0]
-            beam = best_first[:BEAM]
-        return self.polished(self._simplify(self._settle(self._prune(best))))
+        return self.finished(best)
 
-    def polished(self, found: Fit[C]) -> Fit[C]:
-        """The model with its kinked numbers at their best; equals must be compared that way."""
-        if any(cause.kinked for cause in found.members) and found.identity not in self._walked:
-            self._walked.add(found.identity)
-            self.fits[found.identity] = polish(self.problem, found)
-        return self.fits[found.identity]
+    def told(self, best: M) -> str:
+        """The line on a step."""
+        return f"models of {len(best.members)}: best " + " + ".join(map(repr, best.members))
 
-    def _settle(self, best: Fit[C]) -> Fit[C]:
-        """Swap members as long as that helps: the order in which they came must not matter."""
-        for _ in range(LARGEST):
+    def first_earning(self, best: M, grown: Sequence[M]) -> M | None:
+        """The best of some larger models that earns it, None for none."""
+        turns: list[Sequence[M]] = [grown]
+        if self.shapes_last:
+            turns = [[one for one in grown if one.members[-1].named == named] for named in (True, False)]
+        for models in turns:
+            for model in self.ranked(models)[: self.looked_at]:
+                if self.earns(best, model):
+                    return model
+        return None
+
+    def prune(self, best: M, strictly: bool = False) -> M:
+        """Drop members without which the model is as good, the least useful first; `strictly` as for `useless`."""
+        asked: Sequence[K] = best.members
+        while asked and (weak := ranked(self.useless(best, asked, strictly), lambda pair: pair[1])):
+            count = max(1, int(self.at_once * (len(weak) + 1)))
+            best = self.without(best, *(cause for cause, _ in weak[:count]))
+            again = {id(cause) for cause, _ in weak[count:]}
+            asked = [cause for cause in best.members if not self.at_once or id(cause) in again]
+        return best
+
+    def swapped(self, best: M) -> M:
+        """Put another cause for a member where that is better: the order in which they came must not matter."""
+        for _ in range(self.swaps):
             for cause in best.members:
-                rivals = self.rivals(best, cause)
-                if rivals and self.ranked([best, rivals[0][1]])[0] is not best:
-                    best = rivals[0][1]
+                first = self.ranked([best, *(model for _, model in self.rivals(best, cause))])[0]
+                if first is not best and self.better(first, best):
+                    best = self.settled(first)
                     break
             else:
                 return best
         return best
 
-    def _simplify(self, best: Fit[C]) -> Fit[C]:
-        """Put a simpler law for one of another name that contains it, unless that is clearly better.
-
-        One more number in a law is one more cause in all but name: where both count as equally good, the name that
-        claims more is not earned. It is listed beside the simpler one then.
-        """
-        for cause in best.members:
-            for other, found in self.rivals(best, cause):
-                simpler = other.where == cause.where and other.name == cause.generalises != cause.name
-                if simpler and self.total(found) < self.total(best) + EQUAL:
-                    return self._simplify(found)
+    def finished(self, best: M) -> M:
+        """A model that was found, less what it can do without, with the best causes in every place."""
+        best = self.swapped(self.prune(best))
+        while (smaller := self.prune(best := self.settled(best), strictly=True)) is not best:
+            best = smaller
         return best
 
-    def add(self, parent: Fit[C], cause: C) -> Fit[C]:
-        """A model with one more member, started from what is known of the others."""
-        starts = [np.concatenate([parent.theta, start]) for start in cause.starts(self.problem.case)]
-        return self.fit((*parent.members, cause), starts)
-
-    def _prune(self, best: Fit[C]) -> Fit[C]:
-        """Drop members without which the model is as good."""
-        for cause in best.members:
-            smaller = self.without(best, cause)
-            if self.total(smaller) < self.total(best) + ENTRY / 2.0:
-                return self._prune(smaller)
-        return best
-
-    def without(self, found: Fit[C], cause: C) -> Fit[C]:
-        """The same model less one member, fitted anew, also from where the others stand now."""
-        rest = tuple(c for c in found.members if c is not cause)
-        smaller = self.fit(rest)
-        tried = (found.identity, smaller.identity)
-        if rest and tried not in self._polished:
-            self._polished.add(tried)
-            theta = np.concatenate([found.theta[found.part(c)] for c in rest])
-            again = fit(self.problem, rest, [theta])
-            if again.score < smaller.score - QUANTUM:
-                self.fits[again.identity] = smaller = again
-        return smaller
-
-    def rivals(self, found: Fit[C], cause: C) -> list[tuple[C, Fit[C]]]:
-        """Every candidate in the place of one member, the best first."""
-        rest = self.without(found, cause)
-        swapped = []
-        for other, _ in self.extensions(rest):
-            if other.identity != cause.identity:
-                swapped.append((other, self.add(rest, other)))
-        return ranked(swapped, lambda pair: self.total(pair[1]), lambda pair: self.order(pair[1]))
-
-
-def may_join(members: Sequence[C], cause: C) -> bool:
-    """Whether a cause is new to a model, and no member at its place is a law that contains it or is contained in it."""
-    return not any(
-        cause.key == member.key
-        or (
-            cause.where == member.where
-            and (cause.generalises == member.name or member.generalises == cause.name)
-        )
-        for member in members
-    )
+    def rivals(self, model: M, cause: K) -> list[tuple[K, M]]:
+        """Every other candidate in the place of one member, the best first."""
+        rest = self.without(model, cause)
+        pairs = [
+            (other, found)
+            for other in self.offers(rest, cause)
+            if (found := self.add(rest, other)) is not None
+        ]
+        place = {id(found): at for at, found in enumerate(self.ranked([found for _, found in pairs]))}
+        return sorted(pairs, key=lambda pair: place[id(pair[1])])

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 
 CONSISTENT, EXPLAINED = "consistent", "explained"
 PARTLY_EXPLAINED, UNEXPLAINED = "partly_explained", "unexplained"
+#: Held-out error over noise up to which a model explains everything, where the noise is not that of independent rows.
+AT_NOISE = 1.1
+#: Share of the excess over the noise, squared, that causes explain together to be named where something remains.
+MAIN_PART = 0.5
 
 
 def rmse(residual: FloatArray, kept: BoolArray, components: int = 3) -> float:
@@ -23,19 +25,18 @@ def rmse(residual: FloatArray, kept: BoolArray, components: int = 3) -> float:
     return float(np.sqrt(np.sum(residual[kept] ** 2) / (components * max(int(kept.sum()), 1))))
 
 
-def spoken_verdict(verdict: str, names: str, micrometres: Sequence[str], off_by: str, held_out: str) -> str:
-    """The verdict and what it rests on, in one line.
+def judge(found: bool, silent: bool, quiet: bool, share: float, main_part: float) -> str:
+    """The verdict.
 
     Args:
-        verdict: One of the four words.
-        names: Established causes, those that are tied with each included.
-        micrometres: What is off before and after, and the noise.
-        off_by: What the model in question is off by.
-        held_out: The same of trials left out.
+        found: Whether a cause may be named.
+        silent: Whether the model in question is at the noise and nothing could be added to it.
+        quiet: Whether the extended model is at the noise and holds all that was found.
+        share: Of the excess over the noise, squared, that the causes explain.
+        main_part: Share from which that counts where something remains.
     """
-    before, after, noise = micrometres
-    if verdict == CONSISTENT:
-        return f"{verdict}: the {off_by} of {before} um is the measurement noise ({noise} um)"
-    if verdict == UNEXPLAINED:
-        return f"{verdict}: {before} um against {noise} um of noise, and no known cause earns its place"
-    return f"{verdict}: {names}; held-out {held_out} {before} -> {after} um, noise {noise} um"
+    if not found:
+        return CONSISTENT if silent else UNEXPLAINED
+    if quiet:
+        return EXPLAINED
+    return PARTLY_EXPLAINED if share > main_part else UNEXPLAINED

@@ -42,6 +42,20 @@ class HiddenEffect:
         """Expected displacement, shape (n, 3) [m]."""
         return self.state[:, None] * self.effect
 
+    def slopes(self, slope: FloatArray) -> tuple[FloatArray, tuple[FloatArray, FloatArray] | None]:
+        """Derivative of what is expected, and pseudo-rows for what is undecided.
+
+        Args:
+            slope: Derivative of the effect where it acts, shape (n, 3, p).
+
+        Returns:
+            Shape (n, 3, p); rows, shape (n, 3), and their derivative, shape (n, 3, p), None where all is decided.
+        """
+        slope = self.sign[:, None, None] * slope
+        width = np.sqrt(np.clip(self.state * (1.0 - self.state), 0.0, None))
+        rows = (-width[:, None] * self.effect, width[:, None, None] * slope) if np.any(width > 1e-6) else None
+        return self.state[:, None, None] * slope, rows
+
 
 def hidden_effect(chance: FloatArray, effect: FloatArray, odds: FloatArray | None) -> HiddenEffect:
     """A hidden effect, shape (n, 3), before its trials were looked at; chance and odds have shape (n,)."""

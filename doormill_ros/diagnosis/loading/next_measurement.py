@@ -2,33 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.beam import EQUAL
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.ranking import first_largest, ranked
-from doormill_ros.diagnosis.core.search import EQUAL
-from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
-from doormill_ros.diagnosis.loading.problem import LoadingProblem
-from doormill_ros.measurements.trials import Reflector, Trials
-from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.cause import Cause
-from doormill_ros.statistics import uniform
-from doormill_ros.units import rad_to_deg
+from doormill_ros.diagnosis.loading.possible_trials import LOAD_NAMES, chosen_of, possible_trials
+from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
+from doormill_ros.measurements.trials import Trials
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
+from doormill_ros.units import m_to_um, rad_to_deg
 
 PROPOSALS = 6  #: trials that are proposed
-_POSTURES = 24  #: postures that are considered
 HOPELESS = (
     0.1  #: log odds of all proposed trials below which they are none: forty times as many would not decide
 )
 DECIDED = 4.6  #: log odds at which two models count as told apart: 100 to 1
-#: Loads considered, base axes.
-_LOADS = np.vstack([np.eye(3), -np.eye(3)])
-#: Where a reflector could be added: at the edge of the foot, or a hand's breadth off a link's frame [m].
-_NEW_BASE, _NEW = np.array([0.5, 0.4, 0.1]), np.array([0.15, 0.1, 0.1])
-_LOAD_NAMES = ("+x", "+y", "+z", "-x", "-y", "-z")
 
 
 #: What shows a cause without any loading of the robot.
@@ -100,7 +92,7 @@ def plan_next(diagnosis: LoadingDiagnosis, seed: int = 0) -> NextMeasurement:
         return NextMeasurement("", "", (), 0.0, "Nothing is in doubt: no further trial is needed.", None)
     favourite, rival, names = pair
     decided = rival.held_out_score > favourite.held_out_score + 3.0 * EQUAL
-    pool, loads = _pool(diagnosis.problem.data, seed)
+    pool, loads = possible_trials(diagnosis.problem.data, seed)
     mine, other = _predict(pool, favourite), _predict(pool, rival)
     chosen, gains = _choose(mine, other)
     trials = []
@@ -109,7 +101,7 @@ def plan_next(diagnosis: LoadingDiagnosis, seed: int = 0) -> NextMeasurement:
         trials.append(
             ProposedTrial(
                 pool.q[i],
-                _LOAD_NAMES[loads[i]],
+                LOAD_NAMES[loads[i]],
                 float(np.linalg.norm(pool.wrench[i, :3])),
                 pool.wrench[i],
                 int(pool.direction[i, 0]),
@@ -122,7 +114,7 @@ def plan_next(diagnosis: LoadingDiagnosis, seed: int = 0) -> NextMeasurement:
     if odds < HOPELESS:
         return NextMeasurement(*names, (), odds, _hopeless(names), None)
     return NextMeasurement(
-        *names, tuple(trials), odds, _sentence(names, trials, odds, decided), _rows(pool, chosen)
+        *names, tuple(trials), odds, _sentence(names, trials, odds, decided), chosen_of(pool, chosen)
     )
 
 
@@ -136,10 +128,12 @@ class _Forecast:
     value: FloatArray
 
 
-def _closest(diagnosis: LoadingDiagnosis) -> tuple[Fit[Cause], Fit[Cause], tuple[str, str]] | None:
+def _closest(
+    diagnosis: LoadingDiagnosis,
+) -> tuple[Fit[ElasticCause], Fit[ElasticCause], tuple[str, str]] | None:
     """The pair of models whose difference matters most for the verdict."""
     search, best = diagnosis.search, diagnosis.best
-    options: list[tuple[float, Fit[Cause], Fit[Cause], tuple[str, str]]] = []
+    options: list[tuple[float, Fit[ElasticCause], Fit[ElasticCause], tuple[str, str]]] = []
     for finding in diagnosis.findings:
         for other, found in search.rivals(best, finding.cause):
             nested = other.where == finding.cause.where and finding.cause.name in (
@@ -160,79 +154,11 @@ def _closest(diagnosis: LoadingDiagnosis) -> tuple[Fit[Cause], Fit[Cause], tuple
     return closest[1:]
 
 
-def _title(found: Fit[Cause]) -> str:
+def _title(found: Fit[ElasticCause]) -> str:
     return " + ".join(map(repr, found.members)) or "no cause at all"
 
 
-def _pool(data: Trials, seed: int) -> tuple[Trials, FloatArray]:
-    """Trials to choose from: postures within the tested range, six loads, two approaches, all reflectors."""
-    low, high = data.q.min(axis=0), data.q.max(axis=0)
-    middle, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, 0.5)
-    _, first = np.unique(data.configuration, return_index=True)
-    postures = np.vstack([data.q[first][:8], middle + half * (2.0 * uniform((_POSTURES, 6), seed) - 1.0)])[
-        :_POSTURES
-    ]
-    reflectors = dict(data.reflectors)
-    carried = {reflector.link for reflector in reflectors.values()}
-    for link in range(7):
-        if link not in carried:
-            reflectors[f"new on link {link}"] = Reflector(link, _NEW_BASE if link == 0 else _NEW)
-    grid = np.array(
-        [
-            (posture, load, approach, reflector)
-            for posture in range(len(postures))
-            for load in range(6)
-            for approach in (-1, 1)
-            for reflector in range(len(reflectors))
-        ]
-    )
-    q = postures[grid[:, 0]]
-    force = float(np.median(np.linalg.norm(data.wrench[:, :3], axis=1)))
-    axes = Kinematics(data.dh).forward(q)[:, :3, :3]
-    angle = data.wrench_frame_rotation
-    c, s = np.cos(angle), np.sin(angle)
-    to_sensor = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    wrench = np.zeros((len(grid), 6))
-    wrench[:, :3] = np.einsum("ij,nkj,nk->ni", to_sensor, axes.transpose(0, 2, 1), force * _LOADS[grid[:, 1]])
-    names = np.array(list(reflectors))
-    n = len(grid)
-    return Trials(
-        robot=data.robot,
-        dh=data.dh,
-        joint_stiffness=data.joint_stiffness,
-        noise=data.noise,
-        wrench_frame_rotation=data.wrench_frame_rotation,
-        load_point=data.load_point,
-        reflectors=reflectors,
-        trial=np.arange(1, n + 1),
-        time=np.full(n, float(np.median(data.time))),
-        dt=np.full(n, float(np.median(data.dt))),
-        temperature=np.full(n, np.nan),
-        q=q,
-        direction=np.repeat(grid[:, 2:3].astype(float), 6, axis=1),
-        wrench=wrench,
-        reflector=names[grid[:, 3]],
-        displacement=np.zeros((n, 3)),
-    ), grid[:, 1]
-
-
-def _rows(pool: Trials, rows: list[int]) -> Trials:
-    index = np.array(rows, dtype=int)
-    per_trial = (
-        "trial",
-        "time",
-        "dt",
-        "temperature",
-        "q",
-        "direction",
-        "wrench",
-        "reflector",
-        "displacement",
-    )
-    return replace(pool, **{name: getattr(pool, name)[index] for name in per_trial})
-
-
-def _predict(pool: Trials, found: Fit[Cause]) -> _Forecast:
+def _predict(pool: Trials, found: Fit[ElasticCause]) -> _Forecast:
     problem = LoadingProblem(pool)
     # Patterns are tied to the times and angles of the measured trials: leave them out of a forecast.
     members = tuple(cause for cause in found.members if cause.named)
@@ -293,6 +219,6 @@ def _sentence(names: tuple[str, str], trials: list[ProposedTrial], odds: float, 
     return (
         f"{purpose} load {first.force:.0f} N along base {first.load} at joint angles "
         f"({angles}) deg with every joint last moved {'forwards' if first.direction > 0 else 'backwards'} and measure "
-        f"reflector {first.reflector}: the two differ there by {1e6 * first.difference:.0f} um; "
+        f"reflector {first.reflector}: the two differ there by {m_to_um(first.difference):.0f} um; "
         f"{len(trials)} such trials are proposed."
     )

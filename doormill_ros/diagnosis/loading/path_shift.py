@@ -9,12 +9,13 @@ from itertools import combinations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
+from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.errors import DoormillError
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot_model.extended_model import ExtendedComplianceModel, SizedCause
 from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.units import m_to_mm
 
 #: The door on which the models are compared: the thesis' tall one, where the arm reaches far.
 DOOR = "thesis_1350_0deg"
@@ -62,8 +63,9 @@ def path_shift(diagnosis: LoadingDiagnosis) -> PathShift | None:
     return PathShift(
         DOOR,
         largest,
-        f"On the door {DOOR} the extended model sends the tool up to {1e3 * largest[worst]:.3f} mm elsewhere than the "
-        f"joint springs do (feature {worst}); that error stays on the part as long as the path knows the springs only.",
+        f"On the door {DOOR} the extended model sends the tool up to {m_to_mm(largest[worst]):.3f} mm elsewhere than "
+        f"the joint springs do (feature {worst}); that error stays on the part as long as the path knows the springs "
+        "only.",
     )
 
 
@@ -126,7 +128,7 @@ def doubt(diagnosis: LoadingDiagnosis) -> str:
         return ""
     return (
         f"model.yaml is the unchanged model: these data cannot tell {one} from {two}, and on the door {DOOR} the two "
-        f"would send the tool up to {1e3 * apart:.3f} mm apart, allowed are {1e3 * PART:.2f} mm."
+        f"would send the tool up to {m_to_mm(apart):.3f} mm apart, allowed are {m_to_mm(PART):.2f} mm."
     )
 
 

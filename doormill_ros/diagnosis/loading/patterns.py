@@ -63,6 +63,7 @@ class Pattern(LinearTwist):
 
 #: Least amplitude of a pattern that may have either sign.
 _ANY = -1e6
+_TWIST = 1e-6  #: of a link under torsion at theta 1 [rad / (N m) a metre]
 #: What a pattern makes of joint k, 0 ... 5.
 Law = Callable[[LoadCase, int], list[FloatArray]]
 
@@ -184,7 +185,7 @@ def _torsion(case: LoadCase, k: int) -> FloatArray:
     length = np.linalg.norm(line, axis=1, keepdims=True)
     axis = line / np.where(length > 1e-9, length, 1.0)
     along = np.sum(case.moment[:, k + 1] * axis, axis=1, keepdims=True) * axis
-    return case.rotate(1e-6 * length * along, k + 1, k + 1)[:, :, None]
+    return case.rotate(_TWIST * length * along, k + 1, k + 1)[:, :, None]
 
 
 def _bias(case: LoadCase) -> FloatArray:

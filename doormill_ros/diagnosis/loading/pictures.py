@@ -8,17 +8,16 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.finding import Finding
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.verdict import rmse
-from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
-from doormill_ros.diagnosis.loading.problem import LoadingProblem
-from doormill_ros.diagnosis.wording import MICRO, spoken
+from doormill_ros.diagnosis.core.wording import MICRO, spoken
+from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
 from doormill_ros.pages.charts import BLUE, DARK, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
+from doormill_ros.units import m_to_um
 
-UM = 1e6  #: micrometres in a metre
 MOST = 16  #: rows of a chart by group
 
 
-def stages(diagnosis: LoadingDiagnosis) -> list[tuple[str, str, Fit[Cause]]]:
+def stages(diagnosis: LoadingDiagnosis) -> list[tuple[str, str, Fit[ElasticCause]]]:
     """Name, colour and model of what is shown side by side: before, and after where something was found."""
     if not diagnosis.findings:
         return [("", RED, diagnosis.baseline)]
@@ -27,14 +26,14 @@ def stages(diagnosis: LoadingDiagnosis) -> list[tuple[str, str, Fit[Cause]]]:
 
 def before_and_after(diagnosis: LoadingDiagnosis) -> list[str]:
     """Measured against simulated displacement, and what is left over on one scale, before and after."""
-    kept, noise = diagnosis.kept, UM * diagnosis.problem.noise_floor
+    kept, noise = diagnosis.kept, m_to_um(diagnosis.problem.noise_floor)
     measured = diagnosis.problem.data.displacement[kept]
-    ends = UM * np.array([measured.min(), measured.max()])
-    largest = UM * max(float(np.abs(found.held_out[kept]).max()) for _, _, found in stages(diagnosis))
+    ends = m_to_um(np.array([measured.min(), measured.max()]))
+    largest = m_to_um(max(float(np.abs(found.held_out[kept]).max()) for _, _, found in stages(diagnosis)))
     titles = ("simulation now", "extended model, configurations left out")
     rows: list[list[str]] = [[], []]
     for title, (_, colour, found) in zip(titles, stages(diagnosis), strict=False):
-        x, left = UM * measured.ravel(), UM * found.held_out[kept].ravel()
+        x, left = m_to_um(measured.ravel()), m_to_um(found.held_out[kept].ravel())
         rows[0].append(
             scatter(
                 title,
@@ -76,7 +75,7 @@ def residual_by_joint(diagnosis: LoadingDiagnosis) -> list[str]:
                 name,
                 colour,
                 problem.case.torque[rows, k],
-                UM * np.sum(found.held_out[rows] * along, axis=1),
+                m_to_um(np.sum(found.held_out[rows] * along, axis=1)),
             )
             for name, colour, found in stages(diagnosis)
         ]
@@ -88,7 +87,7 @@ def residual_by_joint(diagnosis: LoadingDiagnosis) -> list[str]:
             "torque [N m]",
             f"residual along its motion [{MICRO}m]",
             dots=series,
-            band=2.0 * UM * problem.noise_floor,
+            band=2.0 * m_to_um(problem.noise_floor),
             limits=(-largest, largest),
         )
         for title, series in drawn
@@ -105,7 +104,7 @@ def residual_by_circumstance(diagnosis: LoadingDiagnosis) -> list[str]:
     """Residual over load, time between measurements and time of day, before and after."""
     problem, kept = diagnosis.problem, diagnosis.kept
     data = problem.data
-    usual = UM * problem.noise_floor * np.sqrt(problem.components)
+    usual = m_to_um(problem.noise_floor) * np.sqrt(problem.components)
     charts = []
     for title, label, values in (
         ("by load", "force [N]", np.linalg.norm(problem.case.force, axis=1)),
@@ -113,7 +112,7 @@ def residual_by_circumstance(diagnosis: LoadingDiagnosis) -> list[str]:
         ("by time of the test", "time since the start [s]", data.time),
     ):
         series = [
-            Curve(name, colour, values[kept], UM * np.linalg.norm(found.held_out[kept], axis=1))
+            Curve(name, colour, values[kept], m_to_um(np.linalg.norm(found.held_out[kept], axis=1)))
             for name, colour, found in stages(diagnosis)
         ]
         ends = np.array([values[kept].min(), values[kept].max()])
@@ -142,7 +141,7 @@ def residual_by_group(diagnosis: LoadingDiagnosis) -> list[str]:
         rows = [
             BarRow(
                 name,
-                [UM * rmse(f.held_out, mask, problem.components) for _, _, f in stages(diagnosis)],
+                [m_to_um(rmse(f.held_out, mask, problem.components)) for _, _, f in stages(diagnosis)],
                 [colour for _, colour, _ in stages(diagnosis)],
             )
             for name, mask in masks.items()
@@ -150,11 +149,11 @@ def residual_by_group(diagnosis: LoadingDiagnosis) -> list[str]:
         if len(rows) > MOST:
             title = f"{title} (the worst {MOST} of {len(rows)})"
             rows = sorted(rows, key=lambda row: -row.values[0])[:MOST]
-        charts.append(bars(title, f"{MICRO}m", rows, ("noise", UM * problem.noise_floor)))
+        charts.append(bars(title, f"{MICRO}m", rows, ("noise", m_to_um(problem.noise_floor))))
     return charts
 
 
-def pattern_of(diagnosis: LoadingDiagnosis, finding: Finding[Cause]) -> str:
+def pattern_of(diagnosis: LoadingDiagnosis, finding: Finding[ElasticCause]) -> str:
     """What gave a cause away: the residual without it, against what drives it."""
     problem, kept, cause = diagnosis.problem, diagnosis.kept, finding.cause
     effect = _effect(diagnosis.problem, diagnosis.extended, cause)
@@ -169,8 +168,8 @@ def pattern_of(diagnosis: LoadingDiagnosis, finding: Finding[Cause]) -> str:
             f"{spoken(cause)}: what the model without it leaves",
             "time between the two measurements [s]",
             f"residual along the drift [{MICRO}m]",
-            [Curve("", RED, dt, UM * residual[kept] @ axis)],
-            [Curve("fit", BLUE, line, UM * line * float(np.linalg.norm(finding.values)))],
+            [Curve("", RED, dt, m_to_um(residual[kept] @ axis))],
+            [Curve("fit", BLUE, line, m_to_um(line) * float(np.linalg.norm(finding.values)))],
             width=WIDE,
         )
     return _against_prediction(f"{spoken(cause)}: ", residual[kept], effect[kept])
@@ -190,7 +189,9 @@ def patterns_without_a_name(diagnosis: LoadingDiagnosis) -> list[str]:
     return charts
 
 
-def _over_torque(diagnosis: LoadingDiagnosis, cause: Cause, residual: FloatArray, effect: FloatArray) -> str:
+def _over_torque(
+    diagnosis: LoadingDiagnosis, cause: ElasticCause, residual: FloatArray, effect: FloatArray
+) -> str:
     """Joint angle over torque, one colour for each side from which the joint came."""
     problem = diagnosis.problem
     k = int(cause.where[-1]) - 1
@@ -208,26 +209,26 @@ def _over_torque(diagnosis: LoadingDiagnosis, cause: Cause, residual: FloatArray
         at = np.flatnonzero(rows & mask)
         at = at[np.argsort(torque[at])]
         if len(at):
-            series.append(Curve(name, colour, torque[at], UM * angle(residual, lever, size)[at]))
-            fitted.append(Curve(name, colour, torque[at], UM * angle(effect, lever, size)[at]))
+            series.append(Curve(name, colour, torque[at], m_to_um(angle(residual, lever, size))[at]))
+            fitted.append(Curve(name, colour, torque[at], m_to_um(angle(effect, lever, size))[at]))
     title = f"{spoken(cause)}: what the springs leave (dots) and what the cause says (lines)"
     return scatter(title, "torque [N m]", f"joint angle [{MICRO}rad]", series, fitted, width=WIDE)
 
 
 def _against_prediction(title: str, residual: FloatArray, effect: FloatArray, colour: str = RED) -> str:
-    x = UM * effect.ravel()
+    x = m_to_um(effect.ravel())
     ends = np.array([x.min(), x.max()])
     return scatter(
         f"{title}what the model without it leaves, over what it predicts",
         f"predicted [{MICRO}m]",
         f"residual without it [{MICRO}m]",
-        [Curve("", colour, x, UM * residual.ravel())],
+        [Curve("", colour, x, m_to_um(residual.ravel()))],
         [Curve("", DARK, ends, ends)],
         width=WIDE,
     )
 
 
-def _effect(problem: LoadingProblem, found: Fit[Cause], cause: Cause) -> FloatArray:
+def _effect(problem: LoadingProblem, found: Fit[ElasticCause], cause: ElasticCause) -> FloatArray:
     """Displacement that a cause adds to a model, shape (n, 3) [m]."""
     theta = found.theta.copy()
     theta[found.part(cause)] = 0.0

@@ -8,7 +8,9 @@ from typing import Self
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.diagnosis.core.diagnosis import Diagnosis
 from doormill_ros.diagnosis.core.problem import Prediction, make_folds, split
+from doormill_ros.diagnosis.core.wording import METRES
 from doormill_ros.diagnosis.loading.hidden_states import (
     HiddenEffect,
     hidden_effect,
@@ -16,11 +18,18 @@ from doormill_ros.diagnosis.loading.hidden_states import (
     total,
     undecided,
 )
+from doormill_ros.diagnosis.loading.observation import (
+    carried,
+    displacement_noise,
+    observed,
+    trackers_of,
+    whitening,
+)
 from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
 from doormill_ros.diagnosis.loading.suspicion import halves, turning
 from doormill_ros.measurements.trials import Trials
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
 from doormill_ros.robot_model.elastic.causes.registry import candidates
 from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
 
@@ -40,13 +49,15 @@ class LoadingProblem:
         curvature: What finite joint angles would add to the springs, shape (n, 3) [m].
     """
 
+    unit = METRES
+
     def __init__(
         self,
         data: Trials,
         finite: bool = False,
         sight: FloatArray | None = None,
         groups: IntArray | None = None,
-        allowed: Callable[[Cause], bool] = lambda cause: True,
+        allowed: Callable[[ElasticCause], bool] = lambda cause: True,
     ) -> None:
         """Compute geometry and the noise of every trial.
 
@@ -63,14 +74,7 @@ class LoadingProblem:
         self.kinematics = Kinematics(data.dh)
         self._position, self._link = data.reflector_position, data.reflector_link
         self.case = self._build(Setup(), None)
-        covariance = self._noise()
-        if sight is None:
-            self.whiten = np.linalg.inv(np.linalg.cholesky(covariance))
-            variance = np.trace(covariance, axis1=1, axis2=2) / 3.0
-        else:
-            variance = np.einsum("ni,nij,nj->n", sight, covariance, sight)
-            self.whiten = np.zeros((len(data), 3, 3))
-            self.whiten[:, 0] = sight / np.sqrt(variance)[:, None]
+        self.whiten, variance = whitening(displacement_noise(self.case, data), sight)
         self.noise_floor = float(np.sqrt(variance.mean()))
         self.configuration = data.configuration if groups is None else np.asarray(groups)
         self.folds = make_folds(self.configuration)
@@ -79,16 +83,21 @@ class LoadingProblem:
     def __len__(self) -> int:
         return len(self.data)
 
-    def candidates(self) -> list[Cause]:
+    def candidates(self) -> list[ElasticCause]:
         """Every cause at every place where it can act, and the patterns without a name."""
         data = self.data
         library = candidates(dict.fromkeys(data.reflector.tolist()))
         patterns = unnamed_patterns(data.q, data.time, data.temperature, data.dt)
         return [*(cause for cause in library if self.allowed(cause)), *patterns]
 
+    @property
+    def curved(self) -> bool:
+        """Whether finite joint angles differ from first order by more than the noise."""
+        return bool(np.sqrt(np.mean(self.curvature**2)) > CURVED * self.noise_floor)
+
     def bent(self) -> Self | None:
         """The same with finite joint angles, where these differ from first order by more than the noise."""
-        if np.sqrt(np.mean(self.curvature**2)) <= CURVED * self.noise_floor:
+        if not self.curved:
             return None
         return type(self)(self.data, True, self.sight, self.configuration, self.allowed)
 
@@ -128,23 +137,6 @@ class LoadingProblem:
             largest_torque=largest_torque,
         )
 
-    def _noise(self) -> FloatArray:
-        """Covariance of each displacement, shape (n, 3, 3): tracker, and force sensor through the springs."""
-        case, noise = self.case, self.data.noise
-        load = case.origin[:, 6] + case.axes[:, 6] @ self.data.load_point
-        by_force = np.zeros((len(case), 3, 3))
-        by_moment = np.zeros((len(case), 3, 3))
-        for k in range(6):
-            lever = case.joint_twist(k)[:, :3] / case.joint_stiffness[k]
-            arm = np.cross(case.axis(k), load - case.origin[:, k])
-            by_force += lever[:, :, None] * arm[:, None]
-            by_moment += lever[:, :, None] * case.axis(k)[:, None]
-        return (
-            noise.displacement**2 * np.eye(3)
-            + noise.force**2 * by_force @ by_force.transpose(0, 2, 1)
-            + noise.torque**2 * by_moment @ by_moment.transpose(0, 2, 1)
-        )
-
     def measured_part(self, white: FloatArray) -> FloatArray:
         """Residual in metres, shape (n, 3), of a whitened one; along the sight where there is one."""
         if self.sight is None:
@@ -152,7 +144,7 @@ class LoadingProblem:
         size: FloatArray = white[:, 0] / np.linalg.norm(self.whiten[:, 0], axis=1)
         return size[:, None] * self.sight
 
-    def case_of(self, members: Sequence[Cause], theta: FloatArray) -> LoadCase:
+    def case_of(self, members: Sequence[ElasticCause], theta: FloatArray) -> LoadCase:
         """Geometry and loads after the causes, sized by theta, shape (p,), that act before the elasticity."""
         parts = split(members, theta)
         if not any(cause.stage == "setup" for cause in members):
@@ -163,7 +155,7 @@ class LoadingProblem:
         return self._build(setup, self.case.largest_torque)
 
     def _elastic(
-        self, members: Sequence[Cause], theta: FloatArray, case: LoadCase
+        self, members: Sequence[ElasticCause], theta: FloatArray, case: LoadCase
     ) -> tuple[FloatArray, list[HiddenEffect]]:
         """Certain displacement (n, 3), and what each hidden cause adds where it acts."""
         total = case.springs()[:, :3]
@@ -181,12 +173,9 @@ class LoadingProblem:
                 hidden.append(hidden_effect(chance, twist, cause.hidden_sign(case)))
         return total, hidden
 
-    def _observe(self, members: Sequence[Cause], theta: FloatArray, displacement: FloatArray) -> FloatArray:
-        for cause, part in _trackers(members, theta):
-            displacement = cause.observe(displacement, self.data.dt, part)
-        return displacement
-
-    def predict(self, members: Sequence[Cause], theta: FloatArray, derivative: bool = False) -> Prediction:
+    def predict(
+        self, members: Sequence[ElasticCause], theta: FloatArray, derivative: bool = False
+    ) -> Prediction:
         """Residuals, likelihood and derivatives of a model.
 
         Args:
@@ -198,11 +187,11 @@ class LoadingProblem:
         certain, hidden = self._elastic(members, theta, case)
         read_states(
             hidden,
-            lambda others: self.data.displacement - self._observe(members, theta, certain + others),
+            lambda others: self.data.displacement - observed(members, theta, self.data.dt, certain + others),
             self.whiten,
         )
         inner = certain + total(hidden, len(self))
-        residual = self.data.displacement - self._observe(members, theta, inner)
+        residual = self.data.displacement - observed(members, theta, self.data.dt, inner)
         white = np.einsum("nij,nj->ni", self.whiten, residual)
         cost = np.sum(white**2, axis=1)
         for h in hidden:
@@ -212,7 +201,7 @@ class LoadingProblem:
         jacobian, spread = self._derivative(members, theta, case, inner, hidden)
         return Prediction(residual, white, cost, jacobian, spread)
 
-    def slope(self, cause: Cause, theta: FloatArray) -> FloatArray:
+    def slope(self, cause: ElasticCause, theta: FloatArray) -> FloatArray:
         """Whitened derivative of the prediction by one cause alone, shape (n, 3, p)."""
         if cause.stage == "robot" and cause.hidden_state(self.case) is None:
             return self.whiten @ cause.derivative(self.case, theta)[:, :3]
@@ -220,7 +209,7 @@ class LoadingProblem:
 
     def _derivative(
         self,
-        members: Sequence[Cause],
+        members: Sequence[ElasticCause],
         theta: FloatArray,
         case: LoadCase,
         inner: FloatArray,
@@ -229,7 +218,7 @@ class LoadingProblem:
         n, dt = len(self), self.data.dt
         columns = np.zeros((n, 3, len(theta)))
         spread: tuple[FloatArray, FloatArray] | None = None
-        trackers = _trackers(members, theta)
+        trackers = trackers_of(members, theta)
         at, h = 0, 0
         for cause, part in split(members, theta):
             block = slice(at, at + cause.size)
@@ -237,23 +226,21 @@ class LoadingProblem:
             if cause.stage == "robot":
                 slope = cause.derivative(case, part)[:, :3]
                 if cause.hidden_state(case) is not None:
-                    state, effect = hidden[h].state, hidden[h].effect
-                    slope = hidden[h].sign[:, None, None] * slope
+                    slope, rows = hidden[h].slopes(slope)
+                    if rows is not None:
+                        every = np.zeros((n, 3, len(theta)))
+                        every[:, :, block] = rows[1]
+                        spread = (
+                            (rows[0], every) if spread is None else (spread[0] + rows[0], spread[1] + every)
+                        )
                     h += 1
-                    width = np.sqrt(np.clip(state * (1.0 - state), 0.0, None))
-                    if np.any(width > 1e-6):
-                        rows = np.zeros((n, 3, len(theta)))
-                        rows[:, :, block] = width[:, None, None] * slope
-                        pair = (-width[:, None] * effect, rows)
-                        spread = pair if spread is None else (spread[0] + pair[0], spread[1] + pair[1])
-                    slope = state[:, None, None] * slope
-                columns[:, :, block] = self._carry(trackers, slope)
+                columns[:, :, block] = carried(trackers, slope)
             elif cause.stage == "tracker":
                 before, place = inner, [c is cause for c, _ in trackers].index(True)
                 for earlier, its_part in trackers[:place]:
                     before = earlier.observe(before, dt, its_part)
                 slope = cause.observe_derivative(before, dt, part)
-                columns[:, :, block] = self._carry(trackers[place + 1 :], slope)
+                columns[:, :, block] = carried(trackers[place + 1 :], slope)
             else:
                 columns[:, :, block] = self._setup_slope(members, theta, block, hidden, inner)
         jacobian = self.whiten @ columns
@@ -261,25 +248,16 @@ class LoadingProblem:
             spread = (np.einsum("nij,nj->ni", self.whiten, spread[0]), self.whiten @ spread[1])
         return jacobian, spread
 
-    def _carry(self, trackers: list[tuple[Cause, FloatArray]], slope: FloatArray) -> FloatArray:
-        """A small displacement as the tracker reports it."""
-        for cause, part in trackers:
-            still = np.zeros(len(self))
-            slope = np.stack(
-                [cause.observe(slope[:, :, i], still, part) for i in range(slope.shape[2])], axis=2
-            )
-        return slope
-
     def _setup_slope(
         self,
-        members: Sequence[Cause],
+        members: Sequence[ElasticCause],
         theta: FloatArray,
         block: slice,
         hidden: list[HiddenEffect],
         inner: FloatArray,
     ) -> FloatArray:
         """One forward difference a number: the posture enters through the whole chain."""
-        before = self._observe(members, theta, inner)
+        before = observed(members, theta, self.data.dt, inner)
         slopes = []
         for i in range(block.start, block.stop):
             step = 1e-5
@@ -288,11 +266,9 @@ class LoadingProblem:
             after, again = self._elastic(members, moved, self.case_of(members, moved))
             for old, new in zip(hidden, again, strict=True):
                 after = after + (old.state * old.sign)[:, None] * new.effect
-            slopes.append((self._observe(members, moved, after) - before) / step)
+            slopes.append((observed(members, moved, self.data.dt, after) - before) / step)
         return np.stack(slopes, axis=2)
 
 
-def _trackers(members: Sequence[Cause], theta: FloatArray) -> list[tuple[Cause, FloatArray]]:
-    """Causes in the tracker, in the order in which they act: a drift is added to what is reported."""
-    found = [(cause, part) for cause, part in split(members, theta) if cause.stage == "tracker"]
-    return sorted(found, key=lambda pair: pair[0].name == "thermal_drift")
+#: What is known of a robot that was loaded.
+LoadingDiagnosis = Diagnosis[LoadingProblem, ElasticCause]

@@ -7,20 +7,20 @@ known; the difference is one component of the robot's displacement under the loa
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
-from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
 from doormill_ros.diagnosis.loading.problem import LoadingProblem
+from doormill_ros.diagnosis.parts.placement import FreePartProblem, placement_columns
 from doormill_ros.frames import rotate_wrench
 from doormill_ros.measurements.trials import Noise, Reflector, Trials
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 
 #: Causes that have no part in a milled contour: there is no tracker, no reflector and no sensor.
 _ABSENT = ("setup", "tracker")
@@ -102,22 +102,25 @@ def match_contour(
     )
 
 
-def diagnose_part(
+def part_problem(
     contours: list[InspectedContour],
     robot: Robot,
     T_flange_tool: FloatArray,
     accuracy: float,
-) -> LoadingDiagnosis:
-    """Question the joint springs of a robot by what it milled.
+    doors: Sequence[int] | None = None,
+) -> LoadingProblem:
+    """What a robot milled, as a loading test that questions its joint springs.
 
     Args:
         contours: Inspected contours of one or several parts.
         robot: Which robot milled.
         T_flange_tool: The tool, shape (4, 4).
         accuracy: Standard deviation of a measured deviation [m].
+        doors: Number of the door of each contour, -1 where it was measured against the place where it was milled; of
+            the others position and angle are unknown. None: all were.
 
     Returns:
-        A diagnosis whose RMSE is along the walls' normals.
+        A problem whose residuals are along the walls' normals.
     """
     joined = {name: np.concatenate([getattr(c, name) for c in contours]) for name in vars(contours[0])}
     tip, n = np.asarray(T_flange_tool)[:3, 3], len(joined["q"])
@@ -141,12 +144,15 @@ def diagnose_part(
         reflector=np.full(n, "tool"),
         displacement=along[:, None] * joined["normal"],
     )
-    return diagnose_problem(
-        LoadingProblem(data, sight=joined["normal"], groups=_stretches(contours), allowed=_can_act)
-    )
+    groups = _stretches(contours)
+    if doors is None or max(doors) < 0:
+        return LoadingProblem(data, sight=joined["normal"], groups=groups, allowed=_can_act)
+    door = np.concatenate([np.full(len(c.deviation), d) for c, d in zip(contours, doors, strict=True)])
+    placement = placement_columns(joined["point"], joined["normal"], door)
+    return FreePartProblem(data, sight=joined["normal"], groups=groups, allowed=_can_act, placement=placement)
 
 
-def _can_act(cause: Cause) -> bool:
+def _can_act(cause: ElasticCause) -> bool:
     return cause.stage not in _ABSENT
 
 

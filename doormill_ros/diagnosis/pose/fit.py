@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.diagnosis.core.ridge import Block, Solution, add_up, learn
 from doormill_ros.diagnosis.pose.placement import fit_placement
-from doormill_ros.diagnosis.pose.problem import Block, Problem
-from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
+from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import Placement, frames
 from doormill_ros.statistics import GROSS_SHARE, median_length
+from doormill_ros.units import m_to_um
 
 #: Contiguous blocks of a series, the units of cross-validation.
 BLOCKS = 10
@@ -36,7 +37,7 @@ class Fitted:
         blocks: Normal equations of all blocks, linearised at the solution.
     """
 
-    problem: Problem
+    problem: PoseProblem
     solution: Solution
     blocks: list[Block]
 
@@ -73,7 +74,7 @@ def fit_causes(
         progress: Told after every pass.
         start: An earlier fit whose weights and noise are good to begin with.
     """
-    problem = Problem(sets, causes, placements)
+    problem = PoseProblem(sets, causes, placements)
     if start is not None:
         problem.weights = [weight.copy() for weight in start.problem.weights]
         problem.sigma = start.problem.sigma
@@ -93,7 +94,7 @@ def fit_causes(
         problem.weights = [weigh(error, problem.sigma) for error in errors]
         progress(
             f"pass {turn + 1} of {passes}: {problem.layout.size} coefficients, "
-            f"{1e6 * problem.sigma[0]:.0f} um and {1e6 * problem.sigma[1]:.0f} urad per axis left"
+            f"{m_to_um(problem.sigma[0]):.0f} um and {m_to_um(problem.sigma[1]):.0f} urad per axis left"
         )
     blocks = problem.blocks(rows)
     H, g = add_up(blocks, problem.size)
@@ -121,7 +122,7 @@ def independent_share(blocks: Sequence[Block], solution: Solution, share: float)
     return float(np.clip(1.0 / max(np.mean(excess), 1e-12), LEAST_SHARE, 1.0))
 
 
-def _move(problem: Problem, solution: Solution) -> None:
+def _move(problem: PoseProblem, solution: Solution) -> None:
     problem.x = solution.x[: problem.layout.size].copy()
     for series in range(len(problem.sets)):
         step = solution.x[problem.placement_ids(series)]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from doormill_ros.diagnosis.core.margin import Margin
-from doormill_ros.diagnosis.pose.diagnosis import AT_NOISE, MAIN_PART, PoseDiagnosis, rmse
+from doormill_ros.diagnosis.core.verdict import AT_NOISE, MAIN_PART
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
+from doormill_ros.diagnosis.pose.model import rmse
 from doormill_ros.diagnosis.pose.selection import SURE
 
 

@@ -9,13 +9,12 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.ranking import first_largest
+from doormill_ros.diagnosis.pose.coverage import BINS, covered
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
-from doormill_ros.diagnosis.pose.document import BINS, covered
 from doormill_ros.robot_model.pose.chain import derivatives, direction, frames
 from doormill_ros.robot_model.pose.layout import design, frame_twists
-from doormill_ros.robot_model.pose.model import view_of
 from doormill_ros.statistics import uniform
-from doormill_ros.units import rad_to_deg
+from doormill_ros.units import m_to_um, rad_to_deg
 
 #: Poses for a degree of an unvisited range that give the highest listed orders three samples a wave.
 _PER_BIN = 10
@@ -94,7 +93,7 @@ def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> FloatArray:
     problem = diagnosis.extended.problem
     q = np.pi * (2.0 * uniform((_TRIED, 6), seed) - 1.0)
     offset = problem.placements[-1].T_flange_target[:, 3]
-    target = frames(view_of(diagnosis.model, q).transforms)[:, -1] @ offset
+    target = frames(diagnosis.model.view(q).transforms)[:, -1] @ offset
     seen = []
     for data, placement in zip(problem.sets, problem.placements, strict=True):
         T = placement.T_tracker_base
@@ -109,7 +108,7 @@ def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> FloatArray:
 def effect_on_pose(diagnosis: PoseDiagnosis, q: FloatArray) -> FloatArray:
     """Derivatives of the target's pose by all coefficients and placements, base axes, shape (n, 6, m)."""
     problem = diagnosis.extended.problem
-    view = view_of(diagnosis.model, q)
+    view = diagnosis.model.view(q)
     bases = design(view, problem.layout)
     placement = problem.placements[-1]
     D = derivatives(frames(view.transforms, frame_twists(bases, problem.x, len(q))), placement)
@@ -141,7 +140,7 @@ def plan_next(diagnosis: PoseDiagnosis, poses: NextPoses | None) -> str:
         parts.append(
             f"measure the {len(poses.q)} poses listed (the first at {first} deg; check the way there): of "
             f"{POSSIBLE} possible ones they tell most, and bring what is uncertain in the model from "
-            f"{1e6 * poses.before:.0f} to {1e6 * poses.after:.0f} um, averaged over the space the tool worked in"
+            f"{m_to_um(poses.before):.0f} to {m_to_um(poses.after):.0f} um, averaged over the space the tool worked in"
         )
     if wanted:
         ranges = ", ".join(text for _, text in wanted[:3])

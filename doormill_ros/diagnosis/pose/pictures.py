@@ -9,9 +9,8 @@ from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, HALF, RED, WIDE, BarRow, Curve, bars, scatter
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
-from doormill_ros.units import rad_to_deg
+from doormill_ros.units import m_to_mm, m_to_um, rad_to_deg
 
-UM = 1e6  #: micrometres in a metre
 _COLOURS = (RED, BLUE, GREEN, GREY, "#7a4fa3", "#b08a00")
 #: Points of a series in one chart.
 _POINTS = 700
@@ -30,7 +29,7 @@ def before_and_after(diagnosis: PoseDiagnosis) -> list[str]:
             ("series left out", GREY, diagnosis.after.series),
         ):
             if errors:
-                size = UM * np.linalg.norm(errors[index][good, :3], axis=1)
+                size = m_to_um(np.linalg.norm(errors[index][good, :3], axis=1))
                 lines.append(Curve(name, colour, np.quantile(size, share), 100.0 * share))
         charts.append(scatter(data.name, "position error [um]", "poses below [%]", lines=lines))
     return charts
@@ -72,8 +71,8 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
             pick = np.unique(np.linspace(0, len(data) - 1, _POINTS).astype(int))
             pick = pick[~diagnosis.gross[index][pick]]
             angle = rad_to_deg(data.q[pick, k - 1])
-            left = 1e3 * residual[index][pick, k - 1]
-            error = 1e3 * cause.columns(problem.views[index])[0].basis[pick] @ problem.x[part]
+            left = m_to_mm(residual[index][pick, k - 1])
+            error = m_to_mm(cause.columns(problem.views[index])[0].basis[pick] @ problem.x[part])
             colour = _COLOURS[index % len(_COLOURS)]
             clouds[0].append(Curve(data.name, colour, angle, left + error))
             clouds[1].append(Curve(data.name, colour, angle, left))
@@ -101,7 +100,7 @@ def spectra(diagnosis: PoseDiagnosis) -> list[str]:
     for index, cause in enumerate(layout.causes):
         if isinstance(cause, JointPeriodicError):
             pairs = diagnosis.extended.problem.x[layout.part(index)].reshape(-1, 2)
-            x, y = np.array(cause.orders, dtype=float), UM * np.hypot(pairs[:, 0], pairs[:, 1])
+            x, y = np.array(cause.orders, dtype=float), m_to_um(np.hypot(pairs[:, 0], pairs[:, 1]))
             charts.append(scatter(cause.where, "order", "amplitude [urad]", [Curve("", BLUE, x, y)]))
     return charts
 
@@ -117,7 +116,7 @@ def over_rows(diagnosis: PoseDiagnosis) -> list[str]:
                 name,
                 colour,
                 data.row[pick].astype(float),
-                UM * np.linalg.norm(errors[index][pick, :3], axis=1),
+                m_to_um(np.linalg.norm(errors[index][pick, :3], axis=1)),
             )
             for name, colour, errors in (
                 ("nominal", RED, diagnosis.before.blocks),
@@ -132,9 +131,9 @@ def candidates_chart(diagnosis: PoseDiagnosis) -> str:
     """Held-out position error when a cause is taken away."""
     kept = [~bad for bad in diagnosis.gross]
     squares = [np.sum(e[good, :3] ** 2, axis=1) for e, good in zip(diagnosis.after.blocks, kept, strict=True)]
-    now = UM * float(np.sqrt(np.mean(np.concatenate(squares))))
+    now = m_to_um(float(np.sqrt(np.mean(np.concatenate(squares)))))
     rows = [
-        BarRow(f"without {score.cause!r}".replace("_", " "), [UM * score.rmse_without], [BLUE])
+        BarRow(f"without {score.cause!r}".replace("_", " "), [m_to_um(score.rmse_without)], [BLUE])
         for score in sorted(diagnosis.established, key=lambda s: -s.rmse_without)
     ]
     return bars("held-out error when one cause is taken away", "um", rows, ("with all", now), WIDE)

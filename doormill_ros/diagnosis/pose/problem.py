@@ -7,11 +7,11 @@ later fits, cross-validations and comparisons of causes need: sums of products o
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.diagnosis.core.ridge import Block
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import (
@@ -27,28 +27,7 @@ from doormill_ros.robot_model.pose.layout import design, frame_twists, lay_out
 PLACEMENT = 12
 
 
-@dataclass(eq=False)
-class Block:
-    """Normal equations of some rows of a series, in white units.
-
-    Attributes:
-        series: Index of the series.
-        rows: Slice or index of its rows.
-        ids: Coefficients that act there, shape (k,): causes first, then the twelve of the placement.
-        H, g, c: Sums of J^T J (k, k), J^T y (k,) and y^T y with y = residual + J x.
-        count: Sum of the weights.
-    """
-
-    series: int
-    rows: IntArray
-    ids: IntArray
-    H: FloatArray
-    g: FloatArray
-    c: float
-    count: float
-
-
-class Problem:
+class PoseProblem:
     """Several series and a set of causes.
 
     Attributes:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.ranking import ranked
+from doormill_ros.diagnosis.core.held_out import standard_errors
 from doormill_ros.diagnosis.core.verdict import rmse
 from doormill_ros.diagnosis.pose.validation import AXES_OF_POSITION, Validation, by_block
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
@@ -56,16 +56,8 @@ def _position_rmse(errors: Sequence[FloatArray], kept: Sequence[BoolArray]) -> f
     return rmse(np.concatenate(errors)[:, :3], np.concatenate(kept), 1)
 
 
-def explained_cost(validation: Validation) -> float:
-    """How much of the held-out cost all causes together take away."""
-    size = validation.fitted.problem.layout.size
-    full = validation.cost(validation.residuals(validation.blocks, np.zeros(0, dtype=int)))
-    empty = validation.cost(validation.residuals(validation.blocks, np.arange(size)))
-    return max(sum(float(np.sum(a - b)) for a, b in zip(empty, full, strict=True)), 1.0)
-
-
 def scores(validation: Validation, chosen: Sequence[int], explained: float) -> list[Score]:
-    """Score of some causes of a fit (by index) when each alone is taken away."""
+    """Score of some causes of a fit (by index) when each alone is taken away, of all the cost that is explained."""
     layout = validation.fitted.problem.layout
     kept = [weight > 0.0 for weight in validation.fitted.problem.weights]
     none = np.zeros(0, dtype=int)
@@ -80,17 +72,17 @@ def scores(validation: Validation, chosen: Sequence[int], explained: float) -> l
         errors = validation.residuals(validation.blocks, ids)
         change = by_block([a - b for a, b in zip(validation.cost(errors), full, strict=True)])
         gain = np.array([part.sum() for part in change])
-        sure = np.array([_standard_errors(part) for part in change])
+        sure = np.array([standard_errors(part) for part in change])
         every = np.concatenate(change)
         transfer = np.zeros(0)
-        if validation.series and cause.transfers:
+        if validation.series and cause.of_robot:
             costs = validation.cost(validation.residuals(validation.series, ids))
             transfer = np.array([float(np.sum(a - b)) for a, b in zip(costs, full_series, strict=True)])
-        total, total_sure = float(every.sum()), _standard_errors(every)
+        total, total_sure = float(every.sum()), standard_errors(every)
         position = by_block(
             [a - b for a, b in zip(validation.cost(errors, AXES_OF_POSITION), full_position, strict=True)]
         )
-        position_sure = _standard_errors(np.concatenate(position))
+        position_sure = standard_errors(np.concatenate(position))
         score = Score(
             cause,
             gain,
@@ -106,42 +98,13 @@ def scores(validation: Validation, chosen: Sequence[int], explained: float) -> l
     return found
 
 
-def eliminate(validation: Validation, progress: Callable[[str], None]) -> tuple[list[Score], list[Score]]:
-    """Take causes away that do not help, the least helpful half of them at a time.
-
-    Returns:
-        Scores of the causes that stay, and of those that went when they went.
-    """
-    layout = validation.fitted.problem.layout
-    explained = explained_cost(validation)
-    remaining = list(range(len(layout.causes)))
-    now = dict(zip(remaining, scores(validation, remaining, explained), strict=True))
-    gone: list[Score] = []
-    while weak := ranked((i for i in remaining if now[i].status != REAL), lambda i: now[i].total):
-        leave = weak[: (len(weak) + 1) // 2]
-        gone += [now[i] for i in leave]
-        remaining = [i for i in remaining if i not in leave]
-        validation.remove(np.concatenate([np.arange(layout.size)[layout.part(i)] for i in leave]))
-        left = [i for i in remaining if i in weak]
-        now.update(zip(left, scores(validation, left, explained), strict=True))
-        progress(f"{len(gone)} of {len(layout.causes)} causes do not earn their place")
-    return [now[i] for i in remaining], gone
-
-
-def _standard_errors(change: FloatArray) -> float:
-    """Sum over its standard error, taken from the scatter of the blocks."""
-    if len(change) < 2:
-        return 0.0
-    return float(change.sum() / max(change.std(ddof=1) * np.sqrt(len(change)), 1e-9))
-
-
 def _status(score: Score, worth: float) -> str:
     strong = (score.sure > SURE) & (score.gain > worth)
     if not (strong.any() or (score.total > worth and score.total_sure > SURE)):
         return NO_GAIN
     if score.position_sure < -SURE:
         return CONTRADICTED
-    if not score.cause.transfers or len(score.gain) == 1:
+    if not score.cause.of_robot or len(score.gain) == 1:
         return REAL
     # A property of the robot shows in every series that excites it; one voice among several is none.
     helped = (score.gain > WORTH) & (score.sure > 2.0)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.diagnosis.core.held_out import left_out
+from doormill_ros.diagnosis.core.ridge import Block, Solution, add_up, learn, without
 from doormill_ros.diagnosis.pose.fit import BLOCKS, Fitted
 from doormill_ros.diagnosis.pose.problem import PLACEMENT
-from doormill_ros.diagnosis.pose.solve import Solution, add_up, learn
 from doormill_ros.robot_model.pose.chain import DIRECTIONS, derivatives, direction
 
 #: Every so many-th block of each series is left out together.
@@ -40,21 +42,6 @@ class Split:
     series: int | None
 
 
-def without(solution: Solution, ids: IntArray) -> Solution:
-    """The solution with some coefficients, shape (k,), held at zero: exact, by conditioning."""
-    if not len(ids):
-        return solution
-    C = solution.covariance
-    factor = cho_factor(C[np.ix_(ids, ids)] + 1e-30 * np.eye(len(ids)))
-    gain = cho_solve(factor, C[ids])
-    x = solution.x - solution.x[ids] @ gain
-    covariance = C - C[:, ids] @ gain
-    x[ids] = 0.0
-    covariance[ids] = 0.0
-    covariance[:, ids] = 0.0
-    return Solution(x, covariance, solution.variance)
-
-
 class Validation:
     """Solutions with parts left out, and the residuals they leave there."""
 
@@ -63,36 +50,50 @@ class Validation:
         self.fitted = fitted
         problem = fitted.problem
         self._linear = [_Linear(fitted, series) for series in range(len(problem.sets))]
-        H, g = add_up(fitted.blocks, problem.size)
-        empty = np.zeros(0, dtype=int)
-        self.blocks: list[Split] = []
-        counts: dict[int, int] = {}
+        seen: dict[int, int] = {}
         fold = []
         for block in fitted.blocks:
-            counts[block.series] = counts.get(block.series, -1) + 1
-            fold.append(counts[block.series] % FOLDS)
+            seen[block.series] = seen.get(block.series, -1) + 1
+            fold.append(seen[block.series] % FOLDS)
         self.fold_of_block = np.array(fold)
-        for k in range(FOLDS):
-            out = [block for block, at in zip(fitted.blocks, fold, strict=True) if at == k]
-            Hk, gk = add_up(out, problem.size)
-            rows = tuple(
-                np.concatenate([empty, *(b.rows for b in out if b.series == s)])
-                for s in range(len(problem.sets))
-            )
-            found = learn(H - Hk, g - gk, problem.layout, ROUNDS, fitted.solution.variance)
-            self.blocks.append(Split(rows, found, None))
-        self.series: list[Split] = []
-        if len(problem.sets) > 1:
-            for s in range(len(problem.sets)):
-                Hs, gs = add_up([b for b in fitted.blocks if b.series != s], problem.size)
-                rows = tuple(np.arange(len(data)) if i == s else empty for i, data in enumerate(problem.sets))
-                found = learn(Hs, gs, problem.layout, ROUNDS, fitted.solution.variance)
-                self.series.append(Split(rows, found, s))
+        folds = [[b for b, at in zip(fitted.blocks, fold, strict=True) if at == k] for k in range(FOLDS)]
+        parts = (add_up(part, problem.size) for part in folds)
+        others = left_out(*add_up(fitted.blocks, problem.size), parts, self._learnt)
+        self.blocks = [self._split(*pair) for pair in zip(folds, others, strict=True)]
+        self.series = []
+        for series in range(len(problem.sets)) if len(problem.sets) > 1 else ():
+            # Its placement vanishes with it, of which a difference of sums would leave the rounding.
+            others_alone = add_up([b for b in fitted.blocks if b.series != series], problem.size)
+            own = [b for b in fitted.blocks if b.series == series]
+            self.series.append(self._split(own, self._learnt(*others_alone), series))
 
-    def remove(self, ids: IntArray) -> None:
-        """Hold coefficients, shape (k,), at zero from now on."""
-        self.blocks = [replace(split, solution=without(split.solution, ids)) for split in self.blocks]
-        self.series = [replace(split, solution=without(split.solution, ids)) for split in self.series]
+    def _learnt(self, H: FloatArray, g: FloatArray) -> Solution:
+        """The solution of some rows, shapes (m, m) and (m,)."""
+        return learn(H, g, self.fitted.problem.layout, ROUNDS, self.fitted.solution.variance)
+
+    def _split(self, part: Sequence[Block], solution: Solution, series: int | None = None) -> Split:
+        """What was left out, with the solution that has not seen it."""
+        empty = np.zeros(0, dtype=int)
+        rows = tuple(
+            np.concatenate([empty, *(block.rows for block in part if block.series == s)])
+            for s in range(len(self.fitted.problem.sets))
+        )
+        return Split(rows, solution, series)
+
+    def less(self, ids: IntArray) -> Validation:
+        """The same with coefficients, shape (k,), held at zero."""
+        smaller = copy(self)
+        smaller.blocks = [replace(split, solution=without(split.solution, ids)) for split in self.blocks]
+        smaller.series = [replace(split, solution=without(split.solution, ids)) for split in self.series]
+        return smaller
+
+    @cached_property
+    def explained(self) -> float:
+        """How much of the held-out cost all causes together take away."""
+        every = np.arange(self.fitted.problem.layout.size)
+        full = self.cost(self.residuals(self.blocks, every[:0]))
+        empty = self.cost(self.residuals(self.blocks, every))
+        return max(sum(float(np.sum(a - b)) for a, b in zip(empty, full, strict=True)), 1.0)
 
     def residuals(self, splits: Sequence[Split], removed: IntArray) -> list[FloatArray]:
         """Residual of every row by the split that left it out, base axes, shape (n, 6), with coefficients removed."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import DIRECTIONS, FRAMES
 from doormill_ros.robot_model.pose.view import SetView
@@ -25,8 +25,8 @@ class Layout:
     """
 
     causes: tuple[PoseCause, ...]
-    start: FloatArray
-    group: FloatArray
+    start: IntArray
+    group: IntArray
     typical: FloatArray
 
     @property

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.config import read_document
 from doormill_ros.robot_model.errors import PoseModelError
+from doormill_ros.robot_model.model_file import read_model
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.registry import build_cause
 from doormill_ros.robot_model.pose.chain import frames
 from doormill_ros.robot_model.pose.layout import design, frame_twists, lay_out
-from doormill_ros.robot_model.pose.view import KNOWN_LINKS, LinkMass, SetView
+from doormill_ros.robot_model.pose.link_masses import LinkMass, published_masses
+from doormill_ros.robot_model.pose.view import SetView
 
 SCHEMA = "doormill/extended-pose-model/1"
 
@@ -50,14 +51,14 @@ class PoseModel:
             q: Recorded or commanded joint angles, shape (n, 6) [rad].
             motion: Direction of each joint's last motion, -1, 0 (unknown) or +1, shape (n, 6); None: unknown.
         """
-        return self.frames(view_of(self, q, motion))[:, -1]
+        return self.frames(self.view(q, motion))[:, -1]
 
-
-def view_of(model: PoseModel, q: FloatArray, motion: FloatArray | None = None) -> SetView:
-    """Joint angles (n, 6) [rad] as causes look at a series; `motion` as for `PoseModel.flange`."""
-    q = np.atleast_2d(np.asarray(q, dtype=float))
-    known = np.zeros(q.shape) if motion is None else np.broadcast_to(np.asarray(motion, float), q.shape)
-    return SetView("", model.dh, model.links or KNOWN_LINKS.get(model.robot, ()), q, np.arange(len(q)), known)
+    def view(self, q: FloatArray, motion: FloatArray | None = None) -> SetView:
+        """Joint angles, shape (n, 6) [rad], as causes look at a series; `motion` as for `flange`."""
+        q = np.atleast_2d(np.asarray(q, dtype=float))
+        known = np.zeros(q.shape) if motion is None else np.broadcast_to(np.asarray(motion, float), q.shape)
+        links = self.links or published_masses(self.robot)
+        return SetView("", self.dh, links, q, np.arange(len(q)), known)
 
 
 def model_document(model: PoseModel, source: str, others: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
@@ -85,24 +86,18 @@ def load_pose_model(path: Path) -> PoseModel:
     Raises:
         PoseModelError: It cannot be read or used.
     """
-    path = path / "model.yaml" if path.is_dir() else path
-    document = read_document(path, PoseModelError)
-    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
-        found = document.get("schema") if isinstance(document, dict) else type(document).__name__
-        raise PoseModelError(f"{path} has schema {found}, allowed is {SCHEMA}", path=str(path))
-    try:
-        dh = np.array(document["dh"], dtype=float)
-        links = tuple(LinkMass(float(k["mass"]), np.array(k["com"], dtype=float)) for k in document["links"])
-        causes = tuple(
-            build_cause(entry["cause"], str(entry["where"]), entry, dh) for entry in document["causes"]
-        )
-        x = np.concatenate(
-            [np.zeros(0)] + [np.array(entry["coefficients"], dtype=float) for entry in document["causes"]]
-        )
-        if dh.shape != (6, 4) or len(x) != lay_out(causes).size or not np.all(np.isfinite(x)):
-            raise ValueError("the table or the coefficients have the wrong size")
-    except (KeyError, TypeError, ValueError) as error:
-        raise PoseModelError(
-            f"{path} cannot be used: {error}; write it anew with diagnose", path=str(path)
-        ) from error
+    return read_model(path, SCHEMA, PoseModelError, _model)
+
+
+def _model(document: dict[str, Any]) -> PoseModel:
+    dh = np.array(document["dh"], dtype=float)
+    links = tuple(LinkMass(float(k["mass"]), np.array(k["com"], dtype=float)) for k in document["links"])
+    causes = tuple(
+        build_cause(entry["cause"], str(entry["where"]), entry, dh) for entry in document["causes"]
+    )
+    x = np.concatenate(
+        [np.zeros(0)] + [np.array(entry["coefficients"], dtype=float) for entry in document["causes"]]
+    )
+    if dh.shape != (6, 4) or len(x) != lay_out(causes).size or not np.all(np.isfinite(x)):
+        raise ValueError("the table or the coefficients have the wrong size")
     return PoseModel(str(document["robot"]), dh, links, causes, x)

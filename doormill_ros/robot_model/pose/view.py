@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,35 +9,10 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.robot_model.pose.chain import frames, link_transforms
-from doormill_ros.units import GRAVITY
+from doormill_ros.robot_model.pose.link_masses import LinkMass, gravity_moment
 
 #: Motion that turns a play from one flank to the other [rad]: shorter moves are taken in proportion.
 CROSSING = 2e-3
-
-
-@dataclass(frozen=True, eq=False)
-class LinkMass:
-    """Mass [kg] and centre of mass [m], shape (3,), in the DH frame of the link."""
-
-    mass: float
-    com: FloatArray
-
-
-#: Published masses [kg] and centres of mass [m] in DH frames, for sets that do not state them. UR10:
-#: Universal Robots, "DH parameters for calculations of kinematics and dynamics".
-KNOWN_LINKS: dict[str, tuple[LinkMass, ...]] = {
-    "ur10": tuple(
-        LinkMass(mass, np.array(com))
-        for mass, com in (
-            (7.1, (0.021, 0.0, 0.027)),
-            (12.7, (0.38, 0.0, 0.158)),
-            (4.27, (0.24, 0.0, 0.068)),
-            (2.0, (0.0, 0.007, 0.018)),
-            (2.0, (0.0, 0.007, 0.018)),
-            (0.365, (0.0, 0.0, -0.026)),
-        )
-    )
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,19 +81,3 @@ def last_motion(q: FloatArray, row: IntArray, crossing: float = CROSSING) -> Flo
         now = np.clip(now + step[i], -1.0, 1.0)
         state[i] = now
     return state
-
-
-def gravity_moment(T_base_frames: FloatArray, links: Sequence[LinkMass]) -> FloatArray:
-    """Moment about the origins of frames 0..5 of the weight of the links beyond, in frame axes, (n, 6, 3) [N m]."""
-    n = len(T_base_frames)
-    out = np.zeros((n, 6, 3))
-    weight_moment, mass = np.zeros((n, 3)), 0.0
-    for k in range(5, -1, -1):
-        if links:
-            link, T = links[k], T_base_frames[:, k + 1]
-            weight_moment = weight_moment + link.mass * (T[:, :3, 3] + T[:, :3, :3] @ link.com)
-            mass += link.mass
-        arm = weight_moment - mass * T_base_frames[:, k, :3, 3]
-        torque = GRAVITY * np.stack([-arm[:, 1], arm[:, 0], np.zeros(n)], axis=1)  # arm x (0, 0, -g)
-        out[:, k] = np.einsum("nji,nj->ni", T_base_frames[:, k, :3, :3], torque)
-    return out

@@ -82,7 +82,21 @@ def test_a_wrong_focal_length_is_named_and_sized(pictures, tmp_path, capsys):
     assert factor["unit"] == "1"
     assert "distance" in scale["pattern"]
     assert len(placing["parameters"]["offset"]["value"]) == len(placing["parameters"]["offset"]["std"]) == 3
-    assert document["extended"]["holdout_rmse"] < 2.0 < document["baseline"]["holdout_rmse"]
+    before, after = (document[model]["holdout_rmse"] for model in ("baseline", "extended"))
+    assert after < 2.0 < before
+    assert (document["unit"], document["noise_floor"]) == ("standard deviations of one localization", 1.0)
+    assert len(document["margins"]) > 3
+    assert "extended_model" not in document, (
+        "nothing else can use a model of the camera: it is calibrated again"
+    )
+    assert {path.name for path in tmp_path.iterdir()} == {"diagnosis.json", "report.html"}
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    told = "times the localizer's own uncertainty".replace("'", "&#39;")
+    assert (
+        f"<h1>Explained: camera placing and camera scale ({before:.2f} {told} down to {after:.2f} {told})</h1>"
+        in page
+    )
+    assert "<td>camera scale</td>" in page
 
 
 def test_a_picture_without_a_door_is_told_and_left_out(pictures, tmp_path, capsys):

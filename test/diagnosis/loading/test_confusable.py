@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.core.fit import fit, trial_weights
+from doormill_ros.diagnosis.core.fit import fit
 from doormill_ros.diagnosis.core.preview import Preview
-from doormill_ros.diagnosis.loading.diagnosis import diagnose_set
+from doormill_ros.diagnosis.core.robust import trial_weights
 from doormill_ros.diagnosis.loading.next_measurement import plan_next
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.robot_model.elastic.causes.registry import candidates
+from support.diagnoses import diagnose_set
 
 
 @pytest.fixture

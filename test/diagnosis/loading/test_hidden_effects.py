@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.loading.diagnosis import diagnose_set
+from support.diagnoses import diagnose_set
 from support.truth.hidden_effects import (
     FOREIGN_CAUSES,
     LIBRARY_CAUSES,

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.core.fit import fit
-from doormill_ros.diagnosis.loading.diagnosis import diagnose_set
 from doormill_ros.diagnosis.loading.next_measurement import plan_next
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.simulation.truth.chain import turn
+from support.diagnoses import diagnose_set
 from support.truth.loading_test import LoadingPlan, true_displacement
 
 BASE = {"cause": "base_compliance", "where": "base", "parameters": {"stiffness": 3e7}}

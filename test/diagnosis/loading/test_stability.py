@@ -7,9 +7,9 @@ import pytest
 
 from doormill_ros.diagnosis.core.fit import fit
 from doormill_ros.diagnosis.core.stability import beaten, instability, turned_joint, unevenness
-from doormill_ros.diagnosis.loading.diagnosis import diagnose_set
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
+from support.diagnoses import diagnose_set
 
 SOFT = {"cause": "joint_stiffness", "where": "joint 2", "parameters": {"stiffness": 1.6e6}}
 RIPPLE = {"cause": "joint_ripple", "where": "joint 2", "parameters": {"amplitude": 2e-7, "order": 7}}

@@ -5,7 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
-from doormill_ros.diagnosis.parts.inspection import diagnose_part, match_contour
+from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
+from doormill_ros.diagnosis.parts.inspection import match_contour, part_problem
 from doormill_ros.frames import apply
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot
@@ -62,7 +63,7 @@ def mill_and_measure(effects, seed):
                     cutting=path.cutting & np.char.equal(path.feature, feature.id),
                 )
             )  # fmt: skip
-    return diagnose_part(contours, robot, layout.T_flange_tool, 1.5 * ACCURACY)
+    return diagnose_problem(part_problem(contours, robot, layout.T_flange_tool, 1.5 * ACCURACY))
 
 
 @pytest.fixture(scope="module")

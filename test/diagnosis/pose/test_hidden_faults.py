@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.pose.run import run_pose_sets
+from doormill_ros.diagnosis.core.kind import run as run_kind
+from doormill_ros.diagnosis.pose.kind import Poses
 
 CASES = {
     "geometry": {"geometry": [(2, "a", 4e-4), (3, "alpha", 5e-4), (4, "d", -3e-4)]},
@@ -34,7 +35,7 @@ def diagnose(tmp_path, write_pose_sets, faults):
     def run(case, rows=220, seed=5, check=(), **more):
         folders = write_pose_sets(tmp_path / "data", faults(**{**case, **more}), rows, seed)
         hold = [folder for folder in folders if folder.name in check]
-        run_pose_sets([f for f in folders if f not in hold], hold, tmp_path / "out", lambda line: None)
+        run_kind(Poses(), [f for f in folders if f not in hold], hold, tmp_path / "out")
         return json.loads((tmp_path / "out" / "diagnosis.json").read_text())
 
     return run
@@ -122,7 +123,7 @@ def test_a_fault_of_one_series_is_not_laid_on_the_robot(tmp_path, write_pose_set
     """A joint that sagged in one of three series only is no property of the robot."""
     sound = write_pose_sets(tmp_path / "a", faults(names=["one", "two"]), 200, 21)
     odd = write_pose_sets(tmp_path / "b", faults(names=["odd"], backlash=[(3, 3e-4)]), 200, 22)
-    run_pose_sets([*sound, *odd], [], tmp_path / "out", lambda line: None)
+    run_kind(Poses(), [*sound, *odd], [], tmp_path / "out")
     document = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
     assert ("joint_backlash", "joint 3") not in {(c["cause"], c["where"]) for c in document["causes"]}
     listed = {(c["cause"], c["where"]) for c in document["only_within_one_series"]}
@@ -160,7 +161,7 @@ class TestChecks:
                         cells[9] = str(float(cells[9]) + 0.001 * (i % 3))
                     lines[i] = ",".join(cells)
                 table.write_text("\n".join(lines) + "\n")
-            run_pose_sets(folders[:1], folders[1:], tmp_path / "out", lambda line: None)
+            run_kind(Poses(), folders[:1], folders[1:], tmp_path / "out")
             answers.append(json.loads((tmp_path / "out" / "diagnosis.json").read_text()))
         good, bad = answers
         assert good["causes"] == bad["causes"]

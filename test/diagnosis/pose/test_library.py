@@ -18,8 +18,8 @@ def hints(tmp_path, write_pose_sets, faults):
 
 def test_every_cause_of_the_robot_comes_back_from_its_settings(hints):
     dh = hints.sets[0].dh
-    own = [cause for cause in registry.candidates(hints) if cause.transfers]
-    assert {cause.name for cause in own} == {kind.name for kind in registry.LIBRARY if kind.transfers}
+    own = [cause for cause in registry.candidates(hints) if cause.of_robot]
+    assert {cause.name for cause in own} == {kind.name for kind in registry.LIBRARY if kind.of_robot}
     for cause in own:
         again = registry.build_cause(cause.name, cause.where, cause.settings, dh)
         assert (again.key, again.coefficients) == (cause.key, cause.coefficients)

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.pose.diagnosis import distinct_share
+from doormill_ros.diagnosis.core.ridge import add_up, solve, without
 from doormill_ros.diagnosis.pose.fit import Fitted, contiguous, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.problem import Problem
-from doormill_ros.diagnosis.pose.solve import add_up, solve
-from doormill_ros.diagnosis.pose.validation import Validation, without
+from doormill_ros.diagnosis.pose.model import distinct_share
+from doormill_ros.diagnosis.pose.problem import PoseProblem
+from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.joint_wobble import JointWobble
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
-from doormill_ros.robot_model.pose.causes.thermal_drift import ThermalDrift
+from doormill_ros.robot_model.pose.causes.thermal_drift import PoseDrift
 
 
 @pytest.fixture
@@ -25,9 +25,9 @@ def problem(tmp_path, write_pose_sets, faults):
         JointSag("joint 2"),
         JointPeriodicError("joint 4", (1, 5)),
         JointWobble("joint 2", (2,)),
-        ThermalDrift("set second"),
+        PoseDrift("set second"),
     ]
-    return Problem(sets, causes, place_nominally(sets))
+    return PoseProblem(sets, causes, place_nominally(sets))
 
 
 def numeric_jacobian(problem, series):

@@ -10,7 +10,7 @@ from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nomina
 from doormill_ros.diagnosis.pose.selection import CONTRADICTED, REAL, scores
 from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.measurements.pose_set import read_pose_set
-from doormill_ros.robot_model.pose.causes.joint_backlash import JointBacklash
+from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import BROAD, JointPeriodicError
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.joint_waves import harmonics
@@ -85,7 +85,7 @@ def test_a_joint_that_turns_the_target_has_to_move_it_too(read, moves, status):
             turn = Rotation.from_rotvec(1.5e-4 * last * axis[:, :, 0]).as_matrix()
             turned.append(dataclasses.replace(data, rotation=turn @ data.rotation))
         sets = turned
-    validation = Validation(fit(sets, [JointBacklash("joint 5")]))
+    validation = Validation(fit(sets, [PoseBacklash("joint 5")]))
     [score] = scores(validation, [0], 1.0)
     assert score.total > 100.0
     assert score.status == status

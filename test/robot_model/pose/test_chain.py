@@ -15,7 +15,8 @@ from doormill_ros.robot_model.pose.chain import (
     link_transforms,
     residual,
 )
-from doormill_ros.robot_model.pose.view import LinkMass, gravity_moment, last_motion
+from doormill_ros.robot_model.pose.link_masses import LinkMass, gravity_moment
+from doormill_ros.robot_model.pose.view import last_motion
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.robot_model.errors import PoseModelError
 from doormill_ros.robot_model.extended_model import load_compliance_model
-from doormill_ros.robot_model.pose.causes.joint_backlash import JointBacklash
+from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.compliance import PoseErrorCompliance
@@ -31,7 +31,7 @@ def robot():
 @pytest.fixture
 def model_file(robot, tmp_path):
     """Link 2 is too long, joint 3 wanders twice a turn, joint 1 has play."""
-    causes = (LinkGeometry("link 2", robot.dh), JointPeriodicError("joint 3", [2]), JointBacklash("joint 1"))
+    causes = (LinkGeometry("link 2", robot.dh), JointPeriodicError("joint 3", [2]), PoseBacklash("joint 1"))
     x = np.zeros(4 + 2 + 1)
     x[list(causes[0].names).index("a")] = LONGER
     x[4], x[6] = PERIODIC, GAP

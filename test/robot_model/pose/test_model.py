@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 import yaml
 
+from doormill_ros.diagnosis.core.kind import run as run_kind
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
+from doormill_ros.diagnosis.pose.kind import Poses
 from doormill_ros.diagnosis.pose.placement import fit_placement
-from doormill_ros.diagnosis.pose.run import run_pose_sets
 from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.robot_model.errors import PoseModelError
 from doormill_ros.robot_model.pose.chain import Placement, residual
@@ -29,7 +30,7 @@ def test_the_file_predicts_the_true_robot(tmp_path, write_pose_sets, faults, inv
         geometry=[(2, "a", 4e-4), (5, "alpha", -3e-4)], sag=[(3, 1.5e-5)], periodic=[(4, 7, 3e-4, 0.5)]
     )
     folders = write_pose_sets(tmp_path, case, 300, 31)
-    run_pose_sets(folders, [], tmp_path / "out", lambda line: None)
+    run_kind(Poses(), folders, [], tmp_path / "out")
     model = load_pose_model(tmp_path / "out")
     q = np.random.default_rng(7).uniform(
         [-2.0, -2.3, -2, -2.5, -2, -2.5], [2.0, -0.6, 2, 2.5, 2, 2.5], (40, 6)
@@ -92,7 +93,7 @@ def test_a_bad_model_file_is_refused(tmp_path, text):
 
 def test_the_report_is_one_page(tmp_path, write_pose_sets, faults):
     folders = write_pose_sets(tmp_path, faults(periodic=[(3, 4, 3e-4, 0.0)], names=["a", "b"]), 200, 34)
-    run_pose_sets(folders[:1], folders[1:], tmp_path / "out", lambda line: None)
+    run_kind(Poses(), folders[:1], folders[1:], tmp_path / "out")
     page = (tmp_path / "out" / "report.html").read_text()
     assert "Explained" in page.split("</h1>")[0]
     assert page.count("<svg") > 5

@@ -28,7 +28,7 @@ class Setup:
     reflector_offset: dict[str, FloatArray] = field(default_factory=dict)
 
 
-class Cause(Candidate[LoadCase]):
+class ElasticCause(Candidate[LoadCase]):
     """One way in which reality can differ from linear joint springs.
 
     It acts in one of three ways: on the `Setup` (posture, wrench, reflector), as an extra `twist` of the robot, or
@@ -78,7 +78,7 @@ class Cause(Candidate[LoadCase]):
         raise NotImplementedError
 
 
-class LinearTwist(Cause):
+class LinearTwist(ElasticCause):
     """A cause whose twist is a fixed pattern times theta."""
 
     def unit(self, case: LoadCase) -> FloatArray:

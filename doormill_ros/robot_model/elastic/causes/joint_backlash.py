@@ -6,8 +6,8 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause, index
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 _GAP = 1e-4  #: theta 1 is a gap of this size [rad]
@@ -15,7 +15,7 @@ _GAP = 1e-4  #: theta 1 is a gap of this size [rad]
 _CROSSINGS = (0.0, 0.01, 0.03, 0.1, 0.3, 0.8)
 
 
-class JointBacklash(Cause):
+class DisplacementBacklash(ElasticCause):
     """Theta is the gap over 1e-4 rad, and the crossing torque over the largest torque of the test.
 
     A joint that came from the other side lies against its flank (pre-loaded, section 3.3 of the
@@ -24,7 +24,7 @@ class JointBacklash(Cause):
     """
 
     name = "joint_backlash"
-    parameters = (Parameter("gap", "rad", 0.0, 2e-2), Parameter("crossing", "N m", 0.0, 1e3))
+    parameters = (CauseParameter("gap", "rad", 0.0, 2e-2), CauseParameter("crossing", "N m", 0.0, 1e3))
     scale = np.array([3.0, 0.3])
     lower = np.array([0.0, 0.0])
     upper = np.array([200.0, 1.0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -16,7 +16,7 @@ class JointCrossCompliance(LinearTwist):
     """Everything behind the joint tilts about the joint's origin by compliance times transverse moment."""
 
     name = "joint_cross_compliance"
-    parameters = (Parameter("compliance", "rad / (N m)", 0.0, 1e-4),)
+    parameters = (CauseParameter("compliance", "rad / (N m)", 0.0, 1e-4),)
     scale = np.array([3.0])
     lower = np.array([0.0])
     upper = np.array([1000.0])

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause, index
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
-class JointFriction(Cause):
+class JointFriction(ElasticCause):
     """Theta is the friction torque over the largest torque of the test.
 
     After a motion against the load friction already points along it and must turn round before
@@ -18,7 +18,7 @@ class JointFriction(Cause):
     """
 
     name = "joint_friction"
-    parameters = (Parameter("torque", "N m", 0.0, 1e3),)
+    parameters = (CauseParameter("torque", "N m", 0.0, 1e3),)
     scale = np.array([0.2])
     lower = np.array([0.0])
     upper = np.array([1.0])

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause, index
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
-class JointHardening(Cause):
+class JointHardening(ElasticCause):
     """Theta is model stiffness / K0 - 1, and h times the largest torque of the test."""
 
     name = "joint_hardening"
     parameters = (
-        Parameter("stiffness", "N m / rad", 1e3, 1e8),
-        Parameter("hardening", "1 / (N m)", 0.0, 0.1),
+        CauseParameter("stiffness", "N m / rad", 1e3, 1e8),
+        CauseParameter("hardening", "1 / (N m)", 0.0, 0.1),
     )
     scale = np.array([0.3, 0.5])
     lower = np.array([-0.9, 0.0])

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup, index
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
-class JointOffset(Cause):
+class JointOffset(ElasticCause):
     """The posture in which load and springs act has this angle added to one joint."""
 
     name = "joint_offset"
-    parameters = (Parameter("angle", "rad", -0.3, 0.3),)
+    parameters = (CauseParameter("angle", "rad", -0.3, 0.3),)
     scale = np.array([0.02])
     lower = np.array([-0.5])
     upper = np.array([0.5])

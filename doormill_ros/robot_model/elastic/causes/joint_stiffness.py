@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -14,7 +14,7 @@ class JointStiffness(LinearTwist):
     """K0 / K - 1 is fitted: the joint turns by (1 + theta) torque / K0."""
 
     name = "joint_stiffness"
-    parameters = (Parameter("stiffness", "N m / rad", 1e3, 1e8),)
+    parameters = (CauseParameter("stiffness", "N m / rad", 1e3, 1e8),)
     scale = np.array([0.3])
     lower = np.array([-0.9])
     upper = np.array([30.0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -20,7 +20,7 @@ class LinkBending(LinearTwist):
     """
 
     name = "link_bending"
-    parameters = (Parameter("EI", "N m^2", 1e3, 1e9),)
+    parameters = (CauseParameter("EI", "N m^2", 1e3, 1e9),)
     scale = np.array([1.0])
     lower = np.array([0.0])
     upper = np.array([1000.0])

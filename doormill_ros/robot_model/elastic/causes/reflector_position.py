@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
-class ReflectorPosition(Cause):
+class ReflectorPosition(ElasticCause):
     """The true position is the stated one plus the offset, in the frame of the link."""
 
     name = "reflector_position"
-    parameters = (Parameter("offset", "m", -0.2, 0.2, 3),)
+    parameters = (CauseParameter("offset", "m", -0.2, 0.2, 3),)
     scale = np.full(3, 0.02)
     lower = np.full(3, -0.5)
     upper = np.full(3, 0.5)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from doormill_ros.robot_model.elastic.causes.base_compliance import BaseCompliance
-from doormill_ros.robot_model.elastic.causes.cause import Cause
-from doormill_ros.robot_model.elastic.causes.joint_backlash import JointBacklash
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
+from doormill_ros.robot_model.elastic.causes.joint_backlash import DisplacementBacklash
 from doormill_ros.robot_model.elastic.causes.joint_cross_compliance import JointCrossCompliance
 from doormill_ros.robot_model.elastic.causes.joint_friction import JointFriction
 from doormill_ros.robot_model.elastic.causes.joint_hardening import JointHardening
@@ -14,7 +14,7 @@ from doormill_ros.robot_model.elastic.causes.joint_offset import JointOffset
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.link_bending import LinkBending
 from doormill_ros.robot_model.elastic.causes.reflector_position import ReflectorPosition
-from doormill_ros.robot_model.elastic.causes.thermal_drift import ThermalDrift
+from doormill_ros.robot_model.elastic.causes.thermal_drift import DisplacementDrift
 from doormill_ros.robot_model.elastic.causes.tool_compliance import ToolCompliance
 from doormill_ros.robot_model.elastic.causes.tracker_frame_rotation import TrackerFrameRotation
 from doormill_ros.robot_model.elastic.causes.tracker_scale import TrackerScale
@@ -25,9 +25,9 @@ JOINTS = tuple(f"joint {k}" for k in range(1, 7))
 LINKS = tuple(f"link {k}" for k in range(1, 7))
 
 #: Class, its places (None: the names of the reflectors) and its variants.
-LIBRARY: tuple[tuple[type[Cause], tuple[str, ...] | None, tuple[str, ...]], ...] = (
+LIBRARY: tuple[tuple[type[ElasticCause], tuple[str, ...] | None, tuple[str, ...]], ...] = (
     (JointStiffness, JOINTS, ("",)),
-    (JointBacklash, JOINTS, ("",)),
+    (DisplacementBacklash, JOINTS, ("",)),
     (JointHardening, JOINTS, ("",)),
     (JointFriction, JOINTS, ("",)),
     (JointCrossCompliance, JOINTS, ("",)),
@@ -38,16 +38,16 @@ LIBRARY: tuple[tuple[type[Cause], tuple[str, ...] | None, tuple[str, ...]], ...]
     (WrenchGain, ("sensor",), ("",)),
     (TrackerFrameRotation, ("tracker",), ("",)),
     (TrackerScale, ("tracker",), ("",)),
-    (ThermalDrift, ("cell",), ("",)),
+    (DisplacementDrift, ("cell",), ("",)),
     (ReflectorPosition, None, ("",)),
     (JointOffset, JOINTS, ("",)),
 )
 
 
-def candidates(reflectors: Iterable[str]) -> list[Cause]:
+def candidates(reflectors: Iterable[str]) -> list[ElasticCause]:
     """Every cause at every place, for a test with these reflectors."""
     reflectors = tuple(reflectors)
-    found: list[Cause] = []
+    found: list[ElasticCause] = []
     for kind, places, variants in LIBRARY:
         for where in reflectors if places is None else places:
             for variant in variants:
@@ -55,7 +55,7 @@ def candidates(reflectors: Iterable[str]) -> list[Cause]:
     return found
 
 
-def build_cause(name: str, where: str, variant: str = "") -> Cause:
+def build_cause(name: str, where: str, variant: str = "") -> ElasticCause:
     """The cause of a name at a place.
 
     Raises:

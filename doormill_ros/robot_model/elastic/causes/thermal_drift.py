@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 _SPEED = 1e-7  #: theta 1 [m / s]
 
 
-class ThermalDrift(Cause):
+class DisplacementDrift(ElasticCause):
     """Reported displacement = true displacement + velocity times dt."""
 
     name = "thermal_drift"
-    parameters = (Parameter("velocity", "m / s", -1e-5, 1e-5, 3),)
+    parameters = (CauseParameter("velocity", "m / s", -1e-5, 1e-5, 3),)
     scale = np.ones(3)
     lower = np.full(3, -1000.0)
     upper = np.full(3, 1000.0)

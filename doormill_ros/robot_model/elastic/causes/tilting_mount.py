@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
+from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -16,7 +16,7 @@ class TiltingMount(LinearTwist):
     The plain variant has one stiffness for both axes, the variant "two axes" one for each.
     """
 
-    parameters = (Parameter("stiffness", "N m / rad", 1e3, 1e9),)
+    parameters = (CauseParameter("stiffness", "N m / rad", 1e3, 1e9),)
     frame: int
     first_link: int
     unit_compliance: float  #: theta 1 [rad / (N m)]
@@ -28,7 +28,7 @@ class TiltingMount(LinearTwist):
         size = 2 if variant else 1
         self.scale, self.lower, self.upper = np.ones(size), np.zeros(size), np.full(size, 1000.0)
         if variant:
-            self.parameters = (Parameter("stiffness", "N m / rad", 1e3, 1e9, 2),)
+            self.parameters = (CauseParameter("stiffness", "N m / rad", 1e3, 1e9, 2),)
             self.generalises = self.name
 
     def unit(self, case: LoadCase) -> FloatArray:

@@ -6,16 +6,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
-class TrackerFrameRotation(Cause):
+class TrackerFrameRotation(ElasticCause):
     """Reported displacement = R(rotation vector) times true displacement."""
 
     name = "tracker_frame_rotation"
-    parameters = (Parameter("rotation_vector", "rad", -0.5, 0.5, 3),)
+    parameters = (CauseParameter("rotation_vector", "rad", -0.5, 0.5, 3),)
     scale = np.full(3, 0.02)
     lower = np.full(3, -0.7)
     upper = np.full(3, 0.7)

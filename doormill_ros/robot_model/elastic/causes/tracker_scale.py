@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
-class TrackerScale(Cause):
+class TrackerScale(ElasticCause):
     """Reported displacement = factor times true displacement."""
 
     name = "tracker_scale"
-    parameters = (Parameter("factor", "1", 0.5, 2.0),)
+    parameters = (CauseParameter("factor", "1", 0.5, 2.0),)
     scale = np.array([0.1])
     lower = np.array([-0.5])
     upper = np.array([1.0])

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
-class WrenchFrameRotation(Cause):
+class WrenchFrameRotation(ElasticCause):
     """The true rotation from sensor to flange axes is the stated one plus this angle."""
 
     name = "wrench_frame_rotation"
-    parameters = (Parameter("angle", "rad", -np.pi, np.pi),)
+    parameters = (CauseParameter("angle", "rad", -np.pi, np.pi),)
     scale = np.array([0.05])
     lower = np.array([-np.pi])
     upper = np.array([np.pi])

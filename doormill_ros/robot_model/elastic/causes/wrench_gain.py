@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.candidate import Parameter
-from doormill_ros.robot_model.elastic.causes.cause import Cause, Setup
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
-class WrenchGain(Cause):
+class WrenchGain(ElasticCause):
     """The true wrench is the recorded one times the factor."""
 
     name = "wrench_gain"
-    parameters = (Parameter("factor", "1", 0.2, 5.0),)
+    parameters = (CauseParameter("factor", "1", 0.2, 5.0),)
     scale = np.array([0.1])
     lower = np.array([-0.8])
     upper = np.array([4.0])

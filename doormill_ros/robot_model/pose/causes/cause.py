@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.robot_model.candidate import Cause
 from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
 from doormill_ros.robot_model.pose.view import SetView
 
@@ -43,22 +44,11 @@ class Coefficient:
     typical: float
 
 
-class PoseCause:
+class PoseCause(Cause):
     """One way in which a real robot's poses can differ from the nominal ones, linear in its coefficients.
 
-    Attributes:
-        name: Fixed name of the cause.
-        where: Place.
-        transfers: Whether it belongs to the robot and so holds for other series too.
+    One that is not of the robot holds for its series alone.
     """
-
-    name: str = ""
-    where: str = ""
-    transfers: bool = True
-
-    def __init__(self, where: str) -> None:
-        """Put the cause at its place."""
-        self.where = where
 
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
@@ -92,15 +82,3 @@ class PoseCause:
     def columns(self, view: SetView) -> list[Columns]:
         """Effect on the frames of a series; empty where the cause does not act."""
         raise NotImplementedError
-
-    def pattern(self) -> str:
-        """One sentence: what the cause leaves in the data."""
-        raise NotImplementedError
-
-    @property
-    def key(self) -> tuple[str, str]:
-        """Name and place."""
-        return self.name, self.where
-
-    def __repr__(self) -> str:
-        return f"{self.name} at {self.where}"

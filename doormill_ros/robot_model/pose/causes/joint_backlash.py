@@ -8,7 +8,7 @@ from doormill_ros.robot_model.pose.chain import joint_turn
 from doormill_ros.robot_model.pose.view import SetView
 
 
-class JointBacklash(PoseCause):
+class PoseBacklash(PoseCause):
     """Half the gap ahead or behind, by the direction of the last motion between recorded rows."""
 
     name = "joint_backlash"

@@ -8,21 +8,21 @@ from typing import Any
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.hints import Hints
-from doormill_ros.robot_model.pose.causes.joint_backlash import JointBacklash
+from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import JointPeriodicError
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.joint_wobble import JointWobble
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
-from doormill_ros.robot_model.pose.causes.thermal_drift import ThermalDrift
+from doormill_ros.robot_model.pose.causes.thermal_drift import PoseDrift
 
 LIBRARY: tuple[type[PoseCause], ...] = (
     LinkGeometry,
     JointSag,
     JointPeriodicError,
     JointWobble,
-    JointBacklash,
-    ThermalDrift,
+    PoseBacklash,
+    PoseDrift,
     SessionStep,
 )
 
@@ -40,6 +40,6 @@ def build_cause(name: str, where: str, settings: Mapping[str, Any], dh: FloatArr
         ValueError: The library has no such cause of the robot itself.
     """
     for kind in LIBRARY:
-        if kind.name == name and kind.transfers:
+        if kind.name == name and kind.of_robot:
             return kind.build(where, settings, dh)
     raise ValueError(f"{name!r} is no cause of a robot's poses")

@@ -17,7 +17,7 @@ class SessionStep(PoseCause):
     """Displacement of the robot's base from one row of a series on."""
 
     name = "session_step"
-    transfers = False
+    of_robot = False
 
     def __init__(self, where: str, row: int) -> None:
         """Put it on a series ('set NAME'), at the first row after the step."""

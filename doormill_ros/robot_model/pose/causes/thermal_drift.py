@@ -17,11 +17,11 @@ DECAYS = (0.03, 0.12)
 _AXES = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 
 
-class ThermalDrift(PoseCause):
+class PoseDrift(PoseCause):
     """Slow displacement of the robot's base against the tracker within one series."""
 
     name = "thermal_drift"
-    transfers = False
+    of_robot = False
 
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:

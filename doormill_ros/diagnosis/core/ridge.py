@@ -1,17 +1,57 @@
-"""Ridge with learnt sizes on sums of normal equations."""
+"""Hundreds of coefficients at once: a ridge with learnt sizes on sums of normal equations."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import groupby
+from typing import Protocol
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 from scipy.linalg.lapack import dpotrf, dpotri
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.pose.problem import Block
-from doormill_ros.robot_model.pose.layout import Layout
+from doormill_ros.arrays import FloatArray, IntArray
+
+_LEAST = 1e-6  #: of a typical size squared, what is left of one that the data do not call for
+
+
+@dataclass(eq=False)
+class Block:
+    """Normal equations of some rows of a series, in white units.
+
+    Attributes:
+        series: Index of the series.
+        rows: Its rows, shape (n,).
+        ids: Coefficients that act there, shape (k,).
+        H, g, c: Sums of J^T J (k, k), J^T y (k,) and y^T y with y = residual + J x.
+        count: Sum of the weights.
+    """
+
+    series: int
+    rows: IntArray
+    ids: IntArray
+    H: FloatArray
+    g: FloatArray
+    c: float
+    count: float
+
+
+class Sizes(Protocol):
+    """How large coefficients may be, which come first among all that are solved for.
+
+    Attributes:
+        group: Group of every coefficient, shape (m,); those of a group share a size that is learnt from the data.
+        typical: Largest plausible size, shape (m,).
+    """
+
+    @property
+    def group(self) -> IntArray:
+        """Shape (m,)."""
+
+    @property
+    def typical(self) -> FloatArray:
+        """Shape (m,)."""
 
 
 def add_up(blocks: Iterable[Block], size: int) -> tuple[FloatArray, FloatArray]:
@@ -64,20 +104,35 @@ def solve(H: FloatArray, g: FloatArray, variance: FloatArray) -> Solution:
 def learn(
     H: FloatArray,
     g: FloatArray,
-    layout: Layout,
+    sizes: Sizes,
     rounds: int = 8,
     start: FloatArray | None = None,
 ) -> Solution:
     """Solve H x = g and learn the typical size of every group (empirical Bayes, MacKay's update); shapes as `solve`."""
-    m = layout.size
+    m = len(sizes.typical)
     variance = np.full(len(g), np.inf)
-    variance[:m] = layout.typical**2 if start is None else start[:m]
+    variance[:m] = sizes.typical**2 if start is None else start[:m]
     found = solve(H, g, variance)
-    count = np.bincount(layout.group, minlength=layout.group.max() + 1 if m else 0)
+    count = np.bincount(sizes.group, minlength=sizes.group.max() + 1 if m else 0)
     for _ in range(rounds if m else 0):
         spread = np.diag(found.covariance)[:m]
-        moment = np.bincount(layout.group, found.x[:m] ** 2 + spread, minlength=len(count)) / count
+        moment = np.bincount(sizes.group, found.x[:m] ** 2 + spread, minlength=len(count)) / count
         variance = variance.copy()
-        variance[:m] = np.clip(moment[layout.group], 1e-6 * layout.typical**2, 4.0 * layout.typical**2)
+        variance[:m] = np.clip(moment[sizes.group], _LEAST * sizes.typical**2, 4.0 * sizes.typical**2)
         found = solve(H, g, variance)
     return found
+
+
+def without(solution: Solution, ids: IntArray) -> Solution:
+    """The solution with some coefficients, shape (k,), held at zero: exact, by conditioning."""
+    if not len(ids):
+        return solution
+    C = solution.covariance
+    factor = cho_factor(C[np.ix_(ids, ids)] + 1e-30 * np.eye(len(ids)))
+    gain = cho_solve(factor, C[ids])
+    x = solution.x - solution.x[ids] @ gain
+    covariance = C - C[:, ids] @ gain
+    x[ids] = 0.0
+    covariance[ids] = 0.0
+    covariance[:, ids] = 0.0
+    return Solution(x, covariance, solution.variance)

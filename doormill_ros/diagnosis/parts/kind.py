@@ -1,35 +1,36 @@
-"""Runs a whole diagnosis of inspected doors: points and bag of each become contours that question the joint springs."""
+"""Inspected doors: points and bag of each become contours that question the robot's joint springs."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.diagnosis.core.document import diagnosis_document
-from doormill_ros.diagnosis.loading.run import extended_model_document, verdict_line
-from doormill_ros.diagnosis.parts.inspection import InspectedContour, diagnose_part, match_contour
-from doormill_ros.files import write_atomically
+from doormill_ros.diagnosis.core.account import Account, account_of
+from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
+from doormill_ros.diagnosis.core.wording import Words
+from doormill_ros.diagnosis.loading.kind import extended_model_document
+from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
+from doormill_ros.diagnosis.parts.inspection import InspectedContour, match_contour, part_problem
 from doormill_ros.frames import apply, inverse
-from doormill_ros.measurements.inspection import CAMERA, Inspection, inspections_in
+from doormill_ros.measurements.inspection import CAMERA, FEATURE, SCHEMA, Inspection, inspections_in
 from doormill_ros.messages.from_message import recipe_of, transform_of, wrench_of
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.bag_reader import read_bag, topics_of
 from doormill_ros.recording.replay.recorded_run import read_runs
 from doormill_ros.robot.description import load_robot
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 
 EXECUTED_PATH = "/simulation/executed_path"
-NEXT = (
-    "inspect doors whose features the robot reaches in other postures, on walls cut in both directions: contours "
-    "of one posture cannot tell which joint gave way"
-)
+
+METHOD = """Where the tool cut, the bag knows posture, last motions and process wrench, and where the tool had been
+sent: the deviation of the wall less that is the robot's displacement under load along the wall's normal. It was
+questioned as a loading test is, on stretches of wall left out of every fit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,40 +58,75 @@ class RecordedCut:
     feature: tuple[str, ...]
 
 
-def run_inspections(folder: Path, out: Path, progress: Callable[[str], None] = lambda line: None) -> str:
-    """Question the robot's springs with inspected doors, write diagnosis.json and model.yaml.
+@dataclass(frozen=True, eq=False)
+class MatchedInspection:
+    """An inspection and the contours that its points became."""
 
-    Args:
-        folder: One inspection, or a folder of them.
-        out: Folder for the results.
-        progress: Told of every step.
+    inspection: Inspection
+    contours: list[InspectedContour]
 
-    Returns:
-        The verdict in one line.
 
-    Raises:
-        DataSetError: An inspection cannot be read or does not belong to its bag; nothing is written.
-        BagError: A bag cannot be read.
-    """
-    inspections = inspections_in(folder)
-    contours: list[InspectedContour] = []
-    for inspection in inspections:
-        progress(f"matching {inspection.path.name} with the run that milled it")
-        contours += matched_contours(inspection, recorded_cut(inspection))
-    layout = load_layout()
-    progress("examining the causes")
-    noise = float(np.sqrt(np.mean([inspection.noise**2 for inspection in inspections])))
-    diagnosis = diagnose_part(contours, load_robot(layout.robot), layout.T_flange_tool, noise)
-    out.mkdir(parents=True, exist_ok=True)
-    document = diagnosis_document(diagnosis, NEXT, **_facts(inspections, contours))
-    write_atomically(
-        out / "model.yaml", yaml.safe_dump(extended_model_document(diagnosis, "part"), sort_keys=False)
+class Inspections(SearchedKind[MatchedInspection, LoadingProblem, ElasticCause]):
+    """Inspected doors of the robot in the cell, taken together."""
+
+    schema = SCHEMA
+    option = "inspections"
+    help = "one or many inspected doors"
+    words = Words("simulation", "points", "deviation", "deviation", "stretches", METHOD)
+    next_measurement = (
+        "inspect doors whose features the robot reaches in other postures, on walls cut in both directions: contours "
+        "of one posture cannot tell which joint gave way"
     )
-    write_atomically(out / "diagnosis.json", json.dumps(document, indent=2, allow_nan=False) + "\n")
-    return verdict_line(diagnosis)
+
+    def read(self, folder: Path, progress: Progress) -> Sequence[MatchedInspection]:
+        """One inspection, or those in a folder, each matched with the run that milled its door.
+
+        Raises:
+            DataSetError: An inspection cannot be read or does not belong to its bag.
+            BagError: A bag cannot be read.
+        """
+        found = []
+        for inspection in inspections_in(folder):
+            progress(f"matching {inspection.name} with the run that milled it")
+            found.append(
+                MatchedInspection(inspection, matched_contours(inspection, recorded_cut(inspection)))
+            )
+        return found
+
+    def problem(self, sets: Sequence[MatchedInspection]) -> LoadingProblem:
+        """The walls of all doors, as a loading test of the robot in the cell."""
+        layout = load_layout()
+        noise = float(np.sqrt(np.mean([one.inspection.noise**2 for one in sets])))
+        contours = [contour for one in sets for contour in one.contours]
+        doors = [
+            -1 if one.inspection.datum == CAMERA else number
+            for number, one in enumerate(sets)
+            for _ in one.contours
+        ]
+        return part_problem(contours, load_robot(layout.robot), layout.T_flange_tool, noise, doors)
+
+    def name(self, one: MatchedInspection) -> str:
+        """What the door is called."""
+        return one.inspection.name
+
+    def account(
+        self,
+        diagnosis: LoadingDiagnosis,
+        sets: Sequence[MatchedInspection],
+        checks: Sequence[Mapping[str, Any]],
+        progress: Progress,
+    ) -> Account:
+        """With the inspections, how many of their points were used, and a model for the path generator."""
+        source = ", ".join(map(self.name, sets))
+        return replace(
+            account_of(diagnosis, self.words, self.next_measurement, checks),
+            sections=_facts(sets),
+            model=extended_model_document(diagnosis, source),
+        )
 
 
-def _facts(inspections: list[Inspection], contours: list[InspectedContour]) -> dict[str, Any]:
+def _facts(sets: Sequence[MatchedInspection]) -> dict[str, Any]:
+    inspections = [one.inspection for one in sets]
     return {
         "inspections": [
             {"run_id": one.run_id, "measured_at": one.measured_at.isoformat()} for one in inspections
@@ -98,7 +134,7 @@ def _facts(inspections: list[Inspection], contours: list[InspectedContour]) -> d
         "points": {
             "measured": sum(len(one) for one in inspections),
             "on_floors": sum(int(np.sum(~one.wall)) for one in inspections),  # walls alone are questioned
-            "used": sum(len(contour.deviation) for contour in contours),
+            "used": sum(len(contour.deviation) for one in sets for contour in one.contours),
         },
     }
 
@@ -110,10 +146,6 @@ def recorded_cut(inspection: Inspection) -> RecordedCut:
         SetDescriptionError: The bag does not hold that run, its pose or its executed path.
         BagError: The bag cannot be read.
     """
-    if inspection.datum != CAMERA:
-        raise inspection.refuse(
-            "datum", f"is {inspection.datum!r}, which is not questioned yet; allowed is {CAMERA}"
-        )
     runs = {run.run_id: run for run in read_runs(inspection.bag)}
     run = runs.get(inspection.run_id)
     if run is None or run.recipe is None:
@@ -149,6 +181,9 @@ def matched_contours(inspection: Inspection, cut: RecordedCut) -> list[Inspected
         SetDescriptionError: No point lies on a wall that was cut under steady load.
     """
     names = {feature.id for feature in cut.recipe.features}
+    datum = inspection.datum.removeprefix(FEATURE)
+    if datum != inspection.datum and datum not in names:
+        raise inspection.refuse("datum", f"is against {datum!r}, the recipe has {', '.join(sorted(names))}")
     for row, name in enumerate(inspection.feature):
         if name not in names:
             raise inspection.refuse_point(

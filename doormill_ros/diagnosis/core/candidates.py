@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from doormill_ros.diagnosis.core.beam import ENTRY
+from doormill_ros.diagnosis.core.diagnosis import Diagnosis
 from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.search import ENTRY
 from doormill_ros.diagnosis.core.verdict import rmse
-from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis
-from doormill_ros.diagnosis.wording import micrometres, spoken
+from doormill_ros.diagnosis.core.wording import Words, spoken
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED
-from doormill_ros.pages.page import Bar, Block, Table, Text
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.pages.page import Bar, Block, Paragraphs, Table
 
 ROWS = 12  #: models that are listed
 
 
-def candidates_table(diagnosis: LoadingDiagnosis) -> list[Block]:
-    """The best models in the order of their scores; the simulation as it is stands last.
+def candidates_table(diagnosis: Diagnosis[Any, Any], words: Words) -> list[Block]:
+    """The best models in the order of their scores; the model as it is stands last.
 
     Models with more members than the best are left out and counted: none of them gained enough,
     or it would be the best.
@@ -32,28 +33,28 @@ def candidates_table(diagnosis: LoadingDiagnosis) -> list[Block]:
     longest = max(size.values())
     rows: list[list[str | Bar]] = []
     for found in listed:
-        words = " + ".join(map(spoken, found.members)) or "the simulation as it is"
+        names = " + ".join(map(spoken, found.members)) or f"the {words.model} as it is"
         residual = size[id(found)]
         rows.append(
             [
-                words,
+                names,
                 _remark(diagnosis, found),
-                Bar(micrometres(residual), residual / longest, _colour(diagnosis, found)),
+                Bar(diagnosis.problem.unit.spoken(residual), residual / longest, _colour(diagnosis, found)),
                 str(round(search.total(found) - search.total(best))),
             ]
         )
     note = (
-        f"{len(fits)} models were fitted. The score is the squared error on configurations left out, in standard "
+        f"{len(fits)} models were fitted. The score is the squared error on {words.unseen} left out, in standard "
         f"deviations, plus a price for every fitted number; a cause has to gain {ENTRY:.0f}."
     )
     if larger:
         note += f" {len(larger)} models with more members than the first line gain less than that."
-    head = ("Model", "", "Held-out residual", "Score behind the best")
+    head = ("Model", "", f"Held-out {words.held_out}", "Score behind the best")
     marked = next((i for i, found in enumerate(listed) if found is best), None)
-    return [Table(head, rows, marked, "models"), Text([note])]
+    return [Table(head, rows, marked, "models"), Paragraphs([note])]
 
 
-def _remark(diagnosis: LoadingDiagnosis, found: Fit[Cause]) -> str:
+def _remark(diagnosis: Diagnosis[Any, Any], found: Fit[Any]) -> str:
     if found is diagnosis.extended and found.members:
         return "named"
     if not found.members:
@@ -70,7 +71,7 @@ def _remark(diagnosis: LoadingDiagnosis, found: Fit[Cause]) -> str:
     return "best fit, not believed" if found is diagnosis.best else ""
 
 
-def _colour(diagnosis: LoadingDiagnosis, found: Fit[Cause]) -> str:
+def _colour(diagnosis: Diagnosis[Any, Any], found: Fit[Any]) -> str:
     if found is diagnosis.extended and found.members:
         return GREEN
     if not found.members:

@@ -1,0 +1,30 @@
+"""How much a trial counts that is far off: sums and weights that gross errors cannot steer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.statistics import CHI_SQUARE_MEDIAN, GROSS_SHARE, huber_weights
+
+GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
+_HUBER = 4.0  #: standard deviations up to which a trial keeps its full weight
+
+
+def robust_sum(cost: FloatArray) -> float:
+    """Sum of costs, shape (n,), in which the worst tenth counts no more than GROSS each."""
+    ordered = np.sort(cost)[::-1]
+    spared = int(GROSS_SHARE * len(cost))
+    return float(np.minimum(ordered[:spared], GROSS).sum() + ordered[spared:].sum())
+
+
+def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> FloatArray:
+    """Huber weights of squared distances, shape (n,); with `reject` gross errors get zero."""
+    scale2 = max(1.0, float(np.median(distance)) / CHI_SQUARE_MEDIAN[components])
+    size = np.sqrt(np.maximum(distance / scale2, 1e-12))
+    weights = huber_weights(size, _HUBER)
+    spared = int(GROSS_SHARE * len(distance))
+    if reject and spared:
+        worst = np.argsort(-distance, kind="stable")[:spared]
+        weights[worst[distance[worst] > GROSS * scale2]] = 0.0
+    return weights

@@ -1,0 +1,203 @@
+"""What a diagnosis of moving joints tells: causes with their parameters, figures by joint, laws without a name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.account import Double, NamedCause
+from doormill_ros.diagnosis.core.margin import Margin
+from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.core.wording import spoken
+from doormill_ros.diagnosis.motion.diagnosis import ENCODERS, MotionDiagnosis, mean_square
+from doormill_ros.diagnosis.motion.examination import JointFinding
+from doormill_ros.diagnosis.motion.model import JointFit, coefficients, stiffness_of
+from doormill_ros.diagnosis.motion.patterns import MotionPattern
+from doormill_ros.diagnosis.motion.search import ENTRY
+from doormill_ros.measurements.motion_set import MotionSet
+from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
+from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
+from doormill_ros.robot_model.motion.model import JointModel
+from doormill_ros.statistics import bootstrap_ratio
+from doormill_ros.units import m_to_um
+
+Figures = dict[str, dict[str, Any]]
+
+
+def by_joint(diagnosis: MotionDiagnosis) -> Figures:
+    """Held-out RMSE of baseline and extended model of every joint, with its noise [rad]."""
+    return {
+        one.problem.where: {
+            "baseline": one.problem.rmse(one.baseline.held_out),
+            "extended": one.problem.rmse(one.extended.held_out),
+            "noise_floor": one.problem.floor,
+        }
+        for one in diagnosis.joints
+    }
+
+
+def check_set(diagnosis: MotionDiagnosis, other: MotionSet) -> dict[str, Any]:
+    """Predict a recording that no fit has seen; only its own constants are taken from it."""
+    found: Figures = {}
+    for motion in other.motions:
+        plain = JointModel(motion.joint, motion.stiffness).residual(motion)
+        model = diagnosis.model.of(motion.joint)
+        found[f"joint {motion.joint}"] = {
+            "baseline": _root_mean_square(plain),
+            "extended": _root_mean_square(model.residual(motion)),
+            "extended_with_offset_alone": _root_mean_square(model.residual(motion, own=False)),
+        }
+    entry: dict[str, Any] = {"set": other.name, "rows": len(other)}
+    for name in ("baseline", "extended", "extended_with_offset_alone"):
+        entry[name] = {"rmse": mean_square([one[name] for one in found.values()])}
+    return entry | {"by_joint": found}
+
+
+def _root_mean_square(errors: FloatArray) -> float:
+    return float(np.sqrt(np.mean(errors**2)))
+
+
+def named_causes(diagnosis: MotionDiagnosis) -> list[NamedCause]:
+    """Established causes; orders of one joint's periodic error together."""
+    found = []
+    joints, extended = diagnosis.joints, diagnosis.extended
+    total = diagnosis.holdout_rmse[1]
+    if extended.skew:
+        found.append(
+            NamedCause(
+                cause=TimeSkew.name,
+                where=ENCODERS,
+                words=f"time skew of the {ENCODERS}",
+                parameters={"skew": {"value": extended.skew, "std": extended.skew_std, "unit": "s"}},
+                without=diagnosis.without_skew,
+            )
+        )
+    for finding in joints:
+        members = finding.extended.members
+        for key in dict.fromkeys(cause.key for cause in members):
+            indices = [i for i, cause in enumerate(members) if cause.key == key]
+            found.append(_named(finding, indices, total, len(joints)))
+    return found
+
+
+def _named(finding: JointFinding, indices: Sequence[int], total: float, joints: int) -> NamedCause:
+    extended, problem = finding.extended, finding.problem
+    first = extended.members[indices[0]]
+    doubles: dict[tuple[str, str], Double] = {}
+    parameters: Figures = {}
+    for index in indices:
+        parameters |= _parameters(finding, index)
+        for cause, behind in finding.doubles[index]:
+            doubles.setdefault(cause.key, Double(cause, max(behind, 0.0)))
+    rest = [cause for i, cause in enumerate(extended.members) if i not in indices]
+    delay = finding.search.delay if isinstance(first, TimeSkew) else extended.delay
+    without = problem.rmse(problem.settled(rest, delay).held_out)
+    own = problem.rmse(extended.held_out)
+    return NamedCause(
+        cause=first.name,
+        where=first.where,
+        words=spoken(first),
+        parameters=parameters,
+        without=float(np.sqrt(max(total**2 + (without**2 - own**2) / joints, 0.0))),
+        doubles=tuple(doubles.values()),
+        more={"joint_holdout_rmse_without": without},
+    )
+
+
+def _parameters(finding: JointFinding, index: int) -> Figures:
+    """Values of a member with standard deviations from the scatter of the blocks."""
+    extended, given = finding.extended, finding.problem.stiffness
+    cause = extended.members[index]
+    x = coefficients(extended, index).copy()
+    if isinstance(cause, TimeSkew):
+        x = x + extended.delay
+    spread = _spread(extended, index)
+    stiffness = stiffness_of(extended.members, extended.x, given)
+    at = extended.of(MotionStiffness)
+    stiffness_std = 0.0 if at is None else stiffness**2 * float(extended.std[at][0])
+    found: Figures = {}
+    now = cause.values(x, stiffness)
+    for name, (value, unit) in now.items():
+        variance = 0.0
+        for i, std in enumerate(spread):
+            moved = x.copy()
+            moved[i] += std
+            variance += (cause.values(moved, stiffness)[name][0] - value) ** 2
+        variance += (cause.values(x, stiffness + stiffness_std)[name][0] - value) ** 2
+        found[name] = {"value": value, "std": float(np.sqrt(variance)), "unit": unit}
+        found[name] |= {key: cause.settings[key] for key in ("width",) if key in cause.settings}
+    return found
+
+
+def _spread(found: JointFit, index: int) -> FloatArray:
+    """Standard deviations of the coefficients that `coefficients` gives."""
+    if not found.members[index].phased:
+        return found.std[index]
+    deviations = [float(np.sqrt(np.mean(std**2))) for std in found.own_std[index]]
+    return np.array([mean_square(deviations) / np.sqrt(len(deviations))])
+
+
+def unnamed(diagnosis: MotionDiagnosis) -> list[dict[str, Any]]:
+    """Shapes without a name that the best models hold."""
+    found = []
+    for finding in diagnosis.joints:
+        best, problem = finding.best, finding.problem
+        for index, cause in enumerate(best.members):
+            if isinstance(cause, MotionPattern):
+                smaller = finding.search.without(best, cause)
+                height = m_to_um(float(best.x[index][0]))
+                found.append(
+                    {
+                        "where": problem.where,
+                        "acts_on": "joint angle",
+                        "driver": cause.driver,
+                        "law": f"link minus motor angle follows {cause.spoken}, "
+                        f"{height:+.1f} urad at its root mean square of {cause.size:.4g} {cause.unit}",
+                        "holdout_rmse_without": problem.rmse(smaller.held_out),
+                    }
+                )
+    return found
+
+
+def characterised(diagnosis: MotionDiagnosis) -> dict[str, Any]:
+    """Held-out RMSE of the best models, what has no name included, with its 95 % interval."""
+    value = diagnosis.question.holdout_rmse(diagnosis.best)
+    squares = diagnosis.question.holdout_squares(diagnosis.best)
+    _, (low, high) = bootstrap_ratio(np.full(len(squares), squares.mean()), squares)
+    return {"holdout_rmse": value, "ci95": [value * low, value * high]}
+
+
+def remarks(diagnosis: MotionDiagnosis) -> list[str]:
+    """Sentences for the reader."""
+    lines = [
+        "Every joint of every recording has an offset of its own; so has a bristle or a tooth where it lay when the "
+        "recording began, and a fine scale without an index its phase.",
+    ]
+    if all(value is None for value in diagnosis.sets[0].noise):
+        lines.append("The sets state no noise: it is estimated from how neighbouring samples differ.")
+    for finding in diagnosis.joints:
+        lines += [f"{cause!r} comes close but is not believed: {why}." for cause, why in finding.refused]
+        slips = int((~finding.problem.kept).sum())
+        if slips:
+            lines.append(
+                f"{slips} samples of {finding.problem.where} are slips of the reading and count in no figure."
+            )
+    return lines
+
+
+def margins(diagnosis: MotionDiagnosis) -> list[Margin]:
+    """Every decision with what it was taken by."""
+    found = []
+    for finding in diagnosis.joints:
+        problem = finding.problem
+        left = problem.rmse(finding.extended.held_out) / problem.floor
+        found.append(
+            Margin(f"{problem.where} is at the noise, which leaves a share", left, AT_NOISE, "share")
+        )
+        for cause in finding.extended.members:
+            gain = finding.search.gain(finding.search.without(finding.extended, cause), finding.extended)
+            found.append(Margin(f"{cause!r} stays", gain.score, ENTRY, "score"))
+    return found

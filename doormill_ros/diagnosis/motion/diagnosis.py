@@ -1,0 +1,199 @@
+"""From recordings of moving joints to a verdict: what lies between the encoders, how sure, what the model gains."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.judgement import Examination, Judgement, Question, judge_question
+from doormill_ros.diagnosis.core.verdict import AT_NOISE, MAIN_PART
+from doormill_ros.diagnosis.motion.examination import JointFinding, examined
+from doormill_ros.diagnosis.motion.model import JointFit, model_of
+from doormill_ros.diagnosis.motion.patterns import unnamed_patterns
+from doormill_ros.diagnosis.motion.problem import JointProblem
+from doormill_ros.diagnosis.motion.search import JointSearch
+from doormill_ros.diagnosis.motion.skew import common_skew, own_skews
+from doormill_ros.measurements.motion_set import MotionSet
+from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
+from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
+from doormill_ros.robot_model.motion.model import MotionModel
+from doormill_ros.units import s_to_ms
+
+#: Where all link encoders are late together.
+ENCODERS = "link encoders"
+
+
+def mean_square(values: Sequence[float]) -> float:
+    """Root of the mean of squares."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+@dataclass(frozen=True, eq=False)
+class MotionFit:
+    """A model of all joints.
+
+    Attributes:
+        joints: Of each joint.
+        skew, skew_std: By which all link encoders are late together, and its standard deviation; 0 for none [s].
+    """
+
+    joints: tuple[JointFit, ...]
+    skew: float = 0.0
+    skew_std: float = 0.0
+
+    @property
+    def members(self) -> tuple[MotionCause, ...]:
+        """Causes of all joints, what the encoders have in common first."""
+        common = (TimeSkew(ENCODERS),) if self.skew else ()
+        return (*common, *(cause for fit in self.joints for cause in fit.members))
+
+
+class MotionQuestion(Question[MotionCause, MotionFit]):
+    """Recordings of the same joints; these have nothing in common but the clock of their encoders.
+
+    Attributes:
+        sets: The recordings.
+        problems: Each joint made ready.
+        joints: What was found in each.
+    """
+
+    main_part = MAIN_PART
+
+    def __init__(self, sets: Sequence[MotionSet]) -> None:
+        """Put the recordings of each joint together."""
+        self.sets, self._motions = tuple(sets), [one.motions for one in sets]
+        self.problems = [
+            JointProblem(tuple(recording[k] for recording in self._motions), sets[0].noise)
+            for k in range(len(sets[0].joints))
+        ]
+        self.noise_floor = mean_square([problem.floor for problem in self.problems])
+        self.joints: tuple[JointFinding, ...] = ()
+        self._searches: list[JointSearch] = []
+
+    def search(self, progress: Callable[[str], None]) -> MotionFit:
+        """Each joint by itself; once more where all encoders turn out to be late together."""
+        problems = self.problems
+        patterns = [unnamed_patterns(k, self._motions) for k in range(len(problems))]
+        every = list(zip(problems, patterns, strict=True))
+        self._searches = [JointSearch(*one, progress=progress) for one in every]
+        fits = [search.run() for search in self._searches]
+        skew, std, agreed = common_skew(
+            own_skews(fits), len(problems), lambda index: _asked_skew(problems[index], fits[index])
+        )
+        if not agreed:
+            return MotionFit(tuple(fits))
+        progress(f"the link encoders are late together by {s_to_ms(skew):.3f} ms")
+        self._searches = [JointSearch(*one, skew, False, progress) for one in every]
+        again = [
+            search.run([search.fit(_without_speed(fit))])
+            for search, fit in zip(self._searches, fits, strict=True)
+        ]
+        return MotionFit(tuple(again), skew, std)
+
+    def examine(self, best: MotionFit) -> Examination[MotionCause, MotionFit]:
+        """Each joint by itself."""
+        self.joints = tuple(map(examined, self._searches, best.joints))
+        return self._examination(best, best.skew)
+
+    def withdrawn(
+        self, examination: Examination[MotionCause, MotionFit]
+    ) -> Examination[MotionCause, MotionFit]:
+        """The same with nothing named in any joint."""
+        self.joints = tuple(finding.withdrawn() for finding in self.joints)
+        return self._examination(examination.best, 0.0)
+
+    def _examination(self, best: MotionFit, skew: float) -> Examination[MotionCause, MotionFit]:
+        extended = MotionFit(tuple(finding.extended for finding in self.joints), skew, best.skew_std)
+        return Examination(
+            best=best,
+            baseline=MotionFit(tuple(finding.baseline for finding in self.joints)),
+            extended=extended,
+            named=extended.members,
+            refused=tuple(entry for finding in self.joints for entry in finding.refused),
+            kept=None,
+        )
+
+    def at_noise(self, model: MotionFit, kept: None) -> bool:
+        """Whether every joint is."""
+        return all(
+            problem.rmse(fit.held_out) <= AT_NOISE * problem.floor
+            for problem, fit in zip(self.problems, model.joints, strict=True)
+        )
+
+    def train_rmse(self, model: MotionFit, kept: None = None) -> float:
+        """Over all joints [rad]."""
+        return self._rmse([fit.residual for fit in model.joints])
+
+    def holdout_rmse(self, model: MotionFit, kept: None = None) -> float:
+        """Over all joints, blocks left out [rad]."""
+        return self._rmse([fit.held_out for fit in model.joints])
+
+    def _rmse(self, errors: Sequence[FloatArray]) -> float:
+        return mean_square([p.rmse(own) for p, own in zip(self.problems, errors, strict=True)])
+
+    def holdout_squares(self, model: MotionFit, kept: None = None) -> FloatArray:
+        """Of all joints by block of time, shape (blocks,)."""
+        by_joint = [p.by_block(fit.held_out) for p, fit in zip(self.problems, model.joints, strict=True)]
+        return np.asarray(np.sum(by_joint, axis=0), dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
+class MotionDiagnosis(Judgement[MotionCause, MotionFit]):
+    """Everything that a diagnosis of moving joints knows.
+
+    Attributes:
+        question: The recordings, and what was found in each joint.
+    """
+
+    question: MotionQuestion
+
+    @property
+    def sets(self) -> tuple[MotionSet, ...]:
+        """The recordings."""
+        return self.question.sets
+
+    @property
+    def joints(self) -> tuple[JointFinding, ...]:
+        """What was found in each joint."""
+        return self.question.joints
+
+    @property
+    def noise_floor(self) -> float:
+        """Root mean square of the noise over all joints [rad]."""
+        return self.question.noise_floor
+
+    @property
+    def without_skew(self) -> float:
+        """Held-out RMSE of the extended model less the delay that all encoders have in common [rad]."""
+        fits = [one.problem.fit(one.extended.members, 0.0) for one in self.joints]
+        return self.question.holdout_rmse(MotionFit(tuple(fits)))
+
+    @property
+    def model(self) -> MotionModel:
+        """What was established."""
+        joints = [model_of(one.extended, one.problem.motions[0]) for one in self.joints]
+        return MotionModel(self.sets[0].robot, tuple(joints))
+
+
+def diagnose_motions(
+    sets: Sequence[MotionSet], progress: Callable[[str], None] = lambda line: None
+) -> MotionDiagnosis:
+    """Question the springs of a robot with recordings of its joints in motion."""
+    question = MotionQuestion(sets)
+    return MotionDiagnosis(**vars(judge_question(question, progress)), question=question)
+
+
+def _asked_skew(problem: JointProblem, fit: JointFit) -> tuple[float, float]:
+    """Skew of a joint whose model holds none, and its standard deviation [s]."""
+    found = problem.settled((*_without_speed(fit), TimeSkew(problem.where)), fit.delay)
+    index = len(found.members) - 1
+    return found.delay + float(found.x[index][0]), float(found.std[index][0])
+
+
+def _without_speed(fit: JointFit) -> list[MotionCause]:
+    """Members of a fit that neither a common skew nor what it leaves can stand for."""
+    return [cause for cause in fit.members if not isinstance(cause, TimeSkew | JointDamping)]

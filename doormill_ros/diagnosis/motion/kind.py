@@ -1,0 +1,168 @@
+"""Recordings of moving joints: encoders on both sides of the gears question the springs between them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from doormill_ros.diagnosis.core.account import Account, told
+from doormill_ros.diagnosis.core.kind import Kind, Progress
+from doormill_ros.diagnosis.core.wording import RADIANS, Words
+from doormill_ros.diagnosis.motion import pictures
+from doormill_ros.diagnosis.motion.account import (
+    by_joint,
+    characterised,
+    check_set,
+    margins,
+    named_causes,
+    remarks,
+    unnamed,
+)
+from doormill_ros.diagnosis.motion.diagnosis import MotionDiagnosis, diagnose_motions
+from doormill_ros.measurements.motion_set import SCHEMA, MotionSet, check_same_joints, read_motion_set
+from doormill_ros.pages.page import Block, Charts, PageSection, Paragraphs, Table
+from doormill_ros.robot_model.motion.model import model_document
+from doormill_ros.units import UM
+
+METHOD = """The model in question says that the link lags behind the motor by torque over stiffness. Each cause adds
+to that difference in proportion to its numbers; a skew and the width of a hysteresis are found by stepping. Each
+recording is cut into twenty contiguous blocks, every tenth is predicted by a fit that has not seen it. A cause is
+named if that improves by far more than what is left has at the frequencies of the cause, in most blocks, by a
+twentieth at least, and if no shape without a name does clearly better in its place; with several recordings also if
+those left out as a whole do not lose by it. Standard deviations come from the scatter of whole blocks, because
+neighbouring samples repeat each other. A recording that is only checked gives nothing but its own constants."""
+
+
+class Motions(Kind[MotionSet, MotionDiagnosis]):
+    """Recordings of the same joints, each with offsets of its own.
+
+    Samples repeat their neighbours and a joint's residual stays far above the encoders' noise: models are compared by
+    what chance gives at the frequencies of a cause, not by independent rows.
+    """
+
+    schema = SCHEMA
+
+    def read(self, folder: Path, progress: Progress) -> Sequence[MotionSet]:
+        """The recording in a folder."""
+        return [read_motion_set(folder)]
+
+    def check_together(self, sets: Sequence[MotionSet], others: Sequence[MotionSet]) -> None:
+        """One robot, the same joints and springs."""
+        for other in (*sets[1:], *others):
+            check_same_joints(sets[0], other)
+
+    def diagnose(self, sets: Sequence[MotionSet], progress: Progress) -> MotionDiagnosis:
+        """Find the causes of each joint, and what all link encoders have in common."""
+        return diagnose_motions(sets, progress)
+
+    def check(self, diagnosis: MotionDiagnosis, other: MotionSet) -> dict[str, Any]:
+        """Predicted by the published springs and by the extended model."""
+        return check_set(diagnosis, other)
+
+    def account(
+        self,
+        diagnosis: MotionDiagnosis,
+        sets: Sequence[MotionSet],
+        checks: Sequence[Mapping[str, Any]],
+        progress: Progress,
+    ) -> Account:
+        """Every rmse is in radians, over all joints or by joint."""
+        causes = named_causes(diagnosis)
+        laws = unnamed(diagnosis)
+        sections: dict[str, Any] = {"by_joint": by_joint(diagnosis)}
+        if laws:
+            sections |= {"unnamed": laws, "characterised": characterised(diagnosis)}
+        source = f"diagnosis of {', '.join(one.name for one in sets)}, verdict {diagnosis.verdict}"
+        return told(
+            diagnosis,
+            Words(f"model of {sets[0].robot}", "samples", unseen="blocks", method=METHOD),
+            RADIANS,
+            diagnosis.noise_floor,
+            causes,
+            rows=sum(map(len, sets)),
+            outliers=_slips(diagnosis),
+            remarks=remarks(diagnosis),
+            margins=margins(diagnosis),
+            next_measurement=_next_measurement(diagnosis, laws),
+            checks=checks,
+            sections=sections,
+            model=model_document(diagnosis.model, source),
+            evidence=_evidence(diagnosis),
+            candidates=[Charts([pictures.by_joint(diagnosis)], "wide")],
+            closing=_closing(sets, checks),
+        )
+
+
+def _slips(diagnosis: MotionDiagnosis) -> list[int]:
+    """Lines of samples.csv at which a reading slipped, of the first recording that has such."""
+    lines: set[int] = set()
+    for finding in diagnosis.joints:
+        problem = finding.problem
+        for i, data in enumerate(diagnosis.sets):
+            lines |= {int(line) for line in data.line[~problem.kept[problem.recording == i]]}
+    return sorted(lines)
+
+
+def _next_measurement(diagnosis: MotionDiagnosis, laws: Sequence[Mapping[str, Any]]) -> str:
+    """One sentence."""
+    doubtful = [
+        (cause, double)
+        for finding in diagnosis.joints
+        for cause, doubles in zip(finding.extended.members, finding.doubles, strict=True)
+        for double, _ in doubles
+    ]
+    if doubtful:
+        cause, double = doubtful[0]
+        return (
+            f"To tell {cause!r} from {double!r}, move {cause.where} slowly to and fro over its whole range with two "
+            "payloads: the first changes speed and angle alone, the second the torque alone."
+        )
+    if laws:
+        return (
+            f"Move {laws[0]['where']} alone, at three speeds and with two payloads: that leaves its law without a "
+            "name one driver."
+        )
+    if len(diagnosis.sets) == 1:
+        return "Record the same joints on another path: nothing else shows whether a cause holds beyond one recording."
+    return "Nothing is open that another recording of this kind would decide."
+
+
+def _evidence(diagnosis: MotionDiagnosis) -> list[PageSection]:
+    joints = diagnosis.joints
+    return [
+        PageSection("Every joint", [_by_joint_table(diagnosis)]),
+        PageSection("Course of the recording", [Charts(pictures.course(diagnosis), "halves")]),
+        PageSection(
+            "The pattern that gave it away: against the speed",
+            [Charts([pictures.against_speed(one) for one in joints])],
+        ),
+        PageSection(
+            "What is left, against the torque", [Charts([pictures.against_torque(one) for one in joints])]
+        ),
+        PageSection("Waves over the angle", [Charts([pictures.orders(one) for one in joints])]),
+    ]
+
+
+def _by_joint_table(diagnosis: MotionDiagnosis) -> Block:
+    rows = [
+        [where, *(f"{one[key] / UM:.1f}" for key in ("baseline", "extended", "noise_floor"))]
+        for where, one in by_joint(diagnosis).items()
+    ]
+    return Table(("Joint", "Springs as published [urad]", "Extended, blocks left out", "Noise"), rows)
+
+
+def _closing(sets: Sequence[MotionSet], checks: Sequence[Mapping[str, Any]]) -> list[PageSection]:
+    sections = []
+    if checks:
+        rows = [
+            [one["set"], where, *(f"{figure / UM:.1f}" for figure in entry.values())]
+            for one in checks
+            for where, entry in one["by_joint"].items()
+        ]
+        head = ("Set", "Joint", "Springs as published [urad]", "Extended", "Extended, offset alone its own")
+        sections.append(PageSection("Checked recordings by joint", [Table(head, rows)]))
+    sources = dict.fromkeys(data.source for data in sets if data.source)
+    if sources:
+        sections.append(PageSection("Data", [Paragraphs(list(sources))]))
+    return sections

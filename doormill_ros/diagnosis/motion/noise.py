@@ -1,0 +1,63 @@
+"""What is noise in a recording: slips of the reading, its size, and what chance gives a shape."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import median_filter, uniform_filter1d
+
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.robot_model.motion.view import JointMotion
+from doormill_ros.statistics import NORMAL_STD, median
+
+#: Deviations from its neighbours by which a sample is a slip of the reading; at most this share of them.
+_GROSS, _GROSS_SHARE, _NEIGHBOURS = 20.0, 0.05, 11
+_ALIKE = 9  #: frequencies, half a wave a recording apart, whose powers are averaged
+
+
+def no_slips(motion: JointMotion) -> BoolArray:
+    """Samples of a recording that are no slips of the reading, shape (n,)."""
+    value = motion.link - motion.motor
+    away = np.abs(value - median_filter(value, _NEIGHBOURS, mode="nearest"))
+    slip = away > _GROSS * max(NORMAL_STD * median(away), 1e-9)
+    return ~slip if slip.mean() < _GROSS_SHARE else np.ones(len(value), dtype=bool)
+
+
+def noise_floor(
+    motions: Sequence[JointMotion], noise: tuple[float | None, float | None, float | None]
+) -> float:
+    """Noise of the difference between encoders and spring: stated, or read from neighbours [rad].
+
+    Args:
+        motions: Recordings of one joint.
+        noise: Standard deviation of link, motor [rad] and torque [N m]; None where not stated.
+    """
+    link, motor, torque = noise
+    if link is not None:
+        by_torque = (torque or 0.0) / motions[0].stiffness
+        return float(np.sqrt(link**2 + (motor or 0.0) ** 2 + by_torque**2))
+    # Third differences: white noise grows by the root of 1 + 9 + 9 + 1, whatever is smooth vanishes.
+    sizes = [np.abs(np.diff(motion.link - motion.motor, 3)) for motion in motions]
+    return float(NORMAL_STD * median(np.concatenate(sizes)) / np.sqrt(20.0))
+
+
+def chance_of(errors: Sequence[FloatArray], shapes: Sequence[FloatArray]) -> float:
+    """Expected square of the projection of errors on a shape: what they have at the frequencies that it is made of.
+
+    Neighbouring samples repeat each other: to slow shapes a recording is a few independent samples, to fast ones
+    many.
+
+    Args:
+        errors: What a model leaves of each recording, shape (n,) each.
+        shapes: Effect in question, the same.
+    """
+    total, power = 0.0, 0.0
+    for own, wanted in zip(errors, shapes, strict=True):
+        length = len(own)
+        theirs = np.abs(np.fft.rfft(own, 2 * length)) ** 2 / length
+        mine = np.abs(np.fft.rfft(wanted, 2 * length)) ** 2
+        # A fit has taken out of the errors what is just like the shape: neighbouring frequencies tell the rest.
+        total += float(np.sum(uniform_filter1d(theirs, _ALIKE, mode="nearest") * mine))
+        power += float(np.sum(mine))
+    return total / max(power, 1e-300)

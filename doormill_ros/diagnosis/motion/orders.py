@@ -1,0 +1,101 @@
+"""Finds waves over the angle in what is left over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.ranking import first_largest
+from doormill_ros.diagnosis.motion.model import JointFit
+from doormill_ros.diagnosis.motion.problem import JointProblem
+from doormill_ros.robot_model.motion.causes.joint_periodic_error import (
+    FINE,
+    MOTOR_ORDERS,
+    MotionPeriodicError,
+)
+
+_BINS = 1 << 16  #: of four turns; waves of up to a fifth of a bin's reach are read
+_TURNS = 4
+_HIGHEST = 2600.0  #: waves a turn of the joint
+_FOUND = 2  #: orders that are tried, of what is slow and of what is quick
+_FINER = 0.25  #: step between tried orders
+_QUICK = 25  #: samples whose mean is slow
+
+
+def wave_candidates(problem: JointProblem, found: JointFit) -> list[MotionPeriodicError]:
+    """The orders that the residual of a fit asks for most, in every reading of them."""
+    reach = max(float(np.ptp(motion.motor)) for motion in problem.motions)
+    if reach * FINE < 2.0 * np.pi:
+        return []
+    lowest, width = max(FINE, 4.0 * np.pi / reach), 2.0 * np.pi / reach
+    candidates: list[MotionPeriodicError] = []
+    for quick in (False, True):
+        power = spectrum(problem, found.residual, quick)
+        orders = np.arange(len(power)) / _TURNS
+        usable = (orders >= lowest) & (orders <= _HIGHEST)
+        for _ in range(_FOUND):
+            peak = float(orders[first_largest(np.where(usable, power, 0.0))])
+            order = _refined(problem, found, peak, width)
+            usable &= np.abs(orders - peak) > width
+            candidates += _readings(problem, order, width)
+    return candidates
+
+
+def spectrum(problem: JointProblem, residual: FloatArray, quick: bool = False) -> FloatArray:
+    """Power of waves over the joint's angle summed over the recordings, a quarter order apart.
+
+    Args:
+        problem: The joint.
+        residual: Shape (n,).
+        quick: Of what changes quickly in time alone: what is slow leaks into all orders.
+
+    Returns:
+        Shape (bins / 2 + 1,).
+    """
+    power = np.zeros(_BINS // 2 + 1)
+    for i, motion in enumerate(problem.motions):
+        own = residual[problem.recording == i]
+        if quick:
+            own = own - uniform_filter1d(own, _QUICK, mode="nearest")
+        own = own * problem.kept[problem.recording == i]
+        place = np.round(motion.motor / (2.0 * np.pi * _TURNS) * _BINS).astype(int) % _BINS
+        power += np.abs(np.fft.rfft(np.bincount(place, weights=own, minlength=_BINS))) ** 2
+    return power
+
+
+def _readings(problem: JointProblem, order: float, width: float) -> Sequence[MotionPeriodicError]:
+    """An order of the joint and the motor's that is as near as the data tell; a lone recording has its own phase."""
+    angles = [(order, "joint")]
+    for multiple in MOTOR_ORDERS:
+        if abs(multiple * problem.motions[0].gear_ratio - order) < 0.5 * width:
+            angles.append((float(multiple), "motor"))
+    return [
+        MotionPeriodicError(problem.where, waves, angle, free, smoothed)
+        for waves, angle in angles
+        for free in ((False, True) if len(problem.motions) > 1 else (True,))
+        for smoothed in (False, True)
+    ]
+
+
+def _refined(problem: JointProblem, found: JointFit, peak: float, width: float) -> float:
+    """The order near a peak that the data like best, each recording with a phase of its own."""
+    tried = np.arange(np.ceil(peak - 0.5 * width), peak + 0.5 * width + 1e-9, _FINER)
+    falls: list[float] = []
+    for order in tried:
+        fall = 0.0
+        for i, seen in enumerate(problem.seen(found.delay)):
+            rows = problem.recording == i
+            wave = (
+                np.column_stack(
+                    [MotionPeriodicError(problem.where, float(order)).wave(seen), np.ones(rows.sum())]
+                )
+                * problem.kept[rows][:, None]
+            )
+            own = found.residual[rows] * problem.kept[rows]
+            right = wave.T @ own
+            fall += float(right @ np.linalg.solve(wave.T @ wave + 1e-9 * np.eye(3), right))
+        falls.append(fall)
+    return float(tried[first_largest(np.array(falls))])

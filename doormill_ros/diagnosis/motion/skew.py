@@ -1,0 +1,67 @@
+"""Whether the link encoders are late together or one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from doormill_ros.diagnosis.motion.model import JointFit
+from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
+from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
+
+#: Delays are alike that differ by no more than so many standard deviations, or by this share.
+_ALIKE, _SHARE = 4.0, 0.05
+
+
+def own_skews(fits: Sequence[JointFit]) -> dict[int, tuple[float, float]]:
+    """Skew and its standard deviation [s] of every joint that has one, by its index; negative for what looks damped."""
+    found = {}
+    for index, fit in enumerate(fits):
+        for kind, delay, sign in ((TimeSkew, fit.delay, 1.0), (JointDamping, 0.0, -1.0)):
+            at = fit.of(kind)
+            if at is not None:
+                found[index] = (delay + sign * float(fit.x[at][0]), float(fit.std[at][0]))
+                break
+    return found
+
+
+def common_skew(
+    skews: Mapping[int, tuple[float, float]],
+    joints: int,
+    asked: Callable[[int], tuple[float, float]],
+) -> tuple[float, float, list[int]]:
+    """The skew that most joints share, if two or more agree and no other has none.
+
+    A further joint may seem less late, which damping does; one clock is behind all encoders or none of them.
+
+    Args:
+        skews: Skew and standard deviation of joints that have one, by index [s].
+        joints: How many there are.
+        asked: Skew and standard deviation of a joint in whose model it did not earn its place.
+
+    Returns:
+        The skew, its standard deviation, and who agrees; nobody where encoders are late one by one.
+    """
+    if len(skews) < 2:
+        return 0.0, 0.0, []
+    silent = {index: asked(index) for index in range(joints) if index not in skews}
+    best: tuple[float, float, list[int]] = (0.0, 0.0, [])
+    for centre, spread in skews.values():
+        agree = [
+            index
+            for index, (value, std) in sorted(skews.items())
+            if abs(value - centre) <= max(_ALIKE * float(np.hypot(std, spread)), _SHARE * abs(centre))
+        ]
+        weight = np.array([1.0 / max(skews[index][1], 1e-9) ** 2 for index in agree])
+        mean = float(weight @ np.array([skews[index][0] for index in agree]) / weight.sum())
+        if (len(agree), mean) > (len(best[2]), best[0]):
+            best = (mean, float(weight.sum() ** -0.5), agree)
+    mean, std, agree = best
+    for value, spread in silent.values():
+        if abs(value - mean) > _ALIKE * float(np.hypot(std, spread)):
+            return 0.0, 0.0, []
+    others = [value for index, (value, _) in skews.items() if index not in agree]
+    if len(agree) < 2 or any(value > mean for value in others):
+        return 0.0, 0.0, []
+    return round(mean, 7), std, agree

@@ -1,0 +1,191 @@
+"""What a diagnosis of poses tells of its causes: parameters, what leans on each, and why others are not named."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.diagnosis.core.account import Double, NamedCause
+from doormill_ros.diagnosis.core.wording import spoken
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
+from doormill_ros.diagnosis.pose.model import distinct_share, rmse
+from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
+from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
+from doormill_ros.robot_model.pose.causes.session_step import SessionStep
+
+#: Why a cause that helps on blocks left out is not one of the robot.
+WITHIN = (ONE_SERIES, NOT_CARRIED)
+#: Amplitudes of single orders are listed from this many standard deviations.
+LISTED = 2.0
+#: Part of a coefficient's effect that a placement cannot imitate, below which it is called not distinguishable.
+IMITATED = 0.02
+
+
+def place_name(diagnosis: PoseDiagnosis, where: str) -> str:
+    """'set' alone when there is but one series."""
+    return "set" if where.startswith("set ") and len(diagnosis.sets) == 1 else where
+
+
+def causes_of(diagnosis: PoseDiagnosis) -> list[NamedCause]:
+    """Established causes with parameters, and the gross errors."""
+    found = []
+    confusable = confusions(diagnosis)
+    for score in diagnosis.established:
+        found.append(
+            NamedCause(
+                cause=score.cause.name,
+                where=place_name(diagnosis, score.cause.where),
+                words=spoken(score.cause),
+                parameters=parameters_of(diagnosis, score),
+                without=score.rmse_without,
+                doubles=confusable.get(score.cause.key, []),
+                more={
+                    "gain_by_series": [float(v) for v in score.gain],
+                    "gain_with_series_left_out": [float(v) for v in score.transfer],
+                },
+            )
+        )
+    if not found:
+        return []  # a consistent or an unexplained set names no cause; its gross errors stand under outliers
+    for data, bad in zip(diagnosis.sets, diagnosis.gross, strict=True):
+        if bad.any():
+            rows = [int(row) for row in data.row[bad]]
+            found.append(
+                NamedCause(
+                    cause="gross_error",
+                    where=place_name(diagnosis, f"set {data.name}"),
+                    words=f"gross errors in {data.name}",
+                    parameters={"rows": {"value": rows, "std": [0.0] * len(rows), "unit": "-"}},
+                    without=rmse(diagnosis.after.blocks, [np.ones(len(e), bool) for e in diagnosis.gross]),
+                )
+            )
+    return found
+
+
+def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str, Any]]:
+    """Value, standard deviation and unit by name."""
+    layout = diagnosis.extended.problem.layout
+    index = layout.causes.index(score.cause)
+    value = diagnosis.extended.problem.x[layout.part(index)]
+    std = diagnosis.std[layout.part(index)]
+    coefficients = score.cause.coefficients
+    named = {
+        c.name: {"value": float(v), "std": float(s), "unit": c.unit}
+        for c, v, s in zip(coefficients, value, std, strict=True)
+    }
+    if isinstance(score.cause, SessionStep):
+        data = next(d for d in diagnosis.sets if score.cause.where == f"set {d.name}")
+        at = int(np.searchsorted(data.row, score.cause.row))
+        series = next(i for i, d in enumerate(diagnosis.sets) if d is data)
+        R_tracker_base = diagnosis.extended.problem.placements[series].T_tracker_base[:3, :3]
+        steps: dict[str, dict[str, Any]] = {}
+        for name, axes in (("step", slice(0, 3)), ("turn", slice(3, 6))):
+            steps[name] = {
+                "value": [float(v) for v in R_tracker_base @ value[axes]],
+                "std": [float(v) for v in np.sqrt(R_tracker_base**2 @ std[axes] ** 2)],
+                "unit": coefficients[axes.start].unit,
+                "axes": "tracker",
+            }
+        steps["row"] = {"value": score.cause.row, "std": 1.0, "unit": "-"}
+        if np.isfinite(data.time[at]):
+            steps["time"] = {
+                "value": float(data.time[at]),
+                "std": float(data.time[at] - data.time[at - 1]),
+                "unit": "s",
+            }
+        return steps
+    if isinstance(score.cause, JointWaves):
+        return _amplitudes(named, [c.name for c in coefficients], score.cause.orders)
+    return named
+
+
+def _amplitudes(
+    named: dict[str, dict[str, Any]], names: list[str], orders: tuple[int, ...]
+) -> dict[str, dict[str, Any]]:
+    found = {}
+    for prefix in dict.fromkeys(
+        name.rsplit("_", 2)[0] + "_" if name.count("_") > 1 else "" for name in names
+    ):
+        for order in orders:
+            c, s = named[f"{prefix}cos_{order}"], named[f"{prefix}sin_{order}"]
+            size = float(np.hypot(c["value"], s["value"]))
+            std = float(np.hypot(c["value"] * c["std"], s["value"] * s["std"]) / max(size, 1e-30))
+            if size > LISTED * std:
+                found[f"{prefix}order_{order}"] = {
+                    "value": size,
+                    "std": std,
+                    "unit": "rad",
+                    "cos": c["value"],
+                    "sin": s["value"],
+                    "cos_std": c["std"],
+                    "sin_std": s["std"],
+                }
+    return found
+
+
+def confusions(diagnosis: PoseDiagnosis) -> dict[tuple[str, str], list[Double]]:
+    """Other causes that leave, for a small loss, the same pattern: by the overlap of their effects."""
+    fitted = diagnosis.extended
+    layout = fitted.problem.layout
+    C = fitted.solution.covariance
+    x = fitted.problem.x
+    found: dict[tuple[str, str], list[Double]] = {}
+    for i, cause in enumerate(layout.causes):
+        a = layout.part(i)
+        for j, other in enumerate(layout.causes):
+            if i == j:
+                continue
+            b = layout.part(j)
+            # How much surer the cause would be if the other were known.
+            Cab = C[a, b]
+            known = C[a, a] - Cab @ np.linalg.lstsq(C[b, b], Cab.T, rcond=1e-12)[0]
+            now = float(x[a] @ C[a, a] @ x[a])
+            then = float(x[a] @ known @ x[a])
+            if now > 0.0 and then < 0.1 * now:
+                found.setdefault(cause.key, []).append(Double(other))
+    return found
+
+
+def rejected_entry(score: Score) -> dict[str, Any]:
+    """A cause that did not earn its place, for diagnosis.json."""
+    return {
+        "cause": score.cause.name,
+        "where": score.cause.where,
+        "why": score.status,
+        "gain_by_series": [float(v) for v in score.gain],
+        "standard_errors_by_series": [float(v) for v in score.sure],
+        "gain_with_series_left_out": [float(v) for v in score.transfer],
+        "position_standard_errors": float(score.position_sure),
+    }
+
+
+def indistinguishable(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
+    """Parameters that a shifted robot or target would imitate."""
+    found: list[dict[str, Any]] = [
+        {
+            "cause": "link_geometry",
+            "where": "link 1",
+            "parameters": ["theta", "d"],
+            "imitated_by": "base in tracker",
+        },
+        {
+            "cause": "link_geometry",
+            "where": "link 6",
+            "parameters": ["theta", "d", "a", "alpha"],
+            "imitated_by": "target on flange",
+        },
+    ]
+    layout = diagnosis.extended.problem.layout
+    share = distinct_share(diagnosis.extended.fitted)
+    for index, cause in enumerate(layout.causes):
+        names = [
+            c.name
+            for c, part in zip(cause.coefficients, share[layout.part(index)], strict=True)
+            if part < IMITATED
+        ]
+        if names and cause.of_robot:
+            found.append(
+                {"cause": cause.name, "where": cause.where, "parameters": names, "imitated_by": "placement"}
+            )
+    return found

@@ -1,0 +1,98 @@
+"""A fit of poses less the causes that left it, and what it leaves of rows that it has and has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.diagnosis.core import verdict
+from doormill_ros.diagnosis.core.held_out import scatter_of
+from doormill_ros.diagnosis.core.ridge import Solution, add_up
+from doormill_ros.diagnosis.pose.fit import Fitted
+from doormill_ros.diagnosis.pose.problem import PoseProblem
+from doormill_ros.diagnosis.pose.validation import Validation
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Residuals of every row of every series in base axes, shape (n, 6) each."""
+
+    train: list[FloatArray]
+    blocks: list[FloatArray]
+    series: list[FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class SeriesFit:
+    """Causes that are left of a fit.
+
+    Attributes:
+        members: The causes.
+        fitted: The fit, with those that left it since.
+        validation: Solutions with parts of the data left out, the causes that left held at zero.
+    """
+
+    members: tuple[PoseCause, ...]
+    fitted: Fitted
+    validation: Validation
+
+    @property
+    def problem(self) -> PoseProblem:
+        """Series, causes, coefficients, placements and weights."""
+        return self.fitted.problem
+
+    @property
+    def solution(self) -> Solution:
+        """Coefficients with covariance and learnt sizes."""
+        return self.fitted.solution
+
+    def ids(self, causes: Sequence[PoseCause]) -> IntArray:
+        """Coefficients of some causes, shape (k,)."""
+        layout = self.problem.layout
+        every = np.arange(layout.size)
+        return np.concatenate([every[:0], *(every[layout.part(layout.causes.index(c))] for c in causes)])
+
+    @cached_property
+    def errors(self) -> Errors:
+        """What it leaves of every row."""
+        none, validation = np.zeros(0, dtype=int), self.validation
+        return Errors(
+            [self.problem.residual(i) for i in range(len(self.problem.sets))],
+            validation.residuals(validation.blocks, none),
+            validation.residuals(validation.series, none) if validation.series else [],
+        )
+
+
+def rmse(errors: Sequence[FloatArray], kept: Sequence[BoolArray], rotation: bool = False) -> float:
+    """Root mean square length of the position [m] or rotation [rad] error, shape (n, 6), over the rows that count."""
+    part = slice(3, 6) if rotation else slice(0, 3)
+    return verdict.rmse(np.concatenate(errors)[:, part], np.concatenate(kept), 1)
+
+
+def standard_deviations(fitted: Fitted) -> FloatArray:
+    """Of every coefficient: of the fit, or from the scatter of the blocks where that is larger, shape (m,)."""
+    size, solution = fitted.problem.size, fitted.solution
+    pull = []
+    for block in fitted.blocks:
+        one = np.zeros(size)
+        one[block.ids] = block.g - block.H @ solution.x[block.ids]
+        pull.append(one)
+    scatter = scatter_of(np.array(pull), solution.covariance)
+    m = fitted.problem.layout.size
+    result: FloatArray = np.maximum(np.sqrt(np.diag(solution.covariance)), scatter)[:m]
+    return result
+
+
+def distinct_share(fitted: Fitted) -> FloatArray:
+    """Share of every coefficient's effect that no placement can imitate, shape (m,)."""
+    m, size = fitted.problem.layout.size, fitted.problem.size
+    H, _ = add_up(fitted.blocks, size)
+    P = H[m:, m:] + 1e-12 * np.diag(np.diag(H)[m:])
+    explained = np.sum(H[:m, m:] * np.linalg.solve(P, H[m:, :m]).T, axis=1)
+    result: FloatArray = 1.0 - explained / np.maximum(np.diag(H)[:m], 1e-300)
+    return result

@@ -1,0 +1,90 @@
+"""Finds which causes of pose errors are real: all act at once, and those leave that rows left out do not miss."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from doormill_ros.diagnosis.core.search import Search
+from doormill_ros.diagnosis.pose.fit import Fitted, fit_causes
+from doormill_ros.diagnosis.pose.model import SeriesFit
+from doormill_ros.diagnosis.pose.orders import find_orders
+from doormill_ros.diagnosis.pose.selection import REAL, Score, scores
+from doormill_ros.diagnosis.pose.validation import Validation
+from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.robot_model.candidate import number
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
+from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orders
+from doormill_ros.robot_model.pose.causes.registry import candidates
+from doormill_ros.robot_model.pose.causes.session_step import find_step
+
+#: Fall of the sum of squares that makes a step worth a trial.
+STEP = 60.0
+
+
+class PoseSearch(Search[PoseCause, SeriesFit]):
+    """Hundreds of coefficients whose sizes are learnt: whatever may act is in from the start.
+
+    Attributes:
+        scores: What each cause was worth when it was asked last.
+        gone: Causes that left, in the order in which they did.
+    """
+
+    at_once = 0.5
+
+    def __init__(self, sets: Sequence[PoseSet], baseline: Fitted, progress: Callable[[str], None]) -> None:
+        """Keep the series and how the nominal model places them."""
+        self.sets, self.baseline, self.progress = sets, baseline, progress
+        self.scores: dict[int, Score] = {}
+        self.gone: list[PoseCause] = []
+
+    def starts(self) -> list[SeriesFit]:
+        """Everything that may act: first without, then with hints from the residual."""
+        sets, views = self.sets, [data.view for data in self.sets]
+        dense = dense_orders(views)
+        library = candidates(Hints(views, dict.fromkeys(JOINTS, dense), drift=False))
+        self.progress(f"{len(library)} causes to try")
+        first = fit_causes(sets, library, self.baseline.problem.placements, 2, self.progress)
+        orders = {where: dense + find_orders(first, number(where), dense[-1]) for where in JOINTS}
+        extra = sum(len(o) - len(dense) for o in orders.values())
+        self.progress(f"the residual asks for {extra} orders beyond {dense[-1]}")
+        steps = {}
+        scale = np.repeat(1.0 / np.array(first.problem.sigma), 3)
+        for index, data in enumerate(sets):
+            at, fall = find_step(first.problem.residual(index), scale, first.problem.weights[index])
+            if fall > STEP:
+                steps[index] = int(data.row[at])
+        return [self._fit(candidates(Hints(views, orders, steps)), first)]
+
+    def _fit(self, causes: Sequence[PoseCause], start: Fitted) -> SeriesFit:
+        fitted = fit_causes(self.sets, causes, start.problem.placements, 2, self.progress, start)
+        self.progress("leaving out blocks and whole series")
+        return SeriesFit(tuple(causes), fitted, Validation(fitted))
+
+    def settled(self, model: SeriesFit) -> SeriesFit:
+        """Noise and weights change with the weak causes gone: what is laid on the robot has to pass once more."""
+        self.progress(f"{len(model.members)} causes are established; fitting them")
+        return self._fit(model.members, model.fitted)
+
+    def ranked(self, models: Iterable[SeriesFit]) -> list[SeriesFit]:
+        """As they came: there is one way down."""
+        return list(models)
+
+    def without(self, model: SeriesFit, *causes: PoseCause) -> SeriesFit:
+        """The same with some causes held at zero, which is exact by conditioning."""
+        rest = tuple(cause for cause in model.members if cause not in causes)
+        self.gone += causes
+        self.progress(f"{len(self.gone)} causes do not earn their place")
+        return SeriesFit(rest, model.fitted, model.validation.less(model.ids(causes)))
+
+    def useless(
+        self, model: SeriesFit, asked: Sequence[PoseCause], strictly: bool
+    ) -> list[tuple[PoseCause, float]]:
+        """Causes that rows left out do not miss; in the end only those that are laid on the robot."""
+        causes = model.fitted.problem.layout.causes
+        found = scores(model.validation, [causes.index(cause) for cause in asked], model.validation.explained)
+        self.scores |= {id(score.cause): score for score in found}
+        weak = [score for score in found if score.status != REAL]
+        return [(score.cause, score.total) for score in weak if score.cause.of_robot or not strictly]

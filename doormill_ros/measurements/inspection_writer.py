@@ -1,0 +1,76 @@
+"""Writes the inspection of a milled door: inspection.yaml and points.csv, in a folder of their own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Protocol
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.files import write_atomically
+from doormill_ros.measurements.inspection import CAMERA, COLUMNS, DESCRIPTION, SCHEMA, TABLE
+
+
+class MeasuredPoints(Protocol):
+    """Columns of points.csv; see `Inspection`."""
+
+    @property
+    def feature(self) -> Sequence[str]:
+        """Name in the recipe of each of n points."""
+        ...
+
+    @property
+    def surface(self) -> Sequence[str]:
+        """Wall or floor, n of them."""
+        ...
+
+    @property
+    def point(self) -> FloatArray:
+        """Nominal points, door frame, shape (n, 3) [m]."""
+        ...
+
+    @property
+    def normal(self) -> FloatArray:
+        """From the pocket into the wood, door axes, shape (n, 3)."""
+        ...
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Along the normal, shape (n,) [m]; positive where too much wood is gone."""
+        ...
+
+
+def write_inspection(
+    folder: Path, bag: Path, run_id: str, measured_at: datetime, noise: float, points: MeasuredPoints
+) -> None:
+    """Write both files, the description last: who finds it finds the points too.
+
+    Args:
+        folder: Made when it is missing.
+        bag: Of the run.
+        run_id: The run that milled the door.
+        measured_at: With its zone.
+        noise: Standard deviation of one deviation [m].
+        points: What was measured, against where the recorded pose put the door.
+
+    Raises:
+        OSError: A file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = [",".join(COLUMNS)]
+    for feature, surface, point, normal, deviation in zip(
+        points.feature, points.surface, points.point, points.normal, points.deviation, strict=True
+    ):
+        rows.append(",".join([feature, surface, *(f"{value:.9f}" for value in (*point, *normal, deviation))]))
+    write_atomically(folder / TABLE, "\n".join(rows) + "\n")
+    lines = {
+        "schema": SCHEMA,
+        "run_id": run_id,
+        "bag": os.path.relpath(bag, folder),
+        "measured_at": f"{measured_at:%Y-%m-%dT%H:%M:%SZ}",
+        "noise": f"{noise:.1e}",
+        "datum": CAMERA,
+    }
+    write_atomically(folder / DESCRIPTION, "".join(f"{key}: {value}\n" for key, value in lines.items()))

@@ -1,0 +1,198 @@
+"""A recording of moving joints as a lab hands it over: encoders on both sides of the gears, and torques."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.errors import DataSetError
+from doormill_ros.measurements.errors import MotionTableError, SetMixError
+from doormill_ros.measurements.set_document import SetDocument
+from doormill_ros.measurements.trial_table import TrialTable
+from doormill_ros.robot_model.motion.view import JointMotion
+
+SCHEMA = "doormill/motion-set/1"
+JOINTS = 6
+#: Shortest recording of use [samples].
+SHORTEST = 200
+#: Share of a sample's time by which a sample may be early or late, and of all samples that may be missing.
+JITTER, MISSING = 0.1, 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class MotionSet:
+    """One recording; arrays are read-only.
+
+    Attributes:
+        path: Folder the set was read from.
+        robot: Name of the robot.
+        source: Where the data come from.
+        rate: Samples per second.
+        joints: Numbers of the joints with a link encoder.
+        motions: What was recorded of each of them.
+        line: Line of each sample in samples.csv, shape (n,).
+        commanded: Angles of all joints, shape (n, 6) [rad].
+        motor_inertia: By joint, of those the model knows [kg m^2].
+        noise: Standard deviation of link encoder, motor encoder [rad] and torque [N m]; None where not stated.
+    """
+
+    path: Path
+    robot: str
+    source: str
+    rate: float
+    joints: tuple[int, ...]
+    motions: tuple[JointMotion, ...]
+    line: IntArray
+    commanded: FloatArray
+    motor_inertia: tuple[float, ...]
+    noise: tuple[float | None, float | None, float | None]
+
+    def __len__(self) -> int:
+        return len(self.line)
+
+    @property
+    def name(self) -> str:
+        """Name of the folder."""
+        return self.path.resolve().name
+
+
+def read_motion_set(folder: Path) -> MotionSet:
+    """Read set.yaml and samples.csv.
+
+    Raises:
+        DataFileError: A file is missing or is no text.
+        SetDescriptionError: set.yaml lacks a key or holds a value not allowed.
+        TrialTableError: samples.csv lacks a column or holds what is no number.
+        MotionTableError: Its times do not fit the rate, or it is too short.
+    """
+    document = SetDocument(folder / "set.yaml")
+    if document.get("schema") != SCHEMA:
+        raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
+    rate = document.number("rate", positive=True)
+    joints = _joints(document)
+    ratio, stiffness = (
+        _of_joints(document, joints, "model", key) for key in ("gear_ratio", "joint_stiffness")
+    )
+    inertia: tuple[float, ...] = ()
+    if "motor_inertia" in document.get("model"):
+        inertia = tuple(_of_joints(document, joints, "model", "motor_inertia").tolist())
+    own = [name for kind in ("m", "l", "tau") for name in (f"{kind}{joint}" for joint in joints)]
+    commanded = [f"r{joint}" for joint in range(1, JOINTS + 1)]
+    table = TrialTable(folder / "samples.csv", ["t", *own, *commanded])
+    time = table.numbers("t")
+    _check_time(table, time, rate)
+    values = {name: table.numbers(name) for name in own}
+    for array in (time, *values.values()):
+        array.setflags(write=False)
+    return MotionSet(
+        path=folder,
+        robot=str(document.get("robot")),
+        source=str(document.data.get("source", "")),
+        rate=rate,
+        joints=joints,
+        motions=tuple(
+            JointMotion(
+                joint,
+                time,
+                values[f"m{joint}"],
+                values[f"l{joint}"],
+                values[f"tau{joint}"],
+                float(ratio[i]),
+                float(stiffness[i]),
+            )
+            for i, joint in enumerate(joints)
+        ),
+        line=np.array(table.lines),
+        commanded=table.block(commanded),
+        motor_inertia=inertia,
+        noise=_noise(document),
+    )
+
+
+def check_same_joints(first: MotionSet, other: MotionSet) -> None:
+    """Recordings given together have to question the same model of the same joints.
+
+    Raises:
+        SetMixError: They do not.
+    """
+    model, theirs = (
+        [(motion.joint, motion.gear_ratio, motion.stiffness) for motion in data.motions]
+        for data in (first, other)
+    )
+    for name, mine, found in (("robot", first.robot, other.robot), ("model", model, theirs)):
+        if mine != found:
+            raise SetMixError(
+                f"{other.path / 'set.yaml'}: line 1, column 1: {name} is not the one in {first.path}; "
+                "sets given together need the same"
+            )
+
+
+def _joints(document: SetDocument) -> tuple[int, ...]:
+    joints = document.get("joints")
+    whole = isinstance(joints, list) and all(type(joint) is int for joint in joints)
+    if not whole or not joints or sorted(set(joints)) != joints or joints[0] < 1 or joints[-1] > JOINTS:
+        raise document.fail(("joints",), f"is {joints!r}, allowed are ascending numbers from 1 to {JOINTS}")
+    return tuple(joints)
+
+
+def _of_joints(document: SetDocument, joints: tuple[int, ...], *keys: str) -> FloatArray:
+    """One number for each of the joints, from a list of just these or of all six, shape (len(joints),)."""
+    listed = document.get(*keys)
+    every = isinstance(listed, list) and len(listed) == JOINTS
+    values = document.vector(JOINTS if every else len(joints), *keys)
+    if np.any(values <= 0.0):
+        raise document.fail(keys, f"is {values.tolist()}, allowed are positive numbers")
+    return values[[joint - 1 for joint in joints]] if every else values
+
+
+def _noise(document: SetDocument) -> tuple[float | None, float | None, float | None]:
+    stated = document.data.get("noise") or {}
+    if not isinstance(stated, dict):
+        raise document.fail(("noise",), "needs link, motor and torque")
+    link, motor, torque = (
+        document.number("noise", name, positive=True) if name in stated else None
+        for name in ("link", "motor", "torque")
+    )
+    return link, motor, torque
+
+
+def _check_time(table: TrialTable, time: FloatArray, rate: float) -> None:
+    """Samples lie on a grid of the rate; a few may be missing."""
+    if len(time) < SHORTEST:
+        raise _fail(table, len(time) - 1, f"ends after {len(time)} samples, allowed are {SHORTEST} or more")
+    steps = np.diff(time)
+    for index in np.flatnonzero(steps <= 0.0):
+        raise _fail(
+            table, int(index) + 1, f"{time[index + 1]:g} follows {time[index]:g}, times have to ascend"
+        )
+    usual = float(np.median(steps))
+    if abs(usual * rate - 1.0) > JITTER:
+        raise _fail(
+            table, 1, f"samples are {usual:g} s apart, a rate of {rate:g} needs {1.0 / rate:g}; correct rate"
+        )
+    place = (time - time[0]) * rate
+    off = np.abs(place - np.round(place))
+    for index in np.flatnonzero(off > JITTER):
+        raise _fail(
+            table,
+            int(index),
+            f"{time[index]:g} lies {off[index] / rate:.2g} s beside the grid of {1.0 / rate:g} s, allowed are times "
+            "of one rate; sample the recording evenly",
+        )
+    missing = 1.0 - len(time) / (round(float(place[-1])) + 1)
+    if missing > MISSING:
+        raise _fail(
+            table,
+            len(time) - 1,
+            f"{100 * missing:.0f} % of the samples are missing, allowed are {100 * MISSING:.0f}",
+        )
+
+
+def _fail(table: TrialTable, index: int, problem: str) -> DataSetError:
+    line = table.lines[index]
+    return MotionTableError(
+        f"{table.path}: line {line}, column t: {problem}", path=str(table.path), line=line, column="t"
+    )

@@ -1,0 +1,1 @@
+"""Causes of a difference between motor and link encoder, one file each."""

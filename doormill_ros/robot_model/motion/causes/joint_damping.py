@@ -1,0 +1,37 @@
+"""Friction between motor and spring that grows with the speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.view import SeenMotion
+
+
+class JointDamping(MotionCause):
+    """x is the damping over the stiffness [s]."""
+
+    name = "joint_damping"
+
+    def columns(self, seen: SeenMotion) -> FloatArray:
+        """Speed, shape (n, 1)."""
+        return seen.speed[:, None]
+
+    def allowed(self, x: FloatArray, stiffness: float, motions: Sequence[SeenMotion]) -> bool:
+        """The motor gave the torque that it takes."""
+        speed, torque = (
+            np.sqrt(np.mean(np.concatenate([getattr(seen, name) for seen in motions]) ** 2))
+            for name in ("speed", "torque")
+        )
+        return bool(0.0 < float(x[0]) * stiffness * speed < torque)
+
+    def values(self, x: FloatArray, stiffness: float) -> dict[str, tuple[float, str]]:
+        """Torque by speed."""
+        return {"damping": (float(x[0]) * stiffness, "N m s / rad")}
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return "the spring is wound less the faster the joint moves, at the same torque"

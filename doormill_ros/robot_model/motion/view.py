@@ -1,0 +1,121 @@
+"""One joint in motion, as the causes look at it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from doormill_ros.arrays import BoolArray, FloatArray
+
+#: Length over which the motor's angle is smoothed before it is derived [s]: drives follow their command to some 20 Hz.
+_SMOOTHED = 0.02
+_DIGITS = 8  #: decimals of a delay [s] that count
+
+
+@dataclass(frozen=True, eq=False)
+class JointMotion:
+    """What was recorded of one joint in one recording.
+
+    Attributes:
+        joint: Number, 1 to 6.
+        time: Shape (n,) [s], ascending; samples may be missing.
+        motor: Motor encoder over the gear ratio, shape (n,) [rad].
+        link: Encoder behind the gear, shape (n,) [rad].
+        torque: Motor torque times the gear ratio, shape (n,) [N m].
+        gear_ratio: Turns of the motor for one of the joint.
+        stiffness: Of the model in question [N m / rad].
+    """
+
+    joint: int
+    time: FloatArray
+    motor: FloatArray
+    link: FloatArray
+    torque: FloatArray
+    gear_ratio: float
+    stiffness: float
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @cached_property
+    def path(self) -> CubicSpline:
+        """The motor's angle over time."""
+        return CubicSpline(self.time, self.motor)
+
+    def seen(self, delay: float = 0.0) -> SeenMotion:
+        """The joint as a link encoder sees it that is read late by a delay [s]."""
+        return _seen(self, round(delay, _DIGITS))
+
+
+@dataclass(frozen=True, eq=False)
+class SeenMotion:
+    """A joint a little earlier than its samples say.
+
+    Attributes:
+        motion: The recording.
+        delay: How much earlier [s].
+        motor, speed, acceleration: Of the motor's angle, shape (n,) [rad], [rad / s], [rad / s^2].
+        torque: Shape (n,) [N m].
+    """
+
+    motion: JointMotion
+    delay: float
+    motor: FloatArray
+    speed: FloatArray
+    acceleration: FloatArray
+    torque: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.motor)
+
+    @property
+    def time(self) -> FloatArray:
+        """Shape (n,) [s]."""
+        return self.motion.time
+
+    @cached_property
+    def predicted(self) -> FloatArray:
+        """Difference of the encoders that the model in question predicts, shape (n,) [rad]."""
+        return self.motor - self.motion.motor - self.torque / self.motion.stiffness
+
+    def slip(self, width: float, start: float) -> FloatArray:
+        """State of bristles that bend for a width [rad] before they slide, from -1 to 1, shape (n,).
+
+        Prandtl's element: it follows the motor until it is bent to its end, and remembers where it turned.
+
+        Args:
+            width: Half of the way from end to end.
+            start: State at the first sample.
+        """
+        return _slip(self, width, start)
+
+    @property
+    def moving(self) -> BoolArray:
+        """Whether the joint moves, shape (n,)."""
+        return np.abs(self.speed) > 1e-3
+
+
+@lru_cache(maxsize=256)
+def _seen(motion: JointMotion, delay: float) -> SeenMotion:
+    time = np.clip(motion.time - delay, motion.time[0], motion.time[-1])
+    half = _SMOOTHED / 2.0
+    before, after = (np.clip(time + side, motion.time[0], motion.time[-1]) for side in (-half, half))
+    here = motion.path(time)
+    early, late = motion.path(before), motion.path(after)
+    speed = (late - early) / np.maximum(after - before, 1e-9)
+    edge = (after - time < half) | (time - before < half)
+    acceleration = np.where(edge, 0.0, (late - 2.0 * here + early) / half**2)
+    return SeenMotion(motion, delay, here, speed, acceleration, np.interp(time, motion.time, motion.torque))
+
+
+@lru_cache(maxsize=1024)
+def _slip(seen: SeenMotion, width: float, start: float) -> FloatArray:
+    steps = (np.diff(seen.motor) / width).tolist()
+    states, state = [start], start
+    for step in steps:
+        state = min(max(state + step, -1.0), 1.0)
+        states.append(state)
+    return np.array(states)

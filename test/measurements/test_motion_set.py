@@ -1,0 +1,94 @@
+"""Recordings of moving joints are read, and refused in one sentence where they cannot be used."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from doormill_ros.errors import DataSetError
+from doormill_ros.measurements.motion_set import read_motion_set
+from support.motion_world import Recording, record
+
+KR300 = Path(__file__).parents[1] / "data" / "kr300"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return record(tmp_path / "set", Recording(seconds=3.0), seed=1)
+
+
+def test_measured_recording_has_three_joints_at_250_hz():
+    data = read_motion_set(KR300 / "A")
+    assert data.joints == (1, 2, 3)
+    assert (data.rate, len(data), data.noise) == (250.0, 2501, (None, None, None))
+    second = data.motions[1]
+    assert second.gear_ratio == pytest.approx(267.42857)
+    assert second.stiffness == 7518900.0
+    assert second.link[0] == pytest.approx(-2.57e-5)
+    assert second.torque[0] == pytest.approx(-755.73)
+
+
+def test_missing_samples_leave_gaps_in_time(tmp_path):
+    data = read_motion_set(record(tmp_path / "gaps", Recording(seconds=3.0, dropped=0.05), seed=2))
+    steps = np.diff(data.motions[0].time) * data.rate
+    assert len(data) < 751
+    assert steps.max() > 1.5
+    assert np.allclose(steps, np.round(steps), atol=1e-6)
+
+
+def test_lists_of_all_six_joints_are_taken_by_number(folder):
+    _edit(folder, lambda one: one["model"].update(joint_stiffness=[1.0e6, 2.0e6, 3.0e6, 4e6, 5e6, 6e6]))
+    assert [motion.stiffness for motion in read_motion_set(folder).motions] == [1e6, 2e6, 3e6]
+
+
+def _edit(folder, change):
+    path = folder / "set.yaml"
+    document = yaml.safe_load(path.read_text())
+    change(document)
+    path.write_text(yaml.safe_dump(document))
+
+
+def _rows(folder, change):
+    path = folder / "samples.csv"
+    lines = path.read_text().splitlines()
+    change(lines)
+    path.write_text("\n".join(lines) + "\n")
+
+
+def _cell(line, column, text):
+    def change(lines):
+        cells = lines[line].split(",")
+        cells[lines[0].split(",").index(column)] = text
+        lines[line] = ",".join(cells)
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "told"),
+    [
+        (lambda f: _edit(f, lambda one: one.update(schema="doormill/motion-set/9")), 502, "doormill/motion-set/1"),
+        (lambda f: _edit(f, lambda one: one.update(joints=[1, 2, 7])), 502, "ascending numbers from 1 to 6"),
+        (lambda f: _edit(f, lambda one: one.update(joints=[])), 502, "ascending numbers from 1 to 6"),
+        (lambda f: _edit(f, lambda one: one.update(rate=500.0)), 513, "a rate of 500 needs 0.002"),
+        (lambda f: _edit(f, lambda one: one.update(rate=-1)), 502, "allowed is a positive number"),
+        (lambda f: _edit(f, lambda one: one["model"].pop("joint_stiffness")), 502, "is missing"),
+        (lambda f: _edit(f, lambda one: one["model"].update(gear_ratio=[1.0, 0.0, 1.0])), 502, "positive"),
+        (lambda f: _edit(f, lambda one: one.update(noise=3)), 502, "needs link, motor and torque"),
+        (lambda f: _rows(f, lambda lines: lines.__setitem__(0, lines[0].replace("l2", "x2"))), 503, "l2"),
+        (lambda f: _rows(f, _cell(30, "l1", "nan")), 503, "line 31, column l1"),
+        (lambda f: _rows(f, _cell(30, "tau3", "fast")), 503, "is no number"),
+        (lambda f: _rows(f, _cell(30, "t", "0.1175")), 513, "beside the grid"),
+        (lambda f: _rows(f, _cell(30, "t", "0.0")), 513, "times have to ascend"),
+        (lambda f: _rows(f, lambda lines: lines.__delitem__(slice(100, None))), 513, "allowed are 200 or more"),
+        (lambda f: _rows(f, lambda lines: lines.__delitem__(slice(100, 400))), 513, "are missing, allowed are 20"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_used_is_refused_in_one_sentence(folder, change, code, told):
+    change(folder)
+    with pytest.raises(DataSetError) as raised:
+        read_motion_set(folder)
+    assert raised.value.code == code
+    assert told in raised.value.message
+    assert "\n" not in raised.value.message
