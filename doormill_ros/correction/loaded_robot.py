@@ -6,10 +6,33 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.correction.compensate import Compensation, compensate
+from doormill_ros.correction.worth import Worth
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """What acts on n loaded tools, and how well that is known; base axes.
+
+    Attributes:
+        wrench: At the tool centre point, shape (n, 6) [N, N m].
+        direction: Direction of each joint's motion, shape (n, 6).
+        spread: Standard deviations of the wrench as independent wrenches, shape (n, 6, 6) [N, N m].
+        bounded: Where nobody measured the wrench, shape (n,).
+    """
+
+    wrench: FloatArray
+    direction: FloatArray
+    spread: FloatArray
+    bounded: BoolArray
+
+
+def certain(wrench: FloatArray, direction: FloatArray) -> Loads:
+    """Loads known exactly; shapes (n, 6) each [N, N m], [-]."""
+    return Loads(wrench, direction, np.zeros((len(wrench), 6, 6)), np.zeros(len(wrench), dtype=bool))
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,13 +43,15 @@ class LoadedRobot:
         kinematics: Forward kinematics and Jacobian.
         model: How the robot gives way.
         T_flange_tool: Tool centre point in the flange, shape (4, 4).
-        tolerance: Accepted distance of the loaded tool from the nominal pose [m].
+        tolerance: Accepted distance of the loaded tool from where it shall be [m].
+        worth: Which share of a deflection is corrected; None corrects all of it.
     """
 
     kinematics: Kinematics
     model: ComplianceModel
     T_flange_tool: FloatArray
     tolerance: float = 1e-6
+    worth: Worth | None = None
 
     @property
     def load_point(self) -> FloatArray:
@@ -36,6 +61,18 @@ class LoadedRobot:
     def deflection(self, q: FloatArray, wrench: FloatArray, direction: FloatArray) -> FloatArray:
         """Twist of the loaded tool, base axes; shapes (n, 6) each [rad], [N, N m], [-] -> [m, rad]."""
         return self.model.deflection(q, wrench, self.load_point, direction)
+
+    def share(self, q: FloatArray, loads: Loads) -> FloatArray:
+        """Share of each component of the deflections that is corrected, shape (n, 6).
+
+        Args:
+            q: Joint angles, shape (n, 6) [rad].
+            loads: n loads.
+        """
+        if self.worth is None:
+            return np.ones((len(q), 6))
+        spread = self.worth.spread(q, loads.wrench, loads.spread, self.load_point)
+        return self.worth.share(self.deflection(q, loads.wrench, loads.direction), spread, loads.bounded)
 
     def posture(self, T_base_tool: FloatArray, q: FloatArray) -> FloatArray:
         """Joint angles that reach nominal poses unloaded, from angles near them.
@@ -51,29 +88,20 @@ class LoadedRobot:
         found = compensate(T_base_tool, q, lambda _: unloaded, self.kinematics, self.T_flange_tool, 1e-9)
         return found.q
 
-    def corrected(
-        self, T_base_tool: FloatArray, q: FloatArray, wrench: FloatArray, direction: FloatArray
-    ) -> Compensation:
+    def corrected(self, T_base_tool: FloatArray, q: FloatArray, loads: Loads) -> Compensation:
         """Corrected poses of n stations, each under one load.
 
         Args:
             T_base_tool: Nominal poses, shape (n, 4, 4).
             q: Joint angles near them, shape (n, 6) [rad].
-            wrench: At the tool centre point, base axes, shape (n, 6) [N, N m].
-            direction: Direction of each joint's motion, shape (n, 6).
+            loads: n loads.
         """
-        deflect = lambda angles: self.deflection(angles, wrench, direction)  # noqa: E731
-        return compensate(T_base_tool, q, deflect, self.kinematics, self.T_flange_tool, self.tolerance)
+        return self.corrected_for_all(T_base_tool, q, np.arange(len(q)), loads)
 
     def corrected_for_all(
-        self,
-        T_base_tool: FloatArray,
-        q: FloatArray,
-        owner: IntArray,
-        wrench: FloatArray,
-        direction: FloatArray,
+        self, T_base_tool: FloatArray, q: FloatArray, owner: IntArray, loads: Loads
     ) -> Compensation:
-        """Corrected poses of n targets, each for the mean of the deflections under its loads.
+        """Corrected poses of n targets, each for the mean of what its loads are worth to be corrected for.
 
         A target between two motions has one pose, but a load from either side; in the mean of
         the two the larger of the errors that remain is smallest.
@@ -82,13 +110,12 @@ class LoadedRobot:
             T_base_tool: Nominal poses, shape (n, 4, 4).
             q: Joint angles near them, shape (n, 6) [rad].
             owner: Target to which each load belongs, every target at least once, shape (e,).
-            wrench: Loads, shape (e, 6) [N, N m].
-            direction: Direction of each joint's motion under each load, shape (e, 6).
+            loads: e loads.
         """
-        share = 1.0 / np.bincount(owner, minlength=len(q))[owner]
+        share = self.share(q[owner], loads) / np.bincount(owner, minlength=len(q))[owner, None]
 
         def deflect(angles: FloatArray) -> FloatArray:
-            each = self.deflection(angles[owner], wrench, direction) * share[:, None]
+            each = self.deflection(angles[owner], loads.wrench, loads.direction) * share
             mean = np.zeros((len(angles), 6))
             np.add.at(mean, owner, each)
             return mean

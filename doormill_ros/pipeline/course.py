@@ -2,60 +2,27 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
-from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.abb.handshake.state import HandshakeState, RunOutcome
 from doormill_ros.abb.link_errors import MillingFaultError
-from doormill_ros.cell.errors import StageRefusedError
+from doormill_ros.cell.errors import CellError, StageRefusedError
+from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.run import Run, StageLimits
-from doormill_ros.cell.summary import StageDurations
 from doormill_ros.errors import DoormillError
-from doormill_ros.pipeline.partners import Handover, RecipeAnswer, Recipes, Targets
-from doormill_ros.units import m_to_mm, s_to_ms
+from doormill_ros.pipeline.partners import Attendance, Handover, Inspector, RecipeAnswer, Recipes, Targets
+from doormill_ros.pipeline.run_end import RunEnd
 
 ASK_AGAIN = 1.0  # s
-#: States that a run which was handed over can only reach once the controller has ended it.
-ENDED = (HandshakeState.DONE, HandshakeState.FAILED, HandshakeState.REQUESTED)
-
-
-@dataclass
-class RunEnd:
-    """How a run ended; what it did not reach stays empty.
-
-    Attributes:
-        run_id: Which run.
-        door_id: Its door.
-        success: The door is milled.
-        error_code: Code of what ended it, 0 on success.
-        message: What happened; for a refusal what is wrong and what to do.
-        target_file: Path of the copy; empty after a refusal.
-        sha256: Of the target file; empty after a refusal.
-        recipe_version: Of the recipe that was milled.
-        largest_correction: Of the program [m].
-        times: How long each stage took.
-    """
-
-    run_id: str
-    door_id: str
-    success: bool = False
-    error_code: int = 0
-    message: str = ""
-    target_file: str = ""
-    sha256: str = ""
-    recipe_version: int = 0
-    largest_correction: float = 0.0
-    times: StageDurations = field(default_factory=StageDurations)
-
-    def refuse(self, error_code: int, reason: str) -> None:
-        """The run came to nothing."""
-        self.success = False
-        self.error_code = error_code
-        self.message = f"door {self.door_id}: {reason}"
-        self.target_file = self.sha256 = ""
+ALONE_LIMIT = 10.0  # s
+#: Nodes without which a run comes to nothing, by stage. Those of the simulation are missed only where they have been.
+MILLING = ("controller_simulator",)
+TARGETS = ("path_generator", *MILLING)
+PICTURE = ("door_localizer", "camera_simulator", *TARGETS)
+RECIPE = ("recipe_database", *PICTURE)
 
 
 class Course:
@@ -65,6 +32,8 @@ class Course:
         run: The run in hand, to which others deliver what the stages answer.
         recipes: Where its recipe comes from.
         handover: The link to the controller.
+        inspector: Who measures the milled door.
+        attendance: Which nodes are alive.
         limits: How long it waits for each stage.
         tell: Called with each stage's name and the share of the run that is done, 0..1.
 
@@ -77,12 +46,16 @@ class Course:
         run: Run,
         recipes: Recipes,
         handover: Handover,
+        inspector: Inspector,
+        attendance: Attendance,
         limits: StageLimits,
         tell: Callable[[str, float], None] = lambda stage, progress: None,
     ) -> None:
         self._run = run
         self._recipes = recipes
         self._handover = handover
+        self._inspector = inspector
+        self._attendance = attendance
         self._limits = limits
         self._tell = tell
         self.end = RunEnd(run.run_id, run.door_id)
@@ -91,19 +64,27 @@ class Course:
         """Go through all stages; what ends the run before is told, not raised."""
         try:
             self._tell("recipe", 0.0)
+            self._need(RECIPE)
+            self._run.wait_until(
+                lambda: self._attendance.settled, ALONE_LIMIT, "two nodes of one name stay alive in this cell"
+            )
+            self._attendance.require(RECIPE)
             self.end.recipe_version = self._fetch_recipe()
             targets, request_number = self._measure()
             self.end.largest_correction = targets.largest_correction
+            self._need(MILLING)
             data = self._handover.submit(targets, request_number)
             self._tell("targets", 0.4)
             path = self._announce(data)
             self._watch_milling()
-            self._succeed(targets, data, path)
-        except StageRefusedError as error:
-            self.end.refuse(error.stage_code, error.message)
+            self.end.mill(len(targets.targets), data, path, self._inspect())
         except DoormillError as error:
             self.end.refuse(error.code, error.message)
         return self.end
+
+    def _need(self, names: tuple[str, ...]) -> None:
+        """From now on the run ends when one of these nodes dies."""
+        self._run.require = lambda: self._attendance.require(names)
 
     def _note(self, **times: float) -> None:
         self.end.times = replace(self.end.times, **times)
@@ -140,6 +121,7 @@ class Course:
         """
         run, handshake = self._run, self._handover.handshake
         while True:
+            self._need(PICTURE)
             self._tell("picture", 0.1)
             number = self._wait_for_request()
 
@@ -156,6 +138,7 @@ class Course:
             )
             if localized is not None:
                 self._note(picture_to_pose=run.times["localization"] - run.pictured["localization"])
+                self._need(TARGETS)
                 self._tell("pose", 0.3)
                 targets = run.wait_for(
                     "targets",
@@ -224,23 +207,27 @@ class Course:
         if not outcome.handed_over:
             raise StageRefusedError(outcome.reason, outcome.error_code)
         self._tell("milling", 0.7)
-        run.wait_until(
-            lambda: handshake.snapshot.state in ENDED,
+        end = run.wait_until(
+            lambda: self._milled(run.run_id),
             limits.milling,
             "the controller did not report the end of milling; look at its pendant",
         )
-        end = handshake.snapshot
-        if end.state is not HandshakeState.DONE:
+        if not end.milled:
             raise MillingFaultError(end.reason)
         self._tell("milling", 1.0)
 
-    def _succeed(self, targets: Targets, data: bytes, path: Path) -> None:
-        end = self.end
-        end.success = True
-        end.target_file = str(path)
-        end.sha256 = hashlib.sha256(data).hexdigest()
-        end.message = (
-            f"door {end.door_id} milled: {len(targets.targets)} targets, largest correction "
-            f"{m_to_mm(targets.largest_correction):.3f} mm, ready {s_to_ms(end.times.request_to_ready):.0f} ms "
-            "after the request"
-        )
+    def _inspect(self) -> MeasuredDoor:
+        """How the milled door came out; one that nobody measures in time is not measured."""
+        run_id, inspector = self._run.run_id, self._inspector
+        with suppress(CellError):
+            self._run.wait_until(
+                lambda: not inspector.present or inspector.found(run_id),
+                self._limits.inspection,
+                "nobody told how the milled door came out",
+            )
+        return inspector.found(run_id) or MeasuredDoor()
+
+    def _milled(self, run_id: str) -> RunOutcome | None:
+        """How the milling of a run ended, None while it goes on."""
+        outcome = self._handover.handshake.outcome(run_id)
+        return None if outcome is None or outcome.milled is None else outcome

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sized
+from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, RunOutcome
+from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.run import StageAnswer
 
 
@@ -52,6 +53,22 @@ class Handover(Protocol):
         """
 
 
+class Attendance(Protocol):
+    """Which nodes of the cell are alive; lets the run look again after each change."""
+
+    @property
+    def settled(self) -> bool:
+        """No two nodes of one name are alive, not even for the moment of a restart."""
+
+    def require(self, names: Sequence[str]) -> None:
+        """Let a run go on that needs these nodes.
+
+        Raises:
+            NodeDeadError: One of them has died.
+            NodeDoubledError: Of one of them there are two: another cell's would be taken for this one's.
+        """
+
+
 @dataclass(frozen=True)
 class RecipeAnswer:
     """What the recipe database answers: the recipe's version, or why there is none."""
@@ -60,6 +77,17 @@ class RecipeAnswer:
     error_code: int
     reason: str
     version: int
+
+
+class Inspector(Protocol):
+    """Who measures milled doors, if anybody does; lets the run look again whenever a door was measured."""
+
+    @property
+    def present(self) -> bool:
+        """There is one."""
+
+    def found(self, run_id: str) -> MeasuredDoor | None:
+        """How a run's door came out, None while nobody has told."""
 
 
 class Recipes(Protocol):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset
@@ -57,7 +57,8 @@ def preview(recipe: Recipe, robots: int = 1, model: str | None = None) -> list[P
         both = split(recipe, T_base_door, setup.settings)
         shares = [(share.robot, share.T_base_door, share.operations) for share in both if share.operations]
     previews = []
+    second = replace(setup, layout=setup.layout.seen_from(setup.settings.second_robot.T_base_second))
     for name, T_robot_door, operations in shares:
-        planned = plan(recipe, T_robot_door, setup, operations)
+        planned = plan(recipe, T_robot_door, second if name == "second" else setup, operations)
         previews.append(ProgramPreview(name, T_robot_door, planned.program, planned.check))
     return previews

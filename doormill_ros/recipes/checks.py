@@ -8,10 +8,12 @@ from itertools import combinations
 from doormill_ros.recipes.door import DENSITY, DoorSize
 from doormill_ros.recipes.errors import (
     ChipTooThick,
+    ConflictingFields,
     FeaturesApart,
     FeaturesMeet,
     ImplausibleMass,
     LeavesWood,
+    MissingField,
     NotAChoice,
     OutOfRange,
     SpindleTooFast,
@@ -47,7 +49,7 @@ def check_geometry(size: DoorSize, mass: float, features: Sequence[Feature]) -> 
     for index, feature in enumerate(features):
         path = f"features.{index}"
         _check_outline(feature, path)
-        check_segments(feature.wrench_table, feature.segment_names, f"{path}.wrench_n_nm")
+        _check_forces(feature, path)
         _check_tool(feature, feature.cut_depth(size), path)
         _check_wood(size, feature, path)
     prisms = {feature.id: prism(feature, size) for feature in features}
@@ -55,6 +57,24 @@ def check_geometry(size: DoorSize, mass: float, features: Sequence[Feature]) -> 
         if feature.belongs_to is not None:
             _check_reference(features, feature, feature.belongs_to, prisms, f"features.{index}.lock_case")
     _check_walls(features, prisms)
+
+
+def _check_forces(feature: Feature, path: str) -> None:
+    """A table for the features that use one, none for those whose force a model computes."""
+    table, where = feature.wrench_table, f"{path}.wrench_n_nm"
+    if feature.computes_force and table is not None:
+        raise ConflictingFields(
+            where,
+            "is given beside forces.model 'engagement', which computes the force; leave one of them out",
+        )
+    if table is None and not feature.computes_force:
+        raise MissingField(
+            where,
+            "is missing, a wrench must be given, or forces.model 'engagement' that computes it",
+            found=None,
+        )
+    if table is not None:
+        check_segments(table, feature.segment_names, where)
 
 
 def _check_mass(size: DoorSize, mass: float) -> None:

@@ -46,6 +46,8 @@ def parse_json(text: str, name: str = "document") -> Any:
         ) from error
     except RecursionError as error:
         raise UnreadableFile(f"{name}: not a recipe, nested too deeply") from error
+    except ValueError as error:  # an integer of thousands of digits
+        raise UnreadableFile(f"{name}: not a recipe, {error}") from error
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

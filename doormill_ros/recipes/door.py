@@ -45,6 +45,7 @@ class Material(str, Choice):
     PLYWOOD = "plywood"
     CHIPBOARD = "chipboard"
     MDF = "mdf"
+    HONEYCOMB = "honeycomb"  #: two skins on a paper core, or tubular chipboard
 
 
 class Side(str, Choice):

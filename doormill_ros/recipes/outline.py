@@ -135,6 +135,11 @@ class RoundedRectangle:
             width, length, 0.0 if radius < tiny else min(radius, width / 2.0, length / 2.0)
         )
 
+    def rounded(self, radius: float) -> RoundedRectangle:
+        """The shape with corners of this radius at least, as far as there is room for it [m]."""
+        room = min(self.width, self.length) / 2.0
+        return RoundedRectangle(self.width, self.length, max(self.radius, min(radius, room)))
+
     @functools.lru_cache(maxsize=1024)  # noqa: B019 - shapes are small, frozen, and asked again and again
     def outline(self, split_lines: bool = False) -> Outline:
         """The contour, clockwise from the left end of the top turn or of the top left corner.

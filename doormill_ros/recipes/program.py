@@ -54,6 +54,7 @@ def _is_thesis_hinge(feature: Feature) -> bool:
         and feature.length > feature.width
         and feature.side is Side.FRONT
         and feature.direction is Direction.CLIMB
+        and not feature.computes_force
         and feature.passes.finish_allowance == 0.0
         and feature.depth <= feature.passes.depth_step
         and feature.width <= 2.0 * feature.tool.diameter

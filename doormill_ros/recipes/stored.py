@@ -23,6 +23,7 @@ RULE_FILES = (
     "checks.py",
     "cutting.py",
     "door.py",
+    "force_origin.py",
     "outline.py",
     "program.py",
     "quantities.py",

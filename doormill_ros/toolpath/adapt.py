@@ -46,11 +46,12 @@ def adapted(
     shift = np.zeros_like(q)  # from the nominal joint angles to the ones sent
     for number in range(ROUNDS):
         cut = np.array([i for i, step in enumerate(plan.steps) if step.cutting])
-        load = np.repeat(stations.wrench[cut], k, axis=0)
+        every, place = np.repeat(cut, k), np.tile(np.arange(k), len(cut))
         nominal = stations.T_base_tool[cut].reshape(-1, 4, 4)
         turning = directions(q + shift)
         for _ in range(DIRECTION_ROUNDS):
-            found = loaded.corrected(nominal, q[cut].reshape(-1, 6), load, turning[cut].reshape(-1, 6))
+            loads = stations.loads(every, place, turning[cut].reshape(-1, 6))
+            found = loaded.corrected(nominal, q[cut].reshape(-1, 6), loads)
             shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
             before, turning = turning, directions(q + shift)
             if np.array_equal(turning[cut], before[cut]):
@@ -58,10 +59,15 @@ def adapted(
         correction = np.zeros((len(plan.steps), k, 3))
         correction[cut] = (found.T_base_tool - nominal)[:, :3, 3].reshape(-1, k, 3)
         arc = np.array([step.curve.is_arc for step in plan.steps])
-        if number and not (bends(correction, arc) > settings.bend).any():
+        bend = np.where(
+            [step.cutting for step in plan.steps],
+            bends(stations.T_base_tool[..., :3, 3] + correction, arc),
+            0.0,
+        )
+        if number and not (bend > settings.bend).any():
             break
-        division = divide(plan.steps, correction, settings, blend=number == 0)
-        if len(division.steps) == len(plan.steps):
+        division = divide(plan.steps, correction, bend, settings, blend=number == 0)
+        if number and len(division.steps) == len(plan.steps):
             break
         shift = _between(shift, division)
         plan, stations, q = _divided(plan, q, division, T_base_door, loaded)

@@ -14,6 +14,7 @@ from doormill_ros.units import deg_to_rad, m_to_mm, rad_to_deg
 SMALLEST_CHORD = 1e-4  #: start to circle point, and start to end [m]
 SMALLEST_ANGLE = deg_to_rad(1.0)  #: between circle point and end, seen from the start [rad]
 LARGEST_ARC = deg_to_rad(240.0)
+STRAIGHT = 1e-6  #: an arc that turns by less is a line [rad]
 
 
 def unfollowable(program: MillingProgram) -> dict[int, str]:
@@ -27,6 +28,7 @@ def unfollowable(program: MillingProgram) -> dict[int, str]:
         return {}
     arcs = list(circular)
     places = np.array([t.T_base_tool_corrected[:3, 3] for t in program.targets])
+    # Before an arc the tool is in the wood, at a target.
     start = places[[program.motions[i - 1].target for i in arcs]]  # (n, 3)
     via = places[list(circular.values())] - start
     end = places[[program.motions[i].target for i in arcs]] - start
@@ -43,6 +45,33 @@ def unfollowable(program: MillingProgram) -> dict[int, str]:
         elif turned[k] > LARGEST_ARC:
             found[i] = f"it turns by {rad_to_deg(turned[k]):.0f} deg, allowed are 240 deg"
     return found
+
+
+def circle(
+    start: FloatArray, via: FloatArray, end: FloatArray
+) -> tuple[float, float, FloatArray, FloatArray]:
+    """What a MoveC through three points is, each of shape (3,) [m].
+
+    Returns:
+        Length and radius [m], and the unit directions of travel at begin and end, shape (3,).
+    """
+    a, b = via - start, end - via
+    chord = end - start
+    # The angle at the circle point stands over half of the arc that lies opposite.
+    turned = 2.0 * math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+    if turned < STRAIGHT:
+        direction = chord / max(float(np.linalg.norm(chord)), 1e-12)
+        return float(np.linalg.norm(a) + np.linalg.norm(b)), math.inf, direction, direction
+    radius = float(np.linalg.norm(chord)) / (2.0 * abs(math.sin(0.5 * turned)))
+    normal = np.cross(a, b) / np.linalg.norm(np.cross(a, b))
+    along = a / np.linalg.norm(a)
+    # Between a chord and the tangent lies half the angle that the chord spans, asin of half of it over the radius.
+    first = math.asin(min(1.0, float(np.linalg.norm(a)) / (2.0 * radius)))
+    last = math.asin(min(1.0, float(np.linalg.norm(b)) / (2.0 * radius)))
+    onward = b / np.linalg.norm(b)
+    begin = math.cos(first) * along - math.sin(first) * np.cross(normal, along)
+    finish = math.cos(last) * onward + math.sin(last) * np.cross(normal, onward)
+    return radius * turned, radius, begin, finish
 
 
 def _angle(a: FloatArray, b: FloatArray) -> FloatArray:

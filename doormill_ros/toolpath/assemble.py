@@ -13,7 +13,8 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.configuration import configurations
 from doormill_ros.robot.description import Robot
 from doormill_ros.toolpath.adapt import DIRECTION_ROUNDS
-from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError
+from doormill_ros.toolpath.doubt import check_expected, expected_errors
+from doormill_ros.toolpath.errors import CorrectionLimitError, CorrectionSettleError, ProgramSizeError
 from doormill_ros.toolpath.plan import Plan, Step
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.route import check_size
@@ -21,6 +22,7 @@ from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.stations import FRACTIONS, VIA, Stations, directions
 from doormill_ros.units import m_to_mm
 
+MOST_POINTS = 500  #: points of joint space that a controller keeps
 UNSETTLED = 5e-5  #: residual that a step in the model may leave on a target [m]
 
 
@@ -135,6 +137,7 @@ def assembled(
     loaded: LoadedRobot,
     robot: Robot,
     settings: PathSettings,
+    home: FloatArray,
 ) -> MillingProgram:
     """Correct every target and write the motions.
 
@@ -146,22 +149,25 @@ def assembled(
         loaded: Robot, model and tool.
         robot: The same robot, for its configurations.
         settings: Limits of correction and program.
+        home: Where the program begins and ends, shape (6,) [rad].
 
     Raises:
         ProgramSizeError: There are more targets than a controller keeps.
         CorrectionLimitError: A target would be corrected further than allowed.
         CorrectionSettleError: A target cannot be corrected.
+        ExpectedErrorError: What springs and forces leave to chance is more than the tolerance.
     """
     route = itinerary(plan)
     check_size([stop.feature for stop in route.stops], settings)
     place = np.array([[s.visits[0].step, s.visits[0].station] for s in route.stops])
-    loads = [(i, v.step, v.station) for i, s in enumerate(route.stops) for v in decisive(s, plan.steps)]
-    owner, step, station = np.array(loads).T
+    used = [(i, v.step, v.station) for i, s in enumerate(route.stops) for v in decisive(s, plan.steps)]
+    owner, step, station = np.array(used).T
     nominal = stations.T_base_tool[place[:, 0], place[:, 1]]
-    at_target, wrench = q[place[:, 0], place[:, 1]], stations.wrench[step]
+    at_target = q[place[:, 0], place[:, 1]]
     turning = directions(q)[step, station]
     for _ in range(DIRECTION_ROUNDS):
-        found = loaded.corrected_for_all(nominal, at_target, owner, wrench, turning)
+        loads = stations.loads(step, station, turning)
+        found = loaded.corrected_for_all(nominal, at_target, owner, loads)
         # What counts is how the joints turn on the way that is sent, not on the nominal one.
         sent = q + shift_along(route, found.q - at_target)
         before, turning = turning, directions(sent)[step, station]
@@ -169,22 +175,83 @@ def assembled(
             break
     _check_correction(route, found.T_base_tool, nominal, found.residual, settings)
     share = 1.0 / np.bincount(owner)[owner]
-    mean_wrench = np.zeros((len(route.stops), 6))
-    np.add.at(mean_wrench, owner, wrench * share[:, None])
+    each = loaded.deflection(found.q[owner], loads.wrench, loads.direction)
+    mean_wrench, deflection = np.zeros((2, len(route.stops), 6))
+    np.add.at(mean_wrench, owner, loads.wrench * share[:, None])
+    np.add.at(deflection, owner, each * share[:, None])
+    wall = np.array([plan.steps[i].wall for i in step])
+    moved = (found.T_base_tool - nominal)[:, :3, 3]
+    expected = expected_errors(loaded, found.q, moved, owner, loads, each, wall)
+    check_expected(expected, [(stop.feature, stop.name) for stop in route.stops], settings.checks)
     conf = configurations(robot, found.q)
     targets = tuple(
         Target(stop.name, *arrays)
         for stop, *arrays in zip(
-            route.stops, nominal, found.T_base_tool, found.q, conf, mean_wrench, found.deflection, strict=True
+            route.stops,
+            nominal,
+            found.T_base_tool,
+            found.q,
+            conf,
+            mean_wrench,
+            deflection,
+            expected.total.tolist(),
+            strict=True,
         )
     )
-    motions = tuple(
-        _motion(s, int(route.end[i]), int(route.via[i]), stations.wrench[i]) for i, s in enumerate(plan.steps)
+    points: list[FloatArray] = []
+    motions: list[Motion] = []
+    for i, step in enumerate(plan.steps):
+        for point in step.points:
+            motions.append(_through(len(points), settings.approach.way_speed, step.spindle_speed))
+            points.append(point)
+        motions.append(_motion(step, int(route.end[i]), int(route.via[i]), stations.wrench[i]))
+    escapes: list[range] = []
+    for escape in plan.escapes:
+        escapes.append(range(len(points), len(points) + len(escape)))
+        points += escape
+    if escapes:
+        # After the last feature its way home is taken; the robot already stands at its first point, spindle off.
+        motions += [_through(i, settings.approach.way_speed, 0.0) for i in escapes[-1][1:]]
+    _check_points(points, plan)
+    return MillingProgram(
+        recipe.door_id, recipe.version, targets, tuple(motions), tuple(points), home, tuple(escapes)
     )
-    return MillingProgram(recipe.door_id, recipe.version, targets, motions)
+
+
+def steps_of(program: MillingProgram) -> dict[int, int]:
+    """Step of the plan that each motion to a target was made from."""
+    steps = [i for i, motion in enumerate(program.motions) if motion.kind is not MotionKind.ABSOLUTE]
+    return {motion: step for step, motion in enumerate(steps)}
+
+
+def _check_points(points: Sequence[FloatArray], plan: Plan) -> None:
+    if len(points) > MOST_POINTS:
+        most = max(plan.steps, key=lambda step: len(step.points))
+        raise ProgramSizeError(
+            f"{most.feature or 'the way home'}: the program has {len(points)} points of joint space, allowed are "
+            f"{MOST_POINTS}; mill the door in several runs",
+            feature=most.feature,
+            found=len(points),
+            allowed=MOST_POINTS,
+        )
+
+
+def _through(point: int, speed: float, spindle_speed: float) -> Motion:
+    """The motion to a point of joint space."""
+    return Motion(
+        kind=MotionKind.ABSOLUTE,
+        target=point,
+        via=None,
+        speed=speed,
+        zone="fine",
+        feature="",
+        cutting=False,
+        spindle_speed=spindle_speed,
+    )
 
 
 def _motion(step: Step, end: int, via: int, wrench: FloatArray) -> Motion:
+    """The motion of a step; `wrench` at its stations, base axes, shape (k, 6) [N, N m]."""
     return Motion(
         kind=step.kind,
         target=end,
@@ -193,7 +260,8 @@ def _motion(step: Step, end: int, via: int, wrench: FloatArray) -> Motion:
         zone=step.zone,
         feature=step.feature,
         cutting=step.cutting,
-        wrench=wrench if step.cutting else np.zeros(6),
+        wrench=wrench[0] if step.cutting else np.zeros(6),
+        wrench_end=wrench[-1] if step.cutting and step.wrench_end is not None else None,
         spindle_speed=step.spindle_speed,
     )
 

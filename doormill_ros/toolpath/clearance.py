@@ -1,8 +1,4 @@
-"""See that mill and spindle stay clear of the door: on the way between features, and over a pocket.
-
-The mill is a cylinder, and so is the spindle behind it (`approach.nose` and `approach.spindle_radius` of
-config/toolpath.yaml). The arm that carries them and the clamp are not looked at.
-"""
+"""See that nothing of the robot touches the door, the clamp or the cell: in the air, and while it mills."""
 
 from __future__ import annotations
 
@@ -11,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.layout import CellLayout
-from doormill_ros.frames import apply, inverse
-from doormill_ros.recipes.door import DoorSize
+from doormill_ros.collision.sweep import RESERVE, Contact, contact_along, contact_on_line
+from doormill_ros.collision.world import World
 from doormill_ros.robot.description import Robot
-from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.errors import AirMoveError, HolderError
+from doormill_ros.robot.inverse import inverse_near
+from doormill_ros.toolpath.errors import AirMoveError, BodyContactError, HolderError, ReachError
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
@@ -24,27 +19,28 @@ from doormill_ros.toolpath.reach import JointPath
 from doormill_ros.toolpath.settings import Approach
 from doormill_ros.units import m_to_mm
 
-MARGIN = 0.010  #: mill and spindle keep this far from the door [m]
-SAMPLES = 21  #: postures looked at on a MoveJ
-AXIS_STEP = 0.01  #: distance of the points looked at along the spindle axis [m]
+OUTLINE_ERROR = 1e-3  #: of the polygon whose extent is that of a feature [m]
+SMALLEST_CELL = 1e-4  #: parts of a feature's space are not divided further [m]
+_CORNERS = np.array(np.meshgrid(*[[0.0, 1.0]] * 3)).reshape(3, -1).T  # (8, 3)
 
 
-def check_holder(operations: Sequence[Operation], approach: Approach) -> None:
+def check_holder(operations: Sequence[Operation], approach: Approach, clearance: float) -> None:
     """See that the spindle does not meet the surface over a deep pocket.
 
     Args:
         operations: What the robot mills.
         approach: Where the spindle begins.
+        clearance: How far it keeps off [m].
 
     Raises:
         HolderError: A feature is deeper than the mill reaches out of the spindle.
     """
-    allowed = approach.nose - MARGIN
+    allowed = approach.nose - clearance
     for item in operations:
         if item.depth > allowed:
             raise HolderError(
                 f"{item.feature.id}: it is {m_to_mm(item.depth):.1f} mm deep, allowed are {m_to_mm(allowed):.1f} "
-                f"mm, where the spindle is {m_to_mm(MARGIN):.0f} mm off the surface; mill it from both sides, "
+                f"mm, where the spindle is {m_to_mm(clearance):.0f} mm off the surface; mill it from both sides, "
                 "or measure approach.nose again",
                 feature=item.feature.id,
                 found=item.depth,
@@ -52,82 +48,148 @@ def check_holder(operations: Sequence[Operation], approach: Approach) -> None:
             )
 
 
-def check_air(
-    steps: Sequence[Step],
-    path: JointPath,
-    size: DoorSize,
-    T_base_door: FloatArray,
-    robot: Robot,
-    layout: CellLayout,
-    approach: Approach,
-) -> None:
-    """See that mill and spindle stay clear of the door on every motion between features but the first.
+def between_features(steps: Sequence[Step], index: int) -> bool:
+    """True for the step that alone leads from one feature to the next, joint by joint."""
+    step = steps[index]
+    return (
+        step.kind is MotionKind.JOINT
+        and not step.feature
+        and 0 < index < len(steps) - 1
+        and bool(steps[index - 1].feature and steps[index + 1].feature)
+    )
+
+
+def check_air(steps: Sequence[Step], path: JointPath, world: World) -> None:
+    """See that nothing is touched on a motion between features.
+
+    The way to the first feature is planned from home, and a single MoveJ from feature to feature gets points to pass:
+    both are not looked at here.
 
     Args:
         steps: The plan.
         path: Joint angles along it.
-        size: Of the door.
-        T_base_door: Where it stands, shape (4, 4).
-        robot: Who moves.
-        layout: Its tool.
-        approach: Shape of the spindle.
+        world: Robot, door and cell.
 
     Raises:
         AirMoveError: A motion comes too close.
     """
-    between = [i for i, step in enumerate(steps) if i and not step.feature]
-    if not between:
-        return
-    postures = [_postures(steps[i], i, path) for i in between]
-    owner = np.repeat(np.arange(len(between)), [len(q) for q in postures])
-    gap = np.full(len(between), np.inf)
-    np.minimum.at(gap, owner, _gaps(np.concatenate(postures), size, T_base_door, robot, layout, approach))
-    worst = int(gap.argmin())
-    if gap[worst] < MARGIN:
-        i = between[worst]
-        feature = next((s.feature for s in steps[i:] if s.feature), "")
-        raise AirMoveError(
-            f"{feature}, motion {i + 1} of {len(steps)}: on the way there the tool passes the door at "
-            f"{m_to_mm(gap[worst]):.0f} mm, allowed are {m_to_mm(MARGIN):.0f} mm; raise approach.retreats",
-            feature=feature,
-            motion=i + 1,
-            found=float(gap[worst]),
-            allowed=MARGIN,
-        )
+    for i in range(1, len(steps)):
+        if not _in_air(steps, i) or between_features(steps, i):
+            continue
+        if steps[i].kind is MotionKind.JOINT:
+            found = contact_along(world, path.stations[[i - 1, i], -1])
+        else:
+            rows = path.step == i
+            found = contact_on_line(world, path.q[rows], path.fraction[rows])
+        if found is not None:
+            feature = next((s.feature for s in steps[i:] if s.feature), "")
+            raise AirMoveError(
+                f"{feature}, motion {i + 1} of {len(steps)}: on the way there {meeting(found, world)}; choose another "
+                "approach in config/toolpath.yaml, another place of the robot or a shorter tool",
+                feature=feature,
+                motion=i + 1,
+                **facts(found, world),
+            )
 
 
-def _postures(step: Step, index: int, path: JointPath) -> FloatArray:
-    """Joint angles along a motion, shape (n, 6) [rad]."""
-    if step.kind is not MotionKind.JOINT:
-        followed: FloatArray = path.q[path.step == index]
-        return followed
-    start, end = path.stations[index - 1, -1], path.stations[index, -1]
-    turned: FloatArray = start + np.linspace(0.0, 1.0, SAMPLES)[:, None] * (end - start)
-    return turned
+def _in_air(steps: Sequence[Step], index: int) -> bool:
+    """True where the mill is nowhere near its own feature: it goes in and comes out straight along the tool."""
+    step = steps[index]
+    if step.cutting:
+        return False
+    way = step.curve.end - step.curve.start
+    aside = np.linalg.norm(np.cross(way, step.R_door_tool[:, 2]))
+    return not step.feature or bool(aside > 1e-6)
 
 
-def _gaps(
+def check_feature(
+    item: Operation,
+    front: FloatArray,
     q: FloatArray,
-    size: DoorSize,
     T_base_door: FloatArray,
+    T_tool_flange: FloatArray,
     robot: Robot,
-    layout: CellLayout,
-    approach: Approach,
-) -> FloatArray:
-    """Distance between the door and mill or spindle, the nearer of them, shape (n,) [m].
+    world: World,
+) -> None:
+    """See that the arm touches nothing wherever the tool is in a feature, in front of it and on the way straight out.
 
-    Round every point of the axis the cylinder is taken for a ball, which is never too small.
+    The tool's places fill a box from in front of the surface to the depth of the feature. Each posture proves a
+    neighbourhood in joint space; the box is divided until each part lies within one.
+
+    Args:
+        item: The feature.
+        front: Where the tool waits in front of it, door frame, shape (3,) [m].
+        q: Joint angles there, shape (6,) [rad].
+        T_base_door: Where the door stands, shape (4, 4).
+        T_tool_flange: The flange in the tool frame, shape (4, 4).
+        robot: Who mills.
+        world: Robot, door and cell.
+
+    Raises:
+        BodyContactError: The arm comes too close to something.
+        ReachError: A place in the box is out of reach.
     """
-    length = float(np.linalg.norm(layout.T_flange_tool[:3, 3]))
-    behind = np.linspace(0.0, length, max(2, round(length / AXIS_STEP) + 1))  # from the tip
-    radius = np.where(behind < approach.nose, approach.mill_radius, approach.spindle_radius)
-    T_base_flange = Kinematics(robot).forward(q)
-    tip = (T_base_flange @ layout.T_flange_tool)[:, :3, 3]
-    back = (T_base_flange[:, :3, 3] - tip) / length
-    points = apply(inverse(T_base_door), tip[:, None] + behind[:, None] * back[:, None])
-    high = np.array([size.thickness, size.width, size.height])
-    outside = np.maximum(np.maximum(-points, points - high), 0.0)  # (n, points, 3)
-    inside = np.minimum(np.maximum(-points, points - high).max(axis=-1), 0.0)
-    gap: FloatArray = np.linalg.norm(outside, axis=-1) + inside - radius
-    nearest: FloatArray = gap.min(axis=-1)
-    return nearest
+    R, p = item.T_door_feature[:3, :3], item.T_door_feature[:3, 3]
+    outline = item.feature.outline(item.feature.tool.radius).points(step=np.inf, chord_error=OUTLINE_ERROR)
+    depth = float((front - p) @ R[:, 2])
+    low = np.array([*outline.min(axis=0) - OUTLINE_ERROR, depth])
+    high = np.array([*outline.max(axis=0) + OUTLINE_ERROR, item.depth])
+    pairs = np.flatnonzero(world.outside_cut)
+    reach = world.reach[pairs].T
+    R_base_flange = T_base_door[:3, :3] @ item.R_door_tool @ T_tool_flange[:3, :3]
+    arm = T_base_door[:3, :3] @ item.R_door_tool @ T_tool_flange[:3, 3]
+    cells = [(low, high)]
+    while cells:
+        low, high = cells.pop()
+        places = np.concatenate([low + _CORNERS * (high - low), 0.5 * (low + high)[None]])  # (9, 3)
+        poses = np.tile(np.eye(4), (len(places), 1, 1))
+        poses[:, :3, :3] = R_base_flange
+        poses[:, :3, 3] = ((places @ R.T) + p) @ T_base_door[:3, :3].T + T_base_door[:3, 3] + arm
+        postures = inverse_near(robot, poses, q)
+        if np.isnan(postures).any():
+            raise ReachError(
+                f"{item.feature.id}: {robot.label} cannot draw the tool straight out of it everywhere; move the "
+                "work or the robot",
+                feature=item.feature.id,
+            )
+        distance = world.distances(postures[-1])[pairs]
+        worst = int(distance.argmin())
+        spare = distance - world.clearance
+        small = float((high - low).max()) < SMALLEST_CELL
+        if spare[worst] < RESERVE or small:
+            body, obstacle = world.names[pairs[worst]]
+            found = Contact(body, obstacle, float(distance[worst]), postures[-1])
+            raise BodyContactError(
+                f"{item.feature.id}: with the tool in it {meeting(found, world)}; place the robot differently, "
+                "use a longer tool or leave the feature to the second robot",
+                feature=item.feature.id,
+                **facts(found, world),
+            )
+        bulge = 2.0 * np.abs(postures[:-1].mean(axis=0) - postures[-1])
+        if not ((np.abs(postures[:-1] - postures[-1]) + bulge) @ reach <= spare).all():
+            axis = int((high - low).argmax())
+            middle = 0.5 * (low[axis] + high[axis])
+            first, second = high.copy(), low.copy()
+            first[axis] = second[axis] = middle
+            cells += [(low, first), (second, high)]
+
+
+def meeting(found: Contact, world: World) -> str:
+    """What comes too close, by how much, and what is allowed."""
+    how = (
+        f"pass at {m_to_mm(found.distance):.0f} mm"
+        if found.distance >= 0.0
+        else f"overlap by {m_to_mm(-found.distance):.0f} mm"
+    )
+    allowed = m_to_mm(world.clearance + RESERVE)
+    return f"{found.what} {how}, allowed are {allowed:.0f} mm apart"
+
+
+def facts(found: Contact, world: World) -> dict[str, str | float]:
+    """The same for a program that reads the error."""
+    return {
+        "body": found.body,
+        "obstacle": found.obstacle,
+        "found": found.distance,
+        "allowed": world.clearance + RESERVE,
+    }

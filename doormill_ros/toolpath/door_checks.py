@@ -14,9 +14,9 @@ from doormill_ros.recipes.features.lock_case import LockCase
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.singularity import clearance
-from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.program import MillingProgram, MotionKind
 from doormill_ros.toolpath.settings import PathSettings, load_settings
-from doormill_ros.toolpath.timing import feature_times, motion_times
+from doormill_ros.toolpath.timing import feature_times, motion_times, reading_time
 from doormill_ros.units import m_to_mm, rad_to_deg
 
 
@@ -27,8 +27,9 @@ class FeatureCheck:
     Attributes:
         feature: Identifier in the recipe.
         targets: Number of targets.
-        time: With the way to it [s].
+        time: With the way to it from the feature before [s].
         correction: Largest translation between nominal and corrected pose [m].
+        expected: Largest expected error of its walls [m].
         joint_margin: Smallest distance of any joint from its limits [rad].
         wrist: Smallest angle of axis 5 from straight [rad].
         elbow: Smallest angle of the forearm from in line with the lower arm [rad].
@@ -39,6 +40,7 @@ class FeatureCheck:
     targets: int
     time: float
     correction: float
+    expected: float
     joint_margin: float
     wrist: float
     elbow: float
@@ -71,7 +73,7 @@ class DoorCheck:
     Attributes:
         features: In the order of milling.
         budgets: Times against appendix A.1; the last one is the whole cycle with probing.
-        time: The program from its first to its last target [s].
+        time: The program from home to home, and reading it [s].
     """
 
     features: tuple[FeatureCheck, ...]
@@ -95,11 +97,12 @@ def check_door(
     by_feature = feature_times(program, times)
     used: dict[str, set[int]] = {}
     for motion in program.motions:
-        if motion.feature:
+        if motion.feature and motion.kind is not MotionKind.ABSOLUTE:
             places = {motion.target} if motion.via is None else {motion.target, motion.via}
             used.setdefault(motion.feature, set()).update(places)
     rows = [_feature_check(name, sorted(used[name]), by_feature[name], program, robot) for name in used]
-    return DoorCheck(tuple(rows), _budgets(by_feature, recipe, settings), float(times.sum()))
+    time = float(times.sum()) + reading_time(program, settings.cycle)
+    return DoorCheck(tuple(rows), _budgets(by_feature, time, recipe, settings), time)
 
 
 def cycle_budget(checks: Sequence[DoorCheck], settings: PathSettings | None = None) -> Budget:
@@ -115,10 +118,13 @@ def cycle_budget(checks: Sequence[DoorCheck], settings: PathSettings | None = No
 
 def text_table(check: DoorCheck) -> str:
     """The check as lines for an operator; seconds, millimetres and degrees."""
-    lines = ["feature              targets   time  corr.mm  limit.deg  wrist.deg  elbow.deg  shoulder.m"]
+    lines = [
+        "feature              targets   time  corr.mm  exp.mm  limit.deg  wrist.deg  elbow.deg  shoulder.m"
+    ]
     for row in check.features:
         lines.append(
             f"{row.feature:20.20s} {row.targets:7d} {row.time:6.1f} {m_to_mm(row.correction):8.3f}"
+            f" {m_to_mm(row.expected):7.3f}"
             f" {rad_to_deg(row.joint_margin):10.1f} {rad_to_deg(row.wrist):10.1f}"
             f" {rad_to_deg(row.elbow):10.1f} {row.shoulder:11.2f}"
         )
@@ -138,6 +144,7 @@ def _feature_check(
         targets=len(targets),
         time=time,
         correction=float(np.linalg.norm(step, axis=1).max()),
+        expected=max(t.expected_error for t in targets),
         joint_margin=float(np.minimum(q - robot.lower, robot.upper - q).min()),
         wrist=float(near.wrist.min()),
         elbow=float(near.elbow.min()),
@@ -145,7 +152,9 @@ def _feature_check(
     )
 
 
-def _budgets(by_feature: dict[str, float], recipe: Recipe, settings: PathSettings) -> tuple[Budget, ...]:
+def _budgets(
+    by_feature: dict[str, float], time: float, recipe: Recipe, settings: PathSettings
+) -> tuple[Budget, ...]:
     cycle = settings.cycle
     kinds = {feature.id: feature for feature in recipe.features}
     hinges = [t for name, t in by_feature.items() if isinstance(kinds[name], HingePocket)]
@@ -155,8 +164,8 @@ def _budgets(by_feature: dict[str, float], recipe: Recipe, settings: PathSetting
         budgets.append(Budget(f"{len(hinges)} hinges", sum(hinges), cycle.hinges))
     if locks:
         budgets.append(Budget("lock case", sum(locks), cycle.lock_case))
-    for name, time in by_feature.items():
+    for name, own in by_feature.items():
         if isinstance(kinds[name], HandleHole):
-            budgets.append(Budget(name, time, cycle.hole_side))
-    budgets.append(Budget("door, with probing", sum(by_feature.values()) + cycle.probing, cycle.total))
+            budgets.append(Budget(name, own, cycle.hole_side))
+    budgets.append(Budget("door, with probing", time + cycle.probing, cycle.total))
     return tuple(budgets)

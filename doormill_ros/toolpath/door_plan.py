@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, Side
+from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, Material, Side
+from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.program import Program, fits_path_20
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.curve import Line
+from doormill_ros.toolpath.engagement import with_forces
 from doormill_ros.toolpath.errors import NothingToMillError
 from doormill_ros.toolpath.operation import Operation, operation
 from doormill_ros.toolpath.plan import Plan, Step
@@ -22,6 +25,12 @@ from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.thesis_path import thesis_plan
 
+#: The three targets of an arc of Path_20 are corrected apart, by up to 0.2 mm differently. On a circle not much larger
+#: than that the arc through them is another one altogether [m].
+SMALLEST_TURN = 0.002
+#: Path_20 clears a pocket by its contour alone: the cuts of the two sides overlap in the middle by twice this at least,
+#: more than the deflections of the two that 14 targets leave uncorrected [m].
+OVERLAP = 0.0005
 SWING_PARTS = 4  #: motions in which the tool turns round an edge of the door
 
 
@@ -35,12 +44,14 @@ def door_plan(
     operations: Sequence[Operation],
     settings: PathSettings,
     retreats: Mapping[int, float] | None = None,
+    free: Collection[int] = (),
 ) -> Plan:
     """Nominal path on the door.
 
     A door of the program Path_20 gets exactly the thesis' targets and motions, if one robot mills
-    it. Any other is milled feature by feature: with a MoveJ to the first one and wherever the
-    spindle has to swing, in straight lines in front of the face otherwise.
+    it, its turns are wide enough for arcs through three targets and its pockets narrow enough to be
+    cleared by them. Any other is milled feature by feature: with a MoveJ to the first one and wherever
+    the spindle has to swing, in straight lines in front of the face otherwise.
 
     Args:
         recipe: The door.
@@ -49,6 +60,7 @@ def door_plan(
         retreats: Operations before which the robot draws back this far [m] and changes joint by
             joint, free to take another configuration. It goes straight and close to the others,
             and round an edge of the door it always draws back.
+        free: Operations to which the robot goes joint by joint all the way, by postures that are to be found.
 
     Raises:
         NothingToMillError: There is no operation.
@@ -59,16 +71,54 @@ def door_plan(
             f"door {recipe.door_id} leaves this robot 0 features, allowed is at least 1; "
             "check the recipe or the split of the work"
         )
-    if recipe.program is Program.PATH_20 and fits_path_20([item.feature for item in operations]):
+    if (
+        recipe.program is Program.PATH_20
+        and fits_path_20([item.feature for item in operations])
+        and all(
+            SMALLEST_TURN <= turn_radius(item.feature) <= item.feature.tool.radius - OVERLAP
+            for item in operations
+        )
+    ):
         return thesis_plan(operations, settings)
     steps: list[Step] = []
     before: Operation | None = None
     for number, item in enumerate(operations):
-        cuts = pocket_steps(item, settings)
-        steps += _way(before, item, steps, cuts[0], settings, (retreats or {}).get(number))
+        cuts = list(_cuts(item, recipe.material, settings))
+        if steps:
+            cuts = _at_one_speed(cuts, steps[-1].spindle_speed, item, settings)
+        if before is not None and number in free:
+            at, goal = steps[-1].curve.end, cuts[0].curve.end
+            steps.append(_air(cuts[0], at, goal, MotionKind.JOINT))
+        else:
+            steps += _way(before, item, steps, cuts[0], settings, (retreats or {}).get(number))
         steps += cuts[1:]
         before = item
-    return Plan(tuple(steps))
+    ways = settings.approach.way_speed
+    return Plan(tuple(step if step.feature else step.changed(speed=ways) for step in steps))
+
+
+def _at_one_speed(cuts: list[Step], before: float, item: Operation, settings: PathSettings) -> list[Step]:
+    """The steps at the spindle speed of the feature before [rad/s] if it is hardly another one: no stop for that."""
+    own = cuts[0].spindle_speed
+    allowed = before <= item.feature.tool.max_spindle_speed
+    if not allowed or abs(own - before) >= settings.cycle.same_spindle * before:
+        return cuts
+    return [step.changed(spindle_speed=before) for step in cuts]
+
+
+@functools.lru_cache(maxsize=64)  # a plan is made anew for every way that is tried between features
+def _cuts(item: Operation, material: Material, settings: PathSettings) -> tuple[Step, ...]:
+    steps = pocket_steps(item, settings)
+    return tuple(
+        with_forces(steps, item, material, settings.correction.blend)
+        if item.feature.computes_force
+        else steps
+    )
+
+
+def turn_radius(feature: Feature) -> float:
+    """Radius of the tool's path round the ends of an oblong pocket [m]."""
+    return feature.shape.width / 2.0 - feature.tool.radius
 
 
 def _way(

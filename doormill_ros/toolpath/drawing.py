@@ -13,13 +13,16 @@ from doormill_ros.pages import charts
 from doormill_ros.recipes.drawing import DoorDrawing
 from doormill_ros.recipes.errors import UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.toolpath.curve import arc_about
 from doormill_ros.toolpath.program import MillingProgram, MotionKind
 from doormill_ros.units import m_to_mm
 
 EXAGGERATION = 30.0
-AIR, CUT, CORRECTED = "#7aa6d8", "#1a7f37", "#c8102e"
+AIR, CUT, CORRECTED, WAY = "#7aa6d8", "#1a7f37", "#c8102e", "#b58900"
 ARC_POINTS = 24
+WAY_POINTS = 13  #: of a way through joint space
 
 
 def draw_program(
@@ -47,6 +50,34 @@ def draw_program(
         f"largest {m_to_mm(program.largest_correction):.3f} mm, {len(program.targets)} targets"
     )
     return drawing
+
+
+def draw_ways(
+    drawing: DoorDrawing,
+    program: MillingProgram,
+    T_base_door: FloatArray,
+    robot: Robot,
+    T_flange_tool: FloatArray,
+) -> None:
+    """Add the tool's ways through joint space as the layer `ways`: from home, between features, and home again.
+
+    Args:
+        drawing: Of the door.
+        program: What is milled into it.
+        T_base_door: Where the door stands, shape (4, 4).
+        robot: Who mills.
+        T_flange_tool: Tool centre point in the flange, shape (4, 4).
+    """
+    if program.home is None:
+        return
+    T_door_base, kinematics, q = inverse(T_base_door), Kinematics(robot), program.home
+    share = np.linspace(0.0, 1.0, WAY_POINTS)[:, None]
+    ends = [(motion.kind, program.q_after(motion)) for motion in program.motions]
+    for kind, end in [*ends, (MotionKind.ABSOLUTE, program.home)]:
+        if kind in (MotionKind.JOINT, MotionKind.ABSOLUTE):
+            tips = (kinematics.forward(q + share * (end - q)) @ T_flange_tool)[:, :3, 3]
+            drawing.overlay("ways", apply(T_door_base, tips), None, WAY, 1.0, True)
+        q = end
 
 
 def save_png(
@@ -113,7 +144,7 @@ def _ways(
     places = apply(T_door_base, nominal + factor * (corrected - nominal))
     ways = []
     for i, motion in enumerate(program.motions):
-        if i == 0 or motion.kind is MotionKind.JOINT:
+        if i == 0 or motion.kind in (MotionKind.JOINT, MotionKind.ABSOLUTE):
             continue
         start, end = places[program.motions[i - 1].target], places[motion.target]
         points = np.array([start, end]) if motion.via is None else _arc(start, places[motion.via], end)

@@ -30,9 +30,21 @@ class ConfigurationChangeError(PathError):
 
 
 class AirMoveError(PathError):
-    """A way through the air comes too close to the door."""
+    """A way through the air comes too close to something."""
 
     code = 315
+
+
+class BodyContactError(PathError):
+    """The arm would touch something while the tool is in a feature."""
+
+    code = 317
+
+
+class NoWayError(PathError):
+    """No way leads from one posture to another without touching something."""
+
+    code = 318
 
 
 PathSettingsError = PathError.row("PathSettingsError", 301, "A setting of the path generator is impossible.")
@@ -45,8 +57,12 @@ ToolChangeError = PathError.row("ToolChangeError", 307, "The tool must be change
 ReachError = PathError.row("ReachError", 310, "A target is out of the robot's reach.")
 JointSpeedError = PathError.row("JointSpeedError", 314, "A joint would have to turn faster than it can.")
 HolderError = PathError.row("HolderError", 316, "A pocket is deeper than the mill reaches.")
+HomeContactError = PathError.row("HomeContactError", 319, "The robot touches something where it is at home.")
 CorrectionLimitError = PathError.row("CorrectionLimitError", 320, "The correction is larger than allowed.")
 CorrectionSettleError = PathError.row(
     "CorrectionSettleError", 321, "No correction puts the tool back on its path."
+)
+ExpectedErrorError = PathError.row(
+    "ExpectedErrorError", 322, "A wall is expected to be further off than its tolerance."
 )
 CycleTimeError = PathError.row("CycleTimeError", 330, "The program takes longer than the cycle allows.")

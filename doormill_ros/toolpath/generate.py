@@ -8,6 +8,7 @@ from dataclasses import replace
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.correction.loaded_robot import LoadedRobot
+from doormill_ros.correction.worth import worth_of
 from doormill_ros.frames import check_transform
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
@@ -15,11 +16,12 @@ from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.toolpath.adapt import adapted, straightened
 from doormill_ros.toolpath.arcs import check_arcs, unfollowable
-from doormill_ros.toolpath.assemble import assembled
+from doormill_ros.toolpath.assemble import assembled, steps_of
 from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.errors import ToolChangeError
 from doormill_ros.toolpath.joint_speed import followable
 from doormill_ros.toolpath.operation import Operation
+from doormill_ros.toolpath.pace import paced
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.route import route
@@ -62,21 +64,28 @@ def generate_program(
         check_placement(T_base_door, recipe, layout)
         operations = whole_door(recipe)
     _check_tools(operations, settings.checks)
-    loaded = LoadedRobot(Kinematics(robot), model, layout.T_flange_tool, settings.correction.tolerance)
+    loaded = LoadedRobot(
+        Kinematics(robot),
+        model,
+        layout.T_flange_tool,
+        settings.correction.tolerance,
+        worth_of(robot, settings.correction.unmeasured),
+    )
     plan, path = route(recipe, operations, T_base_door, layout, robot, settings)
     plan = replace(plan, steps=tuple(followable(plan.steps, path, robot, settings.checks)))
     stations, q = stations_of(plan.steps, T_base_door), path.stations
     if not plan.fixed:
         plan, stations, q = adapted(plan, q, T_base_door, loaded, settings.correction)
-    program = assembled(recipe, plan, stations, q, loaded, robot, settings)
+    program = assembled(recipe, plan, stations, q, loaded, robot, settings, layout.home)
     flat = unfollowable(program)
     if flat and not plan.fixed:
         # A step in the correction has bent an arc over that was almost a line.
-        plan, stations, q = straightened(plan, q, T_base_door, loaded, set(flat))
-        program = assembled(recipe, plan, stations, q, loaded, robot, settings)
+        steps = steps_of(program)
+        plan, stations, q = straightened(plan, q, T_base_door, loaded, {steps[i] for i in flat})
+        program = assembled(recipe, plan, stations, q, loaded, robot, settings, layout.home)
     if flat:
         check_arcs(program)
-    return program
+    return program if plan.fixed else paced(program, settings)
 
 
 def _check_tools(operations: Sequence[Operation], checks: Checks) -> None:

@@ -49,7 +49,7 @@ class Operation:
         place: FloatArray = T[:3, :3] @ np.array([xy[0], xy[1], depth]) + T[:3, 3]
         return place
 
-    def contour(self, inset: float, depth: float) -> list[tuple[Curve, str]]:
+    def contour(self, inset: float, depth: float, corner: float = 0.0) -> list[tuple[Curve, str]]:
         """Closed contour in the door frame with the recipe's segment names.
 
         Climb milling is the default: the tool then runs clockwise in the feature's plane, seen
@@ -60,8 +60,9 @@ class Operation:
         Args:
             inset: How far inside the finished wall [m].
             depth: Depth of the tip [m].
+            corner: Smallest radius of its corners, as far as there is room for it [m].
         """
-        outline = self.feature.outline(inset)
+        outline = self.feature.outline(inset, corner)
         pieces = [
             (_curve(segment, depth).mapped(self.T_door_feature), segment.name)
             for segment in outline.segments
@@ -94,13 +95,19 @@ def operation(feature: Feature, door: DoorSize, half: bool = False, far_side: bo
     return Operation(feature, side, depth, T_door_feature)
 
 
-def from_longest_line(pieces: list[tuple[Curve, str]]) -> list[tuple[Curve, str]]:
-    """The closed contour, starting in the middle of its longest straight piece (or of any arc)."""
+def from_longest_line(pieces: list[tuple[Curve, str]], ahead: float = 0.0) -> list[tuple[Curve, str]]:
+    """The closed contour, starting on its longest straight piece (or on any arc).
+
+    Args:
+        pieces: The contour.
+        ahead: How far past the middle of that piece, as far as three quarters of it [m].
+    """
     lengths = [0.0 if curve.is_arc else curve.length for curve, _ in pieces]
     first = int(np.argmax(lengths))
     curve, name = pieces[first]
-    head: tuple[Curve, str] = (curve.part(0.0, 0.5), name)
-    tail: tuple[Curve, str] = (curve.part(0.5, 1.0), name)
+    share = min(0.5 + ahead / curve.length, 0.75)
+    head: tuple[Curve, str] = (curve.part(0.0, share), name)
+    tail: tuple[Curve, str] = (curve.part(share, 1.0), name)
     return [tail, *pieces[first + 1 :], *pieces[:first], head]
 
 

@@ -25,10 +25,14 @@ class Step:
         feature: Feature of the recipe, empty between features.
         cutting: True while the tool is in the wood.
         wall: True for the pass that leaves the finished wall behind.
-        wrench_tool: Process wrench at the tool centre point, tool axes, shape (6,) [N, N m].
+        wrench_tool: Process wrench at the tool centre point where the step begins, tool axes, shape (6,) [N, N m].
+        wrench_end: The same where it ends, evenly from the one to the other; None: it stays as it is.
+        std_tool: Standard deviations of its components, shape (6,) [N, N m].
+        bounded: True where nobody measured the wrench, so that the correction for it is bounded.
         spindle_speed: Spindle speed [rad/s].
         name: Name of the target at the end; empty for a running number.
         via_name: Name of the circle point; empty for a running number.
+        points: Joint angles that the robot passes before this step, one after the other, each of shape (6,) [rad].
     """
 
     kind: MotionKind
@@ -40,15 +44,27 @@ class Step:
     cutting: bool = False
     wall: bool = False
     wrench_tool: FloatArray = field(default_factory=lambda: np.zeros(6))
+    wrench_end: FloatArray | None = None
+    std_tool: FloatArray = field(default_factory=lambda: np.zeros(6))
+    bounded: bool = False
     spindle_speed: float = 0.0
     name: str = ""
     via_name: str = ""
+    points: tuple[FloatArray, ...] = ()
 
     def part(self, first: float, last: float) -> Step:
         """The stretch between two fractions of the length; inner ends lose their names."""
         name = self.name if last == 1.0 else ""
         zone = self.zone if last == 1.0 else "z0"
-        return self.changed(curve=self.curve.part(first, last), name=name, via_name="", zone=zone)
+        begin, end = self.wrench_at(first), None if self.wrench_end is None else self.wrench_at(last)
+        curve = self.curve.part(first, last)
+        return self.changed(curve=curve, name=name, via_name="", zone=zone, wrench_tool=begin, wrench_end=end)
+
+    def wrench_at(self, fraction: float) -> FloatArray:
+        """Process wrench at a fraction of the length, tool axes, shape (6,) [N, N m]."""
+        if self.wrench_end is None:
+            return self.wrench_tool
+        return self.wrench_tool + fraction * (self.wrench_end - self.wrench_tool)
 
     def changed(self, **values: Any) -> Step:
         """As `dataclasses.replace`, which would take a fifth of the time that a whole door does."""
@@ -62,14 +78,17 @@ class Plan:
     """Steps in the order of execution.
 
     Attributes:
-        steps: Each starts where the one before ends. The first one's start is where its end is:
-            the way there from home belongs to the controller.
+        steps: Each starts where the one before ends. The first one's start is where its end is: its way from
+            home leads through joint space.
         target_order: Names of the targets in the order of the target file when nothing may be
             added to them (the thesis' program); empty for the order of the first visit.
+        escapes: For each feature in the order of milling the joint angles of its way home, each of shape (6,) [rad]:
+            in front of it, then what is passed on the way.
     """
 
     steps: tuple[Step, ...]
     target_order: tuple[str, ...] = ()
+    escapes: tuple[tuple[FloatArray, ...], ...] = ()
 
     @property
     def fixed(self) -> bool:

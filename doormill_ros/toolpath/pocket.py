@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -13,15 +14,20 @@ from doormill_ros.recipes.features.base import CLEARING, PLUNGE
 from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_about
 from doormill_ros.toolpath.errors import ToolFitError
 from doormill_ros.toolpath.operation import Operation, from_longest_line
+from doormill_ros.toolpath.pace import eased
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.units import deg_to_rad, m_to_mm
 
 STEPOVER = 0.8  #: of the tool diameter; below 0.85 no wood is left in the corners of square rings
+#: Of the tool radius: corners of clearing contours. With the stepover s no wood is left between two of them up to
+#: (1 + sqrt(2) / 2 - 2 s) / (1 - sqrt(2) / 2) = 0.365.
+CORNER = 0.35
 LEAD_RADIUS = 0.5  #: of the tool radius
 LEAD_ROOM = 0.5  #: of the width inside the path; in a round hole half of it ends farthest from the wall
 SHORTEST_LEAD = 2e-4  #: below this radius there is no room to lead in on an arc [m]
+AHEAD = 4.0  #: of the lead radius: where a wall pass begins behind another contour
 CLOSING = 0.005  #: how far the wall pass runs past its start, so that no mark stays [m]
 ABOVE_FLOOR = 0.002  #: where the way down changes from rapid to plunge feed [m]
 SMALLEST_CHORD = 1e-4  #: a MoveC needs more than this from its start to its circle point [m]
@@ -73,6 +79,7 @@ class _Pocket:
     def __init__(self, operation: Operation, settings: PathSettings) -> None:
         self.operation = operation
         self.feature = operation.feature
+        self.settings = settings
         self.approach = settings.approach
         self.radius = self.feature.tool.radius
         self.half = min(self.feature.shape.width, self.feature.shape.length) / 2.0
@@ -114,10 +121,13 @@ class _Pocket:
         if finish:
             self._contour(self.radius, depth, floor, wall=True)
         self._retract(depth)
-        return self.result
+        return eased(self.result, self.radius, self.settings)
 
     def _contour(self, inset: float, depth: float, floor: float, wall: bool) -> None:
-        pieces = from_longest_line(self.operation.contour(inset, depth))
+        corner = 0.0 if wall else CORNER * self.radius
+        # Behind another contour the way in lies ahead: the tool need not turn back for it.
+        ahead = AHEAD * (self._lead_radius(inset) or 0.0) if wall and self.result else 0.0
+        pieces = from_longest_line(self.operation.contour(inset, depth, corner), ahead)
         pieces = [part for curve, name in pieces for part in _followable(curve, name)]
         start, tangent = pieces[0][0].start, pieces[0][0].tangent(0.0)
         lead = self._lead(start, tangent, inset) if wall else None
@@ -153,7 +163,7 @@ class _Pocket:
             last = curve if curve.length <= left else curve.part(0.0, left / curve.length)
             self._cut(last, None, True)
             left -= last.length
-            if left < SMALLEST_CHORD:
+            if left < max(SMALLEST_CHORD, self.feed * self.settings.correction.segment_time):
                 break
         return last
 
@@ -199,25 +209,34 @@ class _Pocket:
     ) -> None:
         if self.result and np.linalg.norm(end - self.at) < 1e-9:
             return
-        wrench = self.feature.wrench(name) if cutting else np.zeros(6)
         self.result.append(
             self.pattern.changed(
                 curve=Line(self.at, end),
                 speed=speed or self.feed,
                 zone=zone,
                 cutting=cutting,
-                wrench_tool=wrench,
+                **self._load(name if cutting else None),
             )
         )
         self.at = end
 
     def _cut(self, curve: Curve, name: str | None, wall: bool) -> None:
         kind = MotionKind.CIRCULAR if curve.is_arc else MotionKind.LINEAR
-        wrench = np.zeros(6) if name is None else self.feature.wrench(name)
         self.result.append(
-            self.pattern.changed(kind=kind, curve=curve, cutting=True, wall=wall, wrench_tool=wrench)
+            self.pattern.changed(kind=kind, curve=curve, cutting=True, wall=wall, **self._load(name))
         )
         self.at = curve.end
+
+    def _load(self, name: str | None) -> dict[str, Any]:
+        """What the recipe says of the force on a segment; None for a cut under none."""
+        if name is None:
+            return {}
+        feature = self.feature
+        return {
+            "wrench_tool": feature.wrench(name),
+            "std_tool": feature.wrench_std(name),
+            "bounded": not feature.force_origin.measured,
+        }
 
     def _mark_corners(self) -> None:
         """Stop at sharp corners of the wall pass: a fly-by would leave wood in them."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -23,6 +24,8 @@ class Target:
         conf: RAPID configuration of `q`.
         wrench: Process wrench on the tool at the tool centre point, base axes, shape (6,) [N, N m].
         deflection: Predicted twist of the tool at the corrected pose, base axes, shape (6,) [m, rad].
+        expected_error: How far the tool is expected beside the nominal pose while it leaves a finished wall: what the
+            correction leaves, and one standard deviation of what springs and forces leave to chance [m]. 0 elsewhere.
     """
 
     name: str
@@ -32,6 +35,7 @@ class Target:
     conf: ConfData
     wrench: FloatArray
     deflection: FloatArray
+    expected_error: float = 0.0
 
 
 class MotionKind(str, Enum):
@@ -40,6 +44,7 @@ class MotionKind(str, Enum):
     JOINT = "MoveJ"
     LINEAR = "MoveL"
     CIRCULAR = "MoveC"
+    ABSOLUTE = "MoveAbsJ"
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,15 +52,16 @@ class Motion:
     """One motion instruction.
 
     Attributes:
-        kind: MoveJ, MoveL or MoveC.
-        target: Index into the program's targets where the motion ends.
+        kind: MoveJ, MoveL, MoveC or MoveAbsJ.
+        target: Index into the program's targets where the motion ends; of a MoveAbsJ into its points.
         via: Index of the circle point of a MoveC, None otherwise.
         speed: Tool centre point speed [m/s].
         zone: RAPID zone name: "fine", "z0", "z1", "z5", ... .
         feature: Identifier of the recipe feature, empty between features.
         cutting: True while the tool is in the wood.
-        wrench: Process wrench along the motion on the tool at the tool centre point, base axes,
+        wrench: Process wrench on the tool at the tool centre point where the motion begins, base axes,
             shape (6,) [N, N m]; zero when not cutting.
+        wrench_end: The same where it ends, evenly from the one to the other; None: it stays as it is.
         spindle_speed: Spindle speed during the motion [rad/s].
     """
 
@@ -68,6 +74,17 @@ class Motion:
     cutting: bool
     wrench: FloatArray = field(default_factory=lambda: np.zeros(6))
     spindle_speed: float = 0.0
+    wrench_end: FloatArray | None = None
+
+    @property
+    def last_wrench(self) -> FloatArray:
+        """Process wrench where the motion ends, base axes, shape (6,) [N, N m]."""
+        return self.wrench if self.wrench_end is None else self.wrench_end
+
+    def wrench_at(self, share: FloatArray) -> FloatArray:
+        """Process wrench at shares 0..1 of the way, base axes, shapes (n,) -> (n, 6) [N, N m]."""
+        wrench: FloatArray = self.wrench + share[:, None] * (self.last_wrench - self.wrench)
+        return wrench
 
 
 @dataclass(frozen=True)
@@ -78,13 +95,37 @@ class MillingProgram:
         door_id: Door the program was made for.
         recipe_version: Version of the recipe it was made from.
         targets: Targets in the order of the RAPID target file.
-        motions: Motions in the order of execution.
+        motions: Motions in the order of execution. The first one starts at home; after the last one the robot goes
+            home joint by joint.
+        points: Joint angles that MoveAbsJ passes between features, each of shape (6,) [rad].
+        home: Where the program begins and ends, shape (6,) [rad]; None in a program of targets alone.
+        escapes: For each of `features` its points of the way home from there. The first is the posture in front of
+            the feature, to which the tool is drawn straight back; after the last one comes home.
     """
 
     door_id: str
     recipe_version: int
     targets: tuple[Target, ...]
     motions: tuple[Motion, ...]
+    points: tuple[FloatArray, ...] = ()
+    home: FloatArray | None = None
+    escapes: tuple[range, ...] = ()
+
+    @functools.cached_property
+    def features(self) -> tuple[str, ...]:
+        """Identifiers of the features in the order of milling."""
+        return tuple(dict.fromkeys(motion.feature for motion in self.motions if motion.feature))
+
+    def q_after(self, motion: Motion) -> FloatArray:
+        """Joint angles at the end of one of the program's motions, shape (6,) [rad]."""
+        if motion.kind is MotionKind.ABSOLUTE:
+            return self.points[motion.target]
+        return self.targets[motion.target].q
+
+    @property
+    def expected_error(self) -> float:
+        """Largest expected error of any wall [m]."""
+        return max((target.expected_error for target in self.targets), default=0.0)
 
     @property
     def largest_correction(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from doormill_ros.robot.errors import (
     SingularityError,
     UnreachableError,
 )
+from doormill_ros.robot.inverse import BRANCHES
 from doormill_ros.toolpath.errors import (
     ConfigurationChangeError,
     PathError,
@@ -33,6 +34,8 @@ from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.stations import FRACTIONS, stations_along
 
 SPACING = 0.1  #: poses on a long way are at most this far apart [m]
+#: The same in the air, where the joints' ways from pose to pose are taken for straight as near as bodies may pass.
+AIR_SPACING = 0.025
 
 _MEANING: dict[type[RobotError], type[PathError]] = {
     UnreachableError: ReachError,
@@ -65,6 +68,7 @@ def joint_path(
     robot: Robot,
     T_flange_tool: FloatArray,
     settings: PathSettings,
+    branches: Iterable[int] = range(BRANCHES),
 ) -> JointPath:
     """Joint angles at every station, in one configuration between one MoveJ and the next.
 
@@ -74,6 +78,7 @@ def joint_path(
         robot: Whose joints.
         T_flange_tool: Tool centre point in the flange, shape (4, 4).
         settings: Margins.
+        branches: Branches (cfx) to choose from.
 
     Raises:
         ReachError: A target is out of reach.
@@ -89,7 +94,7 @@ def joint_path(
         limit_margin=checks.joint_margin, wrist=checks.wrist, elbow=checks.elbow, shoulder=checks.shoulder
     )
     try:
-        q = choose_branch(robot, T_base_flange, rules=rules, segment=leg[index])
+        q = choose_branch(robot, T_base_flange, rules=rules, segment=leg[index], branches=branches)
     except tuple(_MEANING) as error:
         at = int(index[int(error.data.get("pose", 0))])
         feature = next((s.feature for s in [*steps[at:], *steps[:at]] if s.feature), "")
@@ -105,7 +110,8 @@ def _dense(steps: Sequence[Step]) -> tuple[IntArray, FloatArray]:
     """Step and fraction of every pose: the stations, and more between them on long ways."""
     index, fraction = [], []
     for i, step in enumerate(steps):
-        parts = 4 * max(1, math.ceil(step.curve.length / SPACING / 4.0))
+        spacing = SPACING if step.cutting else AIR_SPACING
+        parts = 4 * max(1, math.ceil(step.curve.length / spacing / 4.0))
         if parts == 4 or step.kind is MotionKind.JOINT:
             fractions = FRACTIONS
         else:

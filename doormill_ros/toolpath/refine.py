@@ -14,10 +14,10 @@ from doormill_ros.toolpath.curve import Arc, Line
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import Correction
-from doormill_ros.toolpath.stations import FRACTIONS
+from doormill_ros.toolpath.stations import VIA
 
+STRAIGHT = 1e-9  #: sine of the angle at which three points stand on a line
 FLAT_ARC = 0.5  #: arcs flatter than this share of the largest step of the correction become lines
-BLEND_SAMPLES = 80  #: places in one blend at which its progress is looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,42 +35,55 @@ class Division:
     span: FloatArray
 
 
-def bends(correction: FloatArray, arc: BoolArray) -> FloatArray:
-    """How far the corrections along steps leave what a MoveL or MoveC interpolates.
+def bends(places: FloatArray, arc: BoolArray) -> FloatArray:
+    """How far the tool's places along steps lie beside the MoveL or MoveC through their ends and middles.
 
     Args:
-        correction: Translation from nominal to corrected pose at the stations, shape (m, k, 3) [m].
+        places: Where the tool has to be sent at the stations, shape (m, k, 3) [m].
         arc: True for steps with a circle point in the middle, shape (m,).
 
     Returns:
         Largest distance, shape (m,) [m].
     """
-    t = FRACTIONS[None, :, None]
-    first, middle, last = correction[:, :1], correction[:, 2:3], correction[:, -1:]
-    straight = first + t * (last - first)
-    round_ = straight + 4.0 * t * (1.0 - t) * (middle - 0.5 * (first + last))
-    follow = np.where(arc[:, None, None], round_, straight)
-    largest: FloatArray = np.linalg.norm(correction - follow, axis=-1).max(axis=1)
+    way = places - places[:, :1]
+    via, end = way[:, VIA], way[:, -1]
+    normal = np.cross(via, end)
+    square = np.einsum("mi,mi->m", normal, normal)[:, None]
+    bent = arc & (square[:, 0] > (STRAIGHT * np.einsum("mi,mi->m", end, end)) ** 2)
+    beside = np.linalg.norm(np.cross(way, _unit(end)[:, None]), axis=-1)
+    square = np.where(bent[:, None], square, 1.0)
+    centre = np.cross(normal, via) * np.einsum("mi,mi->m", end, end)[:, None]
+    centre = (centre + np.cross(end, normal) * np.einsum("mi,mi->m", via, via)[:, None]) / (2.0 * square)
+    arm = way - centre[:, None]
+    out = np.einsum("mki,mi->mk", arm, _unit(normal))
+    within = np.sqrt(np.maximum(np.einsum("mki,mki->mk", arm, arm) - out**2, 0.0))
+    round_ = np.hypot(within - np.linalg.norm(centre, axis=-1)[:, None], out)
+    largest: FloatArray = np.where(bent[:, None], round_, beside).max(axis=1)
     return largest
 
 
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Unit vectors, shape (m, 3); zero stays zero."""
+    unit: FloatArray = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-15)
+    return unit
+
+
 def divide(
-    steps: Sequence[Step], correction: FloatArray, settings: Correction, blend: bool = True
+    steps: Sequence[Step], correction: FloatArray, bend: FloatArray, settings: Correction, blend: bool
 ) -> Division:
     """Divide cuts, and spread their changes of wrench.
 
-    Where one segment of an outline follows another the wrench changes, and with it the
-    correction. The tool's engagement changes over about its radius, so the wrench is blended
-    over that length, in steps that move the correction by no more than the setting.
+    Where one segment of an outline follows another the wrench changes, and with it the correction. The tool's
+    engagement changes over about its radius, so the wrench goes evenly from the one to the other over that length.
+    No part becomes shorter than a controller can follow at its feed.
 
     Args:
         steps: The plan.
         correction: Translation of the correction at every station, shape (m, k, 3) [m].
+        bend: How far each step is from what a motion interpolates, see `bends`, shape (m,) [m].
         settings: Limits.
-        blend: Spread the changes of wrench too.
+        blend: Spread the changes of wrench, else divide where the correction bends.
     """
-    arc = np.array([step.curve.is_arc for step in steps])
-    bend = bends(correction, arc)
     new: list[Step] = []
     parent: list[int] = []
     span: list[tuple[float, float]] = []
@@ -85,91 +98,106 @@ def divide(
             span.append((0.0, 1.0))
             i += 1
             continue
-        for index, first, last, wrench in _divide_run(
-            steps[i:j], correction[i:j], bend[i:j], settings, blend
-        ):
-            for a, b, part in _stretches(steps[i + index], first, last, settings):
-                new.append(part.changed(wrench_tool=wrench))
+        run = steps[i:j]
+        parts = _blended(run, correction[i:j], settings) if blend else _straighter(run, bend[i:j], settings)
+        for index, first, last, part in parts:
+            for a, b, stretch in _stretches(part, first, last, settings):
+                new.append(stretch)
                 parent.append(i + index)
                 span.append((a, b))
         i = j
     return Division(tuple(new), np.array(parent), np.array(span))
 
 
-def _divide_run(
-    run: Sequence[Step], correction: FloatArray, bend: FloatArray, settings: Correction, blend: bool
-) -> list[tuple[int, float, float, FloatArray]]:
-    """One uninterrupted cut: (step, first, last, wrench) of every part."""
-    length = np.array([step.curve.length for step in run])
+Part = tuple[
+    int, float, float, Step
+]  #: number of the step, its first and last fraction, the step between them
+
+
+def _blended(run: Sequence[Step], correction: FloatArray, settings: Correction) -> list[Part]:
+    """One uninterrupted cut, divided where a change of wrench begins and ends.
+
+    The wall passes and what lies between them are blended apart: the way in is where the tool engages.
+    """
+    parts: list[Part] = []
+    load: FloatArray | None = None
+    for _, group in itertools.groupby(range(len(run)), key=lambda i: run[i].wall):
+        own = list(group)
+        more = _blended_group([run[i] for i in own], correction[own], settings)
+        if load is not None:  # no step in the correction
+            more[0] = (*more[0][:3], more[0][3].changed(wrench_tool=load))
+        parts += [(own[i], first, last, part) for i, first, last, part in more]
+        load = parts[-1][3].wrench_at(1.0)
+    return parts
+
+
+def _blended_group(group: Sequence[Step], correction: FloatArray, settings: Correction) -> list[Part]:
+    """Steps of a cut whose changes of wrench are spread over the length of a blend."""
+    length = np.array([step.curve.length for step in group])
     border = np.concatenate([[0.0], np.cumsum(length)])  # (m + 1,) [m]
-    jump = np.linalg.norm(correction[1:, 0] - correction[:-1, -1], axis=-1)  # (m - 1,)
-    changes = border[1:-1][jump > settings.step] if blend else np.zeros(0)
-    cuts = _blend_cuts(changes, _Blend(border, correction.mean(axis=1), settings.blend), settings)
-    wrench = _Blend(border, np.array([step.wrench_tool for step in run]), settings.blend)
-    cut_at: list[tuple[int, float, float]] = []
-    for i in range(len(run)):
-        inside = cuts[(cuts > border[i]) & (cuts < border[i + 1])] - border[i]
-        # A curved correction leaves its chord with the square of the length.
-        count = math.ceil(math.sqrt(bend[i] / settings.bend)) if bend[i] > settings.bend else 1
-        inside = np.concatenate([inside, length[i] * np.arange(1, count) / count])
-        at = _apart(np.sort(inside), length[i], settings.shortest)
-        cut_at += [(i, first, last) for first, last in itertools.pairwise(at)]
-    index, first, last = (np.array(column) for column in zip(*cut_at, strict=True))
-    middle = border[index] + 0.5 * (first + last)
-    near = np.abs(middle[:, None] - changes) < 0.5 * settings.blend  # (parts, changes)
-    blended = wrench.mean(border[index] + first, border[index] + last)
-    own = np.array([step.wrench_tool for step in run])[index]
-    load = np.where(near.any(axis=1)[:, None], blended, own)
-    share = 1.0 / length[index]
-    return list(zip(index.tolist(), (first * share).tolist(), (last * share).tolist(), load, strict=True))
+    jump = np.linalg.norm(correction[1:, 0] - correction[:-1, -1], axis=-1) > settings.step  # (m - 1,)
+    changes = np.concatenate([[False], jump, [False]])
+    wrench = _Blend(border, np.array([step.wrench_tool for step in group]), settings.blend)
+    parts: list[Part] = []
+    for i, step in enumerate(group):
+        cuts = _knots(step, changes[i : i + 2].tolist(), settings)
+        loads = wrench.at_places(border[i] + length[i] * np.array(cuts))
+        for k, (first, last) in enumerate(itertools.pairwise(cuts)):
+            part = step if len(cuts) == 2 else step.part(first, last)
+            parts.append((i, first, last, part.changed(wrench_tool=loads[k], wrench_end=loads[k + 1])))
+    return parts
 
 
-def _blend_cuts(changes: FloatArray, correction: _Blend, settings: Correction) -> FloatArray:
-    """Places at which the blended correction has moved on by one step, shape (n,) [m].
+def _knots(step: Step, changes: Sequence[bool], settings: Correction) -> list[float]:
+    """Fractions of a step, its ends included, between which its wrench changes evenly.
 
     Args:
-        changes: Places where segments with different loads meet [m].
-        correction: The correction of each segment, to be blended.
-        settings: Step and length of the blend.
+        step: The step.
+        changes: Whether the wrench changes where it begins, and where it ends.
+        settings: Length of a blend.
     """
-    if not len(changes):
-        return np.zeros(0)
-    window = settings.blend * (np.arange(BLEND_SAMPLES + 1) / BLEND_SAMPLES - 0.5)
-    s = np.unique(changes[:, None] + window)
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(correction.at_places(s), axis=0), axis=1))])
-    steps = np.floor(way / settings.step)
-    passed = s[1:][np.diff(steps) > 0]
-    return np.concatenate([changes - 0.5 * settings.blend, passed, changes + 0.5 * settings.blend])
+    length, half = step.curve.length, 0.5 * settings.blend
+    if length <= settings.blend or half < step.speed * settings.segment_time:
+        return [0.0, 1.0]  # short enough to be the blend itself
+    if all(changes) and length < 2.0 * settings.blend:
+        return [0.0, 0.5, 1.0]
+    begin, end = changes
+    return [0.0, *([half / length] if begin else []), *([1.0 - half / length] if end else []), 1.0]
+
+
+def _straighter(run: Sequence[Step], bend: FloatArray, settings: Correction) -> list[Part]:
+    """One uninterrupted cut, divided where its correction leaves what a motion interpolates."""
+    parts: list[Part] = []
+    for i, step in enumerate(run):
+        # A curved correction leaves its chord with the square of the length.
+        count = math.ceil(math.sqrt(bend[i] / settings.bend)) if bend[i] > settings.bend else 1
+        cuts = np.linspace(0.0, 1.0, max(1, min(count, _most(step, settings))) + 1)
+        for first, last in itertools.pairwise(cuts.tolist()):
+            parts.append((i, first, last, step if len(cuts) == 2 else step.part(first, last)))
+    return parts
+
+
+def _most(step: Step, settings: Correction) -> int:
+    """How many parts of a step a controller can follow at its feed."""
+    return int(step.curve.length / (step.speed * settings.segment_time))
 
 
 def _stretches(
-    step: Step, first: float, last: float, settings: Correction
+    part: Step, first: float, last: float, settings: Correction
 ) -> list[tuple[float, float, Step]]:
     """A part of a step, as lines where it is so flat an arc that its correction could bend it over."""
-    part = step if (first, last) == (0.0, 1.0) else step.part(first, last)
     curve = part.curve
     if not isinstance(curve, Arc) or curve.height > FLAT_ARC * settings.step:
         return [(first, last, part)]
-    count = max(1, math.ceil(math.sqrt(curve.height / settings.bend)))
-    cuts = np.linspace(0.0, 1.0, count + 1)
-    ends = curve.points(cuts)
+    count = max(1, min(math.ceil(math.sqrt(curve.height / settings.bend)), _most(part, settings)))
     lines = []
-    for k in range(count):
-        name, zone = (part.name, part.zone) if k == count - 1 else ("", "z0")
-        line = part.changed(
-            kind=MotionKind.LINEAR, curve=Line(ends[k], ends[k + 1]), name=name, via_name="", zone=zone
+    for a, b in itertools.pairwise(np.linspace(0.0, 1.0, count + 1).tolist()):
+        piece = part if count == 1 else part.part(a, b)
+        line = piece.changed(
+            kind=MotionKind.LINEAR, curve=Line(piece.curve.start, piece.curve.end), via_name=""
         )
-        lines.append((first + cuts[k] * (last - first), first + cuts[k + 1] * (last - first), line))
+        lines.append((first + a * (last - first), first + b * (last - first), line))
     return lines
-
-
-def _apart(inside: FloatArray, length: float, shortest: float) -> list[float]:
-    """Cuts along a step, its ends included, none closer to the next than allowed [m]."""
-    cuts = [0.0]
-    for cut in inside:
-        if cut - cuts[-1] >= shortest and length - cut >= shortest:
-            cuts.append(float(cut))
-    return [*cuts, length]
 
 
 class _Blend:
@@ -186,13 +214,6 @@ class _Blend:
     def at_places(self, s: FloatArray) -> FloatArray:
         """The blended quantity, shapes (...,) [m] -> (..., d)."""
         return (self._up_to(s + 0.5 * self.width) - self._up_to(s - 0.5 * self.width)) / self.width
-
-    def mean(self, first: FloatArray, last: FloatArray) -> FloatArray:
-        """Its mean between places, shapes (p,) [m] -> (p, d)."""
-        # Averages of a piecewise linear function: a few samples are close enough.
-        samples = first + (last - first) * ((np.arange(8) + 0.5) / 8.0)[:, None]  # (8, p)
-        mean: FloatArray = self.at_places(samples).mean(axis=0)
-        return mean
 
     def _up_to(self, s: FloatArray) -> FloatArray:
         return np.stack([np.interp(s, self.at, column) for column in self.integral.T], axis=-1)

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
+from doormill_ros.collision.world import Mill, PlacedDoor, World
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.robot.configuration import configuration_index
 from doormill_ros.robot.description import Robot
+from doormill_ros.robot.inverse import BRANCHES
 from doormill_ros.toolpath.clearance import check_air, check_holder
 from doormill_ros.toolpath.door_plan import door_plan
 from doormill_ros.toolpath.errors import (
     AirMoveError,
+    BodyContactError,
     ConfigurationChangeError,
+    NoWayError,
     PathError,
     PathJointLimitError,
     PathSingularityError,
@@ -23,6 +31,16 @@ from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan
 from doormill_ros.toolpath.reach import JointPath, joint_path
 from doormill_ros.toolpath.settings import PathSettings
+from doormill_ros.toolpath.ways import with_ways
+
+_CURABLE = (
+    PathSingularityError,
+    PathJointLimitError,
+    ConfigurationChangeError,
+    AirMoveError,
+    BodyContactError,
+    NoWayError,
+)
 
 
 def route(
@@ -37,7 +55,8 @@ def route(
 
     Straight ways close to the door are tried first. Where one leads through a singularity, or
     keeps the robot in a configuration that does not serve the next feature, the robot draws back
-    there and changes joint by joint.
+    there and changes joint by joint, farther where something would be touched, and goes by points of joint space where
+    that does not help. What cannot be served in one configuration without touching something is tried in others.
 
     Args:
         recipe: The door.
@@ -50,36 +69,66 @@ def route(
     Raises:
         PathError: The leaf says which feature cannot be served, and why.
     """
-    check_holder(operations, settings.approach)
-    retreats: dict[int, float] = {}
+    check_holder(operations, settings.approach, layout.clearance)
+    mill = Mill(settings.approach.nose, settings.approach.mill_radius)
+    size = np.array([recipe.thickness, recipe.width, recipe.height])
+    world = World(robot, layout, mill, PlacedDoor(size, T_base_door))
+    choice = _Choice()
     while True:
-        plan = door_plan(recipe, operations, settings, retreats)
+        plan = door_plan(recipe, operations, settings, choice.retreats, choice.free)
         check_size([step.feature for step in plan.steps], settings)  # before the costly part
+        path: JointPath | None = None
         try:
-            path = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings)
-            check_air(plan.steps, path, recipe.size, T_base_door, robot, layout, settings.approach)
-            return plan, path
-        except (PathSingularityError, PathJointLimitError, ConfigurationChangeError, AirMoveError) as error:
-            if plan.fixed or not _draw_back(retreats, error, operations, settings.approach.retreats):
-                raise
+            path = joint_path(plan.steps, T_base_door, robot, layout.T_flange_tool, settings, choice.branches)
+            check_air(plan.steps, path, world)
+            return with_ways(plan, path, operations, T_base_door, world, robot, layout, settings), path
+        except _CURABLE as error:
+            if path is not None and isinstance(error, BodyContactError | NoWayError):
+                first = choice.first = choice.first or error
+                used = configuration_index(robot, path.stations[:, -1])
+                choice.branches = tuple(b for b in choice.branches if b not in used)
+                if not choice.branches:
+                    raise first from None
+            elif plan.fixed or not choice.draw_back(error, operations, settings.approach.retreats):
+                raise choice.first or error from None
 
 
-def _draw_back(
-    retreats: dict[int, float], error: PathError, operations: Sequence[Operation], distances: Sequence[float]
-) -> bool:
-    """Note one more retreat that may help; False when there is none left to try."""
-    number = next((i for i, o in enumerate(operations) if o.feature.id == error.data.get("feature")), 0)
-    if isinstance(error, AirMoveError):
-        farther = [d for d in distances if d > retreats.get(number, 0.0)]
-        if farther:
-            retreats[number] = farther[0]
-        return bool(farther)
-    # Free the robot before the feature that it cannot serve, then after it, then anywhere.
-    around = [number, number + 1, *range(len(operations))]
-    free = [i for i in around if 0 < i < len(operations) and i not in retreats]
-    if free:
-        retreats[free[0]] = distances[0]
-    return bool(free)
+@dataclass(eq=False)
+class _Choice:
+    """What is tried next.
+
+    Attributes:
+        retreats: How far the robot draws back before an operation [m].
+        free: Operations to which it goes through joint space.
+        branches: Branches that have not failed.
+        first: Why the first choice of branches failed.
+    """
+
+    retreats: dict[int, float] = field(default_factory=dict)
+    free: set[int] = field(default_factory=set)
+    branches: tuple[int, ...] = tuple(range(BRANCHES))
+    first: PathError | None = None
+
+    def draw_back(
+        self, error: PathError, operations: Sequence[Operation], distances: Sequence[float]
+    ) -> bool:
+        """Note one more retreat that may help; False when there is none left to try."""
+        number = next((i for i, o in enumerate(operations) if o.feature.id == error.data.get("feature")), 0)
+        if isinstance(error, AirMoveError):
+            if not number or number in self.free:
+                return False
+            farther = [d for d in distances if d > self.retreats.get(number, 0.0)]
+            if farther and operations[number].side is operations[number - 1].side:
+                self.retreats[number] = farther[0]
+            else:
+                self.free.add(number)
+            return True
+        # Free the robot before the feature that it cannot serve, then after it, then anywhere.
+        around = [number, number + 1, *range(len(operations))]
+        free = [i for i in around if 0 < i < len(operations) and i not in self.retreats]
+        if free:
+            self.retreats[free[0]] = distances[0]
+        return bool(free)
 
 
 def check_size(features: Sequence[str], settings: PathSettings) -> None:

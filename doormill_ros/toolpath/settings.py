@@ -12,7 +12,7 @@ from doormill_ros.config import read
 from doormill_ros.frames import transform
 from doormill_ros.resources import resource
 from doormill_ros.toolpath.errors import PathSettingsError
-from doormill_ros.values import Count, Finite, Positive, Section, Vector3
+from doormill_ros.values import Count, Finite, NotNegative, Positive, Section, Vector3
 
 FORM = "config/toolpath.yaml"
 
@@ -26,21 +26,21 @@ class Approach(Section):
         edge_clearance: The same while the spindle swings from one side of the door to another [m].
         retreats: How far to draw back, one after the other, where the straight way close to the
             door is not possible [m].
-        rapid_speed: Speed in the air [m/s].
+        way_speed: Speed from home, between features and home again [m/s].
+        rapid_speed: Speed in the air in front of a feature [m/s].
         plunge_speed: Speed of the way down to the wood [m/s].
         nose: How far the mill reaches out of the spindle or its holder [m].
         mill_radius: Of the widest mill [m].
-        spindle_radius: Of spindle and holder [m].
     """
 
     clearance: Positive
     edge_clearance: Positive
     retreats: tuple[Positive, ...]
+    way_speed: Positive
     rapid_speed: Positive
     plunge_speed: Positive
     nose: Positive
     mill_radius: Positive
-    spindle_radius: Positive
 
 
 @dataclass(frozen=True)
@@ -49,19 +49,21 @@ class Correction(Section):
 
     Attributes:
         limit: Largest translation between nominal and corrected pose [m].
+        unmeasured: The same where nobody measured the force [m].
         tolerance: Accepted distance of the loaded tool from the nominal pose [m].
-        bend: A segment is divided where its correction bends by more [m].
+        bend: A segment is divided where it would leave its exact path by more [m].
         blend: Length over which the wrench of one segment becomes that of the next [m].
-        step: Largest step of the correction where the wrench changes [m].
-        shortest: No segment is divided below this length [m].
+        step: A change of wrench that moves the correction by more is blended [m].
+        segment_time: Shortest time of a motion at its feed [s].
     """
 
     limit: Positive
+    unmeasured: Positive
     tolerance: Positive
     bend: Positive
     blend: Positive
     step: Positive
-    shortest: Positive
+    segment_time: Positive
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,7 @@ class Checks(Section):
         elbow: Smallest angle of the forearm from in line with the lower arm [rad].
         shoulder: Smallest distance of the wrist centre from axis 1 [m].
         joint_speed_share: Allowed share of the joints' speed limits.
+        expected_error: Largest expected error of a wall [m].
     """
 
     targets: Count
@@ -85,24 +88,33 @@ class Checks(Section):
     elbow: Positive
     shoulder: Positive
     joint_speed_share: Positive
+    expected_error: Positive
 
 
 @dataclass(frozen=True)
 class Cycle(Section):
-    """Accelerations, and the times that appendix A.1 of the thesis allows.
+    """Times on the controller, and those that appendix A.1 of the thesis allows.
 
     Attributes:
         acceleration: Of the tool centre point [m/s^2].
-        joint_acceleration: Of the slowest joint of a MoveJ [rad/s^2].
+        joint_ramp: Time in which a joint reaches its largest speed [s].
+        stop: Coming to rest and setting off again [s].
+        spindle: From rest or one speed of the spindle to another [s].
+        reading: Reading and checking one line of the target file [s].
+        same_spindle: Spindle speeds that differ by a smaller share are one speed.
         hinges: All hinges of a door [s].
         hole_side: One handle hole from one side [s].
         lock_case: The lock case and its face plate [s].
-        probing: Finding the door [s].
+        probing: Finding the door, with the camera [s].
         total: One door from clamp to clamp [s].
     """
 
     acceleration: Positive
-    joint_acceleration: Positive
+    joint_ramp: Positive
+    stop: NotNegative
+    spindle: NotNegative
+    reading: NotNegative
+    same_spindle: NotNegative
     hinges: Positive
     hole_side: Positive
     lock_case: Positive

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.correction.loaded_robot import Loads
 from doormill_ros.frames import rotate_wrench
 from doormill_ros.toolpath.curve import points_of
 from doormill_ros.toolpath.plan import Step
@@ -24,11 +25,20 @@ class Stations:
 
     Attributes:
         T_base_tool: Nominal poses, shape (m, k, 4, 4).
-        wrench: Process wrench at the tool centre point, base axes, shape (m, 6) [N, N m].
+        wrench: Process wrench at the tool centre point, base axes, shape (m, k, 6) [N, N m].
+        spread: One standard deviation of each of its components along the tool's axes, written in base axes, shape
+            (m, 6, 6) [N, N m]: row after row an independent wrench.
+        bounded: Where nobody measured the wrench, shape (m,).
     """
 
     T_base_tool: FloatArray
     wrench: FloatArray
+    spread: FloatArray
+    bounded: BoolArray
+
+    def loads(self, step: IntArray, station: IntArray, direction: FloatArray) -> Loads:
+        """The loads at stations of steps, shape (n,) each, while the joints move in directions of shape (n, 6)."""
+        return Loads(self.wrench[step, station], direction, self.spread[step], self.bounded[step])
 
 
 def stations_of(steps: Sequence[Step], T_base_door: FloatArray) -> Stations:
@@ -43,8 +53,13 @@ def stations_of(steps: Sequence[Step], T_base_door: FloatArray) -> Stations:
     m, k = len(steps), len(FRACTIONS)
     poses = stations_along(steps, T_base_door, np.repeat(np.arange(m), k), np.tile(FRACTIONS, m))
     R_base_tool = T_base_door[:3, :3] @ np.array([s.R_door_tool for s in steps])  # (m, 3, 3)
-    wrench = rotate_wrench(R_base_tool, np.array([s.wrench_tool for s in steps]))
-    return Stations(poses.reshape(m, k, 4, 4), wrench)
+    first = rotate_wrench(R_base_tool, np.array([s.wrench_tool for s in steps]))[:, None]  # (m, 1, 6)
+    last = rotate_wrench(R_base_tool, np.array([s.wrench_at(1.0) for s in steps]))[:, None]
+    wrench = first + FRACTIONS[:, None] * (last - first)
+    std = np.array([s.std_tool for s in steps])[:, :, None] * np.eye(6)  # (m, 6, 6)
+    spread = rotate_wrench(R_base_tool[:, None], std)
+    bounded = np.array([s.bounded for s in steps])
+    return Stations(poses.reshape(m, k, 4, 4), wrench, spread, bounded)
 
 
 def stations_along(

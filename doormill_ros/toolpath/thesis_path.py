@@ -70,6 +70,8 @@ def _hinge(
             cutting=True,
             wall=True,
             wrench_tool=feature.wrench(segment),
+            std_tool=feature.wrench_std(segment),
+            bounded=not feature.force_origin.measured,
             spindle_speed=spindle,
             name=name,
             via_name=via,

@@ -1,86 +1,169 @@
-"""How long a program takes."""
+"""How long a program takes on the controller."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import inverse
 from doormill_ros.robot.description import Robot
-from doormill_ros.toolpath.program import MillingProgram, MotionKind
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.toolpath.arcs import circle
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind
 from doormill_ros.toolpath.settings import Cycle
+
+HOME_SPEED = 0.5  #: v500 of MoveHome in rapid/DoorCell.mod [m/s]
+WAY_SAMPLES = 21  #: places at which the tool's way on a joint motion is looked at
+JOINT_MOTIONS = (MotionKind.JOINT, MotionKind.ABSOLUTE)
 
 
 def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatArray:
-    """Time of every motion, shape (n,) [s].
+    """Time of every motion from home on, and last of all that of the way home, shape (n + 1,) [s].
 
-    The tool runs at its programmed speed and loses v / a at every full stop, half of it to each
-    of the motions beside it; a way too short for its speed takes 2 sqrt(l / a). A MoveJ takes its
-    slowest joint's time likewise. The way from home to the first target is left out: it depends
-    on the controller's program.
+    The tool speeds up and slows down with the acceleration along its path, between speeds that it has where one
+    motion follows another: 0 at a stop, else the lower of the two. A MoveJ or MoveAbsJ takes its slowest joint's time
+    likewise, no less than the tool's way at its speed. Each stop takes its time, and each change of the spindle speed
+    before a motion. A program that knows no home takes no time for the ways from and to it.
 
     Args:
         program: The program.
         robot: Joint speeds.
-        cycle: Accelerations.
+        cycle: Accelerations, and how long stops and changes of spindle speed take.
     """
-    times = np.zeros(len(program.motions))
-    stopped = True
-    for i, motion in enumerate(program.motions):
-        stops = motion.zone == "fine"
-        if i:
-            before = program.motions[i - 1].target
-            if motion.kind is MotionKind.JOINT:
-                move = np.abs(program.targets[motion.target].q - program.targets[before].q)
-                slow = move / robot.max_velocity
-                joint = int(slow.argmax())
-                times[i] = _stretch(move[joint], robot.max_velocity[joint], cycle.joint_acceleration, 2)
-            else:
-                ends = stopped + stops
-                times[i] = _stretch(_length(program, i), motion.speed, cycle.acceleration, ends)
-        stopped = stops or motion.kind is MotionKind.JOINT
+    n = len(program.motions)
+    times = np.zeros(n + 1)
+    if not n:
+        return times
+    motions = program.motions
+    stop = [_stops(program, i) for i in range(n)]
+    straight = [i for i in range(1, n) if motions[i].kind not in JOINT_MOTIONS]
+    lengths = {i: _length(program, i) for i in straight}
+    passed = _passed(program, lengths, stop, cycle.acceleration)
+    tool = _Tool(program, robot)
+    q, spindle = program.home, 0.0
+    for i, motion in enumerate(motions):
+        if i in lengths:
+            times[i] = _stretch(lengths[i], motion.speed, cycle.acceleration, passed[i], passed[i + 1])
+        elif motion.kind in JOINT_MOTIONS:
+            times[i] = tool.joint_time(q, program.q_after(motion), motion.speed, cycle)
+        times[i] += cycle.stop if stop[i] else 0.0
+        if motion.spindle_speed not in (0.0, spindle):
+            times[i] += cycle.spindle
+        q, spindle = program.q_after(motion), motion.spindle_speed
+    times[-1] = tool.joint_time(q, program.home, HOME_SPEED, cycle)
     return times
 
 
+def reading_time(program: MillingProgram, cycle: Cycle) -> float:
+    """How long the controller reads and checks the target file [s]."""
+    return cycle.reading * (len(program.targets) + len(program.motions) + len(program.points))
+
+
 def feature_times(program: MillingProgram, times: FloatArray) -> dict[str, float]:
-    """Time of each feature, the way to it included [s], in the order of milling.
+    """Time of each feature with the way to it from the one before [s], in the order of milling.
+
+    The start from home, with the spindle's, and the way home are of the whole door, as in appendix A.1 of the thesis.
 
     Args:
         program: The program.
-        times: Time of every motion, shape (n,) [s].
+        times: Time of every motion and of the way home, shape (n + 1,) [s].
     """
     result: dict[str, float] = {}
-    waiting = 0.0
-    for motion, time in zip(program.motions, times, strict=True):
+    waiting = -math.inf
+    for motion, time in zip(program.motions, times[:-1], strict=True):
         waiting += float(time)
         if motion.feature:
-            result[motion.feature] = result.get(motion.feature, 0.0) + waiting
+            result[motion.feature] = result.get(motion.feature, 0.0) + max(
+                waiting, float(time) if result else 0.0
+            )
             waiting = 0.0
     return result
 
 
-def _stretch(length: float, speed: float, acceleration: float, ends: int) -> float:
-    """Time of a way with this many of its two ends at rest."""
+@dataclass(frozen=True, eq=False)
+class _Tool:
+    """The tool on joint motions."""
+
+    program: MillingProgram
+    robot: Robot
+
+    def joint_time(
+        self, start: FloatArray | None, end: FloatArray | None, speed: float, cycle: Cycle
+    ) -> float:
+        """Time of a joint motion from rest to rest [s]; 0 where an end is not known."""
+        if start is None or end is None:
+            return 0.0
+        move = np.abs(end - start)
+        slowest = max(
+            _stretch(float(turn), float(most), float(most) / cycle.joint_ramp, 0.0, 0.0)
+            for turn, most in zip(move, self.robot.max_velocity, strict=True)
+        )
+        return max(slowest, _stretch(self._way(start, end), speed, cycle.acceleration, 0.0, 0.0))
+
+    def _way(self, start: FloatArray, end: FloatArray) -> float:
+        """Length of the tool's way [m]."""
+        if not self.program.targets:
+            return 0.0
+        first = self.program.targets[0]
+        kinematics = Kinematics(self.robot)
+        T_flange_tool = inverse(kinematics.forward(first.q)) @ first.T_base_tool_corrected
+        q = start + np.linspace(0.0, 1.0, WAY_SAMPLES)[:, None] * (end - start)
+        places = (kinematics.forward(q) @ T_flange_tool)[:, :3, 3]
+        return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+
+
+def _stops(program: MillingProgram, index: int) -> bool:
+    """Whether the robot comes to rest behind a motion: programmed, or because RAPID has to know where it is."""
+    if index + 1 == len(program.motions):
+        return True
+    motion, after = program.motions[index], program.motions[index + 1]
+    if motion.zone == "fine" or motion.spindle_speed != after.spindle_speed:
+        return True
+    return _is_way(motion) or _is_way(after) or motion.feature != after.feature
+
+
+def _is_way(motion: Motion) -> bool:
+    return not motion.feature or motion.kind in JOINT_MOTIONS
+
+
+def _passed(
+    program: MillingProgram, lengths: dict[int, float], stop: list[bool], acceleration: float
+) -> FloatArray:
+    """Speed at the beginning of every motion and at the end of the last one, shape (n + 1,) [m/s]."""
+    n = len(program.motions)
+    passed = np.zeros(n + 1)
+    for i in range(1, n):
+        if not stop[i - 1] and i in lengths and i - 1 in lengths:
+            passed[i] = min(program.motions[i - 1].speed, program.motions[i].speed)
+    for i in range(n):
+        reached = math.sqrt(passed[i] ** 2 + 2.0 * acceleration * lengths.get(i, 0.0))
+        passed[i + 1] = min(passed[i + 1], reached)
+    for i in reversed(range(n)):
+        passed[i] = min(passed[i], math.sqrt(passed[i + 1] ** 2 + 2.0 * acceleration * lengths.get(i, 0.0)))
+    return passed
+
+
+def _stretch(length: float, speed: float, acceleration: float, begin: float, end: float) -> float:
+    """Time of a way that is entered and left at given speeds, no higher than that on it."""
     if length <= 0.0:
         return 0.0
-    if ends == 2 and length < speed**2 / acceleration:
-        return 2.0 * math.sqrt(length / acceleration)
-    return length / speed + 0.5 * ends * speed / acceleration
+    highest = math.sqrt(acceleration * length + 0.5 * (begin**2 + end**2))
+    if highest <= speed:
+        return (2.0 * highest - begin - end) / acceleration
+    ramps = (2.0 * speed**2 - begin**2 - end**2) / (2.0 * acceleration)
+    return (2.0 * speed - begin - end) / acceleration + (length - ramps) / speed
 
 
 def _length(program: MillingProgram, index: int) -> float:
     """Length of a MoveL or MoveC on the nominal path [m]."""
-    motion = program.motions[index]
-    start = program.targets[program.motions[index - 1].target].T_base_tool_nominal[:3, 3]
+    motion, before = program.motions[index], program.motions[index - 1]
+    if before.kind is MotionKind.ABSOLUTE:
+        return 0.0
+    start = program.targets[before.target].T_base_tool_nominal[:3, 3]
     end = program.targets[motion.target].T_base_tool_nominal[:3, 3]
     if motion.via is None:
         return math.dist(start, end)
-    via = program.targets[motion.via].T_base_tool_nominal[:3, 3]
-    a, b = math.dist(start, via), math.dist(via, end)
-    # Law of cosines at the circle point gives half the arc that lies opposite.
-    cosine = (a * a + b * b - math.dist(start, end) ** 2) / (2.0 * a * b)
-    corner = math.acos(min(1.0, max(-1.0, cosine)))
-    if math.pi - corner < 1e-6:
-        return a + b
-    return (math.pi - corner) * math.dist(start, end) / math.sin(corner)
+    return circle(start, program.targets[motion.via].T_base_tool_nominal[:3, 3], end)[0]

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.correction.compensate import MAX_ITERATIONS, compensate
-from doormill_ros.correction.loaded_robot import LoadedRobot
+from doormill_ros.correction.loaded_robot import LoadedRobot, certain
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
@@ -53,7 +53,7 @@ def loaded_pose(bench, q, wrench):
 def test_loaded_tool_is_back_on_the_nominal_pose(bench):
     q, wrench = perturbed(100), loads(100)
     T = bench.kinematics.forward(q) @ bench.T_flange_tool
-    found = bench.corrected(T, q, wrench, np.zeros((100, 6)))
+    found = bench.corrected(T, q, certain(wrench, np.zeros((100, 6))))
     assert found.iterations <= 5
     worst = 0.0
     for k in range(100):
@@ -73,7 +73,7 @@ def test_one_mirrored_step_would_not_do(bench):
     q, wrench = POSTURES[:1], 3.0 * WRENCH[None]
     T = bench.kinematics.forward(q) @ bench.T_flange_tool
     d = bench.model.deflection(q, wrench, bench.load_point)
-    found = bench.corrected(T, q, wrench, np.zeros((1, 6)))
+    found = bench.corrected(T, q, certain(wrench, np.zeros((1, 6))))
     exact = T[0, :3, 3] - found.T_base_tool[0, :3, 3]
     assert np.linalg.norm(exact - d[0, :3]) > 1e-7
     assert np.linalg.norm(exact - d[0, :3]) < 2e-5
@@ -90,7 +90,7 @@ def test_agrees_with_a_general_root_finder(bench, row):
         return np.concatenate([position - T[:3, 3], turn])
 
     expected = fsolve(missing, q, xtol=1e-13)
-    found = bench.corrected(T[None], q[None], wrench[None], np.zeros((1, 6)))
+    found = bench.corrected(T[None], q[None], certain(wrench[None], np.zeros((1, 6))))
     assert found.q[0] == pytest.approx(expected, abs=2e-6)
     assert np.abs(expected - q).max() > 1e-4
 
@@ -99,7 +99,7 @@ def test_a_shared_target_is_corrected_for_the_mean_of_its_loads(bench):
     q = POSTURES[2:3]
     T = bench.kinematics.forward(q) @ bench.T_flange_tool
     wrench = np.stack([WRENCH, -0.4 * WRENCH])
-    found = bench.corrected_for_all(T, q, np.array([0, 0]), wrench, np.zeros((2, 6)))
+    found = bench.corrected_for_all(T, q, np.array([0, 0]), certain(wrench, np.zeros((2, 6))))
     for one, sign in ((wrench[0], 1.0), (wrench[1], -1.0)):
         position, _ = loaded_pose(bench, found.q[0], one)
         half = bench.model.deflection(found.q, (wrench[:1] - wrench[1:]) / 2, bench.load_point)[0, :3]
@@ -120,7 +120,7 @@ def test_direction_of_motion_reaches_the_model(bench):
     T = bench.kinematics.forward(q) @ bench.T_flange_tool
     direction = np.zeros((3, 6))
     direction[:, 0] = [-1, 0, 1]
-    found = one_way.corrected(T, q, np.zeros((3, 6)), direction)
+    found = one_way.corrected(T, q, certain(np.zeros((3, 6)), direction))
     step = found.T_base_tool[:, :3, 3] - T[:, :3, 3]
     assert step == pytest.approx(np.array([[0, 0, 0], [0, 0, 0], [0, -1e-4, 0]]), abs=1e-6)
 
@@ -146,7 +146,7 @@ def test_a_step_without_solution_ends_at_it_and_says_so(bench):
 def test_many_targets_at_once_are_the_same_as_one_by_one(bench):
     q, wrench = perturbed(12, seed=6), loads(12, seed=7)
     T = bench.kinematics.forward(q) @ bench.T_flange_tool
-    together = bench.corrected(T, q, wrench, np.zeros((12, 6)))
+    together = bench.corrected(T, q, certain(wrench, np.zeros((12, 6))))
     for k in range(12):
-        alone = bench.corrected(T[k : k + 1], q[k : k + 1], wrench[k : k + 1], np.zeros((1, 6)))
+        alone = bench.corrected(T[k : k + 1], q[k : k + 1], certain(wrench[k : k + 1], np.zeros((1, 6))))
         assert together.q[k] == pytest.approx(alone.q[0], abs=1e-8)

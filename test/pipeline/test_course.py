@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,12 +19,14 @@ from doormill_ros.abb.link_errors import (
     MillingFaultError,
 )
 from doormill_ros.abb.target_file.target_file import check_handover, read_target_file, render_target_file
-from doormill_ros.cell.errors import RunCanceledError, StageTimeoutError
+from doormill_ros.cell.errors import NodeDeadError, OutOfToleranceError, RunCanceledError, StageTimeoutError
+from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.run import Clock, Run, StageLimits
-from doormill_ros.pipeline.course import Course, RunEnd
+from doormill_ros.pipeline.course import Course
 from doormill_ros.pipeline.partners import RecipeAnswer
 from doormill_ros.pipeline.plan import load_setup, plan
+from doormill_ros.pipeline.run_end import RunEnd
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.toolpath.program import MillingProgram, Target
 from support.memory_transport import MemoryTransport
@@ -32,7 +34,9 @@ from support.memory_transport import MemoryTransport
 DOOR = "thesis_190_0deg"
 EPOCH = 1.7e9  # s, wall clock at monotonic 0
 TURN = 0.25  # s by which the world moves on whenever the run looks at the clock
-LIMITS = StageLimits(recipe=3.0, picture=4.0, targets=5.0, request=6.0, ready=7.0, read=8.0, milling=9.0)
+LIMITS = StageLimits(
+    recipe=3.0, picture=4.0, targets=5.0, request=6.0, ready=7.0, read=8.0, milling=9.0, inspection=10.0
+)
 
 
 @dataclass
@@ -80,6 +84,12 @@ class World:
         self.read: bytes = b""
         self.heard: dict[str, float] = {}
         self.ready = True
+        self.pictured = 0.0
+        self.present = False
+        self.inspection: MeasuredDoor | None = None
+        self.inspected_after = 3  # looks
+        self.dead: set[str] = set()
+        self.unsettled = 0  # looks
 
     def mill(self) -> RunEnd:
         """Take the door through the course."""
@@ -87,7 +97,7 @@ class World:
             self.transport, self.tick, self.timeouts, check=check_handover, on_change=self._entered
         )
         self.handshake.on_start()
-        return Course(self.run, self, self, LIMITS, self._tell).mill()
+        return Course(self.run, self, self, self, self, LIMITS, self._tell).mill()
 
     def _entered(self, snapshot: HandshakeSnapshot) -> None:
         self.entered[snapshot.state.value] = snapshot.since
@@ -116,7 +126,9 @@ class World:
     def _stage(self, name: str, answer: Answer, may: bool) -> None:
         if may and name not in self.absent and name not in self.heard:
             self.heard[name] = EPOCH + self.now
-            self.run.deliver(name, answer, EPOCH + self.now - 0.1)
+            if name == "localization":
+                self.pictured = EPOCH + self.now - 0.1
+            self.run.deliver(name, answer, self.pictured)
 
     def _controller(self) -> None:
         told = {stage for stage, _ in self.told}
@@ -141,6 +153,20 @@ class World:
         data = render_target_file(replace(self.program, targets=targets.targets), self.run.run_id)
         self.handshake.submit(self.run.run_id, DOOR, data, request_number)
         return data
+
+    @property
+    def settled(self) -> bool:
+        self.unsettled -= 1
+        return self.unsettled < 0
+
+    def require(self, names: Sequence[str]) -> None:
+        for name in self.dead & set(names):
+            raise NodeDeadError(f"/{name} is dead")
+
+    def found(self, run_id: str) -> MeasuredDoor | None:
+        assert run_id == "run-1"
+        self.inspected_after -= 1
+        return self.inspection if self.inspected_after < 0 else None
 
     def file_away(self, run_id: str, data: bytes) -> Path:
         path = self.folder / f"{run_id}.txt"
@@ -337,3 +363,130 @@ def test_what_is_no_refusal_is_left_to_the_caller(world: World) -> None:
     world.folder = world.folder / "away"
     with pytest.raises(FileNotFoundError):
         world.mill()
+
+
+def test_a_door_that_was_measured_says_how_far_off_it_is(world: World) -> None:
+    world.present, world.inspection = True, MeasuredDoor("hinge_1", 0.31e-3, 0.5e-3)
+    end = world.mill()
+    assert (end.success, end.milled, end.error_code, end.inspection) == (True, True, 0, world.inspection)
+    assert end.message.endswith("; hinge_1 is 0.31 mm off where 0.50 mm are allowed")
+
+
+@pytest.mark.parametrize(("deviation", "words"), [(1.6e-3, "1.60 mm"), (float("nan"), "nan mm")])
+def test_a_door_beyond_its_tolerance_is_no_success(world: World, deviation: float, words: str) -> None:
+    world.present, world.inspection = True, MeasuredDoor("lock_case", deviation, 0.5e-3)
+    end = world.mill()
+    assert (end.success, end.milled, end.error_code) == (False, True, OutOfToleranceError.code)
+    assert f"milled, out of tolerance, lock_case is {words} off where 0.50 mm are allowed" in end.message
+    # It was milled: the file that did it is evidence.
+    assert Path(end.target_file).read_bytes() == world.read
+    assert end.sha256 == hashlib.sha256(world.read).hexdigest()
+
+
+def test_a_door_that_nobody_measures_is_not_called_good(world: World) -> None:
+    world.inspection = MeasuredDoor("hinge_1", 0.0, 0.5e-3)
+    world.inspected_after = 1000
+    end = world.mill()
+    assert end.success
+    assert not end.inspection.measured
+    assert end.message.endswith("; not measured")
+
+
+@pytest.mark.parametrize("leaves", [False, True], ids=["silent", "gone"])
+def test_a_door_is_not_measured_when_nobody_tells_of_it(world: World, leaves: bool) -> None:
+    world.present, world.inspected_after = True, 1000
+    begun: list[float] = []
+    tell = world._tell
+
+    def watch(stage: str, progress: float) -> None:
+        tell(stage, progress)
+        if progress == 1.0:
+            begun.append(world.now)
+            world.present = not leaves
+
+    world._tell = watch
+    end = world.mill()
+    assert (end.success, end.inspection) == (True, MeasuredDoor())
+    waited = world.now - begun[0]
+    assert waited < 1.0 if leaves else LIMITS.inspection <= waited < LIMITS.inspection + 1.0
+
+
+@pytest.mark.parametrize(
+    ("stage", "node", "absent"),
+    [
+        ("recipe", "recipe_database", "recipe"),
+        ("recipe", "controller_simulator", "request"),
+        ("picture", "door_localizer", "localization"),
+        ("picture", "path_generator", "localization"),
+        ("pose", "path_generator", "targets"),
+        ("ready", "controller_simulator", "read"),
+        ("milling", "controller_simulator", "milling"),
+    ],
+)
+def test_a_dead_node_ends_the_run_before_the_stages_limit(
+    world: World, stage: str, node: str, absent: str
+) -> None:
+    died: list[float] = []
+
+    def die() -> None:
+        died.append(world.now)
+        world.dead.add(node)
+        world.absent.add(absent)
+
+    world.at[stage] = die
+    assert_refused(world.mill(), NodeDeadError.code, f"/{node} is dead")
+    assert world.now - died[0] < 1.0
+
+
+@pytest.mark.parametrize(("stage", "node"), [("pose", "door_localizer"), ("targets", "path_generator")])
+def test_a_node_that_has_done_its_part_is_not_missed(world: World, stage: str, node: str) -> None:
+    world.at[stage] = lambda: world.dead.add(node)
+    assert world.mill().success
+
+
+def test_nobody_is_asked_while_two_nodes_of_one_name_are_alive(world: World) -> None:
+    world.unsettled = 1000
+    assert_refused(world.mill(), StageTimeoutError.code, "two nodes of one name")
+    assert world.asked == 0
+
+
+@pytest.mark.parametrize("first", ["targets", "localization"])
+def test_targets_of_a_pose_that_was_found_for_another_run_do_not_count(world: World, first: str) -> None:
+    """A localizer that has not heard of the run yet finds the door before; its pose meets this run's recipe."""
+    wrong = replace(world.targets, largest_correction=9e-3)
+
+    def overtake() -> None:
+        # Of a picture of which no localization came under this run.
+        world.run.deliver("targets", wrong, EPOCH + world.now - 0.05)
+
+    if first == "targets":
+        require = world.require
+
+        def before(names: Sequence[str]) -> None:
+            overtake()
+            require(names)
+
+        world.require = before
+    else:
+        world.at["pose"] = overtake
+    end = world.mill()
+    assert end.success, end.message
+    assert end.largest_correction == 2e-3
+
+
+def test_targets_may_be_heard_of_before_the_localization_of_their_picture(world: World) -> None:
+    world.absent = {"localization", "targets"}
+
+    def both() -> None:
+        pictured = EPOCH + world.now
+        world.run.deliver("targets", world.targets, pictured)
+        world.run.deliver("localization", world.localization, pictured)
+
+    require = world.require
+
+    def swapped(names: Sequence[str]) -> None:
+        both()
+        require(names)
+
+    world.require = swapped
+    assert world.mill().success

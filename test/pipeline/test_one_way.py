@@ -32,7 +32,7 @@ INSIDE = {
         "nodes/door_localizer.py",  # works out what depends on the door's size before the picture comes
         "localization/sensors/one_camera.py",  # the camera as one sensor among others
         "localization/sensors/located.py",
-        "diagnosis/camera/run.py",  # judges the localizer itself, by pictures alone
+        "diagnosis/camera/kind.py",  # judges the localizer itself, by pictures alone
     },
 }
 

@@ -13,7 +13,6 @@ from doormill_ros.toolpath.drawing import draw_program, save_png
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
-from doormill_ros.toolpath.timing import motion_times
 from support.cycle import require_cycle
 
 
@@ -66,15 +65,17 @@ def test_wrong_model_shows_in_the_result(cell, standard):
 
 def test_motions_join_and_arcs_keep_the_limits(standard):
     _, _, program = standard
-    assert program.motions[0].kind is MotionKind.JOINT
+    first = next(m for m in program.motions if m.kind is not MotionKind.ABSOLUTE)
+    assert first.kind is MotionKind.JOINT
     names = [t.name for t in program.targets]
     assert len(set(names)) == len(names)
-    used = {m.target for m in program.motions} | {m.via for m in program.motions} - {None}
+    to_targets = [m for m in program.motions if m.kind is not MotionKind.ABSOLUTE]
+    used = {m.target for m in to_targets} | {m.via for m in to_targets} - {None}
     assert used == set(range(len(names)))
     for motion in program.motions:
         assert (motion.kind is MotionKind.CIRCULAR) == (motion.via is not None)
         assert motion.speed > 0.0
-        assert motion.zone in ("fine", "z0")
+        assert motion.zone in ("fine", "z0", "z1")
         if not motion.cutting:
             assert not motion.wrench.any()
         if motion.cutting:
@@ -141,42 +142,19 @@ def test_cycle_times_keep_appendix_a1(cell, standard, shared):
     assert require_cycle(checks) == max(c.time for c in checks) + 10.0
 
 
-def test_motion_times_are_length_over_speed_plus_stops(cell, standard):
-    """Against an integration of the same trapezoid, motion by motion."""
-    _, _, program = standard
-    cycle = load_settings().cycle
-    times = motion_times(program, cell.robot, cycle)
-    place = np.array([t.T_base_tool_nominal[:3, 3] for t in program.targets])
-    checked = 0
-    for i, m in enumerate(program.motions):
-        if i == 0 or m.kind is MotionKind.JOINT:
-            continue
-        before = program.motions[i - 1]
-        chord = np.linalg.norm(place[m.target] - place[before.target])
-        if m.kind is MotionKind.LINEAR and before.zone == "z0" and m.zone == "z0":
-            assert times[i] == pytest.approx(chord / m.speed)
-            checked += 1
-        if m.kind is MotionKind.CIRCULAR:
-            a = np.linalg.norm(place[m.via] - place[before.target])
-            b = np.linalg.norm(place[m.target] - place[m.via])
-            assert chord / m.speed < times[i] < 1.2 * (a + b) / m.speed + 2 * m.speed / cycle.acceleration
-        if m.kind is MotionKind.LINEAR and before.zone == m.zone == "fine" and chord > 0.2:
-            assert times[i] == pytest.approx(chord / m.speed + m.speed / cycle.acceleration)
-            checked += 1
-    assert checked > 50
-
-
 def test_checks_name_every_feature_and_its_margins(cell, standard):
     recipe, _, program = standard
     check = check_door(program, recipe, cell.robot)
     assert [f.feature for f in check.features] == [f.id for f in recipe.features]
     for row in check.features:
         targets = [program.targets[m.target] for m in program.motions if m.feature == row.feature]
-        assert row.wrist == pytest.approx(min(abs(math.sin(t.q[4])) for t in targets), rel=0.05, abs=0.3)
+        straight = min(math.asin(abs(math.sin(t.q[4]))) for t in targets)
+        assert row.wrist == pytest.approx(straight, rel=0.05, abs=0.01)
         assert 0.0 < row.correction <= 0.001
         assert row.joint_margin > math.radians(1.0) - 0.002
         assert row.feature in text_table(check)
-    assert sum(f.time for f in check.features) == pytest.approx(check.time, rel=0.05)
+    # The start from home, the way home, and reading the file are the door's.
+    assert 0.7 * check.time < sum(f.time for f in check.features) < check.time
 
 
 def test_play_is_corrected_with_the_direction_of_each_joint(cell, play):
@@ -216,8 +194,9 @@ def test_an_extended_model_file_is_accepted(cell, tmp_path):
         for p in (plain, extended)
     ]
     difference = np.linalg.norm(steps[1] - steps[0], axis=1)
-    # At most the whole gap at the 1.8 m that the tool stands from axis 1, and not nothing.
-    assert 2e-5 < difference.max() < 5.7e-5 * 1.9
+    # At most the whole gap at the way that the tool stands from axis 1, and not nothing.
+    far = max(np.hypot(*t.T_base_tool_corrected[:2, 3]) for t in plain.targets)
+    assert 2e-5 < difference.max() < 5.7e-5 * 1.03 * far
 
 
 def test_drawings(cell, standard, tmp_path):
@@ -239,7 +218,8 @@ def test_exaggeration_is_of_the_correction_alone(cell, standard):
     from doormill_ros.toolpath.drawing import _ways
 
     recipe, T_base_door, program = standard
-    cuts = [i for i, m in enumerate(program.motions) if i and m.kind is not MotionKind.JOINT]
+    joint_by_joint = (MotionKind.JOINT, MotionKind.ABSOLUTE)
+    cuts = [i for i, m in enumerate(program.motions) if i and m.kind not in joint_by_joint]
     assert {program.motions[i].feature for i in cuts} >= {feature.id for feature in recipe.features}
     for factor, pose in ((0.0, "T_base_tool_nominal"), (1.0, "T_base_tool_corrected")):
         for (points, feature, _), i in zip(_ways(program, T_base_door, factor), cuts, strict=True):

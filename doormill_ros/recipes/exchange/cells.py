@@ -20,7 +20,7 @@ from doormill_ros.recipes.recipe import SCHEMA, Recipe
 from doormill_ros.recipes.tool import Tool
 from doormill_ros.values import Section, keys, plain
 
-LISTS = ("wrench_n_nm.", "force_displacement_mm")
+LISTS = ("wrench_n_nm.", "force_displacement_mm", "forces.std_n_nm")
 TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 

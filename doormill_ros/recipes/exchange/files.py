@@ -41,9 +41,9 @@ def read_file(path: str | Path) -> list[Recipe]:
             raise UnreadableFile(f"{path}: no such file")
         recipes = read_xlsx(path)
     elif ending == ".txt":
-        recipes = [parse_thesis_text(decode(_bytes(path)), str(path), path.stem)]
+        recipes = [parse_thesis_text(decode(_bytes(path), str(path)), str(path), path.stem)]
     elif ending == ".csv":
-        recipes = parse_csv(decode(_bytes(path)), str(path))
+        recipes = parse_csv(decode(_bytes(path), str(path)), str(path))
     else:
         parse = parse_json if ending == ".json" else parse_yaml
         recipes = _documents(parse(read_text(path), str(path)), path)

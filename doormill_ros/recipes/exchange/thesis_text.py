@@ -69,12 +69,24 @@ FORCE_DEFAULT = {
     "bottom_turn": [-13.0, 2.0, -22.0, -1.0, 4.0, 0.0],
     "default": [0.0] * 6,
 }
+#: What is known of them, as in config/recipes: `doormill_ros.recipes.force_origin` says why.
+FORCE_ORIGIN = {
+    "model": "table",
+    "axes": "feature",
+    "measured": True,
+    "std_n_nm": [96.0, 12.0, 19.0, 1.0, 5.0, 2.0],
+    "source": "thesis, table 4.8, five-second means of appendix A.16",
+}
 WRENCH_POINT_DEFAULT = 208.0
 DENSITY_DEFAULT = 450.0  #: kg/m^3, softwood
 
 
-def decode(content: bytes) -> str:
+def decode(content: bytes, name: str) -> str:
     """Text of a file that Excel saved: UTF-8, UTF-16 ("Unicode text") or Windows-1252.
+
+    Args:
+        content: What is in the file.
+        name: Its name, for messages.
 
     Raises:
         UnreadableFile: Not text.
@@ -88,7 +100,9 @@ def decode(content: bytes) -> str:
     try:
         return content.decode("cp1252")
     except UnicodeDecodeError as error:
-        raise UnreadableFile(f"not a text file (byte {error.start}), save it as UTF-8 text") from error
+        raise UnreadableFile(
+            f"{name}: not a text file (byte {error.start}), save it as UTF-8 text"
+        ) from error
 
 
 def parse_thesis_text(text: str, name: str, door_id: str) -> Recipe:
@@ -160,13 +174,16 @@ def _hinges(rows: dict[str, list[str]], shared: dict[str, Any], name: str) -> li
     geometry = dict(zip(GEOMETRY_KEYS, sizes, strict=True))
     geometry["points"] = int(geometry["points"])
     shared["passes"] = {"depth_step_mm": geometry["depth_mm"], **shared.get("passes", {})}
-    forces = _variable_rows(rows, FORCE, name)
-    wrench = {label.lower().replace(" ", "_"): cells for label, cells in forces.items()}
+    wrenches = _variable_rows(rows, FORCE, name)
+    wrench = {label.lower().replace(" ", "_"): cells for label, cells in wrenches.items()}
     displacement = _variable_rows(rows, DISPLACEMENT, name)
     hinges = []
     for index, position in enumerate(positions, start=1):
         hinge = {"kind": "hinge_oblong", "id": f"hinge_{index}", "side": "front", "height_mm": position}
-        hinge |= {**geometry, **shared, "wrench_n_nm": wrench or FORCE_DEFAULT}
+        # Of other forces than table 4.8 the table says neither who measured them nor in which axes.
+        table = wrench or FORCE_DEFAULT
+        forces: dict[str, Any] = {"forces": FORCE_ORIGIN} if table == FORCE_DEFAULT else {}
+        hinge |= {**geometry, **shared, "wrench_n_nm": table, **forces}
         y, z = (displacement.pop(f"{index} {axis}", None) for axis in "YZ")
         if y is not None and z is not None and len(y) == len(z):
             hinge["force_displacement_mm"] = [list(pair) for pair in zip(y, z, strict=True)]
@@ -266,6 +283,11 @@ def format_thesis_text(recipe: Recipe) -> str:
     write(COUNT, [len(hinges)])
     write(POSITION, [hinge["height_mm"] for hinge in hinges])
     write(GEOMETRY, [first[key] for key in GEOMETRY_KEYS])
+    if first.get("forces") != (FORCE_ORIGIN if first.get("wrench_n_nm") == FORCE_DEFAULT else None):
+        raise NotExpressible(
+            f"the forces of door {recipe.door_id!r} have no place in the thesis' text table, allowed are those "
+            "of table 4.8 as the shipped doors have them, or other wrenches without 'forces'"
+        )
     for segment, cells in first["wrench_n_nm"].items():
         write(f"{FORCE} {segment.replace('_', ' ').title()}", cells)
     for index, hinge in enumerate(hinges, start=1):

@@ -10,9 +10,9 @@ from typing import Any
 
 from openpyxl import Workbook, load_workbook
 from openpyxl.cell import WriteOnlyCell
-from openpyxl.utils.exceptions import InvalidFileException
 from openpyxl.worksheet.worksheet import Worksheet
 
+from doormill_ros.errors import DoormillError
 from doormill_ros.recipes.errors import BadTable, UnreadableFile
 from doormill_ros.recipes.exchange.cells import Row, RowKind, recipes_of, rows_of
 from doormill_ros.recipes.exchange.csv_file import check_header
@@ -31,14 +31,20 @@ def read_xlsx(path: Path) -> list[Recipe]:
         FieldError: A recipe is wrong; the message says in which row.
     """
     try:
-        with zipfile.ZipFile(path) as archive:
-            size = sum(item.file_size for item in archive.infolist())
-        if size > MAX_BYTES:
-            raise UnreadableFile(f"{path}: unpacks to {size} bytes, allowed are {MAX_BYTES}")
-        book = load_workbook(path, read_only=True, data_only=True)
-    except (OSError, zipfile.BadZipFile, InvalidFileException, KeyError, ValueError, SyntaxError) as error:
-        reason = " ".join(str(error).split())
-        raise UnreadableFile(f"{path}: not an Excel workbook, {reason}") from error
+        rows = _unpacked(path)
+    except DoormillError:
+        raise
+    except Exception as error:  # archive, XML and number formats each let errors of their own through
+        raise UnreadableFile(f"{path}: not an Excel workbook, {error}") from error
+    return recipes_of(rows, str(path))
+
+
+def _unpacked(path: Path) -> list[Row]:
+    with zipfile.ZipFile(path) as archive:
+        size = sum(item.file_size for item in archive.infolist())
+    if size > MAX_BYTES:
+        raise UnreadableFile(f"{path}: unpacks to {size} bytes, allowed are {MAX_BYTES}")
+    book = load_workbook(path, read_only=True, data_only=True)
     rows: list[Row] = []
     try:
         for record, sheet in SHEETS.items():
@@ -47,7 +53,7 @@ def read_xlsx(path: Path) -> list[Recipe]:
             rows += _rows(book[sheet], record, str(path))
     finally:
         book.close()
-    return recipes_of(rows, str(path))
+    return rows
 
 
 def _rows(sheet: Any, record: RowKind, name: str) -> list[Row]:

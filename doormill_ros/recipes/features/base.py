@@ -11,10 +11,11 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import shift_wrench, transform
+from doormill_ros.frames import rotate_wrench, shift_wrench, transform
 from doormill_ros.recipes.cutting import Cutting, Direction, Passes
 from doormill_ros.recipes.door import R_DOOR_FEATURE, DoorSize, Side
 from doormill_ros.recipes.errors import UnknownReference, WrongType
+from doormill_ros.recipes.force_origin import ForceModel, ForceOrigin
 from doormill_ros.recipes.outline import Outline, RoundedRectangle
 from doormill_ros.recipes.quantities import (
     Choice,
@@ -77,9 +78,10 @@ class Feature(Section):
         cutting: Speed and feed.
         passes: Depth steps and finishing.
         direction: Climb or conventional milling.
-        wrench_table: Process wrench by segment, as measured.
+        wrench_table: Process wrench by segment; None where a model computes it.
         wrench_point: How far behind the tool centre point, along the tool axis, the wrenches of
             the table are given [m].
+        forces: What is known of the process force; None reads as a table in tool axes that nobody measured.
     """
 
     kind: ClassVar[str] = ""
@@ -94,8 +96,9 @@ class Feature(Section):
     cutting: Cutting
     passes: Passes
     direction: Direction = Direction.CLIMB
-    wrench_table: Annotated[WrenchTable, WrenchRows()]
+    wrench_table: Annotated[WrenchTable | None, WrenchRows()] = None
     wrench_point: Annotated[float, Quantity("mm", 0.0, 1000.0)] = 0.0
+    forces: ForceOrigin | None = None
 
     @property
     def shape(self) -> RoundedRectangle:
@@ -125,13 +128,14 @@ class Feature(Section):
         """True when the feature comes out on the other side."""
         return False
 
-    def outline(self, inset: float = 0.0) -> Outline:
+    def outline(self, inset: float = 0.0, corner: float = 0.0) -> Outline:
         """The contour in the feature's xy plane, in climb order.
 
         Args:
             inset: How far inside the finished wall [m]; the tool radius gives the tool centre's path.
+            corner: Smallest radius of its corners, as far as there is room for it [m].
         """
-        return self.shape.inset(inset).outline(self.split_lines)
+        return self.shape.inset(inset).rounded(corner).outline(self.split_lines)
 
     def centre_height(self, door: DoorSize) -> float:
         """Height of the centre above the bottom edge [m]."""
@@ -149,12 +153,33 @@ class Feature(Section):
         }[self.side]
         return transform(R_DOOR_FEATURE[self.side], np.array(origin))
 
+    @property
+    def force_origin(self) -> ForceOrigin:
+        """What is known of the process force."""
+        return self.forces or ForceOrigin()
+
     def wrench(self, segment: str) -> FloatArray:
         """Wrench on the tool at the tool centre point, nominal tool axes, shape (6,) [N, N m].
 
-        A wrench known at p becomes M_tcp = M_p + (p - tcp) x F.
+        A wrench known at p becomes M_tcp = M_p + (p - tcp) x F. Zero where no table but a model gives it.
         """
-        return shift_wrench(self.wrench_table.get(segment), np.array([0.0, 0.0, self.wrench_point]))
+        if self.wrench_table is None:
+            return np.zeros(6)
+        at_tip = shift_wrench(self.wrench_table.get(segment), np.array([0.0, 0.0, self.wrench_point]))
+        return rotate_wrench(self.force_origin.axes.R_tool_axes, at_tip)
+
+    def wrench_std(self, segment: str) -> FloatArray:
+        """Standard deviations of `wrench` along nominal tool axes, shape (6,) [N, N m]."""
+        if self.wrench_table is None:
+            return np.zeros(6)
+        axes = self.force_origin.axes.R_tool_axes
+        spread = self.force_origin.spread(rotate_wrench(axes.T, self.wrench(segment)))
+        return rotate_wrench(np.abs(axes), spread)
+
+    @property
+    def computes_force(self) -> bool:
+        """True when the force follows from the wood that each cut removes."""
+        return self.force_origin.model is ForceModel.ENGAGEMENT
 
     @property
     def segment_names(self) -> tuple[str, ...]:

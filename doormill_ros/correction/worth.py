@@ -1,0 +1,108 @@
+"""How much of a predicted deflection a correction is worth, when springs and forces are known only so well.
+
+The deflection of n loads is a sum over springs, each of which is off by its standard deviation, and is linear in the
+force, each component of which is off by its own. To first order the deflection has the variance
+
+    sum over joints |J_j tau_j / K_j|^2 (s_j / K_j)^2  +  sum over components |A e_i s_i|^2,  A = J K^-1 J^T.
+
+A prediction d with the spread s is best corrected by the share 1 / (1 + (s / d)^2) of itself: of all shares of a figure
+that is off by s, this one leaves the smallest mean square. Where nobody measured the force its standard deviation is a
+guess too. There the correction moves the tool by no more than a bound, without turning it, so that it shifts a wall by
+no more than that bound whatever the truth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.kinematics import Kinematics
+
+UNSTATED = (
+    0.3  #: standard deviation of a spring of which the robot's description states none, as a share of it
+)
+
+
+@dataclass(frozen=True, eq=False)
+class DeflectionSpread:
+    """What is left to chance of the displacement of n loaded tools.
+
+    Attributes:
+        joints: By the spring of each joint, shape (n, 6) [m].
+        force: By the force, shape (n,) [m].
+    """
+
+    joints: FloatArray
+    force: FloatArray
+
+    @property
+    def total(self) -> FloatArray:
+        """Standard deviation of the displacement's length, shape (n,) [m]."""
+        variance: FloatArray = np.sum(self.joints**2, axis=1) + self.force**2
+        return np.sqrt(variance)
+
+
+@dataclass(frozen=True, eq=False)
+class Worth:
+    """Which share of a predicted deflection is corrected.
+
+    Attributes:
+        kinematics: Of the robot.
+        stiffness: Joint springs, shape (6,) [N m/rad].
+        relative: Standard deviation of each as a share of it, shape (6,).
+        bound: Largest correction where nobody measured the force [m].
+    """
+
+    kinematics: Kinematics
+    stiffness: FloatArray
+    relative: FloatArray
+    bound: float
+
+    def spread(
+        self, q: FloatArray, wrench: FloatArray, components: FloatArray, load_point: FloatArray
+    ) -> DeflectionSpread:
+        """First-order spread of the displacement of the load point.
+
+        Args:
+            q: Joint angles, shape (n, 6) [rad].
+            wrench: At the load point, base axes, shape (n, 6) [N, N m].
+            components: Standard deviations of the wrench as independent wrenches, base axes, shape (n, 6, 6) [N, N m].
+            load_point: In the flange frame, shape (3,) [m].
+        """
+        J = self.kinematics.jacobian(q, load_point)  # (n, 6, 6)
+        turn = np.einsum("nij,ni->nj", J, wrench) / self.stiffness  # (n, 6) [rad]
+        by_joint = np.linalg.norm(J[:, :3], axis=1) * np.abs(turn) * self.relative
+        turns = np.einsum("nij,nci->ncj", J, components) / self.stiffness
+        moved = np.einsum("nij,ncj->nci", J[:, :3], turns)  # (n, 6 components, 3) [m]
+        return DeflectionSpread(by_joint, np.sqrt(np.sum(moved**2, axis=(1, 2))))
+
+    def share(self, deflection: FloatArray, spread: DeflectionSpread, bounded: BoolArray) -> FloatArray:
+        """Share of the deflection's six components that is corrected, shape (n, 6).
+
+        Args:
+            deflection: Predicted twists, shape (n, 6) [m, rad].
+            spread: Of their displacements.
+            bounded: Where nobody measured the force, shape (n,).
+        """
+        size = np.maximum(np.linalg.norm(deflection[:, :3], axis=1), 1e-12)
+        share = 1.0 / (1.0 + (spread.total / size) ** 2)
+        share = np.where(bounded, np.minimum(share, self.bound / size), share)
+        turn = np.where(bounded, 0.0, share)
+        return np.concatenate(
+            [np.repeat(share[:, None], 3, axis=1), np.repeat(turn[:, None], 3, axis=1)], axis=1
+        )
+
+
+def worth_of(robot: Robot, bound: float) -> Worth:
+    """The worth of corrections of a robot.
+
+    Args:
+        robot: Springs and their standard deviations.
+        bound: Largest correction where nobody measured the force [m].
+    """
+    unstated = np.full_like(robot.stiffness, UNSTATED)
+    share = unstated if robot.stiffness_std is None else robot.stiffness_std / robot.stiffness
+    return Worth(Kinematics(robot), robot.stiffness, np.where(np.isnan(share), unstated, share), bound)

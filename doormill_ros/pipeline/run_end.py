@@ -1,0 +1,79 @@
+"""How a run ended, as far as it got."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from doormill_ros.cell.errors import OutOfToleranceError
+from doormill_ros.cell.inspection import OUT_OF_TOLERANCE, MeasuredDoor
+from doormill_ros.cell.summary import StageDurations
+from doormill_ros.units import m_to_mm, s_to_ms
+
+
+@dataclass
+class RunEnd:
+    """How a run ended; what it did not reach stays empty.
+
+    Attributes:
+        run_id: Which run.
+        door_id: Its door.
+        success: The door is milled, and within tolerance wherever it was measured.
+        milled: The robot milled it to its end, well or not.
+        error_code: Code of what ended it, 0 on success.
+        message: What happened; for a refusal what is wrong and what to do.
+        target_file: Path of the copy; empty after a refusal.
+        sha256: Of the target file; empty after a refusal.
+        recipe_version: Of the recipe that was milled.
+        largest_correction: Of the program [m].
+        inspection: How the door came out.
+        times: How long each stage took.
+    """
+
+    run_id: str
+    door_id: str
+    success: bool = False
+    milled: bool = False
+    error_code: int = 0
+    message: str = ""
+    target_file: str = ""
+    sha256: str = ""
+    recipe_version: int = 0
+    largest_correction: float = 0.0
+    inspection: MeasuredDoor = field(default_factory=MeasuredDoor)
+    times: StageDurations = field(default_factory=StageDurations)
+
+    def refuse(self, error_code: int, reason: str) -> None:
+        """The run came to nothing."""
+        self.success = False
+        self.error_code = error_code
+        self.message = f"door {self.door_id}: {reason}"
+        self.target_file = self.sha256 = ""
+
+    def mill(self, targets: int, data: bytes, path: Path, inspection: MeasuredDoor) -> None:
+        """The robot milled the door to its end; a success unless it was measured and found out of tolerance.
+
+        Args:
+            targets: How many the program has.
+            data: The target file.
+            path: Its copy.
+            inspection: How the door came out.
+        """
+        self.milled = True
+        self.inspection = inspection
+        self.target_file = str(path)
+        self.sha256 = hashlib.sha256(data).hexdigest()
+        self.success = not inspection.out_of_tolerance
+        if self.success:
+            self.message = (
+                f"door {self.door_id} milled: {targets} targets, largest correction "
+                f"{m_to_mm(self.largest_correction):.3f} mm, ready {s_to_ms(self.times.request_to_ready):.0f} ms "
+                f"after the request; {inspection.sentence}"
+            )
+        else:
+            self.error_code = OutOfToleranceError.code
+            self.message = (
+                f"door {self.door_id}: {OUT_OF_TOLERANCE}, {inspection.sentence}; find out what the model of the "
+                "robot gets wrong (diagnose) before the next door"
+            )

@@ -1,0 +1,139 @@
+"""Feeds and corners that a controller can follow: no motion too short in time, no bend too tight for its speed."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.toolpath.arcs import circle
+from doormill_ros.toolpath.curve import Arc
+from doormill_ros.toolpath.plan import Step
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind
+from doormill_ros.toolpath.settings import PathSettings
+from doormill_ros.units import deg_to_rad
+
+ZONES = {"z0": 0.3e-3, "z1": 1.0e-3}  #: radius of the controller's predefined zones [m]
+SMALLEST_MILL = 2.5e-3  #: of a smaller mill's radius a corner cut off by z1 could leave wood standing [m]
+EASY = deg_to_rad(5.0)  #: a corner up to this is passed at the feed
+REVERSAL = deg_to_rad(165.0)  #: beyond it the tool has to stop
+SLOWEST = 0.005  #: below this a corner is a stop anyway [m/s]
+SPARE = 0.98  #: the file rounds targets and speeds
+
+
+def eased(steps: Sequence[Step], mill_radius: float, settings: PathSettings) -> list[Step]:
+    """The steps of a feature, its corners in the wood flown by, no corner and no bend too tight for its speed.
+
+    A full stop leaves a burn mark. Corners of the finished wall keep theirs: a fly-by would leave wood in them.
+
+    Args:
+        steps: From in front of the feature and back.
+        mill_radius: Of the tool [m].
+        settings: Acceleration, and the shortest time of a motion.
+    """
+    steps = [step.changed(speed=_speed_on(step, settings)) for step in steps]
+    zone = "z1" if mill_radius >= SMALLEST_MILL else "z0"
+    begin, end = [math.inf] * len(steps), [math.inf] * len(steps)
+    for i, (a, b) in enumerate(itertools.pairwise(steps)):
+        if not (a.cutting or b.cutting):
+            continue
+        turn = _angle(a.curve.tangent(1.0), b.curve.tangent(0.0))
+        if turn < EASY or (a.wall and b.wall and a.zone == "fine"):
+            continue
+        legs = min(ZONES[zone], 0.5 * a.curve.length, 0.5 * b.curve.length)
+        speed = math.sqrt(SPARE * settings.cycle.acceleration * corner_radius(turn, legs))
+        if turn > REVERSAL or speed < SLOWEST:
+            steps[i] = a.changed(zone="fine")
+            continue
+        steps[i] = a.changed(zone=zone)
+        end[i] = begin[i + 1] = speed
+    return [
+        part
+        for step, b, e in zip(steps, begin, end, strict=True)
+        for part in _slower(step, b, e, zone, settings)
+    ]
+
+
+def paced(program: MillingProgram, settings: PathSettings) -> MillingProgram:
+    """The program with every feed lowered to what can be followed along its corrected targets."""
+    at = np.array([t.T_base_tool_corrected[:3, 3] for t in program.targets])
+    ways = [_way(program, i, at) for i in range(len(program.motions))]
+    shortest, acceleration = settings.correction.segment_time, SPARE * settings.cycle.acceleration
+    speed = [motion.speed for motion in program.motions]
+    for i, way in enumerate(ways):
+        if way is None:
+            continue
+        length, radius, _, leaving = way
+        speed[i] = min(speed[i], SPARE * length / shortest, math.sqrt(acceleration * radius))
+        motion, after = program.motions[i], ways[i + 1] if i + 1 < len(ways) else None
+        if after is None or motion.zone == "fine" or not (motion.cutting or program.motions[i + 1].cutting):
+            continue
+        legs = min(ZONES[motion.zone], 0.5 * length, 0.5 * after[0])
+        passed = math.sqrt(acceleration * corner_radius(_angle(leaving, after[2]), legs))
+        speed[i], speed[i + 1] = min(speed[i], passed), min(speed[i + 1], passed)
+    motions = (replace(m, speed=v) if v < m.speed else m for m, v in zip(program.motions, speed, strict=True))
+    return replace(program, motions=tuple(motions))
+
+
+def corner_radius(turn: float, legs: float) -> float:
+    """Smallest radius of the parabola on which a corner is flown by [m].
+
+    Args:
+        turn: Angle between the directions before and after [rad].
+        legs: How far before and after the corner the parabola begins and ends [m].
+    """
+    # A quadratic Bezier curve over legs of one length is bent most in its middle, by sin(t/2) / (legs cos(t/2)^2).
+    sine = math.sin(0.5 * turn)
+    return math.inf if sine < 1e-9 else legs * math.cos(0.5 * turn) ** 2 / sine
+
+
+def _speed_on(step: Step, settings: PathSettings) -> float:
+    """The feed, or what the bend and the length of a step allow [m/s]."""
+    if step.curve.length == 0.0:
+        return step.speed  # it only says where the feature begins
+    bend = step.curve.radius if isinstance(step.curve, Arc) else math.inf
+    quick = step.curve.length / settings.correction.segment_time
+    return min(step.speed, SPARE * quick, math.sqrt(SPARE * settings.cycle.acceleration * bend))
+
+
+def _slower(step: Step, begin: float, end: float, zone: str, settings: PathSettings) -> list[Step]:
+    """A step in parts, the first and the last of them no faster than given [m/s]."""
+    length, shortest = step.curve.length, settings.correction.segment_time / SPARE
+    ends = [max(2.0 * ZONES[zone], v * shortest) if v < step.speed else 0.0 for v in (begin, end)]
+    if not any(ends):
+        return [step]
+    if isinstance(step.curve, Arc) or sum(ends) + step.speed * shortest > length:
+        return [step.changed(speed=min(step.speed, begin, end))]
+    first, last = ends[0] / length, 1.0 - ends[1] / length
+    parts = [step.part(first, last)]
+    if ends[0]:
+        parts.insert(0, step.part(0.0, first).changed(speed=begin))
+    if ends[1]:
+        parts.append(step.part(last, 1.0).changed(speed=end))
+    return parts
+
+
+def _way(
+    program: MillingProgram, index: int, at: FloatArray
+) -> tuple[float, float, FloatArray, FloatArray] | None:
+    """Length and radius [m] of a MoveL or MoveC, and its unit directions at begin and end; None of any other."""
+    motion: Motion = program.motions[index]
+    if not index or motion.kind not in (MotionKind.LINEAR, MotionKind.CIRCULAR):
+        return None
+    before = program.motions[index - 1]
+    if before.kind is MotionKind.ABSOLUTE:
+        return None
+    start, end = at[before.target], at[motion.target]
+    if motion.via is not None:
+        return circle(start, at[motion.via], end)
+    length = math.dist(start, end)
+    direction = (end - start) / max(length, 1e-12)
+    return length, math.inf, direction, direction
+
+
+def _angle(a: FloatArray, b: FloatArray) -> float:
+    return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
