@@ -21,12 +21,27 @@ class StageRefusedError(CellError):
     code = 805
 
     def __init__(self, message: str, stage_code: int) -> None:
-        """Keep the node's sentence and code."""
+        """Keep the node's sentence and code; whoever answers with the error's code tells the node's."""
         super().__init__(message, stage_code=stage_code)
-        self.stage_code = stage_code
+        self.code = self.stage_code = stage_code
 
 
 CellBusyError = CellError.row("CellBusyError", 802, "Another door is being milled.")
 RunCanceledError = CellError.row("RunCanceledError", 803, "The run was canceled by whoever started it.")
 NodeInactiveError = CellError.row("NodeInactiveError", 804, "A node that the run needs is not active.")
+OutOfToleranceError = CellError.row(
+    "OutOfToleranceError", 807, "The door was milled, but a feature is beyond its tolerance."
+)
+NodeDeadError = CellError.row("NodeDeadError", 808, "A node that the run needs has died.")
+NodeDoubledError = CellError.row(
+    "NodeDoubledError",
+    809,
+    "Two nodes of one name are in one network and namespace, or two bridges on one controller.",
+)
+RunCutOffError = CellError.row(
+    "RunCutOffError", 810, "The bridge died or was ended in the middle of the run."
+)
+BadParameterError = CellError.row(
+    "BadParameterError", 811, "A node was started with a value that a parameter cannot have."
+)
 BadCellFile = CellError.row("BadCellFile", 806, "The cell's file lacks a key or is out of bounds.")

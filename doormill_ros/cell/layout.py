@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +11,11 @@ from pydantic import StrictBool
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.errors import BadCellFile
 from doormill_ros.config import read
-from doormill_ros.frames import rotation_x, transform
+from doormill_ros.frames import inverse, rotation_x, transform
 from doormill_ros.resources import resource
-from doormill_ros.values import Finite, Name, NotNegative, Section, Vector3
+from doormill_ros.robot.bodies import Body
+from doormill_ros.robot.description import Joints
+from doormill_ros.values import Finite, Name, NotNegative, Positive, Section, Vector3
 
 FORM = "config/cell.yaml"
 
@@ -53,6 +55,10 @@ class CellLayout:
         bottom_z: z of the door's bottom edge [m].
         limits: Accepted door offsets.
         T_flange_tool: Tool centre point in the flange, shape (4, 4).
+        home: Where every program begins and ends, shape (6,) [rad].
+        spindle: What is bolted to the flange, flange frame.
+        obstacles: What stands in the cell beside robot and door, base frame.
+        clearance: Kept between any two bodies that must not touch, outside the cut [m].
     """
 
     robot: str
@@ -61,6 +67,10 @@ class CellLayout:
     bottom_z: float
     limits: PlacementLimits
     T_flange_tool: FloatArray
+    home: FloatArray
+    spindle: tuple[Body, ...]
+    obstacles: tuple[Body, ...]
+    clearance: float
 
     def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> FloatArray:
         """Door frame in the base frame, shape (4, 4).
@@ -79,6 +89,15 @@ class CellLayout:
             ]
         )
         return transform(rotation_x(offset.rotation), origin)
+
+    def seen_from(self, T_base_other: FloatArray) -> CellLayout:
+        """The cell as another robot of the kind sees it, its tool and home the same.
+
+        Args:
+            T_base_other: The other robot's base frame, shape (4, 4).
+        """
+        T_other_base = inverse(T_base_other)
+        return replace(self, obstacles=tuple(body.mapped(T_other_base) for body in self.obstacles))
 
     def offset_of(self, T_base_door: FloatArray, width: float) -> DoorOffset:
         """The three free degrees of freedom of a door pose, shape (4, 4); inverse of `T_base_door`."""
@@ -103,11 +122,29 @@ class _Tool(Section):
 
 
 @dataclass(frozen=True, eq=False)
+class _Home(Section):
+    joints: Joints
+    source: Name
+    measured: StrictBool
+
+
+@dataclass(frozen=True, eq=False)
+class _Spindle(Section):
+    source: Name
+    measured: StrictBool
+    bodies: tuple[Body, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class _CellFile(Section):
     robot: Name
     fixture: _Fixture
     placement_limits: PlacementLimits
     tool: _Tool
+    home: _Home
+    spindle: _Spindle
+    obstacles: tuple[Body, ...]
+    clearance: Positive
 
 
 def load_layout(path: Path | None = None) -> CellLayout:
@@ -126,4 +163,8 @@ def load_layout(path: Path | None = None) -> CellLayout:
         bottom_z=content.fixture.bottom_z,
         limits=content.placement_limits,
         T_flange_tool=T_flange_tool,
+        home=content.home.joints,
+        spindle=content.spindle.bodies,
+        obstacles=content.obstacles,
+        clearance=content.clearance,
     )

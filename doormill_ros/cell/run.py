@@ -13,6 +13,9 @@ from typing import Any, Protocol, TypeVar
 from doormill_ros.cell.errors import CellBusyError, RunCanceledError, StageRefusedError
 from doormill_ros.cell.waiting import wait_until
 
+#: A stamp further ahead than this is no clock's doing [s].
+FUTURE = 1.0
+LOCALIZATION, TARGETS = "localization", "targets"
 REMEMBERED = 16  # runs that ended
 
 Value = TypeVar("Value")
@@ -34,6 +37,7 @@ class StageLimits:
     ready: float = 10.0
     read: float = 60.0
     milling: float = 600.0
+    inspection: float = 180.0
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,7 @@ class Run:
         run_id: Unique name.
         door_id: What is milled.
         clock: Its time.
+        require: Called while the run waits; raises when what it waits for cannot come any more.
         not_before: What comes of a picture taken earlier does not count [s since the epoch]: before the
             controller's request the door may not be clamped yet.
         times: Wall-clock time at which each stage was heard of [s since the epoch].
@@ -69,15 +74,23 @@ class Run:
     run_id: str
     door_id: str
     clock: Clock = field(default_factory=Clock)
+    require: Callable[[], None] = lambda: None
     not_before: float = float("inf")
     times: dict[str, float] = field(default_factory=dict)
     pictured: dict[str, float] = field(default_factory=dict)
     _heard: dict[str, Any] = field(default_factory=dict)
+    _localized: set[float] = field(default_factory=set)  # pictures of which the localizer told under this run
+    _early: dict[float, StageAnswer] = field(
+        default_factory=dict
+    )  # targets by pictures of which it did not yet
     _canceled: bool = False
     _changed: threading.Condition = field(default_factory=threading.Condition)
 
     def deliver(self, stage: str, answer: StageAnswer, pictured: float) -> None:
-        """Note the answer of a stage; the first one that belongs to the request counts.
+        """Note the answer of a stage; the first one that belongs to the request counts, and none from the future.
+
+        Targets count only with a localization of the same picture under this run: a pose has no run, and one that was
+        found for the door before may have met this run's recipe.
 
         Args:
             stage: Which stage.
@@ -85,15 +98,29 @@ class Run:
             pictured: When the picture was taken that the answer is about [s since the epoch].
         """
         with self._changed:
-            if stage not in self._heard and pictured >= self.not_before:
-                self._heard[stage] = answer
-                self.times[stage], self.pictured[stage] = self.clock.wall(), pictured
-                self._changed.notify_all()
+            if not self.not_before <= pictured <= self.clock.wall() + FUTURE:
+                return
+            if stage == TARGETS and pictured not in self._localized:
+                self._early[pictured] = answer
+                return
+            self._hear(stage, answer, pictured)
+            if stage == LOCALIZATION:
+                self._localized.add(pictured)
+                if pictured in self._early:
+                    self._hear(TARGETS, self._early.pop(pictured), pictured)
+
+    def _hear(self, stage: str, answer: StageAnswer, pictured: float) -> None:
+        if stage not in self._heard:
+            self._heard[stage] = answer
+            self.times[stage], self.pictured[stage] = self.clock.wall(), pictured
+            self._changed.notify_all()
 
     def forget(self) -> None:
         """Start over with stages that were heard of: the controller's request changed meanwhile."""
         with self._changed:
             self._heard.clear()
+            self._localized.clear()
+            self._early.clear()
             self.not_before = float("inf")
 
     def cancel(self) -> None:
@@ -118,12 +145,15 @@ class Run:
         Raises:
             StageTimeoutError: Nothing within the limit.
             RunCanceledError: The run was canceled.
+            CellError: By `require`.
         """
 
         def look() -> Value | None:
             value = condition()
             if not value and self._canceled:
                 raise RunCanceledError("the run was canceled; start it again when the cell is free")
+            if not value:
+                self.require()
             return value
 
         return wait_until(self._changed, look, limit, otherwise, self.clock.monotonic)

@@ -9,9 +9,15 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class RunFolder:
-    """Paths below one run's output folder."""
+    """Paths below one run's output folder.
+
+    Attributes:
+        root: The folder.
+        shift: Folder of the shift that the run belongs to, which has the controller; None for a run by itself.
+    """
 
     root: Path
+    shift: Path | None = None
 
     @property
     def bag(self) -> Path:
@@ -26,12 +32,22 @@ class RunFolder:
     @property
     def controller(self) -> Path:
         """HOME folder of the simulated controller."""
-        return self.root / "controller" / "HOME"
+        return (self.shift or self.root) / "controller" / "HOME"
+
+    @property
+    def inspection(self) -> Path:
+        """What was measured on the milled door."""
+        return self.root / "inspection"
 
     @property
     def report(self) -> Path:
         """The report."""
         return self.root / "report.html"
+
+    @property
+    def parameters(self) -> Path:
+        """Parameters of the nodes."""
+        return self.root / "parameters.yaml"
 
     @property
     def summary(self) -> Path:
@@ -40,11 +56,43 @@ class RunFolder:
 
     def prepare(self) -> None:
         """Make the folder; what a former run left under these names is removed, nothing else."""
-        for path in (self.bag, self.targets, self.controller.parent):
+        own = () if self.shift else (self.controller.parent,)
+        for path in (self.bag, self.targets, self.inspection, *own):
             if path.exists():
                 shutil.rmtree(path)
-        for path in (self.report, self.summary):
+        for path in (self.report, self.summary, self.parameters):
             path.unlink(missing_ok=True)
+        self.root.mkdir(parents=True, exist_ok=True)
+        self.controller.mkdir(parents=True, exist_ok=True)
+
+
+@dataclass(frozen=True)
+class ShiftFolder:
+    """Paths below the output folder of a shift of doors."""
+
+    root: Path
+
+    def run(self, number: int) -> RunFolder:
+        """Folder of a door's run, the first one is 0."""
+        return RunFolder(self.root / f"door_{number:03d}", self.root)
+
+    @property
+    def controller(self) -> Path:
+        """HOME folder of the simulated controller."""
+        return self.run(0).controller
+
+    @property
+    def summary(self) -> Path:
+        """shift.json."""
+        return self.root / "shift.json"
+
+    def prepare(self) -> None:
+        """Make the folder; a former shift's doors and controller are removed, nothing else."""
+        doors = [path for path in self.root.glob("door_*") if path.name.removeprefix("door_").isdigit()]
+        for path in (*doors, self.controller.parent):
+            if path.exists():
+                shutil.rmtree(path)
+        self.summary.unlink(missing_ok=True)
         self.controller.mkdir(parents=True)
 
 

@@ -25,16 +25,47 @@ class StageDurations:
 
 @dataclass(frozen=True)
 class FeatureError:
-    """Largest distance of the milled contours from the recipe on the true door [m]."""
+    """Largest distance of the milled contours from the recipe on the true door [m], and of which feature as milled."""
 
     uncorrected_max: float = 0.0
     corrected_max: float = 0.0
     tolerance: float = TOLERANCE
+    feature: str = ""
+
+
+@dataclass(frozen=True)
+class TouchedBody:
+    """Something that was touched in a run and must not be; see doormill_interfaces/Touch; place in the door frame."""
+
+    body: str
+    obstacle: str
+    motion: int
+    feature: str
+    time: float
+    depth: float
+    volume: float
+    samples: int
+    place: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Touched:
+    """What the judge of the simulated run found; samples of the executed path and volume of wood [m^3]."""
+
+    known: bool = False
+    judged: int = 0
+    samples: int = 0
+    volume: float = 0.0
+    message: str = ""
+    bodies: tuple[TouchedBody, ...] = ()
 
 
 @dataclass(frozen=True)
 class RunSummary:
-    """Content of summary.json; metres, seconds, radians."""
+    """Content of summary.json; metres, seconds, radians.
+
+    `outcome` is "milled", "milled, out of tolerance", "milled, not measured" or "refused (CODE)".
+    """
 
     door_id: str
     success: bool
@@ -47,9 +78,13 @@ class RunSummary:
     bag: str = ""
     report: str = ""
     largest_correction: float = 0.0
+    expected_error: float = 0.0
     times: StageDurations = field(default_factory=StageDurations)
     localization_error: DoorOffset = field(default_factory=DoorOffset)
     feature_error: FeatureError = field(default_factory=FeatureError)
+    touched: Touched = field(default_factory=Touched)
+    measured: bool = False
+    outcome: str = ""
 
     def write(self, path: Path) -> None:
         """Write the file at once, so that no reader sees half of it."""

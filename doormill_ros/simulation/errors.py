@@ -13,3 +13,18 @@ SceneFileError = DoormillError.row(
 WebServicesError = DoormillError.row(
     "WebServicesError", 851, "The simulated controller's web services cannot be served."
 )
+ControllerLimitsError = DoormillError.row(
+    "ControllerLimitsError", 856, "The file with the limits of the simulated controller cannot be used."
+)
+WoodOutsideFeatures = DoormillError.row(
+    "WoodOutsideFeatures", 853, "A simulated run took wood that belongs to no feature of the recipe."
+)
+BodyTouched = DoormillError.row(
+    "BodyTouched", 854, "In a simulated run robot, spindle or standing mill touched door or cell."
+)
+BodiesError = DoormillError.row(
+    "BodiesError", 855, "The files that say what can be touched in the simulated cell cannot be used."
+)
+WorldFileError = DoormillError.row(
+    "WorldFileError", 857, "The world file of a simulated shift cannot be used."
+)

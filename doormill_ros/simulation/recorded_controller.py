@@ -9,6 +9,7 @@ from pathlib import Path
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.files import write_atomically
 from doormill_ros.simulation.controller.io_port import FolderIo
 
 POLL = 0.005  # s
@@ -16,7 +17,7 @@ ENDS = {HandshakeState.DONE.value: signals.DONE, HandshakeState.FAILED.value: si
 
 
 @dataclass(frozen=True)
-class ControllerEvent:
+class RecordedEvent:
     """A signal that the controller set.
 
     Attributes:
@@ -35,7 +36,7 @@ class ControllerEvent:
 
 def controller_events(
     begun_ns: int, requests: Sequence[tuple[int, bool]], states: Sequence[tuple[int, str]]
-) -> list[ControllerEvent]:
+) -> list[RecordedEvent]:
     """What the controller did in a run until milling ended, from what the bridge published of it.
 
     Args:
@@ -46,7 +47,7 @@ def controller_events(
     # What is told in one message: the state comes first, as a controller may answer the ready signal before
     # the bridge has told that it is high.
     course = [(t, 0, v) for t, v in states] + [(t, 1, v) for t, v in requests]
-    events: list[ControllerEvent] = []
+    events: list[RecordedEvent] = []
     high, milling, before_ns = False, False, begun_ns
     ready_ns: int | None = None
     for stamp_ns, is_request, value in sorted(course):
@@ -55,7 +56,7 @@ def controller_events(
             milling = milling or value == HandshakeState.MILLING.value
             if not (milling and value in ENDS):
                 continue
-            events.append(ControllerEvent(ENDS[value], True, max(0, stamp_ns - before_ns) * 1e-9, False))
+            events.append(RecordedEvent(ENDS[value], True, max(0, stamp_ns - before_ns) * 1e-9, False))
             break
         if value == high:
             continue
@@ -64,29 +65,33 @@ def controller_events(
         ready: bool | None = None
         if not high and ready_ns is not None:  # it answers the ready signal
             since_ns, ready, ready_ns = ready_ns, True, None
-        events.append(ControllerEvent(signals.REQUEST, high, max(0, stamp_ns - since_ns) * 1e-9, ready))
+        events.append(RecordedEvent(signals.REQUEST, high, max(0, stamp_ns - since_ns) * 1e-9, ready))
         before_ns = stamp_ns
     return events
 
 
-def with_end(events: list[ControllerEvent], signal: str) -> list[ControllerEvent]:
+def with_end(events: list[RecordedEvent], signal: str) -> list[RecordedEvent]:
     """The events, ended by `signal` when the recording stopped before the bridge told of the end."""
     if events and events[-1].signal in ENDS.values():
         return events
-    return [*events, ControllerEvent(signal, True, 0.0, False)]
+    return [*events, RecordedEvent(signal, True, 0.0, False)]
 
 
 class RecordedController:
     """Plays events on the signals in a folder, from a thread; a context manager.
 
     Args:
-        home: The controller's HOME, as the bridge's shared folder.
+        home: The controller's HOME, as the bridge's simulated folder.
         events: What to play.
         rate: Times the recorded speed; infinite for without pauses.
+        reason: What the robot program wrote about its fault; empty when it wrote nothing.
     """
 
-    def __init__(self, home: Path, events: Sequence[ControllerEvent], rate: float) -> None:
+    def __init__(self, home: Path, events: Sequence[RecordedEvent], rate: float, reason: str = "") -> None:
+        self._home = home
         self._io = FolderIo(home)
+        self._reason = reason
+        self._number = 0
         self._events = events
         self._rate = rate
         self._begun = threading.Event()
@@ -114,4 +119,17 @@ class RecordedController:
                     return
             if self._stopped.wait(event.delay / self._rate):
                 return
+            self._write_files(event)
             self._io.write(event.signal, int(event.value))
+
+    def _write_files(self, event: RecordedEvent) -> None:
+        """What the robot program writes before it sets the signal: its request's number, the run it took, its fault."""
+        if event.signal == signals.REQUEST and event.value:
+            self._number += 1
+            write_atomically(self._home / signals.REQUEST_FILE, f"{self._number}\n")
+        elif event.signal == signals.REQUEST and event.ready:
+            order = self._home / signals.ORDER_FILE
+            if order.exists():
+                write_atomically(self._home / signals.ACCEPTED_FILE, order.read_bytes())
+        elif event.signal == signals.FAULT and self._reason:
+            write_atomically(self._home / signals.REFUSED_FILE, f"{self._number}\n{self._reason}\n")

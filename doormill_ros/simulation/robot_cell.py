@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from doormill_ros.abb import signals
+from doormill_ros.arrays import BoolArray
 from doormill_ros.config import read
 from doormill_ros.frames import quaternion_wxyz
 from doormill_ros.simulation.controller.arm import ControllerArm
+from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
 from doormill_ros.simulation.controller.controller import VirtualController
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.controller.io_port import FolderIo, IoPort, MemoryIo
+from doormill_ros.simulation.controller.limits import ControllerLimits, load_limits
 from doormill_ros.simulation.controller.process import listed_process, module_process
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.errors import EffectsFileError
 from doormill_ros.simulation.truth.robot import TruthRobot
-from doormill_ros.toolpath.program import MillingProgram, Target
-from doormill_ros.units import m_to_mm
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+from doormill_ros.units import m_to_mm, rad_to_deg
 from doormill_ros.values import Name, Section
 
 NOT_CONNECTED = 9e9  #: RAPID's mark of an external axis that is not there
@@ -74,6 +77,10 @@ class RobotCellRun:
         """What the tool did, given the wrenches under which the motions cut."""
         return self._controller.executed_path(module_process(program).wrench_of)
 
+    def spindle_turned(self, executed: ExecutedPath) -> BoolArray:
+        """Whether the spindle turned at each sample, shape (n,)."""
+        return self._controller.spindle_turned(executed.time)
+
 
 class RobotCell:
     """A controller with a HOME folder and a robot that gives way.
@@ -99,10 +106,30 @@ class RobotCell:
         self._spindle_works = spindle_works
         self._truth = TruthRobot(self._arm.dh, effects)
         self._time_scale = time_scale
+        #: What the controller refuses and how fast it is, from the next start on; None for config/controller.yaml.
+        self.limits: ControllerLimits | None = None
         home.mkdir(parents=True, exist_ok=True)
         #: Signals between the program and the PC.
         self.io: IoPort = FolderIo(home)
         self._controller: VirtualController | None = None
+
+    @property
+    def controller(self) -> VirtualController:
+        """The controller as it is now; before the first door one that nobody has started."""
+        if self._controller is None:
+            self._controller = self._new_controller()
+        return self._controller
+
+    def _new_controller(self) -> VirtualController:
+        return VirtualController(
+            self._home,
+            self._arm,
+            self._truth,
+            io=self.io,
+            limits=self.limits,
+            time_scale=self._time_scale,
+            on_time=_release,
+        )
 
     def reset(self) -> None:
         """Lower what the controller signals, as an operator does who takes a door out."""
@@ -116,11 +143,14 @@ class RobotCell:
         the runs that were milled and the number of the last request.
         """
         self.reset()
-        controller = VirtualController(
-            self._home, self._arm, self._truth, io=self.io, time_scale=self._time_scale
-        )
+        controller = self._new_controller()
         if self._controller is not None:
             controller.program.restore(self._controller.program.persistent_data())
+            controller.event_log[:0] = self._controller.event_log
+        # Whatever became of the door before: it was taken out and the robot was led home.
+        for name in ("doorInHand", "doorSpent"):
+            controller.program.write(name, "FALSE")
+        controller.program.write("stopReason", "0")
         self._controller = controller
         controller.program.write("expectedDoor", f'"{door_id}"')
         controller.cell.spindle_works = self._spindle_works
@@ -129,14 +159,22 @@ class RobotCell:
     def execute_uncorrected(self, program: MillingProgram) -> ExecutedPath:
         """What the same robot would have done without the correction.
 
-        The motions go straight to the motion engine: file and program were tried by the run itself.
+        The motions go straight to the motion engine: file and program were tried by the run itself. What a controller
+        refuses of motions that the correction alone makes acceptable is let through; nobody mills them.
 
         Raises:
             AbbError: A motion that the controller refuses.
         """
+        limits = self.limits or load_limits()
         controller = VirtualController(
-            self._home, self._arm, self._truth, io=MemoryIo(), process=listed_process(program, first=0)
+            self._home,
+            self._arm,
+            self._truth,
+            io=MemoryIo(),
+            process=listed_process(program, first=0),
+            limits=replace(limits, short_in_row=None, zero_length=False),
         )
+        controller.supervise_configuration(linear=True, on=False)  # as rapid/DoorMill.mod does
         data = controller.program.read
         tool, wobj = data("toolMill"), data("wobjDoor")
         nominal = [_robtarget(target) for target in program.targets]
@@ -144,7 +182,7 @@ class RobotCell:
             controller.move(
                 Move(
                     kind=motion.kind.value,
-                    target=nominal[motion.target],
+                    target=_target_of(motion, program, nominal),
                     via=None if motion.via is None else nominal[motion.via],
                     speed=[m_to_mm(motion.speed), *SPEED_OF_OTHERS],
                     zone=data(motion.zone),
@@ -157,6 +195,21 @@ class RobotCell:
             )
         controller.wait_in_position()
         return controller.executed_path()
+
+
+def _release(controller: VirtualController) -> None:
+    """The clamp opens once the door is milled."""
+    if controller.io.read(signals.DONE) and controller.program.read("doorSpent"):
+        controller.cell.set_input(DOOR_CLAMPED, 0.0)
+
+
+def _target_of(
+    motion: Motion, program: MillingProgram, nominal: list[list[list[float]]]
+) -> list[list[float]]:
+    """Robtarget, or jointtarget of a motion to a point in joint space."""
+    if motion.kind is MotionKind.ABSOLUTE:
+        return [rad_to_deg(program.points[motion.target]).tolist(), [NOT_CONNECTED] * 6]
+    return nominal[motion.target]
 
 
 def _robtarget(target: Target) -> list[list[float]]:

@@ -29,23 +29,23 @@ def run() -> Run:
 
 def test_the_first_answer_of_a_stage_counts(run: Run) -> None:
     first, second = Answer(), Answer()
-    run.deliver("targets", first, 4500.0)
-    run.deliver("targets", second, 4600.0)
-    assert run.wait_for("targets", 1.0, "none") is first
-    assert (run.times, run.pictured) == ({"targets": 5000.0}, {"targets": 4500.0})
+    run.deliver("localization", first, 4500.0)
+    run.deliver("localization", second, 4600.0)
+    assert run.wait_for("localization", 1.0, "none") is first
+    assert (run.times, run.pictured) == ({"localization": 5000.0}, {"localization": 4500.0})
 
 
 def test_what_comes_of_an_earlier_picture_does_not_count(run: Run) -> None:
-    run.deliver("targets", Answer(), 3999.9)
+    run.deliver("localization", Answer(), 3999.9)
     with pytest.raises(StageTimeoutError, match="no targets"):
-        run.wait_for("targets", 1.0, "no targets")
+        run.wait_for("localization", 1.0, "no targets")
 
 
 def test_before_the_request_no_picture_counts() -> None:
     run = Run("r1", "door", Clock(monotonic=iter(range(100)).__next__))
-    run.deliver("targets", Answer(), 9e9)
+    run.deliver("localization", Answer(), 9e9)
     with pytest.raises(StageTimeoutError):
-        run.wait_for("targets", 1.0, "no targets")
+        run.wait_for("localization", 1.0, "no targets")
 
 
 def test_a_refusal_is_raised_with_its_own_code_and_words(run: Run) -> None:
@@ -95,13 +95,13 @@ def test_a_second_door_is_refused_while_one_is_in_hand() -> None:
 
 def test_answers_reach_the_run_they_belong_to() -> None:
     desk = RunDesk()
-    assert not desk.deliver("targets", "r1", Answer(), 1.0)
+    assert not desk.deliver("localization", "r1", Answer(), 1.0)
     run = desk.begin("door")
     run.not_before = 0.0
-    assert not desk.deliver("targets", "another", Answer(), 1.0)
+    assert not desk.deliver("localization", "another", Answer(), 1.0)
     assert run.times == {}
-    assert desk.deliver("targets", run.run_id, Answer(), 1.0)
-    assert set(run.times) == {"targets"}
+    assert desk.deliver("localization", run.run_id, Answer(), 1.0)
+    assert set(run.times) == {"localization"}
 
 
 def test_a_late_answer_of_an_ended_run_is_nobody_else_s() -> None:
@@ -110,7 +110,7 @@ def test_a_late_answer_of_an_ended_run_is_nobody_else_s() -> None:
     for _ in range(REMEMBERED + 1):
         ended.append(desk.begin("door").run_id)
         desk.end()
-    known = [desk.deliver("targets", run_id, Answer(), 1.0) for run_id in ended]
+    known = [desk.deliver("localization", run_id, Answer(), 1.0) for run_id in ended]
     assert known == [False] + [True] * REMEMBERED
 
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from doormill_ros.abb import signals
 from doormill_ros.simulation.controller.io_port import FolderIo
 from doormill_ros.simulation.recorded_controller import (
-    ControllerEvent,
     RecordedController,
+    RecordedEvent,
     controller_events,
     with_end,
 )
@@ -36,9 +36,9 @@ def test_a_milled_door() -> None:
     states = [(n * S, state) for n, state in enumerate([*MILLED, "done"], start=10)]
     requests = [(10 * S, False), (12 * S, True), (16 * S, True), (17 * S, False)]
     assert controller_events(11 * S, requests, states) == [
-        ControllerEvent(signals.REQUEST, True, 1.0),
-        ControllerEvent(signals.REQUEST, False, 1.0, ready=True),
-        ControllerEvent(signals.DONE, True, 2.0, ready=False),
+        RecordedEvent(signals.REQUEST, True, 1.0),
+        RecordedEvent(signals.REQUEST, False, 1.0, ready=True),
+        RecordedEvent(signals.DONE, True, 2.0, ready=False),
     ]
 
 
@@ -70,8 +70,8 @@ def test_what_comes_after_the_end_is_no_part_of_the_run() -> None:
 
 
 def test_an_end_that_was_not_recorded_is_added() -> None:
-    events = [ControllerEvent(signals.REQUEST, True, 1.0)]
-    assert with_end(events, signals.DONE) == [*events, ControllerEvent(signals.DONE, True, 0.0, ready=False)]
+    events = [RecordedEvent(signals.REQUEST, True, 1.0)]
+    assert with_end(events, signals.DONE) == [*events, RecordedEvent(signals.DONE, True, 0.0, ready=False)]
 
 
 def test_a_file_read_before_ready_was_told_is_still_waited_for() -> None:
@@ -113,9 +113,9 @@ def _wait(io: FolderIo, signal: str, value: int) -> None:
 def test_it_waits_for_ready_and_ends_the_program(tmp_path: Path) -> None:
     io = FolderIo(tmp_path)
     events = [
-        ControllerEvent(signals.REQUEST, True, 1000.0),
-        ControllerEvent(signals.REQUEST, False, 1000.0, ready=True),
-        ControllerEvent(signals.DONE, True, 1000.0, ready=False),
+        RecordedEvent(signals.REQUEST, True, 1000.0),
+        RecordedEvent(signals.REQUEST, False, 1000.0, ready=True),
+        RecordedEvent(signals.DONE, True, 1000.0, ready=False),
     ]
     with RecordedController(tmp_path, events, float("inf")) as controller:
         assert io.read(signals.REQUEST) == 0
@@ -130,7 +130,7 @@ def test_it_waits_for_ready_and_ends_the_program(tmp_path: Path) -> None:
 
 
 def test_it_ends_while_it_waits(tmp_path: Path) -> None:
-    events = [ControllerEvent(signals.REQUEST, True, 1e6), ControllerEvent(signals.DONE, True, 0.0)]
+    events = [RecordedEvent(signals.REQUEST, True, 1e6), RecordedEvent(signals.DONE, True, 0.0)]
     with RecordedController(tmp_path, events, 1.0) as controller:
         controller.begin()
     assert FolderIo(tmp_path).read(signals.DONE) == 0

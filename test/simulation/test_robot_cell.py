@@ -34,8 +34,10 @@ class Pc:
         self.requests.append(number)
         (self._home / signals.TARGET_FILE).write_bytes(data)
         (self._home / signals.ORDER_FILE).write_text(f"{run_id}\n{number}\n")
+        self._io.write(signals.READY_NUMBER, int(number))
         self._io.write(signals.READY, 1)
         self._wait(lambda: self._io.read(signals.REQUEST) == 0)
+        self._io.write(signals.READY_NUMBER, 0)
         self._io.write(signals.READY, 0)
 
     @staticmethod

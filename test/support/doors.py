@@ -1,10 +1,13 @@
 """Random valid doors over the whole range of sizes, with process forces of the size of table 4.8."""
 
 import math
+from dataclasses import replace
 
 from hypothesis import strategies as st
 
+from doormill_ros.recipes.force_origin import ForceModel
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.wrench import WrenchTable
 
 TOOLS = {  # diameter, cutting length in mm
     "mill_6": (6.0, 30.0),
@@ -12,6 +15,28 @@ TOOLS = {  # diameter, cutting length in mm
     "mill_16": (16.0, 160.0),
     "mill_19": (19.0, 110.0),
 }
+
+#: Drawn forces are exactly what acts, so that what is judged is how they are corrected.
+KNOWN = {"measured": True, "std_n_nm": [0] * 6, "source": "drawn for a test"}
+
+TABLE_4_8 = {
+    "left_line": (-209.0, 29.0, 12.0, -5.0, -43.0, 3.0),
+    "top_turn": (-100.0, 13.0, 25.0, -3.0, -26.0, 2.0),
+    "right_line": (-62.0, 3.0, -11.0, -1.0, -8.0, 2.0),
+    "bottom_turn": (-13.0, 2.0, -22.0, -1.0, 4.0, 0.0),
+}
+
+
+def exactly_known(feature):
+    """The feature under forces that are exactly what acts: those of its table, of table 4.8 if it has none."""
+    if feature.wrench_table is None:
+        rows = tuple(sorted((name, TABLE_4_8[name]) for name in TABLE_4_8 if name in feature.segment_names))
+        table = WrenchTable((*rows, ("default", (0.0,) * 6)))
+        feature = replace(feature, wrench_table=table, wrench_point=0.208, forces=None)
+    known = replace(
+        feature.force_origin, model=ForceModel.TABLE, measured=True, std=(0.0,) * 6, source="taken as exact"
+    )
+    return replace(feature, forces=known)
 
 
 @st.composite
@@ -41,6 +66,7 @@ def _work(draw, segments, tool, depth):
         "direction": draw(st.sampled_from(["climb", "conventional"])),
         "wrench_n_nm": rows,
         "wrench_point_mm": 208,
+        "forces": KNOWN,
     }
 
 
@@ -249,6 +275,7 @@ def door_with(kind, height, width, thickness):
         "passes": {"depth_step_mm": 30},
         "wrench_n_nm": {"default": [-209, 29, 12, -5, -43, 3], "plunge": [0, 0, -30, 0, 0, 0]},
         "wrench_point_mm": 208,
+        "forces": KNOWN,
     }
     document = _document({"height_mm": height, "width_mm": width, "thickness_mm": thickness})
     feature = {"kind": kind, "id": kind, "side": side, "height_mm": 500}

@@ -15,12 +15,24 @@ def execute(program, robot, kinematics, T_flange_tool, model=None, corrected=Tru
     """
     pose = "T_base_tool_corrected" if corrected else "T_base_tool_nominal"
     frames = [np.array(getattr(t, pose)) for t in program.targets]
-    at, q_at = frames[program.motions[0].target], program.targets[program.motions[0].target].q
+    q_at = program.q_after(program.motions[0])
+    at = kinematics.forward(q_at) @ T_flange_tool
     time, T, motion = [np.zeros(1)], [at[None]], [np.zeros(1, dtype=int)]
+    shares = [np.zeros(1)]
     seeds = [q_at[None]]
     for index, m in enumerate(program.motions):
+        q_end = program.q_after(m)
+        if m.kind in (MotionKind.ABSOLUTE, MotionKind.JOINT):
+            share = np.linspace(0, 1, 21)
+            q = q_at + share[:, None] * (q_end - q_at)
+            T.append(kinematics.forward(q) @ T_flange_tool)
+            time.append(time[-1][-1] + share)
+            motion.append(np.full(len(q), index))
+            shares.append(share)
+            seeds.append(q)
+            at, q_at = T[-1][-1], q_end
+            continue
         end = frames[m.target]
-        q_end = program.targets[m.target].q
         if m.kind is MotionKind.CIRCULAR:
             points, length = arc_points(at[:3, 3], frames[m.via][:3, 3], end[:3, 3], step)
         else:
@@ -36,10 +48,13 @@ def execute(program, robot, kinematics, T_flange_tool, model=None, corrected=Tru
         T.append(pieces)  # both ends: the load may jump from motion to motion
         time.append(time[-1][-1] + share * length / m.speed)
         motion.append(np.full(n + 1, index))
+        shares.append(share)
         seeds.append(q_at + share[:, None] * (q_end - q_at))
         at, q_at = end, q_end
-    T, time, motion, q = map(np.concatenate, (T, time, motion, seeds))
-    wrench = np.array([m.wrench for m in program.motions])[motion]
+    T, time, motion, q, share = map(np.concatenate, (T, time, motion, seeds, shares))
+    first = np.array([m.wrench for m in program.motions])
+    last = np.array([m.wrench if m.wrench_end is None else m.wrench_end for m in program.motions])
+    wrench = first[motion] + share[:, None] * (last - first)[motion]
     q = solve(kinematics, T_flange_tool, T, q)
     actual = T
     if model is not None:

@@ -19,6 +19,7 @@ class MemoryTransport:
         """All signals low, no files."""
         self._mutex = threading.Lock()
         self._levels = dict.fromkeys(signals.ALL_SIGNALS, False)
+        self._numbers: dict[str, int] = {}
         self._files: dict[str, bytes] = {}
         self._edges: deque[bool] = deque()
         self._woken = threading.Event()
@@ -53,6 +54,17 @@ class MemoryTransport:
         """Write the ready signal."""
         with self._mutex:
             self._levels[signals.READY] = value
+
+    def read_number(self, name: str) -> int:
+        """A group signal, 0 before it is written."""
+        with self._mutex:
+            return self._numbers.get(name, 0)
+
+    def write_number(self, name: str, value: int) -> None:
+        """Write a group signal, from either side."""
+        with self._mutex:
+            self._numbers[name] = value
+        self._woken.set()
 
     def write_file(self, name: str, data: bytes) -> None:
         """Keep the bytes."""

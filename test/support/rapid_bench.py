@@ -8,33 +8,48 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from doormill_ros.abb import signals
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.recipes.documents import load_recipe
+from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.controller import VirtualController
+from doormill_ros.simulation.controller.controller import OWN_MODULES, VirtualController
+from doormill_ros.simulation.controller.rapid.faults import RapidStop
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
+from doormill_ros.simulation.controller.teach_pendant import TeachPendant
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.program import MillingProgram
 from support.thesis_listings import load_listings
 
 
 class BareMachine:
-    """A machine without robot: keeps what the program does to it."""
+    """A machine without robot: keeps what the program does to it.
+
+    `plan` holds (time, signal, value) of what the plant will do, in the order of time.
+    """
+
+    STEP = 0.001
 
     def __init__(self, home: Path) -> None:
         self.home = home
-        self.signals: dict[str, float] = {"doA": 0.0, "diB": 0.0, "aoC": 0.0}
+        self.signals: dict[str, float] = {"doA": 0.0, "diB": 0.0, "aoC": 0.0, "goD": 0.0, "giE": 0.0}
         self.lines: list[str] = []
         self.entries: list[tuple[str, str, str]] = []
+        self.numbers: list[int] = []
         self.moves: list = []
         self.time = 0.0
         self.statements = 0
+        self.pendant_unit = TeachPendant()
+        self.plan: list[tuple[float, str, float]] = []
+
+    def set_attendant(self, attendant):
+        self.attendant = attendant
 
     def signal_kinds(self):
-        return {"doA": "signaldo", "diB": "signaldi", "aoC": "signalao"}
+        return {"doA": "signaldo", "diB": "signaldi", "aoC": "signalao", "goD": "signalgo", "giE": "signalgi"}
 
     def read_signal(self, name):
         return self.signals[name]
@@ -47,24 +62,71 @@ class BareMachine:
 
     def statement(self, _file, _line):
         self.statements += 1
+        self._pass(20e-6)
 
     def wait(self, condition, seconds):
-        if condition is not None and condition():
-            return True
-        self.time += seconds or 0.0
-        return condition is None
+        """Time passes while something may still happen, and otherwise jumps to the end."""
+        end = None if seconds is None else self.time + seconds
+        while condition is None or not condition():
+            if end is not None and self.time >= end - 1e-9:
+                return False
+            if condition is None and not self.plan and not self.attendant.armed:
+                self.time = end
+                continue
+            assert self.time < 1000.0, "the program would wait for ever"
+            self._pass(self.STEP if end is None else min(self.STEP, end - self.time))
+        return True
+
+    def _pass(self, seconds):
+        self.time += seconds
+        while self.plan and self.plan[0][0] <= self.time:
+            _, name, value = self.plan.pop(0)
+            self.signals[name] = value
+        self.attendant.attend()
 
     def move(self, move):
         self.moves.append(move)
 
+    def stop_program(self, instruction):
+        """Nobody is there to start it again."""
+        raise RapidStop(f"stopped by {instruction}", by_program=True)
+
     def wait_in_position(self):
         pass
+
+    def wait_at_rest(self):
+        pass
+
+    def forget_paths(self):
+        self.moves.clear()
 
     def pendant(self, text):
         self.lines.append(text)
 
-    def log(self, kind, title, text):
+    def show_dialog(self, dialog):
+        self.pendant_unit.show(dialog)
+
+    def dialog_answer(self):
+        return self.pendant_unit.answer
+
+    def operating_mode(self):
+        return "AUTO"
+
+    def log(self, kind, title, text, number=0):
         self.entries.append((kind, title, text))
+        self.numbers.append(number)
+
+
+@pytest.fixture
+def read_configuration(tmp_path: Path) -> Callable[..., object]:
+    """What a reader of system parameters makes of a text."""
+
+    def read(reader: Callable[[Path], object], text: str) -> object:
+        path = tmp_path / "parameters.cfg"
+        path.write_text(text)
+        return reader(path)
+
+    return read
 
 
 @pytest.fixture
@@ -118,8 +180,41 @@ def door() -> Callable[..., MillingProgram]:
 
 
 def answer(controller: VirtualController) -> None:
-    """A PC that has its file ready at once, and lowers ready when the request falls."""
-    controller.io.write("doPathReady", controller.io.read("doPathRequest"))
+    """A PC that announces the file in HOME at once, and somebody who exchanges a door that was begun."""
+    if not controller.program.has_data("requestNumber"):  # not the project's own modules
+        controller.io.write(signals.READY, controller.io.read(signals.REQUEST))
+        return
+    request = int(controller.program.read("requestNumber")) if controller.io.read(signals.REQUEST) else 0
+    if request and controller.io.read(signals.READY_NUMBER) != request:
+        (controller.home / signals.ORDER_FILE).write_text(f"{run_of(controller.home)}\n{request}\n")
+    controller.io.write(signals.READY_NUMBER, request)
+    controller.io.write(signals.READY, int(bool(request)))
+    spent, in_hand = (controller.program.read(name) for name in ("doorSpent", "doorInHand"))
+    if not in_hand:
+        controller.cell.set_input("diDoorClamped", float(not spent))
+
+
+def run_of(home: Path) -> str:
+    """The run that the file in HOME is of."""
+    path = home / signals.TARGET_FILE
+    lines = path.read_bytes().decode("latin-1").splitlines() if path.exists() else []
+    return next((line.removeprefix("#run ") for line in lines if line.startswith("#run ")), "none")
+
+
+READING = """MODULE Reading
+VAR bool accepted:=FALSE;
+PROC ReadAndTell()
+accepted:=ReadTargetFile();
+ENDPROC
+ENDMODULE
+"""
+
+
+def reading_modules(folder: Path) -> list[Path]:
+    """The project's modules and a procedure that reads the file and keeps the answer in `accepted`."""
+    path = folder / "Reading.mod"
+    path.write_text(READING)
+    return [*(resource(name) for name in OWN_MODULES), path]
 
 
 class WatchedController(VirtualController):
@@ -127,11 +222,21 @@ class WatchedController(VirtualController):
 
     def __init__(self, *args, **kwargs) -> None:
         self.moves: list = []
+        self.expected = kwargs["expected_door"]
+        self.clamped = 1.0
         super().__init__(*args, **{"on_wait": answer, "patience": 5.0, **kwargs})
 
     def move(self, move):
         self.moves.append(move)
         super().move(move)
+
+    def run(self, *args, **kwargs):
+        """Another door is clamped and named."""
+        if "diDoorClamped" in self.signal_kinds():
+            self.cell.set_input("diDoorClamped", self.clamped)
+        if self.program.has_data("expectedDoor"):
+            self.program.write("expectedDoor", f'"{self.expected}"')
+        super().run(*args, **kwargs)
 
     @property
     def executed_count(self) -> int:

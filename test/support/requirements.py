@@ -23,7 +23,7 @@ OWN = {
     *(path.stem for path in (ROOT / "bench").glob("*.py")),
 }
 #: Distributions by module, where the module may not be installed here.
-_DISTRIBUTIONS = {"pinocchio": "pin", "eaik": "eaik", "atheris": "atheris"}
+_DISTRIBUTIONS = {"pinocchio": "pin", "coal": "pin", "hppfcl": "pin", "eaik": "eaik", "atheris": "atheris"}
 _ROS = {"rclpy", "launch", "launch_ros", "ament_index_python"}
 _ROS_ENDS = ("_msgs", "_interfaces", "_srvs")
 

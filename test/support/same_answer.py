@@ -10,7 +10,7 @@ import argparse
 import ctypes
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,9 +19,11 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.loading import run as loading
-from doormill_ros.diagnosis.pose import run as poses
-from doormill_ros.measurements import measurement_set, pose_set
+from doormill_ros.diagnosis.core.kind import Progress, run
+from doormill_ros.diagnosis.loading.kind import LoadingTests
+from doormill_ros.diagnosis.pose.kind import Poses
+from doormill_ros.measurements.measurement_set import MeasurementSet
+from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.thesis.run import run_thesis
 
 #: Relative size of the noise: what another machine's rounding does to a number on its way here.
@@ -44,24 +46,32 @@ def documents(folder: Path, seed: int | None) -> Iterator[tuple[str, dict[str, A
     def shaken(value: FloatArray) -> FloatArray:
         return value if rng is None else value * (1.0 + NOISE * rng.normal(size=value.shape))
 
-    def read_loading(path: Path) -> Any:
-        data = measurement_set.read_measurement_set(path)
-        return replace(
-            data, **{name: shaken(getattr(data, name)) for name in ("q", "wrench", "displacement")}
-        )
+    class Loading(LoadingTests):
+        """Loading tests with noise on what was measured."""
 
-    def read_poses(path: Path) -> Any:
-        data = pose_set.read_pose_set(path)
-        return replace(data, **{name: shaken(getattr(data, name)) for name in ("q", "position")})
+        def read(self, folder: Path, progress: Progress) -> list[MeasurementSet]:
+            return [
+                _shaken(data, ("q", "wrench", "displacement"), shaken)
+                for data in super().read(folder, progress)
+            ]
 
-    loading.read_measurement_set, poses.read_pose_set = read_loading, read_poses
+    class Tracked(Poses):
+        """Poses with noise on what was measured."""
+
+        def read(self, folder: Path, progress: Progress) -> list[PoseSet]:
+            return [_shaken(data, ("q", "position"), shaken) for data in super().read(folder, progress)]
+
     with TemporaryDirectory() as out:
         for path in sorted((folder / "loading").iterdir()):
-            line = loading.run_measurement_sets([path], [], Path(out), lambda text: None)
+            line = run(Loading(), [path], [], Path(out))
             yield path.name, _result(Path(out), line)
-        line = poses.run_pose_sets(sorted((folder / "poses").iterdir()), [], Path(out), lambda text: None)
+        line = run(Tracked(), sorted((folder / "poses").iterdir()), [], Path(out))
         yield "poses", _result(Path(out), line)
         yield "thesis", _result(Path(out), run_thesis(Path(out)))
+
+
+def _shaken(data: Any, names: Sequence[str], shaken: Callable[[FloatArray], FloatArray]) -> Any:
+    return replace(data, **{name: shaken(getattr(data, name)) for name in names})
 
 
 def _result(out: Path, line: str) -> dict[str, Any]:

@@ -1,51 +1,19 @@
-"""Signals of the simulated controller: what is configured, who holds the values, and the spindle."""
+"""Signals of the simulated controller: who holds their values, and the spindle."""
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
-from doormill_ros.abb.signals import ALL_SIGNALS
+from doormill_ros.abb.signals import ALL_SIGNALS, GROUP_SIGNALS
+from doormill_ros.simulation.controller.io_configuration import IoConfiguration
 from doormill_ros.simulation.controller.io_port import IoPort
 from doormill_ros.simulation.controller.rapid.errors import SignalError
-
-_TYPES = {"DI": "signaldi", "DO": "signaldo", "AI": "signalai", "AO": "signalao"}
-_SIGNAL = re.compile(r'-Name\s+"(?P<name>[^"]+)"[^-]*-SignalType\s+"(?P<type>[A-Z]+)"')
-_LIMIT = re.compile(r"-MaxLog\s+([\d.]+)")
+from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
 
 SPINDLE_ON, SPINDLE_SPEED, SPINDLE_AT_SPEED = "doSpindleOn", "aoSpindleSpeed", "diSpindleAtSpeed"
-DOOR_CLAMPED = "diDoorClamped"
-
-
-def read_io_configuration(path: Path) -> tuple[dict[str, str], dict[str, float]]:
-    r"""Signals of a controller's I/O configuration file.
-
-    Args:
-        path: EIO.cfg; a backslash at the end of a line continues it.
-
-    Returns:
-        Name to RAPID type, and name to the largest value of the analog ones.
-
-    Raises:
-        SignalError: No signal in it, or one of a type that is not simulated.
-    """
-    text = re.sub(r"\\\s*\n", " ", path.read_text(encoding="ascii"))
-    kinds, limits = {}, {}
-    for line in text.splitlines():
-        match = _SIGNAL.search(line)
-        if match is None:
-            continue
-        if match["type"] not in _TYPES:
-            raise SignalError(
-                f"{path}: signal {match['name']} is {match['type']}, allowed are {', '.join(_TYPES)}"
-            )
-        kinds[match["name"]] = _TYPES[match["type"]]
-        limit = _LIMIT.search(line)
-        if limit is not None:
-            limits[match["name"]] = float(limit[1])
-    if not kinds:
-        raise SignalError(f"{path} configures no signal, allowed is at least one: check the file")
-    return kinds, limits
+DOOR_CLAMPED, GUARD_CLOSED = "diDoorClamped", "diGuardClosed"
+_OF_THE_PORT = ALL_SIGNALS + GROUP_SIGNALS
+#: Output to the spindle's drive, where the cell has one of its own behind a cross connection.
+SPINDLE_RUN = "doSpindleRun"
+_LIMITS = {"AO": "ERR_AO_LIM", "GO": "ERR_GO_LIM", "DO": "ERR_ARGVALERR"}
 
 
 class SimulatedCell:
@@ -53,49 +21,75 @@ class SimulatedCell:
 
     Attributes:
         spindle_time: Time in which the spindle comes to speed or to rest [s].
+        spindle_drive: Output that makes the spindle turn.
         spindle_works: False for a spindle that never comes to speed.
     """
 
-    def __init__(self, kinds: dict[str, str], limits: dict[str, float], port: IoPort) -> None:
-        """Start with the door clamped and everything else low."""
-        self.kinds = kinds
-        self._limits = limits
+    def __init__(self, configuration: IoConfiguration, port: IoPort) -> None:
+        """Start with the door clamped, the guard closed and everything else at its default."""
+        self.configuration = configuration
+        self.kinds = configuration.kinds
         self._port = port
-        self._values = dict.fromkeys(kinds, 0.0)
-        if DOOR_CLAMPED in self._values:
-            self._values[DOOR_CLAMPED] = 1.0
+        self._values = {name: signal.default for name, signal in configuration.signals.items()}
+        for name in (DOOR_CLAMPED, GUARD_CLOSED):
+            if name in self._values:
+                self._values[name] = 1.0
+        self.spindle_drive = SPINDLE_RUN if SPINDLE_RUN in self._values else SPINDLE_ON
         self.spindle_time = 1.5
         self.spindle_works = True
         self._spindle_due: float | None = None
+        self._now = 0.0
+        #: Simulated time [s] at which the spindle came to speed (True) or was switched off, in order.
+        self.spindle_turned: list[tuple[float, bool]] = []
 
     def read(self, name: str) -> float:
         """Present value of a configured signal."""
         self._check(name)
-        return float(self._port.read(name)) if name in ALL_SIGNALS else self._values[name]
+        return float(self._port.read(name)) if name in _OF_THE_PORT else self._values[name]
 
     def write(self, name: str, value: float, now: float) -> None:
-        """Set an output at simulated time `now` [s].
+        """Set an output at simulated time `now` [s], as the program does.
 
         Raises:
-            SignalError: Not an output, or a value out of range.
+            SignalError: Not an output.
+            RapidStop: Its access level does not let RAPID write it.
+            RapidFault: ERR_AO_LIM, ERR_GO_LIM or ERR_ARGVALERR for a value out of range.
         """
         self._check(name)
-        kind = self.kinds[name]
-        if kind not in ("signaldo", "signalao"):
+        self._now = now
+        signal = self.configuration.signals[name]
+        if not signal.output:
             raise SignalError(
                 f"signal {name} is an input, allowed are outputs: correct the program", name=name
             )
-        largest = self._limits.get(name, 1.0 if kind == "signaldo" else float("inf"))
-        if not 0.0 <= value <= largest:
-            raise SignalError(
-                f"signal {name} cannot become {value:g}, allowed is 0 to {largest:g}", name=name
+        if "rapid" not in signal.access.writers:
+            # Who may write is what an access level says, RAPID being one of them: EIO_ACCESS of public backups
+            # (github.com SDEBEUL/Kraker1, panin-anan/abb_SAMXL_Grinding). No ERROR clause takes it [M].
+            raise RapidStop(
+                f"signal {name} has access level {signal.access.name}, which RAPID may not write: configure "
+                "another one"
             )
-        if name in ALL_SIGNALS:
+        if not signal.lowest <= value <= signal.largest:
+            raise RapidFault(
+                _LIMITS[signal.type],
+                f"signal {name} cannot become {value:g}, allowed is {signal.lowest:g} to {signal.largest:g}",
+            )
+        self._set(name, value, now)
+
+    def force(self, name: str, value: float) -> None:
+        """Set an output whatever its access level, as the system does."""
+        self._check(name)
+        self._set(name, value, self._now)
+
+    def _set(self, name: str, value: float, now: float) -> None:
+        if name in _OF_THE_PORT:
             self._port.write(name, int(value))
             return
         changed = self._values[name] != value
+        if changed and name == self.spindle_drive and not value:
+            self.spindle_turned.append((now, False))
         self._values[name] = value
-        if changed and name in (SPINDLE_ON, SPINDLE_SPEED) and SPINDLE_AT_SPEED in self._values:
+        if changed and name in (self.spindle_drive, SPINDLE_SPEED) and SPINDLE_AT_SPEED in self._values:
             self._values[SPINDLE_AT_SPEED] = 0.0
             self._spindle_due = now + self.spindle_time
 
@@ -110,8 +104,10 @@ class SimulatedCell:
 
     def advance(self, now: float) -> None:
         """Let what is due happen."""
+        self._now = now
         if self._spindle_due is not None and self.spindle_works and now >= self._spindle_due:
-            self._values[SPINDLE_AT_SPEED] = self._values.get(SPINDLE_ON, 0.0)
+            self._values[SPINDLE_AT_SPEED] = self._values.get(self.spindle_drive, 0.0)
+            self.spindle_turned.append((self._spindle_due, bool(self._values[SPINDLE_AT_SPEED])))
             self._spindle_due = None
 
     def _check(self, name: str) -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+
+_WATCHED = ("spindle_on", "at_speed", "guard_closed", "driven")
+_UNWATCHED = np.ones(0, dtype=bool)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +30,11 @@ class ExecutedPath:
         cutting: Whether the motion cuts wood, shape (n,), bool.
         feature: Feature that is being milled, empty between features, shape (n,), str.
         wrench: Process wrench on the tool at the tool centre point, base axes, shape (n, 6) [N, N m].
+        spindle_on: Whether the spindle was told to turn, shape (n,), bool; as the three that follow true
+            throughout where nobody watched it.
+        at_speed: Whether the spindle said that it was at speed, shape (n,), bool.
+        guard_closed: Whether the door circuit was closed, shape (n,), bool.
+        driven: False while the arm ran on without power, shape (n,), bool.
     """
 
     time: FloatArray
@@ -37,6 +45,10 @@ class ExecutedPath:
     cutting: BoolArray
     feature: NDArray[np.str_]
     wrench: FloatArray
+    spindle_on: BoolArray = field(default_factory=lambda: _UNWATCHED)
+    at_speed: BoolArray = field(default_factory=lambda: _UNWATCHED)
+    guard_closed: BoolArray = field(default_factory=lambda: _UNWATCHED)
+    driven: BoolArray = field(default_factory=lambda: _UNWATCHED)
 
     def __post_init__(self) -> None:
         """Copy, check shapes and freeze.
@@ -55,9 +67,12 @@ class ExecutedPath:
             "feature": (n,),
             "wrench": (n, 6),
         }
-        kinds = {"motion": int, "cutting": bool, "feature": str}
+        kinds = {"motion": int, "feature": str, **dict.fromkeys(("cutting", *_WATCHED), bool)}
+        shapes.update(dict.fromkeys(_WATCHED, (n,)))
         for item in fields(self):
-            values: NDArray[Any] = np.array(getattr(self, item.name), dtype=kinds.get(item.name, float))
+            given = getattr(self, item.name)
+            given = np.ones(n, dtype=bool) if given is _UNWATCHED else given
+            values: NDArray[Any] = np.array(given, dtype=kinds.get(item.name, float))
             if values.shape != shapes[item.name]:
                 raise ValueError(f"{item.name} has shape {values.shape}, allowed is {shapes[item.name]}")
             if values.dtype.kind == "f" and not np.all(np.isfinite(values)):

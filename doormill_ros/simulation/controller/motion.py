@@ -1,82 +1,48 @@
-"""The motion side of the simulated controller: a queue of motions, their corners, and time.
+"""The motion side of the simulated controller: motions, their corners, accelerations, stops and time.
 
-The tool moves at the programmed speed; accelerations are left out, so cycle times are lower
-bounds. Where a joint would exceed its speed the motion is slowed down there, as the controller
-does.
+The tool follows the programmed path at the programmed speed where drives and accelerations allow it
+(yumpu.com/document/view/5679047/136: where a motor is too weak "the velocity will automatically be reduced"). A
+zone is left for the next motion only when that one was known in time, else the corner is a stop point (event 50024).
+Stops stay on the path; without power the arm runs on until the brakes hold, off the path, and comes back to it
+before it goes on (events 10052 and 10053).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import inverse
 from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.curves import Corner, corner_joints
+from doormill_ros.simulation.controller.coasting import coast
+from doormill_ros.simulation.controller.limits import ControllerLimits
 from doormill_ros.simulation.controller.moves import MotionContext, PlannedMove
+from doormill_ros.simulation.controller.operation.panel import REGAIN_READY, REGAIN_START, Log
+from doormill_ros.simulation.controller.path import Path, PathBuilder
+from doormill_ros.simulation.controller.recording import MotionRecording, Sampling, Surroundings
+from doormill_ros.simulation.controller.stretches import Stretch, Stretches
+from doormill_ros.simulation.controller.track import PathNode, SpeedRules
 
 #: Motions that the program pointer may be ahead.
 LOOK_AHEAD = 3
-
-
-@dataclass(frozen=True)
-class Sampling:
-    """How finely the executed path is sampled.
-
-    Attributes:
-        interval: Longest time between samples [s].
-        cutting_step: Longest way between samples while cutting [m].
-        settling: Time that coming to rest at a stop point takes [s].
-        planning: Time that setting off from rest takes, in which the program pointer gets ahead [s].
-    """
-
-    interval: float = 0.01
-    cutting_step: float = 0.5e-3
-    settling: float = 0.02
-    planning: float = 0.05
-
-
-@dataclass(eq=False)
-class _Phase:
-    """A stretch of motion whose samples are known; emitted as time passes."""
-
-    time: FloatArray  # (n,) since the start of the phase [s], rising from 0
-    poses: FloatArray  # (n, 4, 4) T_base_tool commanded, of the recorded tool
-    q: FloatArray  # (n, 6)
-    context: list[MotionContext]
-    elapsed: float = 0.0
-    emitted: int = 0
-
-
-@dataclass(eq=False)
-class MotionRecording:
-    """Samples of the commanded motion in the order of time.
-
-    Attributes:
-        time: Simulated time of each [s].
-        poses: T_base_tool commanded, shape (4, 4) each.
-        q: Joint angles commanded, shape (6,) each [rad].
-        context: What the motion is for.
-    """
-
-    time: list[float] = field(default_factory=list)
-    poses: list[FloatArray] = field(default_factory=list)
-    q: list[FloatArray] = field(default_factory=list)
-    context: list[MotionContext] = field(default_factory=list)
-
-    def add(self, time: float, pose: FloatArray, q: FloatArray, context: MotionContext) -> None:
-        """Append one sample: time [s], T_base_tool (4, 4), joint angles (6,) [rad] and what the motion is for."""
-        self.time.append(time)
-        self.poses.append(pose)
-        self.q.append(q)
-        self.context.append(context)
+#: Corner path executed as stop point (public event list, SDEBEUL/GADATA: 50024 "Corner path failure").
+CORNER_PATH = 50024
+#: So much time passes at most before anybody looks at the robot again [s].
+LONGEST_STEP = 0.1
+#: Joint angles nearer to the path than this are on it [rad].
+ON_PATH = 1e-7
 
 
 class MotionEngine:
-    """Executes planned motions as simulated time passes."""
+    """Executes planned motions as simulated time passes.
+
+    Attributes:
+        time: Simulated time [s].
+        q: Joint angles, shape (6,) [rad].
+        rules: Override, manual speed and the limits of the drives; `update_speed` after a change.
+        surroundings: What is recorded beside the motion.
+        planned_q: Joint angles at the end of the last motion taken, shape (6,) [rad]; `planned_pose` with the
+            tool `planned_tool` likewise, None after a motion was broken off.
+    """
 
     def __init__(
         self,
@@ -84,202 +50,276 @@ class MotionEngine:
         q: FloatArray,
         T_flange_tool: FloatArray,
         sampling: Sampling,
-        log: Callable[..., None],
+        log: Log,
+        limits: ControllerLimits | None = None,
     ) -> None:
         """Stand at joint angles q, shape (6,) [rad], with the tool whose path is recorded."""
-        self._arm = arm
-        self._T_flange_tool = T_flange_tool
         self._sampling = sampling
         self._log = log
+        self._stretches = Stretches(arm, T_flange_tool, sampling)
+        self._limits = limits or ControllerLimits()
+        self.rules = SpeedRules(self._limits, arm.max_velocity)
+        self._builder = PathBuilder(self.rules, self._stretches, sampling)
         self.time = 0.0
         self.q = np.array(q, dtype=float)
-        self.paused = False
         self.recording = MotionRecording()
-        self._queue: list[PlannedMove] = []
-        self._current: PlannedMove | None = None
-        self._u = 0.0
-        self._resting = True
-        self._phase: _Phase | None = None
-        #: Programmed end of the last motion that was taken.
+        self.surroundings = Surroundings()
+        self._path = Path([])
+        self._stored: list[tuple[Path, FloatArray, FloatArray | None, FloatArray | None]] = []
+        self._serial = self._begun = 0
+        self._holds: set[str] = set()
+        self._rest: PathNode | None = None
+        self._script: Stretch | None = None
+        self._script_at, self._script_time, self._driven = 0, 0.0, True
         self.planned_q = self.q.copy()
         self.planned_pose: FloatArray | None = None
         self.planned_tool: FloatArray | None = None
 
+    # What is asked
+
     @property
     def idle(self) -> bool:
-        """True when the robot stands and nothing is left to do."""
-        return self._phase is None and self._current is None and not self._queue
+        """True when nothing of the path is left."""
+        return self._script is None and self._path.at_end
+
+    @property
+    def stopped(self) -> bool:
+        """True when the robot stands because it was stopped."""
+        return bool(self._holds) and self._rest is None and self._script is None
 
     @property
     def moving(self) -> bool:
         """True when time moves the robot."""
-        return not self.paused and not self.idle
+        return not self.idle and not self.stopped
+
+    @property
+    def regaining(self) -> bool:
+        """True on the way back to the path."""
+        return self._script is not None and self._driven
 
     @property
     def has_room(self) -> bool:
         """True while the program pointer may take another motion."""
-        return len(self._queue) < LOOK_AHEAD
+        return self._serial - self._begun < LOOK_AHEAD
+
+    @property
+    def context(self) -> MotionContext:
+        """What the motion is for in which the robot is, or was last."""
+        path = self._path
+        return path.row[path.head].context if path.row else MotionContext()
+
+    def off_path(self) -> tuple[float, float]:
+        """How far the tool stands from where its path goes on [m], and by what angle it is turned [rad]."""
+        path = self._path
+        if not path.row:
+            return 0.0, 0.0
+        here, there = self._stretches.pose(self.q), path.row[path.head].pose
+        cosine = (np.trace(here[:3, :3].T @ there[:3, :3]) - 1.0) / 2.0
+        return float(np.linalg.norm(here[:3, 3] - there[:3, 3])), float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+    def until_next(self) -> float:
+        """Time until the robot is in its next motion, or stands [s]; 0 when it stands."""
+        if not self.moving:
+            return 0.0
+        if self._script is not None:
+            return float(self._script.time[-1]) - self._script_time
+        return min(self._path.until_next(self.rules, self._rest), LONGEST_STEP)
+
+    # Motions
 
     def take(self, move: PlannedMove) -> None:
         """Queue a motion that starts where the last one ends."""
-        self._queue.append(move)
-        self.planned_q = move.q_end
-        self.planned_pose = move.T_base_tool_end
-        self.planned_tool = move.T_flange_tool
+        self._serial += 1
+        if self.idle:
+            start = PathNode(self.q.copy(), self._stretches.pose(self.q), move.context, self._serial - 1)
+            start.dwell = self._sampling.planning
+            self._path = Path([start])
+            self._record(start)
+        failed = self._builder.add(self._path, move, self._serial)
+        if failed is not None:
+            self._corner_failed(failed)
+        self.planned_q, self.planned_pose, self.planned_tool = (
+            move.q_end,
+            move.T_base_tool_end,
+            move.T_flange_tool,
+        )
+        self.update_speed()
 
-    def stop(self, clear: bool) -> None:
-        """Stop where the robot is; `clear` forgets what is left."""
-        self.paused = True
-        if clear:
-            self._queue.clear()
-            self._current, self._phase, self._u, self._resting = None, None, 0.0, True
-            self.planned_q, self.planned_pose = self.q.copy(), None
+    def _corner_failed(self, move: PlannedMove) -> None:
+        place = f"{move.move.file}, line {move.move.line}"
+        text = f"{place}: executed as a stop point, no next motion was known in time"
+        self._log("warning", "corner path", text, CORNER_PATH)
 
-    def restart(self) -> None:
-        """Go on."""
-        self.paused = False
+    # Stopping and going on
+
+    def hold(self, who: str, quick: bool = False) -> None:
+        """Brake to a stop on the path; time has to pass until the robot is `stopped`."""
+        already = bool(self._holds)
+        self._holds.add(who)
+        path = self._path
+        if self._driven:
+            self._script = None  # the way back to the path is slow enough to end anywhere
+        if self._script is not None or self.idle or (already and self._rest is None):
+            return
+        self._divide()
+        braking = self._limits.acceleration * (self._limits.quick_factor if quick else 1.0)
+        self._rest = path.brake(braking)
+
+    def release(self, who: str) -> None:
+        """Go on, unless somebody else holds the robot."""
+        self._holds.discard(who)
+        if not self._holds:
+            self._rest = None
+            self.update_speed()
+
+    def cut_power(self, who: str) -> None:
+        """Stop without power: the arm runs on, each axis until its own brake has stopped it."""
+        path, moving = self._path, self.moving
+        self._holds.add(who)
+        velocity = np.zeros(6)
+        if self._script is not None:
+            self._script = None
+        elif moving and path.stood >= path.row[path.head].dwell:
+            self._divide()
+            here, there = path.row[path.head], path.row[path.head + 1]
+            if here.way > 0.0:
+                velocity = (there.q - here.q) / here.way * here.speed
+            here.speed = 0.0
+        self._rest = None
+        if np.any(velocity):
+            time, q = coast(self.q, velocity, self.rules.max_velocity, self._limits)
+            self._play(self._stretches.samples(time, q), driven=False)
+
+    def regain(self) -> bool:
+        """Go back to where the path goes on; False when the robot stands there."""
+        path = self._path
+        if not path.row or np.abs(self.q - path.row[path.head].q).max() < ON_PATH:
+            return False
+        target = path.row[path.head].q
+        duration = max(self.off_path()[0] / self._limits.regain_speed, self._sampling.planning)
+        self._log("information", "Regain start", "the robot goes back to its path", REGAIN_START)
+        self._play(self._stretches.joints(self.q, target, duration), driven=True)
+        return True
+
+    def clear(self) -> None:
+        """Forget what is left of the path."""
+        self._path, self._rest, self._script = Path([]), None, None
+        self._begun = self._serial
+        self.planned_q, self.planned_pose = self.q.copy(), None
+
+    def store(self, who: str) -> None:
+        """Put the path away that `who` holds, so that the robot can be moved otherwise; it stands."""
+        self._stored.append((self._path, self.planned_q, self.planned_pose, self.planned_tool))
+        self._path, self._begun = Path([]), self._serial
+        self.planned_q, self.planned_pose = self.q.copy(), None
+        self._holds.discard(who)
+
+    def restore(self, who: str) -> None:
+        """Take the path up again that was put away; `who` holds it."""
+        self._path, self.planned_q, self.planned_pose, self.planned_tool = self._stored.pop()
+        self._begun = self._serial
+        self._holds.add(who)
+
+    @property
+    def has_stored(self) -> bool:
+        """True when a path was put away."""
+        return bool(self._stored)
+
+    def forget_stored(self) -> None:
+        """Forget paths that were put away."""
+        self._stored.clear()
+
+    def update_speed(self) -> None:
+        """Plan the speeds along the path anew."""
+        path = self._path
+        if not path.row or self._holds:
+            return
+        first = path.head + (1 if path.elapsed > 0.0 else 0)
+        self.rules.profile(path.row[first:])
+
+    # Time
 
     def advance(self, seconds: float) -> None:
         """Let time pass."""
         end = self.time + seconds
-        while not self.paused and self.time < end:
-            if self._phase is None:
-                self._phase = self._next_phase()
-                if self._phase is None:
-                    break
-            self._emit(self._phase, min(end - self.time, self._phase.time[-1] - self._phase.elapsed))
+        while self.time < end and self.moving:
+            step = self._play_on(end) if self._script is not None else self._drive_on(end)
+            if step <= 0.0 and self.time >= end:
+                break
         self.time = max(self.time, end)
 
-    def until_next(self) -> float:
-        """Time to the end of the present stretch of motion [s]."""
-        if self._phase is None:
-            self._phase = self._next_phase()
-        return 0.0 if self._phase is None else float(self._phase.time[-1] - self._phase.elapsed)
-
-    def _emit(self, phase: _Phase, step: float) -> None:
-        """Let a phase go on for a while and record what it passes."""
-        start = self.time - phase.elapsed
-        phase.elapsed += step
-        # The last sample belongs to the phase even when sums of floats fall short of it.
-        done = phase.elapsed >= phase.time[-1] - 1e-12
-        while phase.emitted < len(phase.time) and (done or phase.time[phase.emitted] <= phase.elapsed):
-            i = phase.emitted
-            self.recording.add(start + float(phase.time[i]), phase.poses[i], phase.q[i], phase.context[i])
-            self.q = phase.q[i]
-            phase.emitted += 1
+    def _drive_on(self, end: float) -> float:
+        """Along the path, to the next node at most; gives the time that passed."""
+        path = self._path
+        node = path.row[path.head]
+        if path.stood < node.dwell - 1e-12:
+            step = min(end - self.time, node.dwell - path.stood)
+            path.stood += step
+            self.time += step
+            if path.stood >= node.dwell - 1e-12:
+                self._record(node)
+            return step
+        following = path.row[path.head + 1]
+        whole = self.rules.time_between(node, following)
+        if not np.isfinite(whole):  # the override is 0
+            step, self.time = end - self.time, end
+            return step
+        step = min(end - self.time, whole - path.elapsed)
         self.time += step
+        path.elapsed += step
+        if path.elapsed >= whole - 1e-12:
+            self._pass_node(following)
+        return step
+
+    def _pass_node(self, node: PathNode) -> None:
+        path = self._path
+        path.head, path.elapsed, path.stood = path.head + 1, 0.0, 0.0
+        self.q = node.q
+        self._begun = max(self._begun, node.serial)
+        self._record(node)
+        if node is path.leave and path.last is not None:
+            self._corner_failed(path.last)
+            path.last = path.leave = None
+        if node is self._rest:
+            self._rest, node.speed = None, 0.0
+        if path.head > 500:
+            del path.row[: path.head - 1]
+            path.head = 1
+
+    def _divide(self) -> None:
+        """Put a node where the robot is on the way between two."""
+        if self._path.divide(self.rules):
+            node = self._path.row[self._path.head]
+            self.q = node.q
+            self._record(node)
+
+    def _play(self, script: Stretch, driven: bool) -> None:
+        self._script, self._script_at, self._script_time, self._driven = script, 0, 0.0, driven
+
+    def _play_on(self, end: float) -> float:
+        """Along a motion off the path."""
+        script = self._script
+        if script is None:
+            return 0.0
+        step = min(end - self.time, float(script.time[-1]) - self._script_time)
+        begin = self.time - self._script_time
+        self._script_time += step
+        self.time += step
+        context = self.context
+        done = self._script_time >= script.time[-1] - 1e-12
+        while self._script_at < len(script.time) and (
+            done or script.time[self._script_at] <= self._script_time
+        ):
+            i = self._script_at
+            self.q = script.q[i]
+            moment = begin + float(script.time[i])
+            self.recording.add(moment, script.poses[i], self.q, context, self.surroundings, self._driven)
+            self._script_at += 1
         if done:
-            self._phase = None
+            self._script = None
+            if self._driven:
+                self._log("information", "Regain ready", "the robot is on its path", REGAIN_READY)
+        return step
 
-    def _next_phase(self) -> _Phase | None:
-        """The next stretch: along the present motion, round its corner, or into the next one."""
-        if self._current is None:
-            if not self._queue:
-                self._resting = True
-                return None
-            if self._resting:
-                self._resting = False
-                return self._set_off(self._queue[0])
-            self._current, self._u = self._queue.pop(0), 0.0
-        move = self._current
-        if move.zone == 0.0 or move.length == 0.0:
-            return self._finish(move)
-        leave = 1.0 - _share(move.zone, move)
-        if self._u < leave - 1e-12:
-            return self._along(move, leave)
-        if not self._queue:
-            # Nothing to round the corner to: the robot stops at the point instead.
-            place = f"{move.move.file}, line {move.move.line}"
-            self._log(
-                "warning", "corner path", f"{place}: executed as a stop point, no next motion was known"
-            )
-            return self._finish(move)
-        following = self._queue[0]
-        if following.length == 0.0:
-            return self._finish(move)
-        radius = min(_share(move.zone, move) * move.length, 0.5 * following.length)
-        leave = 1.0 - radius / move.length
-        if self._u < leave - 1e-12:
-            return self._along(move, leave)
-        return self._round(move, self._queue.pop(0), leave, radius)
-
-    def _set_off(self, move: PlannedMove) -> _Phase:
-        """Stand while the path is prepared."""
-        pose = self._arm.forward(self.q)[0] @ self._T_flange_tool
-        count = 2
-        time = np.array([0.0, self._sampling.planning])
-        return _Phase(time, np.array([pose] * count), np.array([self.q] * count), [move.context] * count)
-
-    def _finish(self, move: PlannedMove) -> _Phase:
-        """To the target, and stand there."""
-        phase = self._along(move, 1.0)
-        self._current, self._resting = None, move.zone == 0.0
-        phase.time[-1] += self._sampling.settling if move.zone == 0.0 else 0.0
-        return phase
-
-    def _along(self, move: PlannedMove, end: float) -> _Phase:
-        """From where the motion is to parameter `end`."""
-        start, self._u = self._u, end
-        span = end - start
-        count = self._count(move, span)
-        u = np.linspace(start, end, count)
-        if move.curve is None:
-            q = move.q_start + u[:, None] * (move.q_end - move.q_start)
-            flange = self._arm.forward(q)
-        else:
-            flange = move.curve.poses(u) @ inverse(move.T_flange_tool)
-            q = self._arm.nearest(flange, self.q)
-        time = np.linspace(0.0, span * move.duration, count)
-        return _Phase(self._slowed(time, q), flange @ self._T_flange_tool, q, [move.context] * count)
-
-    def _round(self, move: PlannedMove, following: PlannedMove, leave: float, radius: float) -> _Phase:
-        """Round the corner between two motions on a parabola."""
-        enter = radius / following.length
-        self._current, self._u = following, enter
-        count = max(5, self._count(move, 1.0 - leave) + self._count(following, enter))
-        count += 1 - count % 2
-        u = np.linspace(0.0, 1.0, count)
-        if move.curve is None or following.curve is None:
-            before = self.q
-            after = self._joints_at(following, enter)
-            q = corner_joints(before, move.q_end, after, u)
-            flange = self._arm.forward(q)
-        else:
-            corner = Corner(
-                move.curve.poses(np.array([leave]))[0],
-                move.T_base_tool_end,
-                following.curve.poses(np.array([enter]))[0],
-            )
-            flange = corner.poses(u) @ inverse(following.T_flange_tool)
-            q = self._arm.nearest(flange, self.q)
-        half = count // 2
-        first = np.linspace(0.0, (1.0 - leave) * move.duration, half + 1)
-        second = first[-1] + np.linspace(0.0, enter * following.duration, half + 1)[1:]
-        # The first half of the corner belongs to the motion before it, the second to the one after.
-        contexts = [move.context] * (half + 1) + [following.context] * half
-        time = self._slowed(np.concatenate([first, second]), q)
-        return _Phase(time, flange @ self._T_flange_tool, q, contexts)
-
-    def _joints_at(self, move: PlannedMove, u: float) -> FloatArray:
-        """Joint angles at parameter u of a motion, shape (6,) [rad]."""
-        if move.curve is None:
-            return move.q_start + u * (move.q_end - move.q_start)
-        poses = move.curve.poses(np.linspace(0.0, u, 11)) @ inverse(move.T_flange_tool)
-        q: FloatArray = self._arm.nearest(poses, move.q_start)[-1]
-        return q
-
-    def _count(self, move: PlannedMove, span: float) -> int:
-        """Samples for a share of a motion, ends included."""
-        by_time = span * move.duration / self._sampling.interval
-        by_way = span * move.length / self._sampling.cutting_step if move.context.cutting else 0.0
-        return int(np.ceil(max(by_time, by_way))) + 2
-
-    def _slowed(self, time: FloatArray, q: FloatArray) -> FloatArray:
-        """Times (n,) [s] that no joint is too slow for, from times (n,) [s] and joint angles (n, 6) [rad]."""
-        needed = (np.abs(np.diff(q, axis=0)) / self._arm.max_velocity).max(axis=1)
-        return np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(time), needed))])
-
-
-def _share(zone: float, move: PlannedMove) -> float:
-    """Share of a motion that lies in its zone; at most half of the motion."""
-    return min(zone / move.length, 0.5)
+    def _record(self, node: PathNode) -> None:
+        self.recording.add(self.time, node.pose, node.q, node.context, self.surroundings)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,17 +12,20 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import from_wxyz, inverse
 from doormill_ros.simulation.controller.arm import QUARTER, ControllerArm
 from doormill_ros.simulation.controller.curves import TcpArc, TcpCurve, TcpLine
+from doormill_ros.simulation.controller.limits import ControllerLimits
+from doormill_ros.simulation.controller.operation.panel import Log
 from doormill_ros.simulation.controller.rapid.errors import RapidMotionError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.controller.rapid.types import Value
-from doormill_ros.units import deg_to_rad, mm_to_m, rad_to_deg
+from doormill_ros.units import deg_to_rad, mm_to_m, rad_to_deg, s_to_ms
 
 #: Deviations of |q.q| from 1: above the first a warning, above the second an error.
 UNIT_WARNING, UNIT_ERROR = 1e-5, 0.1
 #: How far outside its quarter an axis may end before its configuration counts as another [rad].
 BORDER = 1e-3
-#: Axis 5 nearer to straight than this, within a Cartesian motion, is a singularity [rad].
-WRIST_SINGULARITY = deg_to_rad(0.5)
+#: Events: close to singularity (industrialmonitordirect.com), too many closely spaced positions
+#: (ros-industrial/abb#185), configuration [M].
+SINGULARITY, CLOSELY_SPACED, CONFIGURATION = 50026, 50078, 50080
 #: Poses at which a Cartesian motion is tried out before it starts.
 TRIALS = 41
 
@@ -53,7 +56,7 @@ class PlannedMove:
         T_base_tool_end: Pose at its target, shape (4, 4).
         T_flange_tool: Tool of the instruction, shape (4, 4).
         length: Path of the tool centre point [m].
-        duration: At the programmed speed [s].
+        duration: At the programmed speed, and no less than a motion must take [s].
         zone: Radius in which it may be left for the next one [m]; 0 stops at the target.
         context: What it is for.
         move: The instruction.
@@ -74,10 +77,12 @@ class PlannedMove:
 class MovePlanner:
     """Plans motions one after the other, each from the target of the one before."""
 
-    def __init__(self, arm: ControllerArm, log: Callable[[str, str, str], None]) -> None:
-        """Plan for an arm; `log(kind, title, text)` takes warnings."""
+    def __init__(self, arm: ControllerArm, log: Log, limits: ControllerLimits | None = None) -> None:
+        """Plan for an arm; `log` takes warnings, None for `limits` is the strict ones."""
         self._arm = arm
         self._log = log
+        self._limits = limits or ControllerLimits()
+        self._short_in_row = 0
         self.linear_supervision = True
         self.joint_configuration = True
 
@@ -126,7 +131,26 @@ class MovePlanner:
         duration = max(length / speed, turn / turning)
         if move.duration is not None:
             duration = move.duration
+        duration = self._spaced(move, duration)
         return PlannedMove(curve, q, q_end, end, T_flange_tool, length, duration, zone, context, move)
+
+    def _spaced(self, move: Move, duration: float) -> float:
+        """Time that the motion takes [s]: no less than the path planner needs for one; few such in a row."""
+        if duration >= self._limits.segment_time:
+            self._short_in_row = 0
+            return duration
+        self._short_in_row += 1
+        allowed = self._limits.short_in_row
+        if allowed is not None and self._short_in_row > allowed:
+            self._short_in_row = 0
+            shortest = s_to_ms(self._limits.segment_time)
+            raise self._error(
+                move,
+                f"{allowed + 1} motions in a row below {shortest:g} ms, this one takes {s_to_ms(duration):.1f} ms",
+                f"{allowed} in a row: too many closely spaced positions",
+                CLOSELY_SPACED,
+            )
+        return self._limits.segment_time
 
     def _curve(self, move: Move, wobj: FloatArray, start: FloatArray) -> TcpCurve:
         """The tool path of a Cartesian motion from the pose `start` (4, 4) on; `wobj` is T_base_wobj (4, 4)."""
@@ -184,11 +208,13 @@ class MovePlanner:
                 f"{rad_to_deg(self._arm.lower[axis]):.1f} to {rad_to_deg(self._arm.upper[axis]):.1f} deg",
             )
         jump = np.abs(np.diff(path, axis=0, prepend=q[None])).max()
-        if np.abs(path[:, 4]).min() < WRIST_SINGULARITY or jump > np.pi / 2.0:
+        nearest = self._limits.wrist_singularity
+        if np.abs(path[:, 4]).min() < nearest or jump > np.pi / 2.0:
             raise self._error(
                 move,
                 f"the path passes a singularity (axis 5 at {rad_to_deg(np.abs(path[:, 4]).min()):.2f} deg)",
-                f"axis 5 at least {rad_to_deg(WRIST_SINGULARITY):.1f} deg from straight",
+                f"axis 5 at least {rad_to_deg(nearest):.1f} deg from straight",
+                SINGULARITY,
             )
         q_end: FloatArray = path[-1]
         return q_end
@@ -201,16 +227,21 @@ class MovePlanner:
         found = self._arm.conf_of(q_end)
         for axis, quarter, name in zip((0, 3, 5), wanted[:3], ("cf1", "cf4", "cf6"), strict=True):
             low = quarter * QUARTER
-            if not low - BORDER <= q_end[axis] <= low + QUARTER + BORDER:
+            margin = self._limits.quadrant_margin or -BORDER
+            if not low + margin <= q_end[axis] <= low + QUARTER - margin:
                 raise self._error(
                     move,
                     f"the motion ends with axis {axis + 1} at {rad_to_deg(q_end[axis]):.1f} deg, {name} = {quarter}",
-                    f"configuration {_numbers(found)}",
+                    f"configuration {_numbers(found)}, {rad_to_deg(margin):.1f} deg within its quadrant",
+                    CONFIGURATION,
                 )
         near_border = abs(q_end[4]) < BORDER
         if found[3] != wanted[3] and not (near_border and found[3] // 2 == wanted[3] // 2):
             raise self._error(
-                move, f"the motion ends in cfx {found[3]}, the target says {wanted[3]}", "the same cfx"
+                move,
+                f"the motion ends in cfx {found[3]}, the target says {wanted[3]}",
+                "the same cfx",
+                CONFIGURATION,
             )
 
     def _conf(self, move: Move, target: Value) -> tuple[int, int, int, int]:
@@ -251,9 +282,9 @@ class MovePlanner:
                 "a mass of 0.001 kg and more off the flange",
             )
 
-    def _error(self, move: Move, found: str, allowed: str) -> AbbError:
+    def _error(self, move: Move, found: str, allowed: str, number: int = 0) -> AbbError:
         text = f"{move.file}, line {move.line}: {move.kind}: {found}, allowed is {allowed}: correct path or recipe"
-        self._log("error", "motion supervision", text)
+        self._log("error", "motion supervision", text, number)
         return RapidMotionError(text, file=move.file, line=move.line, kind=move.kind)
 
 

@@ -52,12 +52,38 @@ def no_wrench(_context: MotionContext, T_base_tool: FloatArray, _direction: Floa
 
 
 def wrench_of_program(milling: MillingProgram) -> WrenchOf:
-    """The wrench that the milling program was corrected for, motion by motion."""
+    """The wrench that the milling program was corrected for, along every motion."""
+    places = [target.T_base_tool_corrected[:3, 3] for target in milling.targets]
 
     def wrench_of(context: MotionContext, T_base_tool: FloatArray, _direction: FloatArray) -> FloatArray:
-        return np.broadcast_to(milling.motions[context.index].wrench, (len(T_base_tool), 6))
+        motion = milling.motions[context.index]
+        if motion.wrench_end is None:
+            return np.broadcast_to(motion.wrench, (len(T_base_tool), 6))
+        start, end = places[milling.motions[context.index - 1].target], places[motion.target]
+        via = None if motion.via is None else places[motion.via]
+        share = _share_of_way(T_base_tool[:, :3, 3], start, via, end)
+        return motion.wrench_at(share)
 
     return wrench_of
+
+
+def _share_of_way(
+    points: FloatArray, start: FloatArray, via: FloatArray | None, end: FloatArray
+) -> FloatArray:
+    """How much of a line or arc lies behind points on it or near it, 0..1; shapes (n, 3), (3,) each -> (n,)."""
+    behind = np.linalg.norm(points - start, axis=1)
+    ahead = np.linalg.norm(points - end, axis=1)
+    half = 0.0
+    if via is not None:
+        # The circle point sees the two ends under a straight angle less half of what the arc turns by.
+        a, b = via - start, end - via
+        half = float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+    if half < 1e-6:
+        straight: FloatArray = behind / np.maximum(behind + ahead, 1e-12)
+        return straight
+    # Chords are as the sines of half of what their arcs turn by.
+    share: FloatArray = np.arctan2(behind * np.sin(half), ahead + behind * np.cos(half)) / half
+    return share
 
 
 def module_process(milling: MillingProgram | None = None, wrench_of: WrenchOf | None = None) -> Process:

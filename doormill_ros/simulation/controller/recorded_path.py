@@ -8,12 +8,10 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.controller.motion import MotionRecording
 from doormill_ros.simulation.controller.process import WrenchOf
+from doormill_ros.simulation.controller.recording import MotionRecording
+from doormill_ros.simulation.truth.last_motion import last_directions
 from doormill_ros.simulation.truth.robot import TruthRobot
-
-#: Joint motions below this are standing still [rad].
-STILL = 1e-9
 
 
 def build_executed_path(
@@ -53,18 +51,11 @@ def build_executed_path(
         cutting=np.array([c.cutting for c in recording.context]),
         feature=np.array([c.feature for c in recording.context], dtype=str),
         wrench=wrench,
+        spindle_on=np.array([s.spindle_on for s in recording.surroundings]),
+        at_speed=np.array([s.at_speed for s in recording.surroundings]),
+        guard_closed=np.array([s.guard_closed for s in recording.surroundings]),
+        driven=np.array(recording.driven),
     )
-
-
-def last_directions(q: FloatArray) -> FloatArray:
-    """Direction of each joint's last motion, -1 or +1, 0 before its first; shape (n, 6)."""
-    signs = np.zeros_like(q)
-    steps = np.diff(q, axis=0)
-    signs[1:] = np.sign(np.where(np.abs(steps) > STILL, steps, 0.0))
-    # Where a joint stands still its last motion counts: index of the last sample that moved.
-    moved = np.where(signs != 0.0, np.arange(len(q))[:, None], 0)
-    last = np.maximum.accumulate(moved, axis=0)
-    return np.take_along_axis(signs, last, axis=0)
 
 
 def _travel(poses: FloatArray) -> FloatArray:

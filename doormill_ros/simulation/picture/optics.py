@@ -79,13 +79,25 @@ def rays(camera: SceneCamera, block: Block, fine: int) -> tuple[Float32Array, Fl
             part = cv2.resize(part, None, fx=fine, fy=fine, interpolation=cv2.INTER_LINEAR)
         return part[_RIM * fine : -_RIM * fine, _RIM * fine : -_RIM * fine]
 
-    ray_x, ray_y = _rays(tuple(camera.matrix.ravel()), tuple(camera.brown), camera.shape)
-    return within(ray_x), within(ray_y)
+    ray_x, ray_y = map(within, _rays(tuple(camera.matrix.ravel()), tuple(camera.brown), camera.shape))
+    if np.array_equal(camera.turn, np.eye(3)):
+        return ray_x, ray_y
+    # Rays of a camera that was turned, seen by one that was not.
+    seen = np.stack([ray_x, ray_y, np.ones_like(ray_x)], axis=-1) @ _turn(camera).T.astype(np.float32)
+    return seen[..., 0] / seen[..., 2], seen[..., 1] / seen[..., 2]
+
+
+def _turn(camera: SceneCamera) -> FloatArray:
+    """The camera's turn in the axes of a camera that was not turned: x right, y down, z ahead; shape (3, 3)."""
+    R_base_camera = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    turn: FloatArray = R_base_camera.T @ camera.turn @ R_base_camera
+    return turn
 
 
 def project(camera: SceneCamera, distance: float, across: FloatArray, up: FloatArray) -> FloatArray:
     """Pixels u, v (n, 2) of points at `distance` [m] ahead, base y and z [m] from the camera."""
-    seen = lens(np.column_stack([-across, -up]) / distance, camera.brown)
+    ahead = np.column_stack([-across, -up, np.full(len(across), distance)]) @ _turn(camera)
+    seen = lens(ahead[:, :2] / ahead[:, 2:], camera.brown)
     return seen @ camera.matrix[:2, :2].T + camera.matrix[:2, 2]
 
 

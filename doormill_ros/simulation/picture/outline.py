@@ -9,6 +9,7 @@ from doormill_ros.arrays import Float32Array, FloatArray
 from doormill_ros.simulation.picture.scene import Chip, Edges
 
 _STEP = 2.0e-5  # spacing of the table [m]
+_IN_VIEW = 0.05  # middle of the part of an edge that the camera sees [m]
 _START, _STOP = -0.02, 0.22  # range of the table along the edge [m]
 
 
@@ -51,6 +52,8 @@ class EdgeProfile:
         for chip in edges.chips:
             if chip.edge == name:
                 table = np.maximum(table, _bite(chip, along, rng) + table)
+        bow = edges.bow[0] if name == "hinge" else edges.bow[1]
+        table = table + bow * (1.0 - (2.0 * (along - _IN_VIEW) / edges.bow_length) ** 2)
         self._table = table.astype(np.float32)[None]
 
     @property

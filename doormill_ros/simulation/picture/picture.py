@@ -89,6 +89,15 @@ class _Painter:
             share = np.clip(far / np.float32(shadow.penumbra) + 0.5, 0, 1)
             out *= 1 + np.float32(shadow.factor - 1) * share * share * (3 - 2 * share)
 
+    def _stripe(self, out: Float32Array, y: Float32Array, z: Float32Array) -> None:
+        for strip in self.scene.strips:
+            across, along = (y, z) if strip.edge == "hinge" else (z, y)
+            steep = np.float32(1.0 / strip.blur)
+            inside = np.clip((across - np.float32(strip.start)) * steep + 0.5, 0, 1)
+            inside *= np.clip((np.float32(strip.stop) - across) * steep + 0.5, 0, 1)
+            inside *= (along >= np.float32(strip.first)) & (along <= np.float32(strip.last))
+            out *= 1 + np.float32(strip.factor - 1) * inside
+
     def light(self, ray_x: Float32Array, ray_y: Float32Array) -> Float32Array:
         """Light that falls on what rays x/z, y/z see, shadows aside; all of one shape (n, m)."""
         light = self.scene.light
@@ -122,6 +131,7 @@ class _Painter:
         self.paint(out, block, fine, behind=True)
         self._shade(out, [s for s in shadows if s.behind], y, z)
         face = self.albedo("face", y, z)
+        self._stripe(face, y, z)
         self._shade(face, [s for s in shadows if s.on_face], y, z)
         if scene.back_edge is not None:
             lip = scene.back_edge

@@ -31,12 +31,14 @@ class SceneCamera:
         brown: k1, k2, p1, p2, k3, shape (5,).
         shape: Rows and columns of the picture.
         origin: x, slider y and z of the projection centre in base [m], shape (3,).
+        turn: Rotation of the camera from its mounting, base x ahead, base y left and base z up; shape (3, 3).
     """
 
     matrix: FloatArray
     brown: FloatArray
     shape: tuple[int, int]
     origin: FloatArray
+    turn: FloatArray = field(default_factory=lambda: np.eye(3))
 
     @staticmethod
     def load(path: Path | None = None) -> SceneCamera:
@@ -113,6 +115,29 @@ class Chip:
 
 
 @dataclass(frozen=True)
+class Strip:
+    """Part of the face along one of its edges that looks different: a lipping, an arris, a groove, dust.
+
+    Attributes:
+        edge: "hinge" or "bottom".
+        start: Distance of its outer border from the edge [m].
+        stop: Distance of its inner border [m].
+        factor: On the brightness of the face.
+        blur: Width over which the brightness changes at its borders [m].
+        first: Where it begins along the edge, from the corner [m].
+        last: Where it ends [m].
+    """
+
+    edge: str
+    start: float
+    stop: float
+    factor: float
+    blur: float = 5.0e-5
+    first: float = -1.0
+    last: float = 5.0
+
+
+@dataclass(frozen=True)
 class Edges:
     """How the saw left the two edges of the face.
 
@@ -122,6 +147,9 @@ class Edges:
         squareness: Angle by which the bottom edge rises above the normal of the hinge edge [rad].
         softness: Half width of the fibrous rim over which the wood thins out [m].
         chips: Missing pieces.
+        bow: How far the middle of each edge lies inside the line through its ends, hinge edge and bottom
+            edge [m]; negative outside.
+        bow_length: Length of the arc that is bowed, centred on the part in view [m].
     """
 
     roughness: float = 0.0
@@ -129,6 +157,8 @@ class Edges:
     squareness: float = 0.0
     softness: float = 0.0
     chips: tuple[Chip, ...] = ()
+    bow: tuple[float, float] = (0.0, 0.0)
+    bow_length: float = 0.4
 
 
 @dataclass(frozen=True)
@@ -230,6 +260,7 @@ class PictureScene:
         offset: The true offset from the nominal place; None for the nominal place.
         face: Face of the door.
         background: Wall of the cell behind the door.
+        strips: Parts of the face that look different along its edges.
         edges: Outline of the door's face.
         back_edge: What sticks out behind the face, or None.
         light: Lighting.
@@ -244,6 +275,7 @@ class PictureScene:
     offset: DoorOffset = field(default_factory=DoorOffset)
     face: Surface = Surface(0.65)
     background: Surface = Surface(0.18)
+    strips: tuple[Strip, ...] = ()
     edges: Edges = Edges()
     back_edge: BackEdge | None = None
     light: Light = Light()

@@ -7,6 +7,7 @@ from support.rapid_bench import (  # noqa: F401
     door,
     load,
     machine,
+    read_configuration,
     say,
     thesis_listings,
     thesis_module,

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
+from doormill_ros.abb.target_file.trailer import ANGLE_DECIMALS
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import apply_twist, inverse, quaternion_wxyz, twist_between
 from doormill_ros.robot.configuration import ConfData
@@ -15,8 +18,10 @@ from doormill_ros.simulation.controller.process import module_process
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.units import RPM
+from support.rapid_bench import reading_modules
 
 HALF_ULP_OF_ONE = 2.0**-25
+RUNS = itertools.count(1)
 
 
 def assert_same_target(told, target: Target, line) -> None:
@@ -53,11 +58,23 @@ def reader(tmp_path_factory, arm):
     """One controller whose ReadTargetFile is called again and again."""
     from doormill_ros.simulation.controller.controller import VirtualController
 
-    return VirtualController(tmp_path_factory.mktemp("home"), arm, expected_door="*")
+    home = tmp_path_factory.mktemp("home")
+    return VirtualController(home, arm, modules=reading_modules(home), expected_door="*")
+
+
+def assert_same_joints(told, q) -> None:
+    """A jointtarget against the joint angles it was written from."""
+    robax, extax = told
+    wanted = np.degrees(q)
+    allowed = 0.5 * 10.0**-ANGLE_DECIMALS + 0.5 * np.spacing(np.abs(wanted).astype(np.float32)).astype(float)
+    assert np.all(np.abs(np.array(robax) - wanted) <= allowed + 1e-9)
+    assert all(e == float(np.float32(9e9)) for e in extax)
 
 
 def program_of(arm, angles) -> MillingProgram:
-    T_flange_tool = load_layout().T_flange_tool
+    """Joint motions to these angles, of up to three features; the way home from each passes one or two of them."""
+    layout = load_layout()
+    T_flange_tool = layout.T_flange_tool
     none = np.zeros(6)
     targets = []
     for i, q in enumerate(angles):
@@ -67,7 +84,11 @@ def program_of(arm, angles) -> MillingProgram:
         Motion(MotionKind.JOINT, i, None, 0.3 + 0.01 * i, "fine", f"f{i % 3}", False, none, 300.0)
         for i in range(len(targets))
     ]
-    return MillingProgram("door 7", 3, tuple(targets), tuple(motions))
+    features = min(3, len(angles))
+    escapes = tuple(range(i, min(i + 2, len(angles))) for i in range(features))
+    return MillingProgram(
+        "door 7", 3, tuple(targets), tuple(motions), points=tuple(angles), home=layout.home, escapes=escapes
+    )
 
 
 @settings(max_examples=25)
@@ -76,7 +97,9 @@ def test_any_targets_arrive_in_the_module_as_they_were_written(angles, run, arm,
     program = program_of(arm, angles)
     data = render_target_file(program, f"run-{run}")
     (reader.home / "Hei2.txt").write_bytes(data)
-    reader.program.run("ReadTargetFile")
+    (reader.home / "Hei2.run").write_text(f"run-{run}\n0\n")
+    reader.program.run("ReadAndTell")
+    assert reader.program.read("accepted") is True
     file = read_target_file(data)
     assert reader.program.read("targetCount") == len(program.targets) == len(file.targets)
     told = reader.program.read("targets")
@@ -84,6 +107,11 @@ def test_any_targets_arrive_in_the_module_as_they_were_written(angles, run, arm,
         assert_same_target(told[i], target, line)
     assert reader.program.read("doorId") == "door 7"
     assert reader.program.read("recipeVersion") == 3
+    assert reader.program.read("pointCount") == len(program.points)
+    for told_joints, q in zip(reader.program.read("points"), program.points, strict=False):
+        assert_same_joints(told_joints, q)
+    ranges = reader.program.read("escapes")[: len(program.escapes)]
+    assert [tuple(r) for r in ranges] == [(escape.start + 1, escape.stop) for escape in program.escapes]
     features = reader.program.read("features")
     assert reader.program.read("moveCount") == len(program.motions)
     for row, motion in zip(reader.program.read("moves"), program.motions, strict=False):
@@ -98,12 +126,15 @@ def test_any_targets_arrive_in_the_module_as_they_were_written(angles, run, arm,
 @given(angles=st.lists(joint_angles(regular=True), min_size=1, max_size=4))
 def test_the_robot_goes_where_the_file_says_in_the_configuration_it_says(angles, arm, controller):
     program = program_of(arm, angles)
-    data = render_target_file(program, "run")
+    data = render_target_file(program, f"run-{next(RUNS)}")  # no run is milled twice
     robot = controller(process=module_process(program))
     (robot.home / "Hei2.txt").write_bytes(data)
     robot.run()
-    commanded = [m for m in robot.moves if m.kind == "MoveJ"][1:]  # the first is the approach
-    assert len(commanded) == len(program.targets)
+    assert robot.moves, (robot.pendant_lines, robot.event_log)
+    *commanded, home = robot.moves  # of its own the module makes the way home alone
+    assert [m.kind for m in commanded] == ["MoveJ"] * len(program.targets)
+    assert home.kind == "MoveAbsJ"
+    assert_same_joints(home.target, program.home)
     path = robot.executed_path()
     for i, (move, target, line) in enumerate(
         zip(commanded, program.targets, read_target_file(data).targets, strict=True)
@@ -128,10 +159,16 @@ def test_generated_doors_are_executed_motion_by_motion(name, door, arm, controll
     robot.run()
     assert [entry for entry in robot.event_log if entry.kind != "information"] == []
     lines = read_target_file(data).targets
-    moves = robot.moves[1:-1]  # without the approach and the way home
+    *moves, home = robot.moves  # of its own the module makes the way home alone
+    assert home.kind == "MoveAbsJ"
+    assert_same_joints(home.target, program.home)
+    assert moves[0].kind == "MoveAbsJ"
     assert [m.kind for m in moves] == [m.kind.value for m in program.motions]
     for move, motion in zip(moves, program.motions, strict=True):
-        assert_same_target(move.target, program.targets[motion.target], lines[motion.target])
+        if motion.kind is MotionKind.ABSOLUTE:
+            assert_same_joints(move.target, program.points[motion.target])
+        else:
+            assert_same_target(move.target, program.targets[motion.target], lines[motion.target])
         if motion.via is not None:
             assert_same_target(move.via, program.targets[motion.via], lines[motion.via])
         assert move.speed[0] == pytest.approx(motion.speed * 1e3, abs=1e-3)
@@ -171,7 +208,9 @@ def test_the_compliant_robot_is_bent_onto_targets_that_were_corrected_for_it(arm
         Motion(MotionKind.JOINT, 0, None, 0.2, "fine", "", False, none, 335.0),
         Motion(MotionKind.LINEAR, 1, None, 0.05, "fine", "edge", True, wrench, 335.0),
     )
-    program = MillingProgram("door", 1, tuple(targets), motions)
+    program = MillingProgram(
+        "door", 1, tuple(targets), motions, points=(q,), home=load_layout().home, escapes=(range(1),)
+    )
     robot = controller(truth=truth, process=module_process(program))
     (robot.home / "Hei2.txt").write_bytes(render_target_file(program, "run-1"))
     robot.run()

@@ -12,10 +12,11 @@ from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import FileRefusedError
 from doormill_ros.abb.target_file.target_file import check_handover
-from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
+from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.controller import VirtualController
 from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from support.faults.world import make_file
 
 DOOR = "door_a"
@@ -27,7 +28,7 @@ class Cell:
     def __init__(self, home: Path, arm: ControllerArm) -> None:
         self.home = home
         self.io = FolderIo(home)
-        self.link = SharedFolderTransport(home, timeout=60.0)
+        self.link = SimulatedFolderTransport(home, timeout=60.0)
         self.states: list[State] = []
         self.handshake = Handshake(
             self.link, check=check_handover, on_change=lambda s: self.states.append(s.state)
@@ -40,8 +41,9 @@ class Cell:
             home, arm, io=self.io, expected_door=DOOR, patience=5.0, on_wait=self._pc_works
         )
 
-    def _pc_works(self, _robot: VirtualController) -> None:
+    def _pc_works(self, robot: VirtualController) -> None:
         self.handshake.step()
+        self._exchange_doors(robot)
         if self.handshake.snapshot.accepts_submission and self.handshake.snapshot.state is State.REQUESTED:
             self.runs += 1
             run_id = f"run-{self.runs}"
@@ -50,8 +52,20 @@ class Cell:
             self.handshake.step()
             self.after_ready()
 
-    def mill(self) -> None:
-        self.robot.run()
+    def _exchange_doors(self, robot: VirtualController) -> None:
+        """A door that was begun is taken out once the robot is not busy; the next one is clamped and named."""
+        spent = robot.program.read("doorSpent")
+        if self.io.read(signals.BUSY):
+            return
+        if not spent and not robot.cell.read("diDoorClamped"):
+            robot.program.write("expectedDoor", f'"{DOOR}"')
+        robot.cell.set_input("diDoorClamped", float(not spent))
+
+    def mill(self, cycles: int = 1) -> None:
+        if cycles == 1:
+            self.robot.cell.set_input("diDoorClamped", 1.0)
+            self.robot.program.write("expectedDoor", f'"{DOOR}"')
+        self.robot.run(cycles=cycles)
         for _ in range(4):
             self.handshake.step()
 
@@ -80,6 +94,42 @@ def test_door_after_door(cell: Cell) -> None:
         assert not (cell.home / signals.ORDER_FILE).exists()
     assert cell.states.count(State.READY) == 3
     assert State.FAILED not in cell.states
+
+
+def test_seven_doors_in_one_continuous_run(cell: Cell) -> None:
+    """A shift: the program is started once, nobody touches the pendant, and no door is asked for twice."""
+    cell.mill(cycles=7)
+    for count in range(1, 8):
+        assert cell.handshake.outcome(f"run-{count}").handed_over
+    assert cell.runs == 7
+    assert cell.states.count(State.DONE) == 7
+    assert State.FAILED not in cell.states
+    assert cell.robot.program.read("requestNumber") == 7
+    assert cell.robot.teach_pendant.dialogs == []
+    assert cell.shown.count("Door is milled.") == 7
+
+
+def test_a_late_upload_and_a_late_removal_of_the_order_are_refused(cell: Cell) -> None:
+    """An earlier attempt's file lands, and an earlier clearing takes the order away."""
+    late = make_file(40, DOOR, "earlier-attempt")
+
+    def strike() -> None:
+        (cell.home / signals.TARGET_FILE).write_bytes(late)
+        (cell.home / signals.ORDER_FILE).unlink()
+
+    cell.after_ready = strike
+    cell.mill()
+    assert cell.robot.motion_count == 0
+    assert "No order was announced." in cell.shown
+    assert cell.handshake.outcome("run-1").reason.endswith("No order was announced. earlier-attempt")
+
+
+@pytest.mark.parametrize("number", [2, 65535])
+def test_ready_for_another_request_is_no_answer(cell: Cell, number: int) -> None:
+    cell.after_ready = lambda: cell.io.write(signals.READY_NUMBER, number)
+    with pytest.raises(RapidStoppedError):
+        cell.mill()
+    assert cell.robot.motion_count == 0
 
 
 def test_done_stays_until_the_next_request(cell: Cell) -> None:
@@ -119,9 +169,9 @@ def test_ready_that_falls_while_the_file_is_read_is_a_refusal(cell: Cell) -> Non
 
     def fall_after_the_first_look(name: str) -> float:
         level = read(name)
-        if name == signals.READY and level and not fallen:
+        if name == signals.READY_NUMBER and level and not fallen:
             fallen.append(True)
-            cell.io.write(signals.READY, 0)
+            cell.io.write(signals.READY_NUMBER, 0)
         return level
 
     cell.robot.read_signal = fall_after_the_first_look
@@ -132,8 +182,8 @@ def test_ready_that_falls_while_the_file_is_read_is_a_refusal(cell: Cell) -> Non
 
 
 def test_the_request_number_outlives_the_program(cell: Cell) -> None:
-    cell.robot.program.write("requestNumber", "999998")
-    for expected in (999999, 1, 2):
+    cell.robot.program.write("requestNumber", "65534")
+    for expected in (65535, 1, 2):
         cell.mill()
         assert cell.robot.program.read("requestNumber") == expected
         assert cell.handshake.snapshot.state is State.DONE

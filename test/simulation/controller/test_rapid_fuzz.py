@@ -208,6 +208,9 @@ def fuzz_machine(tmp_path_factory):
                 | dict.fromkeys(("diSpindleAtSpeed", "diDoorClamped", "diB"), "signaldi")
             )
 
+        def set_attendant(self, attendant):
+            pass
+
         def statement(self, _file, _line):
             self.count += 1
             if self.count % 20_000 == 0:

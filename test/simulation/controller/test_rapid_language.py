@@ -164,17 +164,45 @@ def test_retry_gives_up_after_four(load):
         load("VAR num d;", "d:=1/d;\nERROR\nRETRY;").run()
 
 
-def test_a_handler_that_ends_returns_to_the_caller(say):
+def test_a_handler_that_returns_goes_on_in_the_caller(say):
     assert say(
         'p; TPWrite "caller";',
         "VAR num x;",
-        'PROC p() x:=1/0; TPWrite "no"; ERROR TPWrite "handled"; ENDPROC',
+        'PROC p() x:=1/0; TPWrite "no"; ERROR TPWrite "handled"; RETURN; ENDPROC',
     ) == ["handled", "caller"]
 
 
-def test_an_error_in_a_handler_is_the_callers(say):
-    rest = "PROC p() IF TRUE THEN x:=1/0; ENDIF ERROR RAISE ERR_OUTOFBND; ENDPROC"
-    assert say("p; ERROR TPWrite ValToStr(ERRNO=ERR_OUTOFBND); TRYNEXT;", "VAR num x;", rest) == ["TRUE"]
+@pytest.mark.parametrize(
+    "handler", ['TPWrite "a";', "IF FALSE THEN RETRY; ENDIF", "TEST 1 CASE 2: TRYNEXT; ENDTEST"]
+)
+def test_a_handler_that_ends_without_a_decision_stops_the_program(load, handler):
+    rest = f"PROC p() x:=1/0; ERROR {handler} ENDPROC"
+    with pytest.raises(
+        RapidRuntimeError, match=r"an ERROR clause ended without RETRY.*ERR_DIVZERO: division"
+    ):
+        load("VAR num x;", "p; ERROR TRYNEXT;", rest).run()
+
+
+def test_an_error_within_a_handler_stops_the_program_whoever_calls(load):
+    """What a controller does: the system's error handler takes it, not the caller's ERROR clause."""
+    rest = "PROC p() x:=1/0;\nERROR\nx:=2/0; TRYNEXT; ENDPROC"
+    with pytest.raises(RapidRuntimeError, match=r"test.mod, line 8: ERR_DIVZERO.*within an ERROR clause"):
+        load("VAR num x;", "p; ERROR TRYNEXT;", rest).run()
+
+
+def test_a_routine_that_a_handler_calls_may_take_its_own_errors(say):
+    rest = 'PROC p() x:=2/0; ERROR TPWrite "own"; TRYNEXT; ENDPROC'
+    assert say('x:=1/0; TPWrite "on"; ERROR p; TRYNEXT;', "VAR num x;", rest) == ["own", "on"]
+
+
+@pytest.mark.parametrize("number", ["0", "91", "1.5", "-1", "ERR_DIVZERO"])
+def test_a_number_that_a_program_may_not_raise_is_an_error_of_its_own(say, number):
+    assert say(f"RAISE {number}; ERROR TPWrite ValToStr(ERRNO=ERR_ILLRAISE); TRYNEXT;") == ["TRUE"]
+
+
+def test_a_handler_names_no_error_of_its_own(load):
+    with pytest.raises(RapidProgramError, match="RAISE with a number stands in an ERROR clause"):
+        load("VAR num x;", "x:=1/0; ERROR RAISE ERR_OUTOFBND;")
 
 
 def test_errors_of_ones_own_are_booked(say):
@@ -287,7 +315,6 @@ def test_constants_may_be_declared_in_any_order(say):
         ("GOTO there;", "GOTO"),
         ("here: TPErase;", "a label"),
         ('%"name"% 1;', "a call by name"),
-        ("CONNECT i WITH t;", "CONNECT"),
         ("MoveCDO p,p,v10,z0,tool0,doA,1;", "routine 'MoveCDO'"),
         ("MoveL t\\ID:=1,v10,z0,tool0;", r"MoveL has no optional argument \\ID"),
         ("IF NOT a AND b THEN ENDIF", "NOT before AND"),
@@ -335,5 +362,5 @@ def test_old_headers_comments_and_crlf_are_skipped():
 
 
 def test_a_handler_runs_once_although_the_error_came_from_a_nested_block(say):
-    rest = 'PROC p() IF TRUE THEN x:=1/0; ENDIF ERROR TPWrite "handler"; RAISE ERR_OUTOFBND; ENDPROC'
+    rest = 'PROC p() IF TRUE THEN x:=1/0; ENDIF ERROR TPWrite "handler"; RAISE; ENDPROC'
     assert say("p; ERROR TRYNEXT;", "VAR num x;", rest) == ["handler"]

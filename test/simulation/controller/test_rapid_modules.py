@@ -6,13 +6,21 @@ import re
 
 import pytest
 
-from doormill_ros.abb.signals import ALL_SIGNALS, PC_SIGNALS, TARGET_FILE
+from doormill_ros.abb.signals import (
+    ALL_SIGNALS,
+    GROUP_SIGNALS,
+    LARGEST_NUMBER,
+    PC_SIGNALS,
+    READY_NUMBER,
+    TARGET_FILE,
+)
 from doormill_ros.abb.target_file import checksum
 from doormill_ros.abb.target_file import line as target_line
+from doormill_ros.abb.target_file import move as target_move
 from doormill_ros.abb.target_file import trailer as target_trailer
 from doormill_ros.resources import resource
-from doormill_ros.simulation.controller.cell import read_io_configuration
 from doormill_ros.simulation.controller.controller import OWN_MODULES
+from doormill_ros.simulation.controller.io_configuration import read_io_configuration
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.parser import parse_module
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
@@ -72,12 +80,18 @@ def test_no_name_hides_a_predefined_one(machine):
     assert named > 100
 
 
-@pytest.mark.parametrize("name", ["WaitDI", "WaitDO", "WaitUntil"])
-def test_every_wait_has_an_end(name):
-    found = list(calls(name))
-    assert found or name == "WaitUntil"
-    for file, call in found:
-        assert option(call, "MaxTime") is not None, (file, call.line)
+def test_what_the_spindle_owes_has_an_end_and_what_people_owe_has_none():
+    """A door, its name, the PC and a guard may take their time; the drive may not."""
+    limited: dict[str, set[bool]] = {}
+    for _, call in calls("WaitDI"):
+        signal = call.arguments[0].value.name
+        limited.setdefault(signal, set()).add(option(call, "MaxTime") is not None)
+    assert limited == {"diSpindleAtSpeed": {True}, "diDoorClamped": {False}, "diGuardClosed": {False}}
+    untimed = [call for _, call in calls("WaitUntil") if option(call, "MaxTime") is None]
+    assert len(untimed) == 3
+    timed = [call for name in ("WaitDI", "WaitUntil") for _, call in calls(name) if option(call, "MaxTime")]
+    assert timed
+    assert all(option(call, "TimeFlag") for call in timed)
 
 
 @pytest.mark.parametrize("name", ["MoveJ", "MoveL", "MoveC", "MoveAbsJ"])
@@ -99,7 +113,7 @@ def test_errors_reach_a_handler_and_handlers_never_fall_through():
         for routine in module.routines:
             if routine.handler is not None:
                 last = routine.handler[-1]
-                assert isinstance(last, s.TryNext | s.Raise | s.Return | s.Exit), (file, routine.name)
+                assert isinstance(last, s.TryNext | s.Return), (file, routine.name)
                 handlers += 1
     assert handlers == sum(text.count(b"\n    ERROR\n") for text in TEXTS.values()) > 1
 
@@ -117,38 +131,74 @@ def test_numbers_stand_in_constants():
 
 
 def test_module_and_python_agree_on_every_limit(machine):
-    machine.signal_kinds = lambda: read_io_configuration(resource("rapid/EIO.cfg"))[0]
+    machine.signal_kinds = lambda: read_io_configuration(resource("rapid/EIO.cfg")).kinds
     read = RapidProgram(list(MODULES.values()), machine).read
     assert read("TARGET_FILE") == TARGET_FILE
     assert read("FILE_VERSION") == target_trailer.VERSION
     assert read("MAX_TARGETS") == target_trailer.MAX_TARGETS == len(read("targets"))
     assert read("MAX_MOVES") == target_trailer.MAX_MOTIONS == len(read("moves"))
     assert read("MAX_FEATURES") == target_trailer.MAX_FEATURES == len(read("features"))
-    assert read("MAX_SPEED") == pytest.approx(target_trailer.MAX_SPEED * 1e3)
-    assert read("MAX_SPINDLE_SPEED") == pytest.approx(target_trailer.MAX_SPINDLE_SPEED * 60 / 6.283185307)
+    assert read("MAX_POINTS") == target_trailer.MAX_POINTS == len(read("points"))
+    assert read("MAX_ESCAPE") == target_trailer.MAX_ESCAPE == len(read("escape"))
+    assert read("MAX_SPEED") == pytest.approx(target_move.MAX_SPEED * 1e3)
+    assert read("MAX_SPINDLE_SPEED") == pytest.approx(target_move.MAX_SPINDLE_SPEED * 60 / 6.283185307)
     assert read("UNIT_TOLERANCE") == pytest.approx(target_line.NORM_TOLERANCE)
-    text = TEXTS["rapid/DoorFile.mod"].decode()
+    text = TEXTS["rapid/DoorLine.mod"].decode()
     for name in ("FACTOR_A", "MODULUS_A", "FACTOR_B", "MODULUS_B", "CODES", "LINE_FEED"):
         assert re.search(rf"LOCAL CONST num {name}:={getattr(checksum, name)};", text), name
-    for zone in target_trailer.ZONES:
+    text = TEXTS["rapid/DoorPath.mod"].decode()
+    for zone in target_move.ZONES:
         assert f'CASE "{zone}":\n            RETURN {zone};' in text
 
 
+def test_both_robotwares_load_the_same_modules_in_the_order_of_their_use():
+    """A copy for each, since a controller follows no links; `cp DoorX.mod rw7/DoorX.modx` brings one up to date."""
+    folder = resource("rapid")
+    assert {path.name for path in folder.glob("*.mod")} == {
+        name.removeprefix("rapid/") for name in OWN_MODULES
+    }
+    assert len(list((folder / "rw7").glob("*.modx"))) == len(OWN_MODULES)
+    for name, text in TEXTS.items():
+        assert (folder / "rw7" / f"{name.removeprefix('rapid/')}x").read_bytes() == text, name
+    for parameters, ending in (("SYS.cfg", "mod"), ("rw7/SYS.cfg", "modx")):
+        loaded = re.findall(rf'-File "HOME:/(\w+)\.{ending}" -Task', (folder / parameters).read_text())
+        assert loaded == [name.removeprefix("rapid/").removesuffix(".mod") for name in OWN_MODULES]
+    for parameters in ("EIO.cfg", "SYS.cfg"):
+        old, new = ((folder / place / parameters).read_text().split("\n", 1) for place in ("", "rw7"))
+        assert (old[0][4:12], new[0][4:12]) == ("CFG_1.0:", "CFG_1.0:")
+        assert (old[0].split(":")[2], new[0].split(":")[2]) == ("6", "7")
+        assert new[1].replace(".modx", ".mod") == old[1]
+
+
+def test_the_newer_robotwares_files_run(controller):
+    folder = resource("rapid") / "rw7"
+    robot = controller(
+        modules=[folder / f"{name.removeprefix('rapid/')}x" for name in OWN_MODULES],
+        io_configuration=folder / "EIO.cfg",
+        system_parameters=folder / "SYS.cfg",
+    )
+    robot.run()
+    assert robot.pendant_lines[-2:] == ["The target file is missing.", TARGET_FILE]
+
+
 def test_the_configured_signals_are_those_that_are_used():
-    kinds, limits = read_io_configuration(resource("rapid/EIO.cfg"))
+    signals = read_io_configuration(resource("rapid/EIO.cfg")).signals
     used = {
         node.name
         for module in MODULES.values()
         for node in nodes(module)
-        if isinstance(node, s.Variable) and re.fullmatch(r"[ad][io][A-Z]\w+", node.name)
+        if isinstance(node, s.Variable) and re.fullmatch(r"[adg][io][A-Z]\w+", node.name)
     }
-    assert used == set(kinds)
-    assert set(ALL_SIGNALS) <= set(kinds)
-    assert limits == {"aoSpindleSpeed": 24000.0}
+    of_the_controller = {"doSpindleRun", "soCycleOn"}
+    assert used | of_the_controller == set(signals)
+    assert not used & of_the_controller
+    assert set(ALL_SIGNALS) | set(GROUP_SIGNALS) <= set(signals)
+    assert signals[READY_NUMBER].largest == LARGEST_NUMBER
+    assert signals["aoSpindleSpeed"].largest == 24000.0
     # The PC may write its own signals and no other.
     text = re.sub(r"\\\s*\n", " ", resource("rapid/EIO.cfg").read_text())
     writable = {re.search(r'-Name "(\w+)"', line)[1] for line in text.splitlines() if '-Access "All"' in line}
-    assert writable == set(PC_SIGNALS)
+    assert writable == {*PC_SIGNALS, *GROUP_SIGNALS}
 
 
 def test_the_robot_stands_before_each_signal_of_the_cell():

@@ -21,10 +21,10 @@ from websockets.sync.client import connect
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.link_errors import UnknownTransportError
+from doormill_ros.simulation.controller.io_configuration import ACCESS_LEVELS
 from doormill_ros.simulation.controller.io_port import MemoryIo
 from doormill_ros.simulation.controller.rws_server.app import Behaviour
 from doormill_ros.simulation.controller.rws_server.cabinet import (
-    AccessLevel,
     Cabinet,
     SimulatedSignal,
     default_signals,
@@ -35,13 +35,13 @@ from doormill_ros.simulation.errors import WebServicesError
 USER, PASSWORD = "Default User", "robotics"
 ACCEPT = {"Accept": "application/hal+json;v=2.0"}
 FORM = {"Content-Type": "application/x-www-form-urlencoded;v=2.0"}
-EXTRA = SimulatedSignal("doExtra", AccessLevel.ALL, "Local", "DRV_1")
+EXTRA = SimulatedSignal("doExtra", ACCESS_LEVELS["All"], "Local", "DRV_1")
 
 
 @pytest.fixture
 def server(tmp_path: Path):
     cabinet = Cabinet.create(tmp_path, (*default_signals(), EXTRA))
-    cabinet.symbols["T_ROB1/DoorMill/nSpeed"] = "20"
+    cabinet.idle.data["DoorMill/nSpeed"] = "20"
     with RwsServer(cabinet, 1) as running:
         yield running
 
@@ -49,7 +49,7 @@ def server(tmp_path: Path):
 @pytest.fixture
 def server2(tmp_path: Path):
     cabinet = Cabinet.create(tmp_path, (*default_signals(), EXTRA))
-    cabinet.symbols["T_ROB1/DoorMill/nSpeed"] = "20"
+    cabinet.idle.data["DoorMill/nSpeed"] = "20"
     with RwsServer(cabinet, 2) as running:
         yield running
 
@@ -95,8 +95,8 @@ class TestPublicClient:
     def test_wrong_access_level(self, server: RwsServer) -> None:
         client = public.RWS(server.url)
         with pytest.raises(public.ABBException) as caught:
-            client._do_post(f"rw/iosystem/signals/{signals.REQUEST}?action=set", {"lvalue": "1"})
-        assert caught.value.code == -1073414145
+            client.set_digital_io(signals.REQUEST, 1)
+        assert caught.value.code == -1073445881
         assert server.cabinet.value(signals.REQUEST) == 0
         client.close()
 
@@ -129,15 +129,18 @@ class TestPublicClient:
         until(lambda: not group.streams)
         client.close()
 
-    def test_rapid_data_needs_mastership(self, server: RwsServer) -> None:
-        client = public.RWS(server.url)
+    def test_rapid_data_while_nobody_else_holds_mastership(self, server: RwsServer) -> None:
+        client, other = public.RWS(server.url), public.RWS(server.url)
         assert client.get_rapid_variable("DoorMill/nSpeed") == "20"
-        with pytest.raises(public.ABBException) as caught:
-            client.set_rapid_variable("DoorMill/nSpeed", "21")
-        assert caught.value.code == -1073414146
-        client._do_post("rw/mastership?action=request")
         client.set_rapid_variable("DoorMill/nSpeed", "21")
         assert client.get_rapid_variable("DoorMill/nSpeed") == "21"
+        other._do_post("rw/mastership/rapid?action=request")
+        with pytest.raises(public.ABBException) as caught:
+            client.set_rapid_variable("DoorMill/nSpeed", "22")
+        assert caught.value.code == -1073445862
+        other.close()  # what a session held is free when it ends
+        client.set_rapid_variable("DoorMill/nSpeed", "22")
+        assert client.get_rapid_variable("DoorMill/nSpeed") == "22"
         client.close()
 
     def test_one_session_for_all(self, server: RwsServer) -> None:
@@ -173,8 +176,8 @@ class TestPublicClient2:
         assert client.get_rapid_variable("nSpeed", module="DoorMill") == "20"
         assert client.set_rapid_variable("nSpeed", 21, module="DoorMill").status_code == 204
         assert client.get_rapid_variable("nSpeed", module="DoorMill") == "21"
-        assert server2.cabinet.symbols["T_ROB1/DoorMill/nSpeed"] == "21"
-        assert not server2.cabinet.mastership
+        assert server2.cabinet.idle.data["DoorMill/nSpeed"] == "21"
+        assert server2.services.operations.rights.holder() is None
         assert client.toggle_mastership(1).status_code == 204
         assert client.toggle_mastership(1).status_code == 403
 
@@ -369,7 +372,8 @@ class TestVersion2:
 
     def test_symbols_and_implicit_mastership(self, client: httpx.Client) -> None:
         path = "/rw/rapid/symbol/RAPID/T_ROB1/DoorMill/nSpeed/data"
-        assert client.post(path, content="value=21", headers=FORM).status_code == 400
+        refused = client.post(path, content="value=21", headers=FORM)
+        assert (refused.status_code, refused.json()["status"]["code"]) == (403, -1073445859)
         implicit = client.post(f"{path}?mastership=implicit", content="value=21", headers=FORM)
         assert implicit.status_code == 204
         assert client.get(path).json()["state"][0]["value"] == "21"

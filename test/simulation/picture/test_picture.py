@@ -9,8 +9,9 @@ from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.simulation.picture.outline import EdgeProfile, wander
 from doormill_ros.simulation.picture.picture import render_picture
-from doormill_ros.simulation.picture.scene import Chip, Edges, PictureScene, Sensor, Surface
+from doormill_ros.simulation.picture.scene import Chip, Edges, PictureScene, Sensor, Strip, Surface
 from doormill_ros.units import MM
+from support.pictures.conditions import CONDITIONS, pictures
 from support.pictures.corpus import HARD, corpus
 from support.pictures.expected import expected_picture
 
@@ -46,6 +47,35 @@ def test_a_chip_bites_where_it_is():
     assert before == pytest.approx(0, abs=1e-6)
     assert after == pytest.approx(0, abs=1e-6)
     assert 0.1 * MM < in_it < 0.9 * MM
+
+
+def test_a_bowed_edge_leaves_its_line_in_the_middle():
+    outline = EdgeProfile(np.random.default_rng(1), Edges(bow=(0.3 * MM, -0.2 * MM), bow_length=0.2), "hinge")
+    start, middle, quarter = outline(np.array([[-0.02, 0.05, 0.1]], dtype=np.float32))[0]
+    assert middle == pytest.approx(0.3 * MM, rel=1e-3)
+    assert quarter == pytest.approx(0.3 * MM * (1 - 0.5**2), rel=1e-3)
+    assert start == pytest.approx(0.3 * MM * (1 - 0.7**2), rel=1e-3)
+
+
+def test_a_strip_takes_its_share_of_the_face(scene):
+    """The light that a darker strip takes away is its width times its shade, pixel row by pixel row."""
+    strip = Strip("hinge", 1.0 * MM, 6.0 * MM, 0.8)
+    lost = expected_picture(scene, 0) - expected_picture(replace(scene, strips=(strip,)), 0)
+    per_pixel = scene.distance / scene.camera.matrix[0, 0]
+    for row in (100, 350, 600):
+        # Rows cross the strip at an angle to the door, and at the size of a pixel behind a lens.
+        width = lost[row].sum() / (0.2 * 0.65 * 255) * per_pixel
+        assert width == pytest.approx(5.0 * MM / np.cos(0.01), rel=0.04)
+
+
+def test_every_condition_is_seeded_and_changes_the_picture(scene):
+    assert len(CONDITIONS) > 25
+    for name in CONDITIONS:
+        (one,), (same,) = pictures(name, 1), pictures(name, 1)
+        assert (one.seed, one.scene.offset) == (same.seed, same.scene.offset)
+        if name != "plain" and "thicker" not in name:
+            changed = CONDITIONS[name].change(scene, np.random.default_rng(1))
+            assert repr(changed) != repr(scene), name
 
 
 def test_edge_lies_where_the_camera_must_see_it(scene):

@@ -8,6 +8,7 @@ import random
 import signal
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,22 +18,26 @@ from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeTimeouts
 from doormill_ros.abb.link_errors import LinkError, UploadError
+from doormill_ros.abb.signals import ORDER_FILE, READY, READY_NUMBER, REQUEST_FILE
 from doormill_ros.abb.target_file.target_file import check_handover
 from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports.rws import connect_rws1, connect_rws2
 from doormill_ros.abb.transports.rws_http import LinkTimeouts
-from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
+from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from support.faults.scenario import Scenario
 from support.faults.world import DOORS, World, digest, make_file
 
 TOTAL = 0.5
 _FAIL_TIME = 1.5
-_LIMITS = HandshakeTimeouts(submission=2.0, acknowledge=1.5, milling=5.0, link_loss=0.3, watch=0.1)
+#: The robot reads and mills in its interpreter, on a machine that is shared.
+_LIMITS = HandshakeTimeouts(submission=4.0, acknowledge=20.0, milling=30.0, link_loss=0.3, watch=0.1)
 _OPERATIONS = (
     "read_request",
     "set_ready",
     "read_ready",
     "read_signal",
+    "read_number",
+    "write_number",
     "write_file",
     "read_file",
     "remove_file",
@@ -67,6 +72,8 @@ class Meddler:
             if self._chance.random() < 0.5:
                 operation(*arguments)
             self._die()
+        if name in ("write_file", "remove_file") and "late" in kind and self._chance.random() < 0.5:
+            self._deliver_late(name, *arguments)
         if name == "write_file" and self._chance.random() < 0.5:
             self._tear(kind, *arguments)
             if kind.startswith("torn write"):
@@ -78,6 +85,20 @@ class Meddler:
                 operation(*arguments)
             raise UploadError(f"{name} fails on purpose")
         return operation(*arguments)
+
+    def _deliver_late(self, name: str, file: str, data: bytes = b"") -> None:
+        """Let the operation happen once more, some time later, as a controller may that sat on a request."""
+        path = self._world.home / file
+        if name == "remove_file" and file == ORDER_FILE and "late removal" in self._scenario.kind:
+            again: Callable[[], object] = lambda: path.unlink(missing_ok=True)  # noqa: E731
+        elif name == "write_file" and file != ORDER_FILE and "late upload" in self._scenario.kind:
+            again = lambda: path.write_bytes(data)  # noqa: E731
+        else:
+            return
+        self._world.log("faults", what=f"late {name} of {file}")
+        later = threading.Timer(self._chance.uniform(0.02, 1.2), again)
+        later.daemon = True
+        later.start()
 
     def _tear(self, kind: str, name: str, data: bytes) -> None:
         """Write part of the file in place, as a share without atomic replacement may."""
@@ -102,6 +123,7 @@ class Bridge:
         self.world = world
         self.scenario = scenario
         self.armed = life < scenario.faults
+        self.life = life
         self.chance = random.Random(f"bridge/{scenario.seed}/{life}")
         if "clock step" in scenario.kind:
             self._struck()
@@ -158,7 +180,9 @@ class Bridge:
             rival.join()
             return
         if kind == "ready raised by somebody else" and self.armed and self.chance.random() < 0.5:
-            (self.world.home / "io" / "doPathReady").write_bytes(b"1")
+            number = (self.world.home / REQUEST_FILE).read_bytes().strip()
+            (self.world.home / "io" / READY_NUMBER).write_bytes(number)
+            (self.world.home / "io" / READY).write_bytes(b"1")
             self._struck()
         self._submit(placement, door_id, number)
 
@@ -175,7 +199,8 @@ class Bridge:
             self.world.log("submissions", refused=type(error).__name__)
 
     def _changed(self, snapshot: HandshakeSnapshot) -> None:
-        self.world.log("bridge", state=snapshot.state.value, reason=snapshot.reason)
+        state, reason, run = snapshot.state.value, snapshot.reason, snapshot.run_id
+        self.world.log("bridge", life=self.life, state=state, reason=reason, run=run)
         if (
             self.armed
             and self.scenario.kind == f"kill -9 in {snapshot.state.value}"
@@ -194,7 +219,7 @@ def open_link(world: World, scenario: Scenario, link: dict[str, str]) -> Transpo
     while True:
         try:
             if scenario.transport == "folder":
-                return SharedFolderTransport(world.home, timeout=TOTAL)
+                return SimulatedFolderTransport(world.home, timeout=TOTAL)
             credentials = Credentials("Default User", "robotics")
             timeouts = LinkTimeouts(connect=0.3, read=0.25, write=0.25, total=TOTAL)
             if scenario.transport == "rws1":

@@ -18,6 +18,7 @@ class Relay:
         self._target = port
         self._kind = scenario.kind
         self._options = scenario.options
+        self._meddles = scenario.kind.startswith(("dropped", "slow", "delivery"))
         self._chance = random.Random(f"relay/{scenario.seed}")
         self._socket = socket.create_server(("127.0.0.1", 0))
         self.port = self._socket.getsockname()[1]
@@ -63,7 +64,7 @@ class Relay:
 
     def _meddle(self, source: socket.socket, sink: socket.socket, data: bytes, outward: bool) -> bool:
         """False ends the connection."""
-        if self._chance.random() >= self._options["probability"]:
+        if not self._meddles or self._chance.random() >= self._options["probability"]:
             return True
         self.hits += 1
         if self._kind == "dropped connections":

@@ -11,23 +11,26 @@ import signal
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from support.faults.blind_robot import blind_process
 from support.faults.bridge import bridge_process
 from support.faults.judge import Verdict, judge
 from support.faults.proxy import Relay
-from support.faults.robot import robot_process
+from support.faults.rapid_robot import rapid_process
 from support.faults.scenario import Scenario
 from support.faults.world import World
 
-_FAULT_TIME = 1.5  # how long network and server misbehave
+_FAULT_TIME = 4.0  # how long network and server misbehave after the first request
+_START_LIMIT = 120.0
 _RUN_LIMIT = 240.0
+_DOORS_AFTER = 2  # that a run has to mill once all is calm
 _context = multiprocessing.get_context("forkserver")
-_context.set_forkserver_preload(["support.faults.bridge", "support.faults.robot"])
+_context.set_forkserver_preload(["support.faults.bridge", "support.faults.rapid_robot"])
 
 
 class Process:
@@ -78,6 +81,7 @@ def run(scenario: Scenario) -> Verdict:
                 "certificate": str(server.certificate),
             }
         early = "early" in scenario.kind
+        robot_process = rapid_process if scenario.robot == "rapid" else blind_process
         robot = Process(robot_process, world, scenario) if early else None
         if early:
             time.sleep(0.3)
@@ -90,10 +94,21 @@ def run(scenario: Scenario) -> Verdict:
             robot.kill()
 
 
-def campaign(scenarios: list[Scenario], workers: int) -> list[tuple[Scenario, Verdict]]:
-    """Play all scenarios, a few at a time."""
+def campaign(
+    scenarios: list[Scenario],
+    workers: int,
+    show: Callable[[Scenario, Verdict, float], None] = lambda _scenario, _verdict, _seconds: None,
+) -> list[tuple[Scenario, Verdict]]:
+    """Play all scenarios, a few at a time; `show` hears of each as it ends, with how long it took [s]."""
+
+    def play(scenario: Scenario) -> Verdict:
+        begin = time.monotonic()
+        verdict = run(scenario)
+        show(scenario, verdict, time.monotonic() - begin)
+        return verdict
+
     with ThreadPoolExecutor(workers) as pool:
-        return list(zip(scenarios, pool.map(run, scenarios), strict=True))
+        return list(zip(scenarios, pool.map(play, scenarios), strict=True))
 
 
 def _play(
@@ -105,6 +120,7 @@ def _play(
     relay: Relay | None,
 ) -> Verdict:
     chance = random.Random(f"run/{scenario.seed}")
+    _await_request(world, bridge, robot)
     begin = time.monotonic()
     pending = _harness_faults(scenario, chance)
     calm_since = None
@@ -133,12 +149,21 @@ def _play(
     return verdict
 
 
+def _await_request(world: World, bridge: Process, robot: Process) -> None:
+    """Let both sides come up: what strikes earlier strikes nothing."""
+    limit = time.monotonic() + _START_LIMIT
+    while not world.entries("robot") and time.monotonic() < limit:
+        time.sleep(0.02)
+        bridge.revive()
+        robot.revive()
+
+
 def _harness_faults(scenario: Scenario, chance: random.Random) -> list[float]:
     """Times at which the harness strikes from outside [s]."""
     outside = ("kill -9 any time", "kill -9 of", "session", "event streams", "full disk")
     if not any(word in scenario.kind for word in outside):
         return []
-    first = 0.2 + scenario.options["when"]
+    first = scenario.options["when"]
     return sorted(first + chance.uniform(0.0, 1.0) * i for i in range(scenario.faults))
 
 
@@ -166,16 +191,16 @@ def _strike(
 
 
 def _milled_since(world: World, since: float) -> bool:
-    """A door was requested and milled after that moment."""
-    requested = set()
+    """Doors were requested and milled after that moment, one after the other."""
+    requested, milled = set(), set()
     for entry in world.entries("robot"):
         if entry["t"] < since:
             continue
         if entry["event"] == "request":
             requested.add(entry["placement"])
         elif entry["event"] == "milled" and entry["placement"] in requested:
-            return True
-    return False
+            milled.add(entry["placement"])
+    return len(milled) >= _DOORS_AFTER
 
 
 def _folder(scenario: Scenario) -> tempfile.TemporaryDirectory[str]:

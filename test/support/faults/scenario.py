@@ -19,7 +19,8 @@ STATES = (
 #: Operations of the transport, in the order of a handover; faults hit one of the first so many.
 OPERATIONS = 70
 
-FOLDER_KINDS = (
+#: Over whatever transport is drawn.
+ANY_KINDS = (
     *(f"kill -9 in {state}" for state in STATES),
     "kill -9 at an operation",
     "kill -9 in mid-write",
@@ -38,7 +39,11 @@ FOLDER_KINDS = (
     "clock step",
     "ready raised by somebody else",
     "operations fail at random",
+    "late removal of the order file",
+    "late upload and late removal",
+    "restarts of the controller",
 )
+#: Faults of the network and of the web services.
 RWS_KINDS = (
     "kill -9 at an operation, rws",
     "kill -9 in mid-write, rws",
@@ -51,15 +56,8 @@ RWS_KINDS = (
     "session flood (503)",
     "sessions expire (401)",
     "event streams break",
-    "duplicate request, rws",
-    "early request, rws",
 )
-RAPID_KINDS = (
-    "kill -9 any time, RAPID program",
-    "kill -9 of both, RAPID program",
-    "torn write, RAPID program",
-)
-KINDS = ("no fault", *FOLDER_KINDS, *RWS_KINDS, *RAPID_KINDS)
+KINDS = ("no fault", *ANY_KINDS, *RWS_KINDS)
 
 
 @dataclass(frozen=True)
@@ -70,8 +68,7 @@ class Scenario:
         seed: Where all chance of the run comes from.
         kind: What goes wrong.
         transport: "folder", "rws1" or "rws2".
-        robot: "checks" (a program with the RAPID module's checks), "rapid" (the RAPID module itself) or
-            "blind" (mills whatever is there when ready is high).
+        robot: "rapid" (the project's RAPID modules) or "blind" (mills whatever is there when ready is high).
         faults: How often it goes wrong before the run may end well.
         sabotage: Part of the handshake that is left out, to see the judge notice; "" for none.
     """
@@ -79,7 +76,7 @@ class Scenario:
     seed: int
     kind: str
     transport: str = "folder"
-    robot: str = "checks"
+    robot: str = "rapid"
     faults: int = 1
     sabotage: str = ""
     options: dict[str, float] = field(default_factory=dict)
@@ -89,7 +86,7 @@ def draw(seed: int, index: int) -> Scenario:
     """The run of that index: kinds take turns, the rest is chance."""
     kind = KINDS[index % len(KINDS)]
     chance = random.Random(f"{seed}/{index}")
-    rws = kind in RWS_KINDS
+    transports = ["rws1", "rws2"] if kind in RWS_KINDS else ["folder", "rws1", "rws2"]
     options = {
         "operation": chance.randint(1, OPERATIONS),
         "when": chance.uniform(0.0, 1.2),
@@ -100,8 +97,7 @@ def draw(seed: int, index: int) -> Scenario:
     return Scenario(
         seed=chance.randrange(2**32),
         kind=kind,
-        transport=chance.choice(["rws1", "rws2"]) if rws else "folder",
-        robot="rapid" if kind in RAPID_KINDS else "checks",
+        transport=chance.choice(transports),
         faults=chance.choice([1, 1, 2, 3]),
         options=options,
     )

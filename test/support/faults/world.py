@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.abb.target_file.target_file import render_target_file
+from doormill_ros.cell.layout import load_layout
 from doormill_ros.files import write_atomically
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
@@ -20,6 +21,22 @@ from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Ta
 DOORS = ("door_a", "door_b")
 #: Somewhere in front of the robot, near its home position, so that the real program can go there.
 _FIRST = np.array([1.35, 0.4, 1.3])
+
+
+#: Each door of a kind has its path beside that of the other [m].
+_BESIDE = {"door_a": 0.0, "door_b": 0.12}
+TARGETS = 14
+
+
+def positions(placement: int, door_id: str) -> list[tuple[float, float]]:
+    """Where the tool goes for a door: y and z of every target in order [mm]."""
+    first = float(_FIRST[1]) + _BESIDE[door_id]
+    return [(1000.0 * (first + 0.004 * i), 1000.0 * height(placement)) for i in range(TARGETS)]
+
+
+def is_milling(x: float) -> bool:
+    """Whether a target's x [mm] is that of a door's path."""
+    return abs(x - 1000.0 * float(_FIRST[0])) < 0.5
 
 
 def height(placement: int) -> float:
@@ -85,13 +102,14 @@ def make_file(placement: int, door_id: str, run_id: str) -> bytes:
     """A real target file of 14 targets; the placement is in its recipe version and its poses."""
     conf = ConfData(0, 0, -1, 1)
     targets, zeros = [], np.zeros(6)
-    for i in range(14):
+    for i in range(TARGETS):
         T_base_tool = np.eye(4)
         T_base_tool[:3, :3] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
-        T_base_tool[:3, 3] = [_FIRST[0], _FIRST[1] + 0.004 * i, height(placement)]
+        T_base_tool[:3, 3] = [_FIRST[0], _FIRST[1] + _BESIDE[door_id] + 0.004 * i, height(placement)]
         targets.append(Target(str(i), T_base_tool, T_base_tool, zeros, conf, zeros, zeros))
     kinds = [MotionKind.JOINT, *[MotionKind.LINEAR] * 13]
     motions = tuple(
-        Motion(kind, i, None, 0.5, "z0" if i < 13 else "fine", "", False) for i, kind in enumerate(kinds)
+        Motion(kind, i, None, 0.1, "z0" if i < 13 else "fine", "", False) for i, kind in enumerate(kinds)
     )
-    return render_target_file(MillingProgram(door_id, placement, tuple(targets), motions), run_id)
+    home = load_layout().home
+    return render_target_file(MillingProgram(door_id, placement, tuple(targets), motions, home=home), run_id)

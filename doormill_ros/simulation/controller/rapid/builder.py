@@ -206,8 +206,8 @@ class _Builder(Transformer[Token, Any]):  # type: ignore[misc]  # lark brings no
     def label(self, meta: Meta, _items: Items) -> NoReturn:
         raise self._unsupported("a label", meta.line, "use IF, WHILE or FOR")
 
-    def connect(self, meta: Meta, _items: Items) -> NoReturn:
-        raise self._unsupported("CONNECT", meta.line, "interrupts are not simulated")
+    def connect(self, meta: Meta, items: Items) -> s.Connect:
+        return s.Connect(meta.line, items[0], str(items[1]))
 
     def late_call(self, meta: Meta, _items: Items) -> NoReturn:
         raise self._unsupported("a call by name, %...%", meta.line, "call the procedure directly or use TEST")
@@ -286,8 +286,9 @@ class _Builder(Transformer[Token, Any]):  # type: ignore[misc]  # lark brings no
         routine: s.Routine = items[0]
         return routine
 
-    def trap(self, meta: Meta, _items: Items) -> NoReturn:
-        raise self._unsupported("TRAP", meta.line, "interrupts are not simulated")
+    def trap(self, meta: Meta, items: Items) -> s.Routine:
+        name, (data, body, handler) = items
+        return s.Routine(meta.line, str(name), "", (), data, body, handler, trap=True)
 
     def attributes(self, _meta: Meta, items: Items) -> tuple[str, ...]:
         return tuple(str(item).upper() for item in items)

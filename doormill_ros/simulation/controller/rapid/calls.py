@@ -46,6 +46,10 @@ class CallCompiler(ExpressionCompiler):
     def procedure(self, node: s.Call) -> Run:
         """Compile a call of a procedure or instruction."""
         routine = self._routine(node)
+        if routine.trap:
+            self.fail(
+                node, f"{routine.name} is a trap, allowed here is a procedure: connect it to an interrupt"
+            )
         if routine.type is not None:
             self.fail(node, f"{routine.name} is a function, allowed here is a procedure: use its result")
         return self._call(node, routine)

@@ -27,3 +27,9 @@ RapidSyntaxError = AbbError.row("RapidSyntaxError", 410, "A RAPID module that do
 RapidUnsupportedError = AbbError.row("RapidUnsupportedError", 411, "Valid RAPID that is not executed here.")
 RapidMotionError = AbbError.row("RapidMotionError", 414, "A motion that the supervision stopped.")
 SignalError = AbbError.row("SignalError", 416, "A signal that does not exist, or that cannot hold the value.")
+EventRoutinesError = AbbError.row(
+    "EventRoutinesError", 419, "System parameters that name event routines which cannot be."
+)
+OrderRefusedError = AbbError.row(
+    "OrderRefusedError", 418, "An order that the simulated controller refuses in its present state."
+)

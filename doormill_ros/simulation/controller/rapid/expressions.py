@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.faults import RapidFault
 from doormill_ros.simulation.controller.rapid.operators import find_operation, num
 from doormill_ros.simulation.controller.rapid.scope import (
     ABSENT,
-    Context,
     Frame,
     GlobalSymbol,
     LocalSymbol,

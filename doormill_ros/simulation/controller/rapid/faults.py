@@ -9,24 +9,39 @@ ERROR_NUMBERS: dict[str, int] = {
     name: 1000 + index
     for index, name in enumerate(
         (
-            "ERR_ARGVALERR",
+            "ERR_ALRDYCNT",
             "ERR_AO_LIM",
+            "ERR_ARGVALERR",
             "ERR_DIVZERO",
             "ERR_FILEACC",
             "ERR_FILEEXIST",
             "ERR_FILEOPEN",
             "ERR_FILNOTFND",
+            "ERR_GO_LIM",
             "ERR_ILLQUAT",
+            "ERR_ILLRAISE",
+            "ERR_INOMAX",
             "ERR_MAXINTVAL",
             "ERR_NEGARG",
-            "ERR_NOTPRES",
             "ERR_NORUNUNIT",
+            "ERR_NOTPRES",
             "ERR_NUM_LIMIT",
             "ERR_OUTOFBND",
+            "ERR_OUTSIDE_REACH",
+            "ERR_PATH",
+            "ERR_PATHDIST",
             "ERR_PATH_STOP",
             "ERR_PROGSTOP",
+            "ERR_ROBLIMIT",
             "ERR_SIG_NOT_VALID",
             "ERR_STRTOOLNG",
+            "ERR_TP_DIBREAK",
+            "ERR_TP_DOBREAK",
+            "ERR_TP_MAXTIME",
+            "ERR_TP_PERSBOOLBREAK",
+            "ERR_UI_BUTTONS",
+            "ERR_UI_ICON",
+            "ERR_UNKINO",
             "ERR_WAIT_MAXTIME",
         )
     )
@@ -37,6 +52,10 @@ _NAMES = {number: name for name, number in ERROR_NUMBERS.items()}
 def error_name(number: int) -> str:
     """Name of an ERRNO, or its number for one that the program made up."""
     return _NAMES.get(number, str(number))
+
+
+#: Numbers below are the program's own.
+OWN_NUMBERS = 1000
 
 
 class RapidFault(Exception):
@@ -59,6 +78,13 @@ class RapidFault(Exception):
         self.line = 0
         super().__init__(f"{error_name(self.number)}: {reason}")
 
+    @property
+    def warning(self) -> str:
+        """What the event log says when an ERROR clause takes it; empty for an error of the program's own."""
+        if self.number < OWN_NUMBERS:
+            return ""
+        return f"{self.file}, line {self.line}: {error_name(self.number)}: {self.reason}"
+
 
 class RapidStop(Exception):
     """Execution ends; no handler can take it.
@@ -67,13 +93,15 @@ class RapidStop(Exception):
         reason: Why, empty when the program ended itself.
         file: Module file; filled in by the interpreter.
         line: Its line.
-        by_program: True for EXIT, Stop and Break.
+        by_program: True for EXIT and ExitCycle.
+        pointer_lost: True for EXIT: the program can only be started from main.
     """
 
-    def __init__(self, reason: str, by_program: bool = False) -> None:
+    def __init__(self, reason: str, by_program: bool = False, pointer_lost: bool = False) -> None:
         """Say why."""
         self.reason = reason
         self.by_program = by_program
+        self.pointer_lost = pointer_lost
         self.file = ""
         self.line = 0
         super().__init__(reason)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.errors import RapidProgramError
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
+from doormill_ros.simulation.controller.rapid.handlers import Step
 from doormill_ros.simulation.controller.rapid.library.registry import install
 from doormill_ros.simulation.controller.rapid.predefined_data import install_data
 from doormill_ros.simulation.controller.rapid.scope import (
-    Context,
     Frame,
     GlobalSymbol,
     LocalSymbol,
@@ -22,7 +23,7 @@ from doormill_ros.simulation.controller.rapid.scope import (
     program_error,
     resolve_type,
 )
-from doormill_ros.simulation.controller.rapid.statements import StatementCompiler, Step
+from doormill_ros.simulation.controller.rapid.statements import StatementCompiler
 from doormill_ros.simulation.controller.rapid.types import (
     NUM,
     PREDEFINED,
@@ -170,7 +171,7 @@ class LoadedModules:
                 resolve_type(self._types, node.type_name, module.file, node.line) if node.type_name else None
             )
             parameters = describe_parameters(node, self._types, module.file)
-            info = RoutineInfo(node.name, kind, parameters, run=lambda frame: None)
+            info = RoutineInfo(node.name, kind, parameters, run=lambda frame: None, trap=node.trap)
             scope.add(node.name, info)
             infos.append((node, info))
         return infos
@@ -179,7 +180,14 @@ class LoadedModules:
         outer, routines = self._scopes[id(module)]
         names = Names(outer)
         compiler = StatementCompiler(
-            module.file, self._context, names, routines, self._types, info.type, len(info.parameters)
+            module.file,
+            self._context,
+            names,
+            routines,
+            self._types,
+            info.type,
+            len(info.parameters),
+            info.trap,
         )
         for slot, parameter in enumerate(info.parameters):
             symbol = LocalSymbol(

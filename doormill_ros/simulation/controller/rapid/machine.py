@@ -39,8 +39,54 @@ class Move:
     line: int
 
 
+@dataclass(frozen=True)
+class Dialog:
+    """A question on the pendant.
+
+    Attributes:
+        kind: "UIMsgBox", "UIMessageBox", "UIListView" or "TPReadFK".
+        header: Its title.
+        lines: Its text.
+        buttons: What can be pressed: the text, and the number that stands for it.
+        items: Of a list, the texts to choose from.
+        chosen: Number of the item that is marked at the beginning, 0 for none.
+    """
+
+    kind: str
+    header: str
+    lines: tuple[str, ...]
+    buttons: tuple[tuple[str, float], ...]
+    items: tuple[str, ...] = ()
+    chosen: int = 0
+
+
+@dataclass(frozen=True)
+class DialogAnswer:
+    """What the operator chose: the number of a button, and of a list's item, 0 for none."""
+
+    button: float
+    item: int = 0
+
+
+class Attendant(Protocol):
+    """What wants to look after the signals as time passes: the interrupts of a program."""
+
+    @property
+    def armed(self) -> bool:
+        """Whether there is anything to look for."""
+        ...
+
+    def attend(self) -> None:
+        """Look, and run what is due; may let time pass and move the robot in turn."""
+        ...
+
+
 class Machine(Protocol):
     """What a RAPID program can reach outside itself."""
+
+    def set_attendant(self, attendant: Attendant) -> None:
+        """Take what is called at least every 10 ms of simulated time, in all that waits or moves."""
+        ...
 
     @property
     def home(self) -> Path:
@@ -48,7 +94,7 @@ class Machine(Protocol):
         ...
 
     def signal_kinds(self) -> dict[str, str]:
-        """Configured signals: name to "signaldi", "signaldo", "signalai" or "signalao"."""
+        """Configured signals: name to "signaldi", "signaldo", "signalai", "signalao", "signalgi" or "signalgo"."""
         ...
 
     def read_signal(self, name: str) -> float:
@@ -71,12 +117,20 @@ class Machine(Protocol):
         """Let time pass until the condition holds (True) or the seconds are over (False)."""
         ...
 
+    def stop_program(self, instruction: str) -> None:
+        """Stop as the instruction orders; returns when the operator has started the program again."""
+        ...
+
     def move(self, move: Move) -> None:
         """Take a motion; returns when the program pointer may go on."""
         ...
 
     def wait_in_position(self) -> None:
         """Let time pass until the robot stands still at its last target."""
+        ...
+
+    def wait_at_rest(self) -> None:
+        """Let time pass until the robot stands still, on its path or at the end of it."""
         ...
 
     def stop_motion(self, clear: bool) -> None:
@@ -87,8 +141,20 @@ class Machine(Protocol):
         """Go on with stopped motions."""
         ...
 
+    def store_path(self) -> None:
+        """Put the motions that are left aside; the robot can then be moved on another path."""
+        ...
+
+    def restore_path(self) -> None:
+        """Take the motions up again that were put aside; they stay stopped until `restart_motion`."""
+        ...
+
     def supervise_configuration(self, linear: bool, on: bool) -> None:
         """ConfL or ConfJ, on or off."""
+        ...
+
+    def forget_paths(self) -> None:
+        """Stop the robot and forget all motions that are left, those put aside too; new ones may come."""
         ...
 
     def current_joints(self) -> list[float]:
@@ -103,6 +169,26 @@ class Machine(Protocol):
         """Show a line on the pendant."""
         ...
 
-    def log(self, kind: str, title: str, text: str) -> None:
+    def show_dialog(self, dialog: Dialog | None) -> None:
+        """Show a question on the pendant; None takes it away."""
+        ...
+
+    def dialog_answer(self) -> DialogAnswer | None:
+        """What the operator chose since the question was shown, None while he has not."""
+        ...
+
+    def operating_mode(self) -> str:
+        """Operating mode: "AUTO", "MANR" (manual, reduced speed) or "MANF" (manual, full speed)."""
+        ...
+
+    def joints_of(self, target: Value, tool: Value, wobj: Value) -> list[float] | None:
+        """Joint angles of a robtarget in its configuration [deg], None when it cannot be reached."""
+        ...
+
+    def target_of(self, joints: Value, tool: Value, wobj: Value) -> Value:
+        """Robtarget of joint angles [deg]."""
+        ...
+
+    def log(self, kind: str, title: str, text: str, number: int = 0) -> None:
         """Add to the event log; kind is "information", "warning" or "error"."""
         ...

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.faults import ERROR_NUMBERS
-from doormill_ros.simulation.controller.rapid.scope import Context, GlobalSymbol, Names
+from doormill_ros.simulation.controller.rapid.scope import GlobalSymbol, Names
 from doormill_ros.simulation.controller.rapid.types import (
     LOADDATA,
     NUM,
@@ -11,6 +12,8 @@ from doormill_ros.simulation.controller.rapid.types import (
     SIGNALAO,
     SIGNALDI,
     SIGNALDO,
+    SIGNALGI,
+    SIGNALGO,
     SPEEDDATA,
     STRING,
     TOOLDATA,
@@ -46,10 +49,23 @@ ZONES = {
     "z150": (150, 225, 225, 23, 225, 23),
     "z200": (200, 300, 300, 30, 300, 30),
 }
+#: What triggers an interrupt of a signal.
+SIGNAL_LEVELS = {"low": 0.0, "high": 1.0, "edge": 2.0}
+#: Numbers that programs know by name [M].
+NUMBERS = {
+    **SIGNAL_LEVELS,
+    **dict(zip(("btnNone", "btnOK", "btnAbrtRtryIgn", "btnOKCancel"), (-1.0, 0.0, 1.0, 2.0), strict=True)),
+    **dict(zip(("btnRetryCancel", "btnYesNo", "btnYesNoCancel"), (3.0, 4.0, 5.0), strict=True)),
+    **dict(zip(("resUnkwn", "resOK", "resAbort", "resRetry"), (0.0, 1.0, 2.0, 3.0), strict=True)),
+    **dict(zip(("resIgnore", "resCancel", "resYes", "resNo"), (4.0, 5.0, 6.0, 7.0), strict=True)),
+    **dict(zip(("iconNone", "iconInfo", "iconWarning", "iconError"), (0.0, 1.0, 2.0, 3.0), strict=True)),
+    **dict(zip(("OP_UNDEF", "OP_AUTO", "OP_MAN_PROG", "OP_MAN_TEST"), (0.0, 1.0, 2.0, 3.0), strict=True)),
+    **dict(zip(("RUN_UNDEF", "RUN_CONT_CYCLE", "RUN_INSTR_FWD"), (0.0, 1.0, 2.0), strict=True)),
+}
 _UNIT = [1.0, 0.0, 0.0, 0.0]
 _FRAME = [[0.0, 0.0, 0.0], _UNIT]
 _LOAD0 = [0.001, [0.0, 0.0, 0.001], _UNIT, 0.0, 0.0, 0.0]
-_SIGNAL_TYPES = {"signaldi": SIGNALDI, "signaldo": SIGNALDO, "signalao": SIGNALAO, "signalai": SIGNALAI}
+_SIGNAL_TYPES = {kind.name: kind for kind in (SIGNALDI, SIGNALDO, SIGNALAI, SIGNALAO, SIGNALGI, SIGNALGO)}
 
 
 def install_data(context: Context, names: Names) -> None:
@@ -68,9 +84,13 @@ def install_data(context: Context, names: Names) -> None:
     add("tool0", TOOLDATA, "PERS", [True, _FRAME, _LOAD0])
     add("wobj0", WOBJDATA, "PERS", [False, True, "", _FRAME, _FRAME])
     add("EOF", STRING, "CONST", END_OF_FILE)
+    add("stEmpty", STRING, "CONST", "")
     add("pi", NUM, "CONST", 3.141592653589793)
     add("STR_DIGIT", STRING, "CONST", "0123456789")
     names.add("ERRNO", GlobalSymbol("ERRNO", NUM, "CONST", context.errno))
+    names.add("INTNO", GlobalSymbol("INTNO", NUM, "CONST", context.interrupts.intno))
+    for name, value in NUMBERS.items():
+        add(name, NUM, "CONST", value)
     for name, number in ERROR_NUMBERS.items():
         add(name, NUM, "CONST", float(number))
     for name, kind in context.machine.signal_kinds().items():

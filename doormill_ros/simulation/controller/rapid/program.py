@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from doormill_ros.simulation.controller.rapid import syntax as s
+from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.errors import (
     RapidProgramError,
     RapidRuntimeError,
@@ -14,8 +15,11 @@ from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidSto
 from doormill_ros.simulation.controller.rapid.literals import parse_literal
 from doormill_ros.simulation.controller.rapid.loader import LoadedModules
 from doormill_ros.simulation.controller.rapid.machine import Machine
-from doormill_ros.simulation.controller.rapid.scope import Context, GlobalSymbol, RoutineInfo
+from doormill_ros.simulation.controller.rapid.scope import GlobalSymbol, RoutineInfo
 from doormill_ros.simulation.controller.rapid.types import Value, copy
+
+#: Event of a program that stopped with an error [M].
+EXECUTION_ERROR = 10020
 
 
 class RapidProgram:
@@ -33,7 +37,11 @@ class RapidProgram:
             RapidUnsupportedError: A routine or argument outside the executed subset.
         """
         self.context = Context(machine)
+        self._parsed = tuple(modules)
+        #: The last run ended with EXIT.
+        self.pointer_lost = False
         self._modules = LoadedModules(modules, self.context)
+        self.module_names = tuple(module.name for module in modules)
 
     # Data from outside, as a panel or Robot Web Services see it
 
@@ -66,10 +74,24 @@ class RapidProgram:
         """All PERS by "module.name", as a controller keeps them when it is switched off."""
         return {name: copy(symbol.store[0]) for name, symbol in self._modules.persistent.items()}
 
+    def persistents(self) -> list[tuple[str, GlobalSymbol]]:
+        """All PERS with the module that declares them: the data themselves, not copies."""
+        named = {name.lower(): name for name in self.module_names}
+        return [(named[key.split(".")[0]], symbol) for key, symbol in self._modules.persistent.items()]
+
     def restore(self, data: Mapping[str, Value]) -> None:
         """Give PERS the values that `persistent_data` gave of the same modules."""
         for name, value in data.items():
             self._modules.persistent[name].store[0] = copy(value)
+
+    def reload(self) -> None:
+        """Load the modules anew: every VAR and PERS has the value of the module text again.
+
+        That is what loading a module, restoring a backup without its data or a start without the old
+        program does to PERS; a warm start keeps them [M].
+        """
+        self.context.interrupts.clear()
+        self._modules = LoadedModules(self._parsed, self.context)
 
     def has_data(self, name: str) -> bool:
         """Whether global data of that name is loaded."""
@@ -80,6 +102,16 @@ class RapidProgram:
         if not isinstance(found, GlobalSymbol):
             raise RapidProgramError(f"no global data {name!r} is loaded: correct the name", name=name)
         return found
+
+    def has_procedure(self, name: str) -> bool:
+        """Whether a procedure without parameters of that name is loaded."""
+        return self._procedure(name) is not None
+
+    def _procedure(self, name: str) -> RoutineInfo | None:
+        info = self._modules.routines.find(name)
+        if not isinstance(info, RoutineInfo) or info.predefined or info.trap:
+            return None
+        return info if info.type is None and not info.parameters else None
 
     # Running
 
@@ -95,24 +127,27 @@ class RapidProgram:
             RapidStoppedError: Stopped from outside.
             AbbError: What the machine raises, such as RapidMotionError.
         """
-        info = self._modules.routines.find(routine)
-        if not isinstance(info, RoutineInfo) or info.type is not None or info.parameters:
+        info = self._procedure(routine)
+        if info is None:
             raise RapidProgramError(f"no procedure {routine!r} without parameters is loaded")
         context = self.context
         context.depth = 0
+        self.pointer_lost = False
         if reset:
             for symbol, value in self._modules.initial:
                 symbol.store[0] = copy(value)
+            context.interrupts.clear()
         try:
             info.run([])
         except RapidFault as fault:
             reason = f"{error_name(fault.number)}: {fault.reason}"
             raise self._report(fault.file, fault.line, reason) from None
         except RapidStop as stop:
+            self.pointer_lost = stop.pointer_lost
             if not stop.by_program:
                 raise self._report(stop.file, stop.line, stop.reason) from None
         except RapidStoppedError as stop:
-            context.machine.log("error", "program stopped", stop.message)
+            context.machine.log("error", "program stopped", stop.message, EXECUTION_ERROR)
             raise
         except RecursionError:
             raise self._report(context.file, context.line, "nested too deeply") from None
@@ -122,6 +157,8 @@ class RapidProgram:
             context.devices.clear()
 
     def _report(self, file: str, line: int, reason: str) -> RapidRuntimeError:
-        self.context.machine.log("error", "program stopped", f"{file}, line {line}: {reason}")
+        self.context.machine.log(
+            "error", "program stopped", f"{file}, line {line}: {reason}", EXECUTION_ERROR
+        )
         text = f"{file}, line {line}: {reason}; no ERROR clause took it: see the event log"
         return RapidRuntimeError(text, file=file, line=line, reason=reason)

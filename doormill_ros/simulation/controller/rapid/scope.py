@@ -1,14 +1,13 @@
-"""Names of a RAPID program and what they stand for, and the state of a running one."""
+"""Names of a RAPID program and what they stand for."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.errors import RapidProgramError
-from doormill_ros.simulation.controller.rapid.machine import Machine
 from doormill_ros.simulation.controller.rapid.types import AnyType, ArrayType, Type, Value
 
 #: The arguments and local data of one call; slot 0 is the first parameter.
@@ -88,6 +87,7 @@ class RoutineInfo:
     parameters: tuple[ParameterInfo, ...]
     run: Callable[[Frame], Value]
     predefined: bool = False
+    trap: bool = False
 
 
 class Names:
@@ -116,22 +116,6 @@ class Names:
     def __iter__(self) -> Iterator[tuple[str, Any]]:
         """Names in lower case and what they stand for, of this scope alone."""
         return iter(self._items.items())
-
-
-@dataclass(eq=False)
-class Context:
-    """State of a running program that is not its data."""
-
-    machine: Machine
-    file: str = ""
-    line: int = 0
-    depth: int = 0
-    #: ERRNO, as the list of one that the symbol refers to.
-    errno: list[float] = field(default_factory=lambda: [0.0])
-    #: Error numbers handed out by BookErrNo; the controller's own begin far above.
-    booked_errors: int = 0
-    #: Open files, to be closed when the program ends.
-    devices: list[Any] = field(default_factory=list)
 
 
 def program_error(file: str, line: int, problem: str, **data: Any) -> RapidProgramError:

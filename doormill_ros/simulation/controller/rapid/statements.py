@@ -1,44 +1,35 @@
-"""Compile the statements and error handlers of a routine."""
+"""Compile the statements and error handlers of a routine.
+
+Page numbers are those of "RAPID Reference Manual, Basic Characteristics", yumpu.com 5679047.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
-
 from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.calls import CallCompiler
+from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
+from doormill_ros.simulation.controller.rapid.handlers import (
+    OWN_RAISES,
+    RERAISE,
+    RETRY,
+    RETRY_LIMIT,
+    RETURN,
+    TRYNEXT,
+    Completion,
+    Step,
+    run_handler,
+)
 from doormill_ros.simulation.controller.rapid.operators import num
-from doormill_ros.simulation.controller.rapid.scope import Context, Frame, LocalSymbol, Names, Run
+from doormill_ros.simulation.controller.rapid.scope import Frame, LocalSymbol, Names, RoutineInfo, Run
 from doormill_ros.simulation.controller.rapid.types import (
     BOOL,
     NUM,
     AnyType,
-    Value,
     copy,
     is_composite,
     is_value,
 )
-
-RETURN, RETRY, TRYNEXT, RERAISE = "RETURN", "RETRY", "TRYNEXT", "RERAISE"
-#: How often RETRY may repeat one statement, as the controller is delivered.
-RETRY_LIMIT = 4
-
-
-class Completion(NamedTuple):
-    """What a statement hands to the block around it, which then goes no further.
-
-    Attributes:
-        word: RETURN, or within an ERROR clause RETRY, TRYNEXT or RERAISE.
-        value: What a function returns.
-    """
-
-    word: str
-    value: Value = None
-
-
-#: Compiled statements; None means go on with the next one.
-Step = Callable[[Frame], Completion | None]
 
 
 class StatementCompiler(CallCompiler):
@@ -53,6 +44,7 @@ class StatementCompiler(CallCompiler):
         types: Names,
         result: AnyType | None = None,
         slots: int = 0,
+        trap: bool = False,
     ) -> None:
         """Compile for a file with what is visible in it.
 
@@ -64,10 +56,12 @@ class StatementCompiler(CallCompiler):
             types: Data types.
             result: Type of what the routine returns, None for a procedure.
             slots: Slots of its frame that its parameters take.
+            trap: Whether it is a trap routine.
         """
         super().__init__(file, context, names, routines, types)
         self.slots = slots
         self._result = result
+        self._trap = trap
         self._in_handler = False
         self._handler: Step | None = None
 
@@ -89,11 +83,15 @@ class StatementCompiler(CallCompiler):
         compiled = [(node.line, self._statement(node)) for node in statements]
         context = self._context
         machine, file = context.machine, self._file
+        interrupts = context.interrupts
+        waiting = interrupts.queue
 
         def plain(frame: Frame) -> Completion | None:
             for line, run in compiled:
                 context.line = line
                 machine.statement(file, line)
+                if waiting:
+                    interrupts.serve()
                 outcome = run(frame)
                 if outcome is not None:
                     return outcome
@@ -109,13 +107,15 @@ class StatementCompiler(CallCompiler):
                 while True:
                     context.line = line
                     machine.statement(file, line)
+                    if waiting:
+                        interrupts.serve()
                     try:
                         outcome = run(frame)
                         break
                     except RapidFault as fault:
                         if fault.escaped is frame:
                             raise
-                        decision = self._handle(handler, frame, fault)
+                        decision = run_handler(context, handler, frame, fault)
                     if decision.word == TRYNEXT:
                         outcome = None
                         break
@@ -129,24 +129,6 @@ class StatementCompiler(CallCompiler):
             return None
 
         return guarded
-
-    def _handle(self, handler: Step, frame: Frame, fault: RapidFault) -> Completion:
-        """Run the ERROR clause; a fault that leaves it is marked, so that it reaches the caller."""
-        context = self._context
-        if not fault.file:
-            fault.file, fault.line = context.file, context.line
-        context.errno[0] = float(fault.number)
-        try:
-            outcome = handler(frame)
-        except RapidFault as further:
-            further.escaped = frame
-            raise
-        if outcome is None:
-            return Completion(RETURN)
-        if outcome.word == RERAISE:
-            fault.escaped = frame
-            raise fault
-        return outcome
 
     def _statement(self, node: s.Statement) -> Step:
         match node:
@@ -179,6 +161,8 @@ class StatementCompiler(CallCompiler):
                 return lambda frame: outcome
             case s.Exit():
                 return _exit
+            case s.Connect():
+                return self._connect(node)
         raise TypeError(f"no statement: {node!r}")
 
     def _assign(self, node: s.Assign) -> Step:
@@ -283,6 +267,19 @@ class StatementCompiler(CallCompiler):
 
         return run
 
+    def _connect(self, node: s.Connect) -> Step:
+        """An interrupt is identified by the variable, so that has to be a VAR intnum."""
+        kind, reference, symbol = self.reference(node.interrupt)
+        if kind != NUM or symbol.storage not in ("VAR", "INOUT"):
+            self.fail(
+                node, f"{symbol.name} is {symbol.storage} {kind.name}, allowed is VAR intnum: correct it"
+            )
+        trap = self._routines.find(node.trap)
+        if not isinstance(trap, RoutineInfo) or not trap.trap:
+            self.fail(node, f"{node.trap!r} is no trap routine, allowed after WITH is the name of a TRAP")
+        interrupts = self._context.interrupts
+        return lambda frame: interrupts.connect(reference(frame), trap)
+
     def _return(self, node: s.Return) -> Step:
         if node.value is None and self._result is None:
             nothing = Completion(RETURN)
@@ -302,12 +299,27 @@ class StatementCompiler(CallCompiler):
             outcome = Completion(RERAISE)
             return lambda frame: outcome
         value = self.typed(node.value, NUM, "the error number")
+        if self._in_handler:
+            # Page 385: within the error handler the number may not be specified.
+            self.fail(node, "RAISE with a number stands in an ERROR clause, allowed there is RAISE alone")
+        if self._trap:
+            # The system's error handler takes it, whatever ERROR clause the trap has:
+            # RAPID reference manual part 1a, RAISE (yumpu.com 46511969, page 377).
+            def stop(frame: Frame) -> None:
+                raise RapidStop(f"RAISE {value(frame):g} in a trap routine")
+
+            return stop
 
         def run(frame: Frame) -> None:
-            raise RapidFault(int(value(frame)), "raised by the program")
+            number = value(frame)
+            if number not in OWN_RAISES:
+                raise RapidFault(
+                    "ERR_ILLRAISE", f"RAISE {number:g}, allowed are 1 to {OWN_RAISES[-1]} and booked ones"
+                )
+            raise RapidFault(int(number), "raised by the program")
 
         return run
 
 
 def _exit(_frame: Frame) -> None:
-    raise RapidStop("the program ended itself with EXIT", by_program=True)
+    raise RapidStop("the program ended itself with EXIT", by_program=True, pointer_lost=True)

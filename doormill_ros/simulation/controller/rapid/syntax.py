@@ -186,7 +186,15 @@ class Exit(Node):
     """`EXIT;`."""
 
 
-Statement = Assign | Call | If | For | While | Test | Return | Raise | Retry | TryNext | Exit
+@dataclass(frozen=True)
+class Connect(Node):
+    """`CONNECT interrupt WITH trap;`."""
+
+    interrupt: Variable
+    trap: str
+
+
+Statement = Assign | Call | If | For | While | Test | Return | Raise | Retry | TryNext | Exit | Connect
 Block = tuple[Statement, ...]
 
 # Declarations
@@ -234,7 +242,7 @@ class Parameter(Node):
 
 @dataclass(frozen=True)
 class Routine(Node):
-    """A procedure, or a function when `type_name` is not empty; `handler` is None without ERROR."""
+    """A procedure, a function when `type_name` is not empty, or a trap; `handler` is None without ERROR."""
 
     name: str
     type_name: str
@@ -243,6 +251,7 @@ class Routine(Node):
     body: Block = ()
     handler: Block | None = None
     local: bool = False
+    trap: bool = False
 
 
 @dataclass(frozen=True)

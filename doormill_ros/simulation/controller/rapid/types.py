@@ -68,6 +68,8 @@ SIGNALDI = Type("signaldi", "signal")
 SIGNALDO = Type("signaldo", "signal")
 SIGNALAO = Type("signalao", "signal")
 SIGNALAI = Type("signalai", "signal")
+SIGNALGI = Type("signalgi", "signal")
+SIGNALGO = Type("signalgo", "signal")
 #: Any value type, for predefined routines such as StrToVal.
 ANY = Type("anytype", "any")
 #: A condition that WaitUntil evaluates again and again.
@@ -103,17 +105,19 @@ ZONEDATA = _record(
 )
 LOADDATA = _record("loaddata", mass=NUM, cog=POS, aom=ORIENT, ix=NUM, iy=NUM, iz=NUM)
 TOOLDATA = _record("tooldata", robhold=BOOL, tframe=POSE, tload=LOADDATA)
+LISTITEM = _record("listitem", image=STRING, text=STRING)
 WOBJDATA = _record("wobjdata", robhold=BOOL, ufprog=BOOL, ufmec=STRING, uframe=POSE, oframe=POSE)
 
-#: Every predefined type by lower-case name; byte and errnum are aliases of num.
+#: Every predefined type by lower-case name; byte, errnum, intnum and their kin are aliases of num.
 PREDEFINED: dict[str, Type] = {
     t.name: t
     for t in (
-        NUM, DNUM, STRING, BOOL, SWITCH, IODEV, CLOCK, SIGNALDI, SIGNALDO, SIGNALAO, SIGNALAI, ANY, CONDITION,
+        NUM, DNUM, STRING, BOOL, SWITCH, IODEV, CLOCK, SIGNALDI, SIGNALDO, SIGNALAO, SIGNALAI,
+        SIGNALGI, SIGNALGO, ANY, CONDITION,
         POS, ORIENT, POSE, CONFDATA, EXTJOINT, ROBJOINT, ROBTARGET, JOINTTARGET, SPEEDDATA, ZONEDATA,
-        LOADDATA, TOOLDATA, WOBJDATA,
+        LOADDATA, TOOLDATA, WOBJDATA, LISTITEM,
     )
-} | {"byte": NUM, "errnum": NUM}  # fmt: skip
+} | dict.fromkeys(("byte", "errnum", "intnum", "buttondata", "btnres", "icondata", "symnum"), NUM)  # fmt: skip
 
 
 def float32(value: float) -> float:

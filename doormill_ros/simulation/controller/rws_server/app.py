@@ -20,7 +20,7 @@ from doormill_ros.simulation.controller.rws_server.dialect import RWS1_ROUTES, R
 from doormill_ros.simulation.controller.rws_server.events import Group, Subscriptions
 from doormill_ros.simulation.controller.rws_server.operations import Operations
 from doormill_ros.simulation.controller.rws_server.reply import (
-    CODE_BAD_REQUEST,
+    CODE_INVALID,
     Item,
     RefusalError,
     json_body,
@@ -79,7 +79,7 @@ class WebServices:
         self.behaviour = behaviour
         self.sessions = SessionTable(behaviour.session_limit, behaviour.idle_expiry)
         self.digest = DigestGate(behaviour.user, behaviour.password, behaviour.idle_expiry)
-        self.operations = Operations(cabinet)
+        self.operations = Operations(cabinet, version, self._is_alive)
         self.subscriptions = Subscriptions(self.operations, base)
         self.requests: list[tuple[str, str, int]] = []
         self._version = version
@@ -151,8 +151,10 @@ class WebServices:
     async def _answer(self, request: Request, session: Session, body: bytes) -> Response:
         raw_path = request.scope["raw_path"].decode("latin-1")
         if self._version == 1 and "%24" in raw_path:
-            raise RefusalError(400, CODE_BAD_REQUEST, "'$' must not be percent-encoded")
+            raise RefusalError(400, CODE_INVALID, "'$' must not be percent-encoded")
         path = unquote(raw_path).lstrip("/")
+        if not path.startswith("fileservice/"):
+            path = path.rstrip("/")
         if self._version == 2:
             self._check_media_types(request, path)
         form = [] if request.method == "PUT" else parse_qsl(body.decode("latin-1"), keep_blank_values=True)
@@ -164,26 +166,32 @@ class WebServices:
         if path == "logout":
             self.sessions.end(session)
             return Response(status_code=200, media_type="text/plain")
-        call = RwsCall(request.method, path, dict(request.query_params), dict(form), body)
+        newest_first = "v=2.1" in request.headers.get("accept", "")
+        call = RwsCall(
+            request.method, path, dict(request.query_params), dict(form), body, session.token, newest_first
+        )
         answer = dispatch(self._routes, self.operations, call)
         if answer.raw is not None:
             return Response(answer.raw, answer.status, media_type="application/octet-stream")
         if answer.status != 200 or request.method == "PUT":
-            return Response(status_code=answer.status)
+            return Response(status_code=answer.status, media_type="text/plain")
         return self._listing(request, list(answer.items))
 
     def _check_media_types(self, request: Request, path: str) -> None:
         accept, content = request.headers.get("accept", "*/*"), request.headers.get("content-type", "")
+        if request.method != "GET" and not (content and "content-length" in request.headers):
+            # Seen on controllers: any change without both headers, an empty one too.
+            raise RefusalError(406, CODE_INVALID, "Content-Type and Content-Length are missing")
         is_file = path.startswith("fileservice/") and "." in path.rsplit("/", 1)[-1]
         if is_file and request.method == "GET":
             if accept.startswith("application/xhtml"):
-                raise RefusalError(406, CODE_BAD_REQUEST, "a file is not XHTML")
-        elif "*/*" not in accept and "v=2.0" not in accept:
-            raise RefusalError(406, CODE_BAD_REQUEST, "Accept lacks v=2.0")
+                raise RefusalError(406, CODE_INVALID, "a file is not XHTML")
+        elif "*/*" not in accept and "v=2.0" not in accept and not ("v=2.1" in accept and "rw/elog" in path):
+            raise RefusalError(406, CODE_INVALID, "Accept lacks v=2.0")
         if request.method == "PUT" and content not in ("text/plain;v=2.0", "application/octet-stream;v=2.0"):
-            raise RefusalError(415, CODE_BAD_REQUEST, f"Content-Type {content!r}")
+            raise RefusalError(415, CODE_INVALID, f"Content-Type {content!r}")
         if request.method == "POST" and content != "application/x-www-form-urlencoded;v=2.0":
-            raise RefusalError(415, CODE_BAD_REQUEST, f"Content-Type {content!r}")
+            raise RefusalError(415, CODE_INVALID, f"Content-Type {content!r}")
 
     def _listing(self, request: Request, items: list[Item]) -> Response:
         if self._wants_json(request):
@@ -193,7 +201,10 @@ class WebServices:
         return Response(xhtml(self._base, items), media_type=media)
 
     def _refusal(self, request: Request, error: RefusalError) -> Response:
-        if self._wants_json(request):
+        is_file = "/fileservice/" in request.scope["path"]
+        if self._version == 2 and is_file and error.status == 404:  # seen so on controllers, type and all
+            return Response(json_error(self._base, error, 2), 404, media_type="text/html")
+        if self._wants_json(request) and not (is_file and self._version == 1):
             media = "application/json" if self._version == 1 else _HAL2
             return Response(json_error(self._base, error, self._version), error.status, media_type=media)
         media = "application/xhtml+xml" if self._version == 1 else _XHTML2
@@ -204,11 +215,14 @@ class WebServices:
             return request.query_params.get("json") == "1"
         return "hal+json" in request.headers.get("accept", "")
 
+    def _is_alive(self, owner: str) -> bool:
+        return owner in self.sessions.sessions
+
     # Events ------------------------------------------------------------------------------------------
 
     async def _subscribe(self, request: Request, session: Session, form: list[tuple[str, str]]) -> Response:
         if self._subscribing and self._version == 2:
-            raise RefusalError(500, CODE_BAD_REQUEST, "another subscription is being made")
+            raise RefusalError(500, CODE_INVALID, "another subscription is being made")
         self._subscribing = True
         try:
             begun = time.monotonic()

@@ -1,44 +1,47 @@
-"""What the simulated web services give access to: HOME folder, signals, RAPID data, states.
+"""What the simulated web services give access to: folders, signals, and the controller itself.
 
-The levels of the signals are behind an `IoPort`. When that is the port of a simulated controller, or the
-folder that one uses from another process, a change that its program makes becomes an event here.
+The levels of the handshake's signals are behind an `IoPort`. When that is the port of a simulated controller, or the
+folder that one uses from another process, a change that its program makes becomes an event here. All other signals,
+data and states are the controller's own.
 """
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from enum import Enum
 from pathlib import Path
 
 from doormill_ros.abb import signals
+from doormill_ros.simulation.controller.io_configuration import ACCESS_LEVELS, SignalAccess
 from doormill_ros.simulation.controller.io_port import FolderIo, IoPort
 from doormill_ros.simulation.controller.rapid.errors import SignalError
+from doormill_ros.simulation.controller.rws_server.served import IdleController, ServedController
 
-
-class AccessLevel(str, Enum):
-    """Who may write a signal, as configured on the controller."""
-
-    ALL = "All"
-    DEFAULT = "Default"
-    READ_ONLY = "ReadOnly"
+#: Network and device under which clients look for a signal that has none; the controller opens it by its name.
+LOCAL_DEVICE = "Local/DRV_1"
+_OF_THE_PORT = signals.ALL_SIGNALS + signals.GROUP_SIGNALS
 
 
 @dataclass(frozen=True)
 class SimulatedSignal:
-    """A digital output.
+    """A signal of the controller.
 
     Attributes:
         name: Its name.
-        access: Only "All" lets a web client write it.
+        access: Who may write it; a web client counts as remote.
         network: I/O network, "" for a virtual signal.
         device: Device on that network.
+        kind: "DI", "DO", "AI", "AO", "GI" or "GO".
+        largest: Largest value.
     """
 
     name: str
-    access: AccessLevel = AccessLevel.DEFAULT
+    access: SignalAccess = ACCESS_LEVELS["Default"]
     network: str = ""
     device: str = ""
+    kind: str = "DO"
+    largest: float = 1.0
 
     @property
     def path(self) -> str:
@@ -47,65 +50,97 @@ class SimulatedSignal:
 
 
 def default_signals() -> tuple[SimulatedSignal, ...]:
-    """The handshake's signals; only READY may be written from outside."""
-    ready = SimulatedSignal(signals.READY, AccessLevel.ALL)
-    return (ready, *(SimulatedSignal(name) for name in signals.CONTROLLER_SIGNALS))
+    """The handshake's signals; only those of the PC may be written from outside."""
+    ready = SimulatedSignal(signals.READY, ACCESS_LEVELS["All"])
+    numbers = (
+        SimulatedSignal(name, ACCESS_LEVELS["All"], kind="GO", largest=signals.LARGEST_NUMBER)
+        for name in signals.GROUP_SIGNALS
+    )
+    return (ready, *numbers, *(SimulatedSignal(name) for name in signals.CONTROLLER_SIGNALS))
 
 
 @dataclass
 class Cabinet:
-    """State behind the web services.
+    """What is behind the web services.
 
     Attributes:
         home: The controller's HOME folder.
-        io: Who holds the signals' levels.
+        io: Who holds the levels of the handshake's signals.
         signals: Signals by name.
-        symbols: RAPID data by path below "RAPID/", for example "T_ROB1/DoorMill/door_id".
-        ctrlstate: State of the motors.
-        opmode: Operating mode.
-        execution: "running" or "stopped".
-        mastership: True while a client holds mastership of RAPID.
+        controller: The controller; an idle one when no program runs behind the services.
+        answers_privilege: What the operator answers to a request for the remote privilege: "GRANTED", "DENIED", or
+            "PENDING" while nobody answers.
     """
 
     home: Path
     io: IoPort
     signals: dict[str, SimulatedSignal] = field(default_factory=dict)
-    symbols: dict[str, str] = field(default_factory=dict)
-    ctrlstate: str = "motoron"
-    opmode: str = "AUTO"
-    execution: str = "running"
-    mastership: bool = False
+    controller: ServedController = field(default_factory=IdleController)
+    answers_privilege: str = "PENDING"
+
+    def __post_init__(self) -> None:
+        """Make the RAM disk."""
+        self._ramdisk = tempfile.TemporaryDirectory(prefix="simulated-ramdisk-")
 
     @classmethod
     def create(
-        cls, home: Path, table: Iterable[SimulatedSignal] | None = None, io: IoPort | None = None
+        cls,
+        home: Path,
+        table: Iterable[SimulatedSignal] | None = None,
+        io: IoPort | None = None,
+        controller: ServedController | None = None,
     ) -> Cabinet:
         """A cabinet on an existing or new HOME folder.
 
         Args:
             home: The folder.
             table: The signals; None for those of the handshake.
-            io: Who holds their levels; None for files in `<home>/io`.
+            io: Who holds the levels of the handshake's signals; None for files in `<home>/io`.
+            controller: The controller; None for an idle one.
         """
         table = tuple(default_signals() if table is None else table)
         return cls(
             home,
-            FolderIo(home, [signal.name for signal in table]) if io is None else io,
+            FolderIo(home) if io is None else io,
             {signal.name: signal for signal in table},
+            IdleController() if controller is None else controller,
         )
 
-    def find_signal(self, path: str) -> SimulatedSignal | None:
-        """The signal at `{network}/{device}/{name}` or just `{name}`."""
-        signal = self.signals.get(path.rsplit("/", 1)[-1])
-        return signal if signal is not None and path in (signal.path, signal.name) else None
+    @property
+    def idle(self) -> IdleController:
+        """The idle controller, for tests that set what it says.
 
-    def value(self, name: str) -> int:
+        Raises:
+            TypeError: A program runs behind the services.
+        """
+        if not isinstance(self.controller, IdleController):
+            raise TypeError("a program runs behind these services: set its own state")
+        return self.controller
+
+    @property
+    def ramdisk(self) -> Path:
+        """The folder behind RAMDISK:."""
+        return Path(self._ramdisk.name)
+
+    def find_signal(self, path: str) -> SimulatedSignal | None:
+        """The signal at `{network}/{device}/{name}`, at the local device, or just by its name."""
+        signal = self.signals.get(path.rsplit("/", 1)[-1])
+        if signal is None:
+            return None
+        return signal if path in (signal.path, signal.name, f"{LOCAL_DEVICE}/{signal.name}") else None
+
+    def value(self, name: str) -> float:
         """The signal's level, 0 when it cannot be read."""
         try:
-            return self.io.read(name)
+            if name in _OF_THE_PORT:
+                return self.io.read(name)
+            return self.controller.read_signal(name)
         except SignalError:
             return 0
 
-    def set_value(self, name: str, value: int) -> None:
+    def set_value(self, name: str, value: float) -> None:
         """Set the signal."""
-        self.io.write(name, value)
+        if name in _OF_THE_PORT:
+            self.io.write(name, int(value))
+        else:
+            self.controller.write_signal(name, value)

@@ -6,12 +6,19 @@ import json
 from dataclasses import dataclass, field
 from xml.sax.saxutils import escape, quoteattr
 
-#: Return codes that the public documentation and bug reports name.
-CODE_ACCESS_REJECTED = -1073414145
-CODE_NO_MASTERSHIP = -1073414146
-#: The documentation gives no number for these; a client must go by the HTTP status.
-CODE_NOT_FOUND = -1073445879
-CODE_BAD_REQUEST = -1073445880
+# Return codes as controllers with RobotWare 6.16 and 7.21 sent them; source: the captured answers in
+# github.com/ichbinmeraj/abb-rws-client, tests/fixtures/errors.
+CODE_REJECTED = -1073445881  #: a write that access level or operating mode forbids
+CODE_HELD = -1073445862  #: somebody else holds mastership
+CODE_NO_MASTERSHIP = -1073445859  #: mastership is needed
+CODE_UNKNOWN_SIGNAL = -1073445866
+CODE_INVALID = -1073445879  #: a value that is not allowed; also "the queue is there already"
+CODE_WRONG_STATE = -1073442809  #: not in this state of execution
+CODE_NO_RESOURCE = -1073414146  #: 1.0: file, module, symbol; 2.0 has a code for each
+CODE_NO_FILE = -1073438713  #: 2.0
+CODE_NO_VOLUME = -1073438716  #: 2.0
+CODE_NO_SYMBOL = -1073442816  #: 2.0
+CODE_NO_MODULE = -1073442813  #: 2.0
 
 
 @dataclass(frozen=True)
@@ -23,12 +30,14 @@ class Item:
         title: Its title.
         href: Link to itself, "" for none.
         values: Its spans by class.
+        arguments: Numbered spans "arg1", "arg2"; in JSON the list "argv".
     """
 
     kind: str
     title: str
     href: str = ""
     values: dict[str, str] = field(default_factory=dict)
+    arguments: tuple[str, ...] = ()
 
 
 class RefusalError(Exception):
@@ -70,7 +79,7 @@ def xhtml_error(base: str, error: RefusalError) -> bytes:
 
 def json_body(base: str, items: list[Item], version: int) -> bytes:
     """The answer as JSON: below `_embedded._state` in 1.0, below `state` in 2.0."""
-    state = [{"_type": item.kind, "_title": item.title, **item.values} for item in items]
+    state = [_object(item) for item in items]
     links = {"base": {"href": base}}
     body = (
         {"_links": links, "_embedded": {"_state": state}}
@@ -92,7 +101,15 @@ def json_error(base: str, error: RefusalError, version: int) -> bytes:
     return json.dumps(body).encode()
 
 
+def _object(item: Item) -> dict[str, object]:
+    found: dict[str, object] = {"_type": item.kind, "_title": item.title, **item.values}
+    if item.arguments:
+        found["argv"] = [{"type": "string", "value": text} for text in item.arguments]
+    return found
+
+
 def _row(item: Item) -> str:
     link = f'<a href={quoteattr(item.href)} rel="self"/>' if item.href else ""
-    spans = "".join(f'<span class="{name}">{escape(value)}</span>' for name, value in item.values.items())
+    values = {**item.values, **{f"arg{number}": text for number, text in enumerate(item.arguments, 1)}}
+    spans = "".join(f'<span class="{name}">{escape(value)}</span>' for name, value in values.items())
     return f'<li class="{item.kind}" title={quoteattr(item.title)}>{link}{spans}</li>'

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 from typing import BinaryIO
 
+from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.faults import RapidFault
 from doormill_ros.simulation.controller.rapid.library.predefined import predefined
 from doormill_ros.simulation.controller.rapid.predefined_data import END_OF_FILE
-from doormill_ros.simulation.controller.rapid.scope import Context, Reference
+from doormill_ros.simulation.controller.rapid.scope import Reference
 from doormill_ros.simulation.controller.rapid.types import STRING_LENGTH, is_integer
 
 
@@ -161,6 +163,35 @@ def rewind(_context: Context, place: Reference) -> None:
 def is_file(context: Context, name: str) -> bool:
     """Whether a file exists."""
     return find_path(context, name).is_file()
+
+
+@predefined("PROC CopyFile(string OldPath, string NewPath)")
+def copy_file(context: Context, old: str, new: str) -> None:
+    """Copy a file; a file of the new name is not replaced."""
+    source, target = _old_and_new(context, "CopyFile", old, new)
+    try:
+        shutil.copyfile(source, target)
+    except OSError as error:
+        raise RapidFault("ERR_FILEACC", f"CopyFile {old!r}: {error.strerror}") from None
+
+
+@predefined("PROC RenameFile(string OldPath, string NewPath)")
+def rename_file(context: Context, old: str, new: str) -> None:
+    """Rename a file; a file of the new name is not replaced."""
+    source, target = _old_and_new(context, "RenameFile", old, new)
+    try:
+        source.rename(target)
+    except OSError as error:
+        raise RapidFault("ERR_FILEACC", f"RenameFile {old!r}: {error.strerror}") from None
+
+
+def _old_and_new(context: Context, what: str, old: str, new: str) -> tuple[Path, Path]:
+    source, target = find_path(context, old), find_path(context, new)
+    if not source.is_file():
+        raise RapidFault("ERR_FILEACC", f"{what} {old!r}: no such file")
+    if target.exists():
+        raise RapidFault("ERR_FILEEXIST", f"{what}: {new!r} exists")
+    return source, target
 
 
 @predefined("FUNC num FileSize(string Path)")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from doormill_ros.simulation.controller.rapid.faults import RapidFault
+from doormill_ros.simulation.controller.rapid.context import Context
+from doormill_ros.simulation.controller.rapid.faults import ERROR_NUMBERS, RapidFault
 from doormill_ros.simulation.controller.rapid.library.predefined import predefined
 from doormill_ros.simulation.controller.rapid.machine import Move
-from doormill_ros.simulation.controller.rapid.scope import Context, Reference
+from doormill_ros.simulation.controller.rapid.scope import Reference
 from doormill_ros.simulation.controller.rapid.types import Value, copy
 
 #: What MoveL and its kin take after the target; `tail` in the routines below.
@@ -37,20 +38,20 @@ def _move(
         speed = [v, *speed[1:]]
     if z is not None:
         zone = [False, z, *zone[2:]]
-    context.machine.move(
-        Move(
-            kind,
-            copy(target),
-            copy(via),
-            copy(speed),
-            copy(zone),
-            copy(tool[0][tool[1]]),
-            copy(wobj[0][wobj[1]] if wobj is not None else _WOBJ0),
-            t,
-            context.file,
-            context.line,
-        )
+    move = Move(
+        kind,
+        copy(target),
+        copy(via),
+        copy(speed),
+        copy(zone),
+        copy(tool[0][tool[1]]),
+        copy(wobj[0][wobj[1]] if wobj is not None else _WOBJ0),
+        t,
+        context.file,
+        context.line,
     )
+    with context.interrupts.moving():
+        context.machine.move(move)
 
 
 @predefined(f"PROC MoveJ(robtarget ToPoint, {_TAIL})")
@@ -78,9 +79,13 @@ def move_abs_j(context: Context, target: Value, _no_offsets: bool, *tail: Value)
 
 
 @predefined("PROC WaitRob(\\switch InPos | switch ZeroSpeed)")
-def wait_rob(context: Context, _in_position: bool, _zero_speed: bool) -> None:
-    """Wait until the robot stands still."""
-    context.machine.wait_in_position()
+def wait_rob(context: Context, _in_position: bool, zero_speed: bool) -> None:
+    """Wait until the robot stands at its last target, or with `ZeroSpeed` wherever it was stopped."""
+    with context.interrupts.moving():
+        if zero_speed:
+            context.machine.wait_at_rest()
+        else:
+            context.machine.wait_in_position()
 
 
 @predefined("PROC StopMove(\\switch Quick)")
@@ -99,6 +104,18 @@ def clear_path(context: Context) -> None:
 def start_move(context: Context) -> None:
     """Go on after StopMove."""
     context.machine.restart_motion()
+
+
+@predefined("PROC StorePath(\\switch KeepSync)")
+def store_path(context: Context, _keep_sync: bool) -> None:
+    """Put the path aside that the robot was stopped on, to move on another one."""
+    context.machine.store_path()
+
+
+@predefined("PROC RestoPath()")
+def resto_path(context: Context) -> None:
+    """Take the path up again that StorePath put aside; StartMove goes on with it."""
+    context.machine.restore_path()
 
 
 @predefined("PROC ConfL(\\switch On | switch Off)")
@@ -121,8 +138,11 @@ def sing_area(_context: Context, wrist: bool, _off: bool) -> None:
 
 
 @predefined("PROC AccSet(num Acc, num Ramp)")
-def acc_set(_context: Context, _acceleration: float, _ramp: float) -> None:
-    """Accelerations are not simulated."""
+def acc_set(_context: Context, acceleration: float, ramp: float) -> None:
+    """Accelerations in per cent; checked, and not driven."""
+    for value in (acceleration, ramp):
+        if not 0.0 < value <= 100.0:
+            raise RapidFault("ERR_ARGVALERR", f"AccSet {value:g}: allowed is above 0 and up to 100 %")
 
 
 @predefined("PROC VelSet(num Override, num Max)")
@@ -146,6 +166,63 @@ def c_rob_t(context: Context, tool: Reference | None, wobj: Reference | None) ->
         raise RapidFault("ERR_ARGVALERR", "CRobT without \\Tool is not simulated: name the tool")
     context.machine.wait_in_position()
     return context.machine.current_target(tool[0][tool[1]], wobj[0][wobj[1]] if wobj is not None else _WOBJ0)
+
+
+@predefined("FUNC pos CPos(\\PERS tooldata Tool \\PERS wobjdata WObj)")
+def c_pos(context: Context, tool: Reference | None, wobj: Reference | None) -> Value:
+    """Where the tool is at this moment, also while it moves."""
+    if tool is None:
+        raise RapidFault("ERR_ARGVALERR", "CPos without \\Tool is not simulated: name the tool")
+    frame = wobj[0][wobj[1]] if wobj is not None else _WOBJ0
+    return context.machine.current_target(tool[0][tool[1]], frame)[0]
+
+
+@predefined(
+    "FUNC jointtarget CalcJointT(\\switch UseCurWObjPos, robtarget Rob_target, PERS tooldata Tool "
+    "\\PERS wobjdata WObj \\VAR errnum ErrorNumber)"
+)
+def calc_joint_t(
+    context: Context,
+    _current: bool,
+    target: Value,
+    tool: Reference,
+    wobj: Reference | None,
+    error: Reference | None,
+) -> Value:
+    """Joint angles of a target; one out of reach is ERR_OUTSIDE_REACH, or sets ErrorNumber."""
+    frame = wobj[0][wobj[1]] if wobj is not None else _WOBJ0
+    joints = context.machine.joints_of(target, tool[0][tool[1]], frame)
+    if error is not None:
+        error[0][error[1]] = 0.0 if joints is not None else float(ERROR_NUMBERS["ERR_OUTSIDE_REACH"])
+    elif joints is None:
+        raise RapidFault("ERR_OUTSIDE_REACH", "CalcJointT: the target is out of reach in its configuration")
+    return [joints or [0.0] * 6, [9e9] * 6]
+
+
+@predefined("FUNC robtarget CalcRobT(jointtarget Joint_target, PERS tooldata Tool \\PERS wobjdata WObj)")
+def calc_rob_t(context: Context, joints: Value, tool: Reference, wobj: Reference | None) -> Value:
+    """Target of joint angles."""
+    frame = wobj[0][wobj[1]] if wobj is not None else _WOBJ0
+    return context.machine.target_of(joints[0], tool[0][tool[1]], frame)
+
+
+@predefined("PROC PathAccLim(bool AccLim \\num AccMax, bool DecelLim \\num DecelMax)")
+def path_acc_lim(
+    _context: Context, limited: bool, largest: float | None, slowing: bool, largest_slowing: float | None
+) -> None:
+    """Limits of the acceleration along the path [m/s^2]; checked, and not driven."""
+    for on, value, name in ((limited, largest, "AccMax"), (slowing, largest_slowing, "DecelMax")):
+        if on and (value is None or value < 0.1):
+            raise RapidFault("ERR_ARGVALERR", f"PathAccLim TRUE: \\{name} is missing or below 0.1 m/s^2")
+
+
+@predefined("PROC MotionSup(\\switch On | switch Off \\num TuneValue)")
+def motion_sup(_context: Context, on: bool, off: bool, tune: float | None) -> None:
+    """Collision detection; checked, and nothing collides."""
+    if on == off:
+        raise RapidFault("ERR_ARGVALERR", "MotionSup: allowed is one of \\On and \\Off")
+    if tune is not None and not 1.0 <= tune <= 300.0:
+        raise RapidFault("ERR_ARGVALERR", f"MotionSup \\TuneValue {tune:g}: allowed is 1 to 300 %")
 
 
 @predefined("FUNC jointtarget CJointT()")

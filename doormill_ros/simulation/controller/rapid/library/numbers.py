@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.faults import RapidFault
 from doormill_ros.simulation.controller.rapid.library.predefined import predefined
 from doormill_ros.simulation.controller.rapid.operators import num
-from doormill_ros.simulation.controller.rapid.scope import Context, Reference
+from doormill_ros.simulation.controller.rapid.scope import Reference
 from doormill_ros.simulation.controller.rapid.types import Value, is_integer
 from doormill_ros.units import deg_to_rad, rad_to_deg
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
 from doormill_ros.simulation.controller.rapid.library.predefined import predefined
 from doormill_ros.simulation.controller.rapid.operators import num
-from doormill_ros.simulation.controller.rapid.scope import Context, Reference
+from doormill_ros.simulation.controller.rapid.scope import Reference
 from doormill_ros.simulation.controller.rapid.types import Value, format_value
 
 #: Characters of a title in the event log.
 TITLE = 46
+#: Numbers of the events that programs write [M].
+USER_EVENTS = {"error": 80001, "warning": 80002, "information": 80003}
 
 
 @predefined("PROC TPWrite(string String \\num Num | bool Bool | pos Pos | orient Orient | dnum Dnum)")
@@ -53,7 +56,25 @@ def err_write(
         )
     kind = "warning" if warning else "information" if information else "error"
     lines = [line for line in (reason, second, third, fourth) if line is not None]
-    context.machine.log(kind, header, " ".join(lines))
+    context.machine.log(kind, header, " ".join(lines), USER_EVENTS[kind])
+
+
+@predefined("PROC SkipWarn()")
+def skip_warn(context: Context) -> None:
+    """In an ERROR clause: leave the warning of the error that it takes out of the event log."""
+    context.warning = ""
+
+
+@predefined("FUNC symnum OpMode()")
+def op_mode(context: Context) -> float:
+    """Operating mode, one of OP_AUTO, OP_MAN_PROG (reduced speed) and OP_MAN_TEST (full speed)."""
+    return {"AUTO": 1.0, "MANR": 2.0, "MANF": 3.0}.get(context.machine.operating_mode(), 0.0)
+
+
+@predefined("FUNC symnum RunMode(\\switch Main)")
+def run_mode(_context: Context, _main: bool) -> float:
+    """Only continuous execution is simulated: RUN_CONT_CYCLE."""
+    return 1.0
 
 
 @predefined("PROC BookErrNo(VAR errnum ErrorName)")
@@ -67,21 +88,21 @@ def book_err_no(context: Context, place: Reference) -> None:
 
 @predefined("PROC Stop(\\switch NoRegain | switch AllMoveTasks)")
 def stop(context: Context, _no_regain: bool, _all: bool) -> None:
-    """Stop when the motions so far are done."""
+    """Stop when the motions so far are done; a start goes on behind it."""
     context.machine.wait_in_position()
-    raise RapidStop("the program stopped itself with Stop", by_program=True)
+    context.machine.stop_program("Stop")
 
 
 @predefined("PROC Break()")
-def break_(_context: Context) -> None:
-    """Stop at once."""
-    raise RapidStop("the program stopped itself with Break", by_program=True)
+def break_(context: Context) -> None:
+    """Stop at once, on the path; a start goes on behind it."""
+    context.machine.stop_program("Break")
 
 
 @predefined("PROC ExitCycle()")
 def exit_cycle(context: Context) -> None:
-    """End this cycle when the motions so far are done."""
-    context.machine.wait_in_position()
+    """End this cycle: the robot stops, its paths are forgotten, and main begins anew [M]."""
+    context.machine.forget_paths()
     raise RapidStop("the program ended its cycle", by_program=True)
 
 

@@ -7,12 +7,21 @@ from functools import cache
 from typing import Any
 
 from doormill_ros.simulation.controller.rapid import syntax as s
-from doormill_ros.simulation.controller.rapid.library import files, motion, numbers, pendant, signals, strings
+from doormill_ros.simulation.controller.rapid.context import Context
+from doormill_ros.simulation.controller.rapid.library import (
+    dialogs,
+    files,
+    interrupts,
+    motion,
+    numbers,
+    pendant,
+    signals,
+    strings,
+)
 from doormill_ros.simulation.controller.rapid.library.predefined import ROUTINES
 from doormill_ros.simulation.controller.rapid.parser import parse_signature
 from doormill_ros.simulation.controller.rapid.scope import (
     ABSENT,
-    Context,
     Frame,
     Names,
     RoutineInfo,
@@ -21,7 +30,7 @@ from doormill_ros.simulation.controller.rapid.scope import (
 )
 from doormill_ros.simulation.controller.rapid.types import Value
 
-LIBRARY = (files, motion, numbers, pendant, signals, strings)
+LIBRARY = (dialogs, files, interrupts, motion, numbers, pendant, signals, strings)
 
 
 def install(context: Context, types: Names, routines: Names) -> None:

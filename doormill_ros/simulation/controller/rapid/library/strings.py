@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
 from doormill_ros.simulation.controller.rapid.library.predefined import predefined
 from doormill_ros.simulation.controller.rapid.literals import parse_literal
 from doormill_ros.simulation.controller.rapid.operators import join
-from doormill_ros.simulation.controller.rapid.scope import Context
 from doormill_ros.simulation.controller.rapid.types import (
     AnyType,
     Value,

@@ -1,15 +1,12 @@
-"""The robot's side of a run as a process: asks for paths, checks what it is given, "mills" it."""
+"""A robot that checks nothing: it mills whatever lies there when ready is high, to see the PC's part alone."""
 
 from __future__ import annotations
 
-import json
 import logging
 import random
 import time
 
 from doormill_ros.abb import signals
-from doormill_ros.abb.errors import AbbError
-from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.simulation.controller.io_port import FolderIo
 from doormill_ros.simulation.controller.rapid.errors import SignalError
 from support.faults.scenario import Scenario
@@ -18,8 +15,8 @@ from support.faults.world import DOORS, World, digest
 _READY_FALL_LIMIT = 6.0
 
 
-class Robot:
-    """Does what rapid/DoorMill.mod does, in the same order, with the same checks."""
+class BlindRobot:
+    """Asks for paths in the order of the RAPID program, and believes every file."""
 
     def __init__(self, world: World, scenario: Scenario, incarnation: int) -> None:
         self.world = world
@@ -63,15 +60,7 @@ class Robot:
         data = self._read_slowly()
         door_id = self.world.door()[1]
         self.world.log("robot", event="offered", placement=placement, door=door_id, sha=digest(data))
-        blind = self.scenario.robot == "blind"
-        reason = "" if blind else self._refusal(data, door_id)
-        if reason:
-            self.io.write(signals.FAULT, 1)
-            self.io.write(signals.REQUEST, 0)
-            self.world.log("robot", event="refused", placement=placement, reason=reason)
-            return
-        run_id = digest(data) if blind else read_target_file(data).run_id
-        self._remember(run_id)
+        run_id = digest(data)
         self.world.log(
             "robot", event="milled", placement=placement, door=door_id, sha=digest(data), run=run_id
         )
@@ -80,17 +69,6 @@ class Robot:
         time.sleep(self.chance.uniform(0.0, 0.05))
         self.io.write(signals.BUSY, 0)
         self.io.write(signals.DONE, 1)
-
-    def _refusal(self, data: bytes, door_id: str) -> str:
-        try:
-            found = read_target_file(data)
-            found.check_for(door_id, tuple(self._seen()))
-        except AbbError as error:
-            return type(error).__name__
-        order = self.world.home / signals.ORDER_FILE
-        if not order.exists() or order.read_text() != f"{found.run_id}\n{self.number}\n":
-            return "another run or request is announced"
-        return "" if self.io.read(signals.READY) else "ready fell"
 
     def _read_slowly(self) -> bytes:
         """Line by line with pauses, as ReadStr does: what is overwritten meanwhile reads mixed."""
@@ -124,30 +102,18 @@ class Robot:
             time.sleep(0.002)
         return True
 
-    def _seen(self) -> list[str]:
-        return json.loads(self._kept("seen", "[]"))
-
     def _kept(self, name: str, default: str) -> str:
         """PERS data: kept when the program is killed."""
         path = self.world.root / name
         return path.read_text() if path.exists() else default
 
-    def _remember(self, run_id: str) -> None:
-        """The last 16, as in rapid/DoorFile.mod."""
-        self.world.replace("seen", json.dumps([*self._seen(), run_id][-16:]))
 
-
-def robot_process(world: World, scenario: Scenario, incarnation: int) -> None:
+def blind_process(world: World, scenario: Scenario, incarnation: int) -> None:
     """Entry of the process."""
     logging.disable(logging.CRITICAL)
     if "early" in scenario.kind and incarnation == 0:
         world.log("faults", what=scenario.kind)
     try:
-        if scenario.robot == "rapid":
-            from support.faults.rapid_robot import RapidRobot
-
-            RapidRobot(world, scenario, incarnation).run()
-        else:
-            Robot(world, scenario, incarnation).run()
+        BlindRobot(world, scenario, incarnation).run()
     except (OSError, SignalError) as error:
         world.log("faults", what=f"the robot program stops: {error}")  # a full disk is full for it too

@@ -1,0 +1,204 @@
+"""Simulated time: what passes in it, who is asked while it does, and waiting."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from doormill_ros.simulation.controller.cell import GUARD_CLOSED, SPINDLE_AT_SPEED, SimulatedCell
+from doormill_ros.simulation.controller.motion import LONGEST_STEP, MotionEngine
+from doormill_ros.simulation.controller.operation.configuration import SystemOutputs
+from doormill_ros.simulation.controller.operation.panel import ControlPanel
+from doormill_ros.simulation.controller.operation.states import OperatingMode
+from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
+from doormill_ros.simulation.controller.rapid.machine import Attendant
+from doormill_ros.simulation.controller.recording import Surroundings
+
+#: So often is looked for interrupts while time passes [s].
+INTERRUPT_STEP = 0.01
+#: So much time passes at least, lest a motion without length keeps everything waiting [s].
+SHORTEST_STEP = 1e-6
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How simulated time goes with the world around it.
+
+    Attributes:
+        time_scale: Simulated over real seconds for motions; None for as fast as possible.
+        patience: Longest wait for a signal [s] before the program is stopped; None for ever.
+        on_wait: Called again and again while the program waits; then simulated time no longer follows the
+            wall clock.
+        on_stopped: The same while the program stands; it is the operator's turn.
+        on_time: Called whenever time has passed.
+    """
+
+    time_scale: float | None = None
+    patience: float | None = None
+    on_wait: Callable[[], None] | None = None
+    on_stopped: Callable[[], None] | None = None
+    on_time: Callable[[], None] | None = None
+
+
+class ControllerClock:
+    """Lets time pass for the robot, the cell and everybody who watches them.
+
+    Attributes:
+        react: Called after each step, for orders that the panel took.
+        attendant: Looks for interrupts; only while `attended`.
+        system: What the system itself writes.
+    """
+
+    def __init__(self, engine: MotionEngine, cell: SimulatedCell, panel: ControlPanel, pace: Pace) -> None:
+        """Start at 0."""
+        self._engine, self._cell, self._panel, self._pace = engine, cell, panel, pace
+        self._end = threading.Event()
+        self.react: Callable[[], None] = lambda: None
+        self.attendant: Attendant | None = None
+        self.attended = True
+        self.system = SystemOutputs({})
+
+    def now(self) -> float:
+        """Simulated time [s]."""
+        return self._engine.time
+
+    def end(self) -> None:
+        """End everything at the next step; from any thread."""
+        self._end.set()
+
+    def step(self, seconds: float, pace: bool = True) -> None:
+        """One step of time, as long as nothing changes within it.
+
+        Raises:
+            RapidStoppedError: `end` was called.
+        """
+        if self._end.is_set():
+            raise RapidStoppedError("the program was stopped from outside")
+        step = max(min(seconds, LONGEST_STEP, self._panel.next_order_time() - self.now()), SHORTEST_STEP)
+        self._sync()
+        self._engine.advance(step)
+        self._cell.advance(self.now())
+        if pace and self._pace.time_scale:
+            time.sleep(step / self._pace.time_scale)
+        if self._pace.on_time is not None:
+            self._pace.on_time()
+        self._panel.give_due_orders(self.now())
+        self._sync()
+
+    def pass_time(self, seconds: float) -> None:
+        """Let time pass while the program runs."""
+        end = self.now() + seconds
+        while True:
+            armed = self.attended and self.attendant is not None and self.attendant.armed
+            left = end - self.now()
+            self.step(min(left, INTERRUPT_STEP) if armed else left)
+            self.react()
+            if armed and self.attendant is not None:
+                self.attendant.attend()
+            if self.now() >= end - 1e-12:
+                return
+
+    def wait(self, condition: Callable[[], bool] | None, seconds: float | None) -> bool:
+        """Let time pass until the condition holds or the seconds are over.
+
+        Raises:
+            RapidStoppedError: It takes longer than `patience`.
+        """
+        end = np.inf if seconds is None else self.now() + seconds
+        waited = 0.0
+        while condition is None or not condition():
+            left = end - self.now()
+            if left <= 0.0:
+                return False
+            if condition is None:
+                self.pass_time(min(left, self._engine.until_next() or left))
+                continue
+            before = self.now()
+            self._wait_a_little(left)
+            waited += self.now() - before
+            self._lose_patience(waited, "for a signal")
+        return True
+
+    def go_on_until(self, reached: Callable[[], bool]) -> None:
+        """Let the robot move until its path is so far; a stopped one stays there until it is started."""
+        while not reached():
+            if self._engine.moving:
+                self.pass_time(max(self._engine.until_next(), SHORTEST_STEP))
+            else:
+                self.wait(lambda: self._engine.moving or reached(), None)
+
+    def settle(self) -> None:
+        """Let a robot that is being stopped come to rest; nobody is asked meanwhile."""
+        while self._engine.moving:
+            self.step(max(self._engine.until_next(), SHORTEST_STEP))
+
+    def stand(self, stood: float) -> float:
+        """One step of time while the program stands; gives the time that passed [s].
+
+        Args:
+            stood: How long it has stood [s].
+        """
+        before = self.now()
+        operator = self._pace.on_stopped or self._pace.on_wait
+        if operator is not None:
+            self.step(0.02)
+            operator()
+        else:
+            self._follow_the_wall_clock(np.inf)
+        self._lose_patience(stood, "for a start")
+        return self.now() - before
+
+    def _lose_patience(self, waited: float, what: str) -> None:
+        patience = self._pace.patience
+        if patience is not None and waited > patience:
+            raise RapidStoppedError(
+                f"the program waited {waited:.1f} s {what}, allowed are {patience:g} s: "
+                "check the other side of the handshake"
+            )
+
+    def _wait_a_little(self, left: float) -> None:
+        """One step of waiting for a condition."""
+        if self._engine.moving:
+            self.pass_time(min(left, self._engine.until_next(), 0.01) or SHORTEST_STEP)
+            return
+        event = self._cell.next_event()
+        if event is not None:
+            self.pass_time(min(left, max(event - self.now(), 0.0)))
+        elif self._pace.on_wait is not None:
+            self.pass_time(min(left, 0.01))
+            self._pace.on_wait()
+        else:
+            self._follow_the_wall_clock(left)
+            self.react()
+            if self.attended and self.attendant is not None:
+                self.attendant.attend()
+
+    def _follow_the_wall_clock(self, left: float) -> None:
+        start = time.perf_counter()
+        time.sleep(0.001)
+        elapsed = (time.perf_counter() - start) * (self._pace.time_scale or 1.0)
+        self.step(min(left, elapsed), pace=False)
+
+    def _sync(self) -> None:
+        """Give the motion what panel and cell say."""
+        state = self._panel.state
+        rules = self._engine.rules
+        manual = state.mode is OperatingMode.MANUAL_REDUCED
+        speeds = (state.speed_override / 100.0, rules.limits.manual_speed if manual else np.inf)
+        if speeds != (rules.override, rules.tool_speed):
+            rules.override, rules.tool_speed = speeds
+            self._engine.update_speed()
+        if GUARD_CLOSED in self._cell.kinds:
+            self._cell.set_input(GUARD_CLOSED, float(self._panel.guard_closed))
+        if state.powered:
+            self.system.update(self._panel.system_outputs(), self._cell.read, self._cell.force)
+        self._engine.surroundings = Surroundings(
+            self._level(self._cell.spindle_drive), self._level(SPINDLE_AT_SPEED), self._panel.guard_closed
+        )
+
+    def _level(self, name: str) -> bool:
+        return name in self._cell.kinds and self._cell.read(name) == 1.0

@@ -1,0 +1,1 @@
+"""Operating the simulated controller: its states, the orders it takes and what a stop does."""

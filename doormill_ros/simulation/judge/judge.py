@@ -1,0 +1,160 @@
+"""Judge a run: sweep mill, spindle and arm of all executed samples against door and cell.
+
+This is no planner's check: it knows the recipe, the shapes of robot and cell and the executed samples, and
+nothing of how the motions were made.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.frames import inverse
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.judge.bodies import Body, Box, JudgedCell
+from doormill_ros.simulation.judge.links import BASE, FLANGE
+from doormill_ros.simulation.judge.mill import TOLERANCE, judge_mill, mill_radius
+from doormill_ros.simulation.judge.shapes import cylinder_gap
+from doormill_ros.simulation.judge.sweep import Meeting, Sweep
+from doormill_ros.simulation.judge.verdict import Touch, Verdict
+from doormill_ros.simulation.judge.wood import Cuts, Pocket, still_there
+
+FILL = 12  #: points along each edge of what a body shares with the door
+DOOR = "door"
+
+
+def judge(
+    recipe: Recipe,
+    T_base_door_true: FloatArray,
+    executed: ExecutedPath,
+    cell: JudgedCell,
+    turning: BoolArray | None = None,
+) -> Verdict:
+    """What a run touched beside the wood to be cut.
+
+    Args:
+        recipe: The door and its features.
+        T_base_door_true: Where the door really stood, shape (4, 4).
+        executed: Everything the robot did from its first motion to its last.
+        cell: Robot, spindle and obstacles.
+        turning: Whether the spindle turned at each sample, shape (n,); None where nobody knows: it did.
+    """
+    turns = np.ones(len(executed), dtype=bool) if turning is None else np.asarray(turning)
+    sweep = Sweep.of(cell.links, executed, cell.T_flange_tool)
+    mill = judge_mill(recipe, T_base_door_true, executed, sweep, cell, turns)
+    touches = list(mill.touches)
+    size = np.array([recipe.thickness, recipe.width, recipe.height])
+    T_base_box = T_base_door_true.copy()
+    T_base_box[:3, 3] += T_base_door_true[:3, :3] @ (size / 2.0)
+    door = Box(DOOR, BASE, T_base_box, size / 2.0)
+    pockets = tuple(Pocket.of(recipe, feature) for feature in recipe.features)
+    T_door_base = inverse(T_base_door_true)
+    for body in cell.bodies:
+        for obstacle in (door, *cell.obstacles):
+            met = _meeting(sweep, body, obstacle)
+            if obstacle is door and len(met.place):
+                met = _in_wood(met, sweep, body, T_door_base, size, pockets, mill.cuts)
+            touches += _by_motion(
+                met, body, obstacle, executed, T_door_base @ sweep.link(body.link, met.place)
+            )
+    for obstacle in cell.obstacles:
+        touches += _mill_touches(recipe, executed, sweep, cell, obstacle, T_door_base)
+    touches.sort(key=lambda touch: (touch.time, touch.body, touch.obstacle))
+    return Verdict(len(executed), tuple(touches), mill.gone)
+
+
+def _meeting(sweep: Sweep, body: Body, obstacle: Box) -> Meeting:
+    T_box_base = inverse(obstacle.at)
+    return sweep.met(
+        body.link,
+        body.extent,
+        lambda place: body.gap(T_box_base @ sweep.link(body.link, place), obstacle.half),
+    )
+
+
+def _in_wood(
+    met: Meeting,
+    sweep: Sweep,
+    body: Body,
+    T_door_base: FloatArray,
+    size: FloatArray,
+    pockets: tuple[Pocket, ...],
+    cuts: Cuts,
+) -> Meeting:
+    """Leave out the places at which all that a body shares with the door was already milled away."""
+    T_door_link = T_door_base @ sweep.link(body.link, met.place)
+    low, high = body.reaches(T_door_link)
+    low, high = np.maximum(low, 0.0), np.minimum(high, size)
+    kept = np.ones(len(met.place), dtype=bool)
+    small = np.zeros(len(met.place), dtype=bool)
+    for pocket in pockets:
+        small |= np.all((low >= pocket.low) & (high <= pocket.high), axis=1)
+    for i in np.flatnonzero(small):
+        edges = np.linspace(low[i], high[i], FILL, axis=-1)
+        points = np.stack(np.meshgrid(*edges, indexing="ij"), axis=-1).reshape(-1, 3)
+        in_link = (points - T_door_link[i, :3, 3]) @ T_door_link[i, :3, :3]
+        points = points[body.holds(in_link)]
+        when, beside = np.full(len(points), met.place[i]), np.full(len(points), TOLERANCE)
+        kept[i] = still_there(pockets, cuts, points, when, beside).any()
+    left = frozenset(np.floor(met.place[kept]).astype(int).tolist())
+    return met if kept.all() else Meeting(met.place[kept], met.depth[kept], left)
+
+
+def _by_motion(
+    met: Meeting, body: Body, obstacle: Box, executed: ExecutedPath, T_door_link: FloatArray
+) -> list[Touch]:
+    """One touch for each motion in which a body met an obstacle."""
+    middle = body.at[:3, 3] if isinstance(body, Box) else 0.5 * (body.start + body.end)
+    where = T_door_link[:, :3, :3] @ middle + T_door_link[:, :3, 3]
+    return _touches(met, body.name, obstacle.name, executed, where)
+
+
+def _mill_touches(
+    recipe: Recipe,
+    executed: ExecutedPath,
+    sweep: Sweep,
+    cell: JudgedCell,
+    obstacle: Box,
+    T_door_base: FloatArray,
+) -> list[Touch]:
+    """The mill against what is not wood."""
+    radius = mill_radius(recipe, executed)
+    T_box_base = inverse(obstacle.at)
+
+    def gap_at(place: FloatArray) -> FloatArray:
+        T = T_box_base @ sweep.tool(place)
+        tip, back = T[:, :3, 3], T[:, :3, 3] - cell.nose * T[:, :3, 2]
+        return cylinder_gap(tip, back, radius[np.ceil(place).astype(int)], obstacle.half)
+
+    extent = float(np.linalg.norm(cell.T_flange_tool[:3, 3])) + float(radius.max())
+    met = sweep.met(FLANGE, extent, gap_at)
+    return _touches(met, "mill", obstacle.name, executed, (T_door_base @ sweep.tool(met.place))[:, :3, 3])
+
+
+def _touches(
+    met: Meeting, body: str, obstacle: str, executed: ExecutedPath, where: FloatArray
+) -> list[Touch]:
+    sample = np.ceil(met.place).astype(int)
+    motion = executed.motion[sample]
+    found = []
+    for number in dict.fromkeys(motion.tolist()):
+        mine = np.flatnonzero(motion == number)
+        worst = mine[met.depth[mine].argmax()]
+        first, last = sample[mine[0]], sample[mine[-1]]
+        found.append(
+            Touch(
+                body=body,
+                obstacle=obstacle,
+                motion=int(number) + 1,
+                feature=str(executed.feature[first]),
+                time=float(executed.time[first]),
+                depth=float(met.depth[worst]),
+                place=where[worst],
+                samples=frozenset(
+                    s for s in met.samples if first - 1 <= s <= last and executed.motion[s] == number
+                )
+                or frozenset({int(first)}),
+            )
+        )
+    return found

@@ -1,0 +1,1 @@
+"""How a simulated cell really is, read from a world file; shares nothing with the models that it judges."""

@@ -1,0 +1,93 @@
+"""Who names the door that is loaded: the line control by a number, the PC by a file, the panel by its data."""
+
+from __future__ import annotations
+
+import pytest
+
+from doormill_ros.abb import signals
+
+NAMES = ["door_one", "", "door_three"]
+
+
+@pytest.fixture
+def waiting(controller):
+    """A robot with a door in the clamp that nobody has named; `plant` is asked as time passes."""
+
+    def waiting_(plant):
+        robot = controller(expected_door="", patience=None, on_wait=lambda c: plant(c))
+        robot.program.write("doorNumbers", "[" + ",".join(f'"{n}"' for n in NAMES + [""] * 29) + "]")
+        return robot
+
+    return waiting_
+
+
+def ended(robot, seconds: float) -> bool:
+    """Ends the run when a path is asked for, or after so long."""
+    if robot.io.read(signals.REQUEST) or robot.now() > seconds:
+        robot.stop()
+        return True
+    return False
+
+
+def name_of(robot) -> str:
+    """What the robot took for the door's name when it asked for a path; empty when it never asked."""
+    robot.panel.start()
+    robot.serve()
+    asked = ("doPathRequest", 1) in robot.io.history
+    assert asked == bool(robot.program.read("expectedDoor"))
+    return robot.program.read("expectedDoor")
+
+
+@pytest.mark.parametrize(
+    ("number", "name"), [(1, "door_one"), (2, ""), (3, "door_three"), (0, ""), (4, ""), (33, ""), (255, "")]
+)
+def test_a_number_names_its_door_and_any_other_none(waiting, number, name):
+    robot = waiting(lambda c: ended(c, 5.0))
+    robot.cell.set_input("giDoorNumber", float(number))
+    assert name_of(robot) == name
+
+
+def test_a_number_counts_when_it_stays(waiting):
+    """The bits of a group do not change together: on its way from 0 to 3 it may show 1 for a moment."""
+    looks = []
+
+    def plant(robot):
+        looks.append(robot.now())
+        # Another number at every look of the program, until it stays.
+        step = int(robot.now() / 0.2)
+        robot.cell.set_input("giDoorNumber", float((1, 2)[step % 2]) if robot.now() < 2.0 else 3.0)
+        return ended(robot, 6.0)
+
+    assert name_of(waiting(plant)) == "door_three"
+
+
+def test_a_name_goes_before_a_number(waiting):
+    robot = waiting(lambda c: ended(c, 5.0))
+    (robot.home / signals.EXPECTED_FILE).write_text("door_by_code\n")
+    robot.cell.set_input("giDoorNumber", 1.0)
+    assert name_of(robot) == "door_by_code"
+    assert not (robot.home / signals.EXPECTED_FILE).exists()
+
+
+def test_a_door_that_leaves_takes_its_name_along(waiting):
+    """Named, clamped, asked for, taken out: the next one is nameless."""
+    robot = waiting(lambda c: None)
+    robot.cell.set_input("giDoorNumber", 1.0)
+    opened = []
+
+    def plant(c):
+        if c.io.read(signals.REQUEST) and not opened:
+            opened.append(c.now())
+            c.cell.set_input("giDoorNumber", 0.0)
+            c.cell.set_input("diDoorClamped", 0.0)
+        elif opened and c.now() > opened[0] + 1.0:
+            c.cell.set_input("diDoorClamped", 1.0)
+        if opened and c.now() > opened[0] + 5.0:
+            c.stop()
+
+    robot._clock._pace = type(robot._clock._pace)(on_wait=lambda: plant(robot), patience=None)
+    robot.panel.start()
+    robot.serve()
+    assert robot.program.read("expectedDoor") == ""
+    assert robot.io.history.count(("doPathRequest", 1)) == 1
+    assert "Waiting for the name of the door." in robot.pendant_lines

@@ -1,0 +1,144 @@
+"""What ends a door before its time, on the project's own modules: seen, told, and led back to home."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from doormill_ros.abb import signals
+from doormill_ros.abb.target_file.target_file import render_target_file
+from doormill_ros.simulation.controller.operation.states import OperatingMode
+from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
+from support.rapid_bench import answer
+
+HOME = [0.0, -40.0, 30.0, 0.0, 10.0, 0.0]
+
+
+@pytest.fixture
+def cutting(door, controller):
+    """A robot with the door's file, and what happens to it once while it cuts a given motion."""
+
+    def cutting_(motion: int, happens, **kwargs):
+        data = render_target_file(door("thesis_190_0deg"), "run-1")
+        robot = controller(patience=None, **kwargs)
+        (robot.home / signals.TARGET_FILE).write_bytes(data)
+        done = []
+
+        def watch(c):
+            if not done and c.program.read("millingMotion") >= motion and c.moving and c.context.cutting:
+                done.append(c.now())
+                happens(c)
+
+        robot._on_time = watch
+        robot.teach_pendant.operator = lambda dialog: dialog.buttons[0][0]
+        robot.happened = done
+        return robot
+
+    return cutting_
+
+
+def assert_led_home(robot, reason: str) -> None:
+    """Spindle off, robot retracted and home, the fault told with its reason, nothing milled on."""
+    assert robot.happened
+    assert robot.read_signal("doSpindleOn") == 0.0
+    assert np.allclose(np.degrees(robot.q), HOME, atol=1e-3)
+    assert [robot.io.read(s) for s in ("doPathFault", "doPathBusy", "doPathDone")] == [1, 0, 0]
+    asked = [dialog.lines for dialog in robot.teach_pendant.dialogs]
+    assert asked == [
+        (reason, "Retract and go home?"),
+        (reason, "This door is spoilt. Go on with the next."),
+    ]
+    assert (robot.home / signals.REFUSED_FILE).read_text() == f"1\n{reason}\n"
+    assert robot.program.read("doorInHand") is False
+
+
+def next_cycle(robot) -> None:
+    """Main begins anew and waits for the door to be taken out."""
+    robot._on_time = lambda c: c.program.read("doorInHand") is False and c.stop()
+    robot.clamped = 1.0
+    with pytest.raises(RapidStoppedError, match="stopped from outside"):
+        robot.run(reset=False)
+
+
+@pytest.mark.parametrize(
+    ("signal", "reason"),
+    [
+        ("diSpindleAtSpeed", "The spindle lost its speed."),
+        ("diDoorClamped", "The door was released while milling."),
+    ],
+)
+@pytest.mark.parametrize("motion", [3, 9])
+def test_what_fails_in_the_cut_ends_the_door_on_the_path(cutting, signal, reason, motion):
+    robot = cutting(motion, lambda c: c.cell.set_input(signal, 0.0))
+    robot.run()
+    stopped = robot.now()
+    assert stopped - robot.happened[0] < 1.0
+    assert not robot.moving
+    assert robot.read_signal("doSpindleOn") == 0.0
+    moves = len(robot.moves)
+    next_cycle(robot)
+    assert_led_home(robot, reason)
+    # Out along the tool's axis, in front of the feature, over the points, home.
+    back = [move.kind for move in robot.moves[moves:]]
+    assert back[:2] == ["MoveL", "MoveL"]
+    assert set(back[2:]) == {"MoveAbsJ"}
+
+
+@pytest.mark.parametrize("motion", [3, 9])
+def test_an_open_guard_ends_the_door_where_the_controller_itself_does_not_stop(cutting, motion):
+    """In manual mode the safety chain lets the robot move with an open guard: the trap alone sees it."""
+    robot = cutting(motion, lambda c: c.panel.open_guard())
+    robot.panel.set_mode(OperatingMode.MANUAL_REDUCED)
+    robot.panel.motors(True)
+    robot.run()
+    assert robot.panel.motors_on
+    assert robot.now() - robot.happened[0] < 1.0
+    assert not robot.moving
+    assert robot.read_signal("doSpindleOn") == 0.0
+    assert not any(entry.number == 10005 for entry in robot.event_log)  # nobody stopped the program
+    next_cycle(robot)
+    assert_led_home(robot, "The guard was opened while milling.")
+
+
+def operator(robot) -> None:
+    """Closes, releases, switches on and starts; nothing more."""
+    state = robot.panel.state
+    if not state.powered:
+        robot.panel.restore_power()
+    robot.panel.release_emergency_stop()
+    robot.panel.close_guard()
+    if not robot.panel.motors_on:
+        robot.panel.motors(True)
+    if not robot.panel.running:
+        robot.panel.start()
+
+
+@pytest.mark.parametrize("what", ["stop", "emergency_stop", "open_guard", "fail_power"])
+@pytest.mark.parametrize("motion", [3, 9])
+def test_a_stop_in_the_cut_is_not_gone_on_from(cutting, what, motion):
+    robot = cutting(motion, lambda c: getattr(c.panel, what)(), on_stopped=operator)
+    robot.run()
+    next_cycle(robot)
+    assert_led_home(robot, "The robot was stopped while milling.")
+    recording = robot._engine.recording
+    assert len(recording.time) > 2
+
+
+def test_the_door_that_ended_is_taken_out_before_another_is_asked_for(cutting):
+    robot = cutting(3, lambda c: c.cell.set_input("diSpindleAtSpeed", 0.0))
+    robot.run()
+    robot.io.history.clear()
+    opened = []
+
+    def plant(c):
+        if not opened:
+            assert ("doPathRequest", 1) not in c.io.history
+        if c.program.read("doorSpent") and not c.program.read("doorInHand"):
+            opened.append(c.now())
+        answer(c)
+
+    robot._clock._pace = type(robot._clock._pace)(on_wait=lambda: plant(robot), patience=None)
+    robot.run(reset=False)
+    assert opened
+    assert ("doPathRequest", 1) in robot.io.history
+    assert "This run was milled before:" in robot.pendant_lines

@@ -1,0 +1,229 @@
+"""Plays strikes: a goal, a signal to one executable at a drawn moment, and whether the next door is milled."""
+
+from __future__ import annotations
+
+import random
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.action import ActionClient
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from doormill_interfaces.action import MillDoor
+from doormill_ros.messages.from_message import seconds_of
+from doormill_ros.nodes import topics
+from support.deaths.oracle import Oracle
+from support.deaths.supervisor import Supervisor
+
+DOORS = ("thesis_190_0deg", "thesis_1350_0deg")
+NODES = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "cell_simulator")
+STAGES = ("recipe", "picture", "pose", "targets", "ready", "milling")
+LIMITS = {
+    "recipe": 20.0,
+    "picture": 30.0,
+    "targets": 30.0,
+    "request": 30.0,
+    "ready": 20.0,
+    "read": 30.0,
+    "milling": 60.0,
+}
+RESULT_LIMIT = 2.0 * sum(LIMITS.values())  # s; a run that has not ended by then has no end
+UP_LIMIT = 300.0  # s in which the cell mills again by itself
+LONGEST_DELAY, LONGEST_STOP = 1.0, 4.0  # s
+TIME_SCALE = 40.0
+
+
+@dataclass(frozen=True)
+class Strike:
+    """What happens to whom, so long after which stage [s]."""
+
+    node: str
+    kill: bool
+    stage: str
+    delay: float
+    stopped: float
+
+
+def draw(seed: int, index: int) -> Strike:
+    """One strike of a seeded campaign."""
+    rng = random.Random(f"{seed} {index}")
+    return Strike(
+        rng.choice(NODES),
+        rng.random() < 0.7,
+        rng.choice(STAGES),
+        rng.uniform(0.0, LONGEST_DELAY),
+        rng.uniform(0.2, LONGEST_STOP),
+    )
+
+
+@dataclass
+class Tally:
+    """What came of the strikes."""
+
+    strikes: int = 0
+    goals: int = 0
+    milled: int = 0
+    refused: dict[int, int] = field(default_factory=dict)
+    wrong: list[str] = field(default_factory=list)
+    without_result: list[str] = field(default_factory=list)
+    manual: list[str] = field(default_factory=list)
+    died: int = 0
+    seen: int = 0  # times the oracle saw the robot begin
+
+
+class Client:
+    """Sends goals and hears how they ended: by the action, or on run/result when its server died meanwhile."""
+
+    def __init__(self, oracle: Oracle) -> None:
+        self._oracle = oracle
+        self.results: list[Any] = []
+        self.stage = ""
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context)
+        self.node = Node("campaign", context=self.context)
+        for topic, callback in (
+            (topics.DOOR_PLACEMENT, self._place),
+            (topics.RUN_RESULT, self.results.append),
+        ):
+            self.node.create_subscription(topic.type, topic.name, callback, topic.requested)
+        self._action = ActionClient(self.node, MillDoor, "mill_door")
+        self._executor = SingleThreadedExecutor(context=self.context)
+        self._executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._executor.spin, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._executor.shutdown(timeout_sec=2.0)
+        rclpy.shutdown(context=self.context)
+        self._thread.join(2.0)
+
+    def _place(self, message: Any) -> None:
+        self._oracle.placed(seconds_of(message.header.stamp), message.door_id, message.run_id)
+
+    def _feedback(self, message: Any) -> None:
+        self.stage = message.feedback.stage
+
+    def mill(self, door: str, limit: float, meanwhile: Callable[[], None] = lambda: None) -> Any:
+        """The result of a goal, None when it has none within the limit [s]."""
+        self.stage = ""
+        deadline = time.monotonic() + limit
+        while not self._action.server_is_ready():
+            if time.monotonic() > deadline:
+                return None
+            time.sleep(0.05)
+        answer: list[Any] = []
+        before = len(self.results)
+
+        def accepted(future: Any) -> None:
+            future.result().get_result_async().add_done_callback(lambda f: answer.append(f.result().result))
+
+        self._action.send_goal_async(MillDoor.Goal(door_id=door), self._feedback).add_done_callback(accepted)
+        meanwhile()
+        while time.monotonic() < deadline:
+            told = [r for r in self.results[before:] if r.door_id == door]
+            if answer or told:
+                return (answer or told)[0]
+            time.sleep(0.05)
+        return None
+
+
+@contextmanager
+def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
+    """The cell, its judge and its client."""
+    home = folder / "HOME"
+    home.mkdir(parents=True)
+    parameters: dict[str, dict[str, Any]] = {name: {} for name in NODES}
+    parameters["recipe_database"] = {"database_url": f"sqlite:///{folder / 'recipes.sqlite'}"}
+    parameters["abb_bridge"] = {
+        "address": home,
+        "archive": folder / "targets",
+        **{f"limit.{name}": value for name, value in LIMITS.items()},
+    }
+    parameters["cell_simulator"] = {
+        "controller_simulator:home": home,
+        "controller_simulator:time_scale": TIME_SCALE,
+    }
+    with Supervisor(folder, parameters) as supervisor, Oracle(home) as oracle:
+        client = Client(oracle)
+        try:
+            yield supervisor, oracle, client
+        finally:
+            client.close()
+
+
+def play(folder: Path, strikes: list[Strike], tell: Callable[[str], None] = lambda line: None) -> Tally:
+    """Play the strikes one after the other in one cell."""
+    tally, doors = Tally(), 0
+
+    def goal(client: Client, limit: float, meanwhile: Callable[[], None] = lambda: None) -> Any:
+        nonlocal doors
+        doors += 1
+        tally.goals += 1
+        return client.mill(DOORS[doors % 2], limit, meanwhile)
+
+    def count(result: Any) -> None:
+        if result.success:
+            tally.milled += 1
+        else:
+            tally.refused[result.error_code] = tally.refused.get(result.error_code, 0) + 1
+
+    def until_milled(client: Client) -> bool:
+        deadline = time.monotonic() + UP_LIMIT
+        while time.monotonic() < deadline:
+            result = goal(client, RESULT_LIMIT)
+            if result is None:
+                tally.without_result.append("a goal between two strikes")
+                continue
+            count(result)
+            if result.success:
+                return True
+            time.sleep(0.5)
+        return False
+
+    with running(folder) as (supervisor, oracle, client):
+        if not until_milled(client):
+            tally.manual.append("the cell did not come up")
+            return tally
+        for strike in strikes:
+
+            def hit(strike: Strike = strike) -> None:
+                reached = STAGES.index(strike.stage)
+                deadline = time.monotonic() + sum(LIMITS.values())
+                while (client.stage not in STAGES or STAGES.index(client.stage) < reached) and not (
+                    time.monotonic() > deadline
+                ):
+                    time.sleep(0.005)
+                time.sleep(strike.delay)
+                supervisor.strike(strike.node, signal.SIGKILL if strike.kill else signal.SIGSTOP)
+                if not strike.kill:
+                    time.sleep(strike.stopped)
+                    supervisor.strike(strike.node, signal.SIGCONT)
+
+            begun = time.monotonic()
+            striking = threading.Thread(target=hit)
+            result = goal(client, RESULT_LIMIT, striking.start)
+            striking.join()
+            tally.strikes += 1
+            if result is None:
+                tally.without_result.append(str(strike))
+            else:
+                count(result)
+            came_to = "no result" if result is None else f"{result.error_code} {result.message[:60]}"
+            took = time.monotonic() - begun
+            if not until_milled(client):
+                tally.manual.append(str(strike))
+            tell(
+                f"{strike}: {came_to} after {took:.1f} s, milled again after {time.monotonic() - begun:.1f} s"
+            )
+        tally.wrong = oracle.faults()
+        tally.seen = len(oracle.starts)
+        tally.died = supervisor.deaths_by_themselves
+    return tally

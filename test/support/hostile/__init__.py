@@ -1,0 +1,1 @@
+"""Files as nobody means them: what a reader meets beside good ones."""

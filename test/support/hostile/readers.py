@@ -1,0 +1,256 @@
+"""Every file that a user can hand over, a good one of each, and the function that reads it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import yaml
+
+from doormill_ros.abb.target_file.target_file import read_target_file
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.localization.calibration.camera_file import read_document
+from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.picture_file import read_picture
+from doormill_ros.localization.sensors.axis_vision import load_axis_vision
+from doormill_ros.localization.sensors.freedom import load_freedom
+from doormill_ros.localization.sensors.one_camera import load_one_camera
+from doormill_ros.localization.sensors.photoelectric import load_photoelectric
+from doormill_ros.localization.sensors.readings import read_readings
+from doormill_ros.localization.sensors.touch_probe import load_touch_probe
+from doormill_ros.localization.settings import load_settings as load_localizer_settings
+from doormill_ros.measurements.inspection import read_inspection
+from doormill_ros.measurements.measurement_set import COLUMNS, read_measurement_set
+from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
+from doormill_ros.recipes.documents import load_recipe, to_json
+from doormill_ros.recipes.exchange.csv_file import format_csv
+from doormill_ros.recipes.exchange.files import read_file
+from doormill_ros.recipes.exchange.thesis_text import format_thesis_text
+from doormill_ros.recipes.exchange.xlsx_file import format_xlsx
+from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.recording.replay.expectation import read_expectation
+from doormill_ros.recording.replay.recorded_run import read_runs
+from doormill_ros.robot import description
+from doormill_ros.robot.description import load_robot
+from doormill_ros.robot_model.elastic.causes.registry import build_cause
+from doormill_ros.robot_model.extended_model import SizedCause, load_compliance_model, model_document
+from doormill_ros.simulation.controller.io_configuration import read_io_configuration
+from doormill_ros.simulation.robot_cell import load_effects
+from doormill_ros.toolpath.settings import load_settings
+from support.source_tree import ROOT
+
+Read = Callable[[Path], object]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """One kind of input.
+
+    Attributes:
+        name: For the table.
+        folder: Holds the good input, and whatever stands beside it.
+        file: The one in it that is made bad.
+        read: Takes the path of that file.
+        named: Whether the reader knows the file's name, and so has to say it.
+    """
+
+    name: str
+    folder: Path
+    file: str
+    read: Read
+    named: bool = True
+
+
+def _of_folder(read: Callable[[Path], object]) -> Read:
+    return lambda path: read(path.parent)
+
+
+def _text(folder: Path, name: str, text: str | bytes) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(text.encode() if isinstance(text, str) else text)
+    return folder
+
+
+def _copied(folder: Path, *sources: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    for source in sources:
+        shutil.copy(source, folder / source.name)
+    return folder
+
+
+LOADING_SET = """schema: doormill/measurement-set/1
+robot: irb6600_175_255
+model:
+  joint_stiffness: [2.4e6, 2.1e6, 1.7e6, 3.4e5, 1.2e5, 4.6e4]
+noise:
+  displacement: 8e-6
+  force: 0.3
+  torque: 0.03
+wrench_frame_rotation: 0.7688
+load_point: [0.0, 0.0, 0.18]
+reflectors:
+  ee: {link: 6, position: [0.05, 0.0, 0.18]}
+"""
+LOADING_ROWS = "\n".join(
+    [
+        ",".join(COLUMNS),
+        *(
+            f"{i},{10 * i},30,20.5,0,0.1,0.2,0.3,0.4,0.5,-1,0,1,1,1,1,1,2,3,4,5,6,ee,1e-5,2e-5,-3e-5"
+            for i in range(1, 9)
+        ),
+    ]
+)
+INSPECTION = """schema: doormill/inspection/1
+run_id: 20261122T002931290381Z
+bag: bag
+measured_at: 2026-11-22T08:00:00Z
+noise: 1.0e-5
+datum: camera
+"""
+POINTS = "feature,surface,x,y,z,nx,ny,nz,deviation\n" + "".join(
+    f"hinge_1,wall,0.002,0.0{i},0.2,0.0,1.0,0.0,1.{i}e-5\n" for i in range(1, 9)
+)
+EFFECTS = """- {cause: joint_stiffness, where: joint 3, parameters: {stiffness: 1.0e6}}
+- {cause: joint_backlash, where: joint 1, parameters: {gap: 1.0e-4, crossing_torque: 10.0}}
+"""
+TRACKER = "t,x,y,z\n" + "".join(f"{0.01 * i:.2f},1.0000{i % 10},2.0,0.5\n" for i in range(60))
+FORCES = "t,fx,fy,fz,mx,my,mz\n" + "".join(f"{0.01 * i:.2f},1.{i % 10},2,3,0.1,0.2,0.3\n" for i in range(60))
+
+
+def subjects(folder: Path) -> Iterator[Subject]:
+    """All of them.
+
+    Args:
+        folder: Where the good inputs are put.
+    """
+    config = ROOT / "config"
+    recipe = load_recipe("standard_door")
+    yield Subject(
+        "recipe.yaml",
+        _copied(folder / "recipe", config / "recipes/standard_door.yaml"),
+        "standard_door.yaml",
+        load_recipe,
+    )
+    yield Subject(
+        "recipe.json", _text(folder / "json", "door.json", to_json(recipe)), "door.json", load_recipe
+    )
+    yield Subject(
+        "recipes.csv", _text(folder / "csv", "doors.csv", format_csv([recipe])), "doors.csv", read_file
+    )
+    xlsx = folder / "xlsx"
+    xlsx.mkdir(parents=True)
+    (xlsx / "doors.xlsx").write_bytes(format_xlsx([recipe]))
+    yield Subject("recipes.xlsx", xlsx, "doors.xlsx", read_file)
+    text = format_thesis_text(load_recipe("thesis_190_0deg"))
+    yield Subject("thesis text", _text(folder / "thesis", "door.txt", text), "door.txt", read_file)
+
+    loading = _text(folder / "loading", "set.yaml", LOADING_SET)
+    _text(loading, "trials.csv", LOADING_ROWS)
+    yield Subject("loading set.yaml", loading, "set.yaml", _of_folder(read_measurement_set))
+    yield Subject("loading trials.csv", loading, "trials.csv", _of_folder(read_measurement_set))
+    poses = folder / "poses"
+    poses.mkdir()
+    source = ROOT / "test/data/ur10/grid"
+    shutil.copy(source / "set.yaml", poses)
+    rows = (source / "poses.csv").read_bytes().split(b"\n")[:60]
+    (poses / "poses.csv").write_bytes(b"\n".join(rows) + b"\n")
+    yield Subject("pose set.yaml", poses, "set.yaml", _of_folder(read_pose_set))
+    yield Subject("poses.csv", poses, "poses.csv", _of_folder(read_pose_set))
+    door = _text(folder / "inspection", "inspection.yaml", INSPECTION)
+    _text(door, "points.csv", POINTS)
+    shutil.copytree(ROOT / "bags/unreachable", door / "bag")
+    yield Subject("inspection.yaml", door, "inspection.yaml", _of_folder(read_inspection))
+    yield Subject("points.csv", door, "points.csv", _of_folder(read_inspection))
+    yield Subject("tracker file", _text(folder / "tracker", "a.csv", TRACKER), "a.csv", read_tracker_file)
+    yield Subject("force log", _text(folder / "force", "a.csv", FORCES), "a.csv", read_force_log)
+
+    layout = load_layout()
+    yield Subject("cell.yaml", _copied(folder / "cell", config / "cell.yaml"), "cell.yaml", load_layout)
+    yield Subject(
+        "toolpath.yaml", _copied(folder / "path", config / "toolpath.yaml"), "toolpath.yaml", load_settings
+    )
+    yield Subject(
+        "camera.yaml", _copied(folder / "camera", config / "camera.yaml"), "camera.yaml", load_camera
+    )
+    yield Subject(
+        "localizer settings",
+        _copied(folder / "localizer", config / "camera.yaml"),
+        "camera.yaml",
+        load_localizer_settings,
+    )
+    yield Subject(
+        "calibration file",
+        _copied(folder / "calibration", config / "camera.yaml"),
+        "camera.yaml",
+        read_document,
+    )
+    robot = config / "robots/irb6600_175_255"
+    described = _copied(folder / "robot", *(p for p in robot.iterdir() if p.is_file()))
+    yield Subject("robot.yaml", described, "robot.yaml", _robot)
+    yield Subject("robot.urdf", described, "robot.urdf", lambda path: _robot(path.with_name("robot.yaml")))
+    spring = SizedCause(build_cause("joint_offset", "joint 3"), np.array([1e-3]))
+    play = SizedCause(build_cause("tool_compliance", "flange"), np.array([2e5]))
+    stiffness = load_robot("irb6600_175_255").stiffness
+    document = model_document("irb6600_175_255", stiffness, [spring, play], "test")
+    yield Subject(
+        "model.yaml",
+        _text(folder / "model", "model.yaml", yaml.safe_dump(document)),
+        "model.yaml",
+        load_compliance_model,
+    )
+    sensors: dict[str, Read] = {
+        "axis_vision": load_axis_vision,
+        "one_camera": load_one_camera,
+        "photoelectric": load_photoelectric,
+        "touch_probe": load_touch_probe,
+        "clamp": lambda path: load_freedom(layout, path),
+    }
+    for name, load in sensors.items():
+        yield Subject(
+            f"{name}.yaml", _copied(folder / name, config / f"sensors/{name}.yaml"), f"{name}.yaml", load
+        )
+    yield Subject("effects", _text(folder / "effects", "effects.yaml", EFFECTS), "effects.yaml", load_effects)
+    yield Subject(
+        "EIO.cfg", _copied(folder / "eio", ROOT / "rapid/EIO.cfg"), "EIO.cfg", read_io_configuration
+    )
+    distances = "distances_mm:\n  - [100.1, 200.2, 300.3, 100.1, 200.2, 300.3]\n"
+    yield Subject(
+        "readings",
+        _text(folder / "readings", "r.yaml", distances),
+        "r.yaml",
+        lambda path: read_readings(path, "distances"),
+    )
+    picture = folder / "picture"
+    picture.mkdir()
+    grey = np.random.default_rng(1).integers(0, 255, (60, 80), dtype=np.uint8)
+    cv2.imwrite(str(picture / "p.png"), grey)
+    cv2.imwrite(str(picture / "p.jpg"), grey)
+    yield Subject("picture png", picture, "p.png", read_picture)
+    yield Subject("picture jpg", picture, "p.jpg", read_picture)
+
+    targets = folder / "targets"
+    targets.mkdir()
+    written = [m.message.data for m in read_bag(ROOT / "bags/thesis_190_0deg", ["/abb/target_file"])]
+    (targets / "Hei2.txt").write_bytes(written[-1].encode())
+    yield Subject("target file", targets, "Hei2.txt", lambda path: read_target_file(path.read_bytes()), False)
+    bag = folder / "bag"
+    shutil.copytree(ROOT / "bags/unreachable", bag)
+    mcap = next(p.name for p in bag.glob("*.mcap"))
+    for what, read in (("messages", _messages), ("runs", read_runs), ("expectation", read_expectation)):
+        yield Subject(f"bag {what}", bag, mcap, _of_folder(read))
+        yield Subject(f"metadata.yaml {what}", bag, "metadata.yaml", _of_folder(read))
+
+
+def _robot(path: Path) -> object:
+    # What was read is kept under its path.
+    description._load.cache_clear()
+    return load_robot(path)
+
+
+def _messages(folder: Path) -> int:
+    return sum(1 for _ in read_bag(folder))

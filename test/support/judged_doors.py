@@ -1,0 +1,109 @@
+"""Doors of the thesis' ranges, planned, run and judged; planner and target file are taken as they come."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from doormill_ros.abb.target_file.target_file import render_target_file
+from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.errors import DoormillError
+from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.robot_model.extended_model import ExtendedComplianceModel
+from doormill_ros.simulation.judge.bodies import JudgedCell, load_cell
+from doormill_ros.simulation.judge.judge import judge
+from doormill_ros.simulation.judge.verdict import Verdict
+from support import doors
+from support.file_run import run_file
+from support.way_search import WaySearch
+
+RUN_ID = "20260101T000000000000Z"
+#: Region of operation of the thesis: widths and heights that the cell shall mill [m].
+WIDEST, NARROWEST, TALLEST = 1.350, 0.290, 2.700
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How one door came out: a refusal, or the judge's verdict on its motions."""
+
+    recipe: Recipe
+    offset: DoorOffset
+    refusal: DoormillError | None = None
+    verdict: Verdict | None = None
+    planning: float = 0.0
+    judging: float = 0.0
+
+
+def draw(count: int, number: int) -> list[tuple[Recipe, DoorOffset]]:
+    """Doors of the thesis' ranges with any features in any place; the same for the same number."""
+    drawn: dict[str, tuple[Recipe, DoorOffset]] = {}
+
+    @seed(number)
+    @settings(
+        max_examples=2 * count,
+        deadline=None,
+        database=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(
+        doors.doors().filter(
+            lambda door: (
+                door[0]["width_mm"] >= 1e3 * NARROWEST
+                and door[0]["width_mm"] <= 1e3 * WIDEST
+                and door[0]["height_mm"] <= 1e3 * TALLEST
+            )
+        )
+    )
+    def take(door):
+        document, (y, z, rotation) = door
+        drawn[repr(door)] = (Recipe.from_document(document), DoorOffset(y, z, rotation))
+
+    take()  # hypothesis draws some doors twice
+    return list(drawn.values())[:count]
+
+
+def rigid(setup: MillingSetup) -> MillingSetup:
+    """The setup of a robot that does not give way: `run_file` runs one, and a correction would be its error."""
+    robot = setup.robot
+    stiff = ExtendedComplianceModel(robot.name, robot.dh, 1e9 * robot.stiffness, ())
+    return replace(setup, model=stiff)
+
+
+def judge_door(recipe: Recipe, offset: DoorOffset, setup: MillingSetup, cell: JudgedCell) -> Outcome:
+    """Plan, run and judge one door."""
+    T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
+    begun = time.perf_counter()
+    try:
+        program = plan(recipe, T_base_door, setup).program
+        text = render_target_file(program, RUN_ID).decode("ascii")
+    except DoormillError as refusal:
+        return Outcome(recipe, offset, refusal, planning=time.perf_counter() - begun)
+    planned = time.perf_counter()
+    executed, turned = run_file(text, setup.robot.name)
+    run = time.perf_counter()
+    verdict = judge(recipe, T_base_door, executed, cell, turned)
+    return Outcome(recipe, offset, None, verdict, planned - begun, time.perf_counter() - run)
+
+
+def judge_doors(count: int, number: int, tools: int | None = None) -> Iterator[Outcome]:
+    """Outcomes of drawn doors; `tools` for a cell that has more than the usual number of them at hand."""
+    setup, cell = rigid(load_setup()), load_cell()
+    if tools is not None:
+        checks = replace(setup.settings.checks, tools=tools)
+        setup = replace(setup, settings=replace(setup.settings, checks=checks))
+    for recipe, offset in draw(count, number):
+        yield judge_door(recipe, offset, setup, cell)
+
+
+def search(outcome: Outcome, tries: int = 100) -> str:
+    """What an independent search says of a refused feature: "way", "posture", "no posture", or that none was named."""
+    named = outcome.refusal.data.get("feature") if outcome.refusal is not None else None
+    by_id = {feature.id: feature for feature in outcome.recipe.features}
+    if named not in by_id:
+        return "no feature named"
+    recipe = outcome.recipe
+    T_base_door = load_layout().T_base_door(recipe.width, recipe.thickness, outcome.offset)
+    return WaySearch(recipe, T_base_door).serves(by_id[named], tries=tries).split(":")[0]

@@ -1,0 +1,18 @@
+"""Conditions that no single picture shows: their poses are accepted and wrong. docs/localization.md says why."""
+
+UNSEEN = frozenset(
+    {
+        "camera moved",
+        "focal length off",
+        "0.3 mm thicker than its recipe",
+        "2 mm thicker than its recipe",
+        "10 mm thicker than its recipe",
+        "bowed edge",
+        "dark arris",
+    }
+)
+
+# Plain to a person, yet refused in more than one of ten pictures, for a doubt that one picture does not settle.
+DOUBTFUL = frozenset(
+    {"edge band 0.4 to 1 mm", "edge band 2 mm", "bright arris", "wavy edge", "oak grain", "bevel"}
+)
