@@ -1,4 +1,4 @@
-"""Pauses between attempts that double up to a limit."""
+"""Pauses between attempts that double up to a limit, and how long attempts have failed."""
 
 from __future__ import annotations
 
@@ -40,3 +40,28 @@ class Backoff:
     def hold(self) -> None:
         """Pause once for the first length without growing."""
         self._again_at = self._clock() + self._first
+
+
+class Outage:
+    """How long something has not worked."""
+
+    def __init__(self, clock: Callable[[], float], limit: float) -> None:
+        """Nothing has failed yet.
+
+        Args:
+            clock: Monotonic clock [s].
+            limit: Longest that is put up with [s].
+        """
+        self._clock = clock
+        self._limit = limit
+        self._since: float | None = None
+
+    def over(self) -> None:
+        """It works."""
+        self._since = None
+
+    def beyond_limit(self) -> bool:
+        """It failed just now; True when it has failed for longer than the limit."""
+        now = self._clock()
+        self._since = now if self._since is None else self._since
+        return now - self._since >= self._limit

@@ -82,9 +82,18 @@ CertificateError = _row("CertificateError", 453, "The certificate is not the pin
 ControllerBusyError = _row(
     "ControllerBusyError", 454, "No free session, or slow down (503).", connection=True
 )
-FolderMissingError = _row("FolderMissingError", 455, "The shared folder is not there.", connection=True)
-FolderInUseError = _row("FolderInUseError", 456, "Another process holds the shared folder.")
+FolderMissingError = _row(
+    "FolderMissingError", 455, "The simulated controller's folder is not there.", connection=True
+)
+FolderInUseError = _row("FolderInUseError", 456, "Another process holds the simulated controller's folder.")
+SessionExpiredError = _row(
+    "SessionExpiredError", 477, "The web session had ended; what was asked for was not done.", connection=True
+)
 UnknownTransportError = _row("UnknownTransportError", 476, "There is no transport of that name.")
+
+ControllerStateError = _row(
+    "ControllerStateError", 478, "The controller's state does not let the robot take a file."
+)
 
 # Signals.
 SignalReadError = _row(
@@ -128,4 +137,6 @@ SubmissionTimeoutError = _row(
 )
 AcknowledgeTimeoutError = _row("AcknowledgeTimeoutError", 486, "The file was not acknowledged in time.")
 FileRefusedError = _row("FileRefusedError", 488, "The controller read the file and refused it.")
+DoorNameError = _row("DoorNameError", 493, "The name of a door is none that the controller can hold.")
+OtherRunError = _row("OtherRunError", 492, "The controller accepted another run than was announced.")
 RunAbortedError = _row("RunAbortedError", 489, "The run was given up by its owner.")

@@ -37,7 +37,7 @@ class Transport(Protocol):
         ...
 
     def set_ready(self, value: bool) -> None:
-        """Write the ready signal.
+        """Write the ready signal; raising it is tried once, so that its caller looks again before the next try.
 
         Raises:
             LinkError: The signal was not, or perhaps not, written.
@@ -57,6 +57,24 @@ class Transport(Protocol):
 
         Raises:
             LinkError: The signal cannot be read.
+        """
+        ...
+
+    def read_number(self, name: str) -> int:
+        """A group signal's number, as the controller has it.
+
+        Raises:
+            UnknownSignalError: The controller has no such signal.
+            LinkError: The signal cannot be read.
+        """
+        ...
+
+    def write_number(self, name: str, value: int) -> None:
+        """Write a group signal; a number above 0 is tried once, as raising ready is.
+
+        Raises:
+            UnknownSignalError: The controller has no such signal.
+            LinkError: The signal was not, or perhaps not, written.
         """
         ...
 

@@ -11,7 +11,7 @@ from doormill_ros.abb.target_file.target_file import read_target_file
 from support.faults.judge import Verdict, judge
 from support.faults.run import campaign
 from support.faults.scenario import KINDS, Scenario, draw
-from support.faults.world import World, digest, make_file
+from support.faults.world import World, digest, make_file, positions
 
 SEED = 2026
 SAMPLE = (
@@ -30,7 +30,8 @@ SAMPLE = (
     "dropped connections",
     "delivery after the timeout",
     "sessions expire (401)",
-    "kill -9 any time, RAPID program",
+    "late upload and late removal",
+    "restarts of the controller",
 )
 
 
@@ -49,8 +50,9 @@ def results() -> dict[str, Verdict]:
 def test_no_wrong_file_is_milled_and_the_cell_recovers(results: dict[str, Verdict], kind: str) -> None:
     verdict = results[kind]
     assert not verdict.wrong
+    assert not verdict.failed
     assert verdict.recovered
-    assert verdict.milled >= 1
+    assert verdict.milled >= 2
     assert verdict.requests >= verdict.milled
 
 
@@ -106,12 +108,24 @@ class TestJudge:
         return world
 
     def mill(self, world: World, **changes: object) -> list[str]:
+        """A blind robot's log."""
         entry = {"placement": 3, "door": "door_a", "sha": self.sha, "run": "r", **changes}
         world.log("robot", event="milled", **entry)
         return judge(world).wrong
 
+    def move(
+        self, world: World, path: list[tuple[float, float]], door: str = "door_a", done: bool = True
+    ) -> list[str]:
+        """Motions of the RAPID modules towards the door in the clamp."""
+        for y, z in path:
+            world.log("robot", event="moved", placement=3, door=door, y=y, z=z)
+        if done:
+            world.log("robot", event="milled", placement=3, door=door)
+        return judge(world).wrong
+
     def test_right(self, world: World) -> None:
         assert not self.mill(world)
+        assert not self.move(world, positions(3, "door_a"))
 
     @pytest.mark.parametrize(
         ("changes", "found"),
@@ -119,12 +133,52 @@ class TestJudge:
             ({"sha": digest(make_file(3, "door_a", "r")[:-1])}, "no complete file"),
             ({"placement": 4}, "placement 3"),
             ({"door": "door_b"}, "door door_a"),
-            ({"run": "other"}, "another run"),
         ],
     )
-    def test_wrong(self, world: World, changes: dict[str, object], found: str) -> None:
+    def test_a_blind_robot_wrong(self, world: World, changes: dict[str, object], found: str) -> None:
         assert [text for text in self.mill(world, **changes) if found in text]
 
-    def test_twice(self, world: World) -> None:
+    def test_a_blind_robot_twice(self, world: World) -> None:
         self.mill(world)
         assert "milled twice" in self.mill(world)[0]
+
+    @pytest.mark.parametrize(
+        ("path", "door", "found"),
+        [
+            (positions(4, "door_a"), "door_a", "not the path of door_a"),
+            (positions(3, "door_a"), "door_b", "not the path of door_b"),
+            (positions(3, "door_a") * 2, "door_a", "milled twice"),
+            (positions(3, "door_a")[:5] + positions(3, "door_a")[6:], "door_a", "1 targets left out"),
+            (positions(3, "door_a")[:9], "door_a", "called done after 9 targets"),
+        ],
+    )
+    def test_motions_wrong(
+        self, world: World, path: list[tuple[float, float]], door: str, found: str
+    ) -> None:
+        assert [text for text in self.move(world, path, door) if found in text]
+
+    def test_a_door_that_was_begun_and_given_up_is_not_wrong(self, world: World) -> None:
+        assert not self.move(world, positions(3, "door_a")[:9], done=False)
+
+    def test_without_a_door(self, world: World) -> None:
+        world.log("robot", event="moved", placement=0, door="none", y=1.0, z=2.0)
+        assert judge(world).wrong == ["milled without a door in the clamp"]
+
+    @pytest.mark.parametrize(
+        ("states", "count"),
+        [
+            (["failed"], 1),
+            (["requested"], 1),
+            (["done"], 0),
+            (["clearing", "milling", "done"], 0),
+            (["done", "requested", "failed"], 0),
+            (["killed", "idle", "requested", "failed"], 0),
+        ],
+    )
+    def test_a_good_door_called_failed(self, world: World, states: list[str], count: int) -> None:
+        self.move(world, positions(3, "door_a"))
+        life = 0
+        for reached in ("ready", "milling", *states):
+            life += reached == "killed"
+            world.log("bridge", life=life, state=reached, reason="why", run="r")
+        assert len(judge(world).failed) == count

@@ -19,16 +19,21 @@ from doormill_ros.abb.handshake.state import HandshakeTimeouts
 from doormill_ros.abb.link_errors import (
     AcknowledgeTimeoutError,
     ConnectionLostError,
+    DoorNameError,
     EmptyTargetFileError,
     FileRefusedError,
     FileVerificationError,
     HandshakeBusyError,
+    LinkError,
     MillingTimeoutError,
     NoRequestError,
+    OtherRunError,
     ReadySignalError,
+    RemoveError,
     RepeatedRunError,
     RequestWithdrawnError,
     RunAbortedError,
+    SignalAccessError,
     StaleSubmissionError,
     SubmissionTimeoutError,
     UploadError,
@@ -51,12 +56,18 @@ class Clock:
 
 
 class Scripted(MemoryTransport):
-    """Logs every operation and runs what the test hangs on an operation's name before it."""
+    """Logs every operation and runs what the test hangs on an operation's name before or after it."""
 
     def __init__(self) -> None:
         super().__init__()
         self.log: list[str] = []
         self.before: dict[str, object] = {}
+        self.after: dict[str, object] = {}
+
+    def _done(self, text: str) -> None:
+        action = self.after.get(text)
+        if action is not None:
+            action()
 
     def _note(self, text: str) -> None:
         self.log.append(text)
@@ -67,6 +78,11 @@ class Scripted(MemoryTransport):
     def set_ready(self, value: bool) -> None:
         self._note(f"ready={int(value)}")
         super().set_ready(value)
+        self._done(f"ready={int(value)}")
+
+    def write_number(self, name: str, value: int) -> None:
+        self._note(f"number={value}")
+        super().write_number(name, value)
 
     def write_file(self, name: str, data: bytes) -> None:
         self._note("write")
@@ -79,6 +95,7 @@ class Scripted(MemoryTransport):
     def remove_file(self, name: str) -> None:
         self._note("remove")
         super().remove_file(name)
+        self._done("remove")
 
     def read_request(self) -> bool:
         self._note("request?")
@@ -165,9 +182,9 @@ def test_a_whole_run_in_the_order_that_keeps_the_robot_safe(cell: Cell) -> None:
         State.DONE,
     ]
     order = [entry for entry in cell.transport.log if entry != "request?"]
-    clear = ["ready=0", "remove", "remove", "read"]
+    clear = ["number=0", "ready=0", "remove", "read", "remove", "read"]
     mark = ["read"]
-    handover = ["write", "read", "write", "read", *mark, "ready=1"]
+    handover = ["write", "read", "write", "read", *mark, "ready=1", *mark]
     assert order == [*clear, *mark, *clear, *handover, *clear]
     assert announced == [f"{run_id}\n".encode()]
 
@@ -277,17 +294,159 @@ def test_a_request_that_was_made_anew_unseen_is_told_by_its_number(cell: Cell) -
     assert cell.step() is State.READY
 
 
-@pytest.mark.parametrize(("shown", "taken"), [(signals.BUSY, True), (signals.DONE, True), (None, False)])
-def test_a_program_that_was_stopped_did_not_take_the_file(cell: Cell, shown: str | None, taken: bool) -> None:
-    """A program that numbers its requests shows BUSY, later DONE, when it takes a file."""
-    cell.transport._files[signals.REQUEST_FILE] = b"17\n"
+def answer(cell: Cell, name: str, text: str) -> None:
+    """The robot program leaves a file."""
+    cell.transport._files[name] = text.encode()
+
+
+@pytest.mark.parametrize(
+    ("accepted", "error"),
+    [
+        ("run-1\n17\n", None),
+        (None, RequestWithdrawnError),
+        ("run-0\n17\n", OtherRunError),
+        ("run-1\n16\n", OtherRunError),
+        ("run-1\n", OtherRunError),
+    ],
+)
+def test_the_run_that_the_robot_accepted_is_compared(
+    cell: Cell, accepted: str | None, error: type[LinkError] | None
+) -> None:
+    """A program that numbers its requests says which run it took; one that was stopped says nothing."""
+    answer(cell, signals.REQUEST_FILE, "17\n")
     run_id = cell.to_ready()
-    if shown is not None:
-        cell.transport.set_signal(shown, True)
+    if accepted is not None:
+        answer(cell, signals.ACCEPTED_FILE, accepted)
     cell.request(False)
     cell.step()
-    assert cell.handshake.outcome(run_id).handed_over is taken
+    outcome = cell.handshake.outcome(run_id)
+    assert outcome.handed_over is (error is None)
+    assert outcome.error_code == (0 if error is None else error.code)
     assert not cell.transport.signal(signals.READY)
+    assert cell.transport.read_number(signals.READY_NUMBER) == 0
+
+
+def test_ready_carries_the_number_of_the_request(cell: Cell) -> None:
+    answer(cell, signals.REQUEST_FILE, "17\n")
+    cell.to_ready()
+    assert cell.transport.read_number(signals.READY_NUMBER) == 17
+    assert cell.transport.log.index("number=17") < cell.transport.log.index("ready=1")
+
+
+@pytest.mark.parametrize("when", ["ready=1", "number=17"])
+def test_ready_falls_at_once_when_the_request_is_another_one_by_then(cell: Cell, when: str) -> None:
+    """The robot program is started again in the instant between the last look and the raising."""
+    answer(cell, signals.REQUEST_FILE, "17\n")
+    cell.transport.before[when] = lambda: answer(cell, signals.REQUEST_FILE, "18\n")
+    cell.to_requested()
+    run_id = cell.submit()
+    cell.step()
+    assert cell.handshake.outcome(run_id).error_code == RequestWithdrawnError.code
+    assert not cell.transport.signal(signals.READY)
+    assert cell.transport.read_number(signals.READY_NUMBER) == 0
+    assert cell.transport.log.count("ready=1") == 1
+    cell.step()
+    assert cell.handshake.snapshot.state is State.REQUESTED
+    assert cell.handshake.snapshot.request_number == 2
+
+
+def test_the_request_is_read_again_while_ready_is_high(cell: Cell) -> None:
+    answer(cell, signals.REQUEST_FILE, "17\n")
+    run_id = cell.to_ready()
+    cell.step()
+    answer(cell, signals.REQUEST_FILE, "18\n")
+    cell.clock.now += LIMITS.watch
+    cell.step()
+    assert cell.handshake.outcome(run_id).error_code == RequestWithdrawnError.code
+    assert not cell.transport.signal(signals.READY)
+    assert cell.transport.read_number(signals.READY_NUMBER) == 0
+
+
+@pytest.mark.parametrize("number", [0, 16, 18])
+def test_a_number_that_somebody_else_wrote_ends_the_run(cell: Cell, number: int) -> None:
+    answer(cell, signals.REQUEST_FILE, "17\n")
+    run_id = cell.to_ready()
+    cell.transport.write_number(signals.READY_NUMBER, number)
+    cell.clock.now += LIMITS.watch
+    cell.step()
+    assert cell.handshake.outcome(run_id).error_code == ReadySignalError.code
+    assert cell.transport.read_number(signals.READY_NUMBER) == 0
+
+
+def test_the_reason_of_a_refusal_reaches_the_pc(cell: Cell) -> None:
+    answer(cell, signals.REQUEST_FILE, "17\n")
+    run_id = cell.to_ready()
+    answer(cell, signals.REFUSED_FILE, "17\nThe target file is for another door:\ndoor_b\n")
+    cell.transport.set_signal(signals.FAULT, True)
+    cell.request(False)
+    cell.step()
+    outcome = cell.handshake.outcome(run_id)
+    assert outcome.error_code == FileRefusedError.code
+    assert outcome.reason.endswith("The target file is for another door: door_b")
+    assert outcome.reason in cell.handshake.snapshot.reason
+
+
+@pytest.mark.parametrize("text", ["16\nof the door before\n", "", None])
+def test_the_reason_of_an_earlier_refusal_is_not_told(cell: Cell, text: str | None) -> None:
+    answer(cell, signals.REQUEST_FILE, "17\n")
+    run_id = cell.to_ready()
+    if text is not None:
+        answer(cell, signals.REFUSED_FILE, text)
+    cell.transport.set_signal(signals.FAULT, True)
+    cell.request(False)
+    cell.step()
+    assert cell.handshake.outcome(run_id).reason.endswith("its pendant says why")
+
+
+def test_the_reason_of_a_fault_while_milling_reaches_the_pc(cell: Cell) -> None:
+    answer(cell, signals.REQUEST_FILE, "17\n")
+    run_id = cell.to_ready()
+    answer(cell, signals.ACCEPTED_FILE, f"{run_id}\n17\n")
+    cell.transport.set_signal(signals.BUSY, True)
+    cell.request(False)
+    assert cell.step() is State.MILLING
+    answer(cell, signals.REFUSED_FILE, "17\nThe spindle lost its speed.\n")
+    cell.transport.set_signal(signals.FAULT, True)
+    assert cell.step() is State.FAILED
+    assert cell.handshake.snapshot.reason.endswith("The spindle lost its speed.")
+
+
+def test_the_name_of_the_door_is_passed_on(cell: Cell) -> None:
+    told = cell.handshake.expect_door("door_a")
+    assert not told.done()
+    cell.step()
+    assert told.result(0) is None
+    assert cell.transport.read_file(signals.EXPECTED_FILE) == b"door_a\n"
+
+
+def test_the_name_of_the_door_is_passed_on_in_any_state(cell: Cell) -> None:
+    cell.to_ready()
+    told = cell.handshake.expect_door("door_a")
+    assert cell.step() is State.READY
+    assert told.result(0) is None
+
+
+def test_the_last_name_counts(cell: Cell) -> None:
+    first, second = cell.handshake.expect_door("door_a"), cell.handshake.expect_door("door_b")
+    cell.step()
+    assert first.cancelled()
+    assert second.result(0) is None
+    assert cell.transport.read_file(signals.EXPECTED_FILE) == b"door_b\n"
+
+
+@pytest.mark.parametrize("name", ["", "a\nb", "t\u00fcr", "x" * 41])
+def test_a_name_that_the_controller_cannot_hold_is_refused(cell: Cell, name: str) -> None:
+    assert isinstance(cell.handshake.expect_door(name).exception(0), DoorNameError)
+
+
+def test_a_name_that_was_not_written_is_told(cell: Cell) -> None:
+    def broken() -> None:
+        raise UploadError("the disk is full")
+
+    cell.transport.before["write"] = broken
+    told = cell.handshake.expect_door("door_a")
+    cell.step()
+    assert isinstance(told.exception(0), UploadError)
 
 
 def test_no_file_in_time(cell: Cell) -> None:
@@ -403,6 +562,73 @@ def test_ready_that_cannot_be_lowered_keeps_everything_waiting(cell: Cell) -> No
     assert cell.step() is State.REQUESTED
     assert cell.handshake.snapshot.request_number == 2
     cell.assert_cleared()
+
+
+@pytest.mark.parametrize("order", ["ready=0", "remove"])
+def test_what_reads_back_as_cleared_is_cleared_whatever_the_order_was_answered(
+    cell: Cell, order: str
+) -> None:
+    """A controller that refuses to lower what is low, or to remove what is not there."""
+    cell.to_ready()
+    cell.transport.after[order] = raising(SignalAccessError("refused"))
+    cell.handshake.abort("operator")
+    assert cell.step() is State.FAILED
+    cell.assert_cleared()
+
+
+@pytest.mark.parametrize("removals", [1, 2])
+def test_a_file_that_stays_keeps_everything_waiting_with_the_reason(cell: Cell, removals: int) -> None:
+    """Target file and order file; the first of them alone, then the second."""
+    cell.to_ready()
+    files = dict(cell.transport._files)
+    kept = [signals.TARGET_FILE, signals.ORDER_FILE][removals - 1]
+
+    def refuse() -> None:
+        cell.transport._files[kept] = files[kept]
+        raise RemoveError("status 406")
+
+    cell.transport.after["remove"] = refuse
+    cell.handshake.abort("operator")
+    assert cell.step() is State.CLEARING
+    assert "status 406" in cell.handshake.snapshot.reason
+
+
+def test_a_request_that_comes_to_nothing_is_not_told_of_the_run_before(cell: Cell) -> None:
+    run_id = cell.to_ready()
+    cell.request(False)
+    assert cell.step() is State.MILLING
+    assert cell.handshake.snapshot.run_id == run_id
+    cell.to_requested()
+    assert cell.handshake.snapshot.run_id == cell.handshake.snapshot.door_id == ""
+    cell.clock.now += LIMITS.submission
+    assert cell.step() is State.FAILED
+    assert cell.handshake.snapshot.run_id == ""
+    assert cell.handshake.outcome(run_id).handed_over
+
+
+@pytest.mark.parametrize("noted", [True, False])
+def test_an_end_that_came_and_went_between_two_looks_is_read_from_the_robots_note(
+    cell: Cell, noted: bool
+) -> None:
+    """Done rises and falls, the next request rises; the PC was busy with something else."""
+    run_id = cell.to_ready()
+    cell.request(False)
+    assert cell.step() is State.MILLING
+    assert cell.handshake.outcome(run_id).milled is None
+    answer(cell, signals.MILLED_FILE, f"{run_id}\n" if noted else "the-run-before\n")
+    cell.states.clear()
+    cell.request(True)
+    assert cell.step() is State.REQUESTED
+    assert cell.states == [*([State.DONE] if noted else []), State.REQUESTED]
+    assert cell.handshake.outcome(run_id).milled is noted
+
+
+def test_a_request_that_rose_while_the_run_before_was_being_cleared_is_the_next(cell: Cell) -> None:
+    cell.to_ready()
+    cell.transport.after["ready=0"] = lambda: cell.request(True)
+    cell.request(False)
+    assert cell.step() is State.MILLING
+    assert cell.step() is State.REQUESTED
 
 
 def test_the_attempts_to_clear_back_off(cell: Cell) -> None:

@@ -186,6 +186,71 @@ def test_reading_gives_back_what_was_written(door):
             assert getattr(found, name) == getattr(wanted, name)
         assert abs(found.speed - wanted.speed) <= 0.5e-6
         assert abs(found.spindle_speed - wanted.spindle_speed) <= 0.5e-3 * RPM + 1e-9
+    assert file.escapes == program.escapes
+    assert len(file.escapes) == len(program.features) == 6
+    assert len(file.points) == len(program.points) > 6
+    half = np.deg2rad(0.5e-4) + 1e-12
+    np.testing.assert_allclose([file.home, *file.points], [program.home, *program.points], rtol=0, atol=half)
+
+
+WRONG_WAYS = {
+    "no home": {"home": None},
+    "home of five joints": {"home": np.zeros(5)},
+    "home not a number": {"home": np.full(6, np.nan)},
+    "a turn too far": {"home": np.array([0.0, 0.0, 0.0, 0.0, 0.0, 20.0])},
+    "a feature without a way home": {"escapes": (range(1),)},
+    "a way home of points that are not there": {"escapes": (range(1), range(98, 99))},
+    "an empty way home": {"escapes": (range(1), range(1, 1))},
+    "a way home longer than the module keeps": {
+        "escapes": (range(1), range(21)),
+        "points": (np.zeros(6),) * 30,
+    },
+    "a point of five joints": {"points": (np.zeros(5),) * 6},
+    "more points than the module keeps": {"points": (np.zeros(6),) * 501},
+}
+
+
+@pytest.mark.parametrize("change", WRONG_WAYS.values(), ids=WRONG_WAYS)
+def test_ways_that_the_module_would_refuse_are_not_written(program, change):
+    with pytest.raises((TargetProgramError, TargetValueError)):
+        render_target_file(replace(program, **change), "run")
+
+
+def test_a_motion_to_a_point_counts_points_and_one_to_a_target_targets(program):
+    absolute = next(i for i, motion in enumerate(program.motions) if motion.kind is MotionKind.ABSOLUTE)
+    for target, good in ((len(program.points) - 1, True), (len(program.points), False)):
+        motions = list(program.motions)
+        motions[absolute] = replace(motions[absolute], target=target)
+        changed = replace(program, motions=tuple(motions))
+        if good:
+            assert read_target_file(render_target_file(changed, "run")).motions[absolute].target == target
+        else:
+            with pytest.raises(TargetProgramError, match=f"motion {absolute} "):
+                render_target_file(changed, "run")
+
+
+@pytest.mark.parametrize(
+    ("line", "wrong", "words"),
+    [
+        ("#home ", "#home [0,0,0,0,0]", "6 joint angles"),
+        ("#home ", "#home [0,0,0,0,0,1e3]", "6 joint angles"),
+        ("#point ", "#point [0,0,0,0,0,0,0]", "6 joint angles"),
+        ("#points ", "#points 501", "0 to 500"),
+        ("#escape ", "#escape [2,1]", "first and last of"),
+        ("#escape ", "#escape [0,1]", "first and last of"),
+        ("#escape ", "#escape [1,99]", "first and last of"),
+        ('#move ["A"', '#move ["A",99,0,500,"fine",0,FALSE,0]', "1 to"),
+        ('#move ["A"', '#move ["A",1,1,500,"fine",0,FALSE,0]', "0 without circle"),
+    ],
+)
+def test_a_way_that_cannot_be_is_named_with_its_line(program, line, wrong, words):
+    lines = render_target_file(program, "run").decode().splitlines()[:-1]
+    at = next(i for i, text in enumerate(lines) if text.startswith(line))
+    lines[at] = wrong
+    a, b = checksum(lines)
+    data = "".join(text + "\n" for text in [*lines, f"#sum [{a},{b}]"]).encode()
+    with pytest.raises(TargetLineError, match=f"line {at + 1} .*{re.escape(words)}"):
+        read_target_file(data)
 
 
 def test_every_cut_is_named(program):
@@ -212,9 +277,9 @@ def changed_base(door) -> bytes:
 
 def test_a_changed_digit_is_a_wrong_checksum(program):
     data = render_target_file(program, "run-1")
-    assert data.startswith(b"1570.000")
+    assert data.startswith(b"1845.000")
     with pytest.raises(TargetFileChecksumError, match="write the file anew"):
-        read_target_file(b"1570.001" + data[8:])
+        read_target_file(b"1845.001" + data[8:])
 
 
 @pytest.mark.parametrize(
@@ -246,7 +311,7 @@ def test_a_bad_line_is_named_with_number_found_and_allowed(line, words):
         (b"1.5;", TargetFileCutShortError, "no line feed"),
         (b"1.5;\r\n", TargetLineError, "byte 0x0D"),
         (b"\xff\xfe\n", TargetLineError, "byte 0xFF"),
-        (b"#doormill 1\n", TargetFileCutShortError, "#door"),
+        (b"#doormill 2\n", TargetFileCutShortError, "#door"),
         (b"\n" * 5000, TargetLineError, "5000 lines"),
         (b"x" * 2_000_000, TargetLineError, "2000000 bytes"),
     ],
@@ -380,5 +445,6 @@ def test_a_target_without_name_and_feature_is_written():
     T = pose((1.0, 0.0, 0.0))
     target = Target("", T, T, np.zeros(6), ANY, np.zeros(6), np.zeros(6))
     motion = Motion(MotionKind.JOINT, 0, None, 1.0, "fine", "", False)
-    file = read_target_file(render_target_file(MillingProgram("d", 1, (target,), (motion,)), "r"))
+    program = MillingProgram("d", 1, (target,), (motion,), home=np.zeros(6))
+    file = read_target_file(render_target_file(program, "r"))
     assert file.motions[0].feature == ""

@@ -142,7 +142,7 @@ def test_the_password_is_in_no_log_record_and_no_error(
                 link.write_file("Hei2.txt", b"x")
                 link.read_request()
                 limit = time.monotonic() + 60.0
-                while not link.events_live and time.monotonic() < limit:
+                while not link.events.live and time.monotonic() < limit:
                     link.wait(0.05)
             except LinkError as error:
                 errors.append(error)

@@ -1,4 +1,4 @@
-"""The shared folder: whole files only, every call bounded, one user at a time."""
+"""The simulated folder: whole files only, every call bounded, one user at a time."""
 
 from __future__ import annotations
 
@@ -29,25 +29,25 @@ from doormill_ros.abb.link_errors import (
     WriteTimeoutError,
 )
 from doormill_ros.abb.transport import Transport
-from doormill_ros.abb.transports import shared_folder
+from doormill_ros.abb.transports import simulated_folder
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
-from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
+from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from doormill_ros.simulation.controller.io_port import FolderIo
 
 
 @pytest.fixture
 def link(tmp_path: Path):
-    transport = SharedFolderTransport(tmp_path, timeout=60.0)
+    transport = SimulatedFolderTransport(tmp_path, timeout=60.0)
     yield transport
     transport.close()
 
 
-def test_is_a_transport(link: SharedFolderTransport) -> None:
+def test_is_a_transport(link: SimulatedFolderTransport) -> None:
     assert isinstance(link, Transport)
 
 
 def test_the_robot_program_sees_what_the_pc_writes_and_the_other_way_round(
-    link: SharedFolderTransport, tmp_path: Path
+    link: SimulatedFolderTransport, tmp_path: Path
 ) -> None:
     robot = FolderIo(tmp_path)
     assert [link.read_signal(name) for name in signals.ALL_SIGNALS] == [False] * 5
@@ -59,7 +59,7 @@ def test_the_robot_program_sees_what_the_pc_writes_and_the_other_way_round(
         assert link.read_ready() is bool(value)
 
 
-def test_files_come_back_byte_for_byte_and_go_away(link: SharedFolderTransport, tmp_path: Path) -> None:
+def test_files_come_back_byte_for_byte_and_go_away(link: SimulatedFolderTransport, tmp_path: Path) -> None:
     data = bytes(range(256)) * 10
     link.write_file("Hei2.txt", data)
     assert (tmp_path / "Hei2.txt").read_bytes() == data
@@ -70,7 +70,7 @@ def test_files_come_back_byte_for_byte_and_go_away(link: SharedFolderTransport, 
         link.read_file("Hei2.txt")
 
 
-def test_a_reader_never_meets_a_part_of_a_file(link: SharedFolderTransport, tmp_path: Path) -> None:
+def test_a_reader_never_meets_a_part_of_a_file(link: SimulatedFolderTransport, tmp_path: Path) -> None:
     versions = [bytes([65 + i]) * 100_000 for i in range(4)]
     link.write_file("Hei2.txt", versions[0])
     seen, stop = set(), threading.Event()
@@ -93,7 +93,7 @@ def test_a_reader_never_meets_a_part_of_a_file(link: SharedFolderTransport, tmp_
 
 @pytest.mark.parametrize("content", [b"", b"2", b"high", b"11"])
 def test_a_signal_that_is_neither_high_nor_low_is_an_error(
-    link: SharedFolderTransport, tmp_path: Path, content: bytes
+    link: SimulatedFolderTransport, tmp_path: Path, content: bytes
 ) -> None:
     (tmp_path / "io" / signals.REQUEST).write_bytes(content)
     with pytest.raises(SignalReadError, match="allowed are '0' and '1'"):
@@ -101,7 +101,7 @@ def test_a_signal_that_is_neither_high_nor_low_is_an_error(
 
 
 def test_an_instant_without_content_is_read_over(
-    link: SharedFolderTransport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    link: SimulatedFolderTransport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "io" / signals.REQUEST
     path.write_bytes(b"")
@@ -112,7 +112,7 @@ def test_an_instant_without_content_is_read_over(
         if len(pauses) == 2:
             path.write_bytes(b"1\n")
 
-    monkeypatch.setattr(shared_folder, "time", SimpleNamespace(sleep=pause))
+    monkeypatch.setattr(simulated_folder, "time", SimpleNamespace(sleep=pause))
     assert link.read_request() is True
     assert len(pauses) == 2
 
@@ -120,14 +120,14 @@ def test_an_instant_without_content_is_read_over(
 @pytest.mark.parametrize(
     "name", ["", ".", "..", "a/b", "/etc/passwd", ".hidden", "a b", "ä.txt", "x" * 81, "$x", "a\n"]
 )
-def test_names_that_could_leave_the_folder_are_refused(link: SharedFolderTransport, name: str) -> None:
+def test_names_that_could_leave_the_folder_are_refused(link: SimulatedFolderTransport, name: str) -> None:
     for operation in (link.read_file, link.remove_file, lambda n: link.write_file(n, b"x")):
         with pytest.raises(FileNameError):
             operation(name)
 
 
 def test_a_full_disk_leaves_the_old_file_and_no_rest(
-    link: SharedFolderTransport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    link: SimulatedFolderTransport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     link.write_file("Hei2.txt", b"old")
     link.set_ready(True)
@@ -156,7 +156,7 @@ def test_a_full_disk_leaves_the_old_file_and_no_rest(
 
 
 def test_a_folder_that_hangs_ends_in_a_timeout_and_order_is_kept(tmp_path: Path) -> None:
-    link = SharedFolderTransport(tmp_path, timeout=60.0)
+    link = SimulatedFolderTransport(tmp_path, timeout=60.0)
     link._timeout = 0.2
     os.mkfifo(tmp_path / "Hei2.txt")  # opening it blocks in the kernel, as a dead network share does
     begin = time.monotonic()
@@ -199,8 +199,8 @@ def test_a_call_given_up_behind_a_hanging_one_is_never_made() -> None:
 def test_a_second_bridge_is_kept_out_until_the_first_dies(tmp_path: Path) -> None:
     code = (
         "import sys, time\n"
-        "from doormill_ros.abb.transports.shared_folder import SharedFolderTransport\n"
-        "t = SharedFolderTransport(sys.argv[1]); print('up', flush=True); time.sleep(600)\n"
+        "from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport\n"
+        "t = SimulatedFolderTransport(sys.argv[1]); print('up', flush=True); time.sleep(600)\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
     with subprocess.Popen(
@@ -208,10 +208,10 @@ def test_a_second_bridge_is_kept_out_until_the_first_dies(tmp_path: Path) -> Non
     ) as holder:
         assert holder.stdout.readline() == b"up\n"
         with pytest.raises(FolderInUseError, match="stop the other"):
-            SharedFolderTransport(tmp_path)
+            SimulatedFolderTransport(tmp_path)
         holder.send_signal(signal.SIGKILL)
         holder.wait()
-    SharedFolderTransport(tmp_path).close()
+    SimulatedFolderTransport(tmp_path).close()
 
 
 def test_rests_of_a_killed_writer_are_removed(tmp_path: Path) -> None:
@@ -219,19 +219,19 @@ def test_rests_of_a_killed_writer_are_removed(tmp_path: Path) -> None:
     rests = [tmp_path / ".Hei2.txt.123.doormill-tmp", tmp_path / "io" / ".doPathReady.123.doormill-tmp"]
     for rest in rests:
         rest.write_bytes(b"half")
-    SharedFolderTransport(tmp_path).close()
+    SimulatedFolderTransport(tmp_path).close()
     assert not any(rest.exists() for rest in rests)
 
 
 def test_a_missing_folder_is_named(tmp_path: Path) -> None:
     with pytest.raises(FolderMissingError, match="mount"):
-        SharedFolderTransport(tmp_path / "nowhere")
+        SimulatedFolderTransport(tmp_path / "nowhere")
 
 
 def test_a_folder_that_goes_away_is_an_error_and_not_a_low_signal(tmp_path: Path) -> None:
     home = tmp_path / "home"
     home.mkdir()
-    link = SharedFolderTransport(home)
+    link = SimulatedFolderTransport(home)
     home.rename(tmp_path / "elsewhere")
     with pytest.raises(LinkError):
         link.read_request()
@@ -240,7 +240,9 @@ def test_a_folder_that_goes_away_is_an_error_and_not_a_low_signal(tmp_path: Path
     link.close()
 
 
-def test_a_folder_in_the_place_of_the_file_is_an_error(link: SharedFolderTransport, tmp_path: Path) -> None:
+def test_a_folder_in_the_place_of_the_file_is_an_error(
+    link: SimulatedFolderTransport, tmp_path: Path
+) -> None:
     (tmp_path / "Hei2.txt").mkdir()
     with pytest.raises(DownloadError):
         link.read_file("Hei2.txt")
@@ -250,8 +252,8 @@ def test_a_folder_in_the_place_of_the_file_is_an_error(link: SharedFolderTranspo
         link.remove_file("Hei2.txt")
 
 
-def test_wait_is_ended_by_wake(link: SharedFolderTransport) -> None:
-    slow = SharedFolderTransport.__new__(SharedFolderTransport)
+def test_wait_is_ended_by_wake(link: SimulatedFolderTransport) -> None:
+    slow = SimulatedFolderTransport.__new__(SimulatedFolderTransport)
     slow.__dict__.update(link.__dict__, _poll_interval=60.0)
     threading.Timer(0.05, slow.wake).start()
     begin = time.monotonic()

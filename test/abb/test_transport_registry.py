@@ -37,8 +37,13 @@ def test_one_line_makes_a_transport_usable_by_name(monkeypatch: pytest.MonkeyPat
     handshake.submit("run_1", "door_1", FILE)
     assert handshake.step().state is HandshakeState.READY
     assert transport.read_file(signals.TARGET_FILE) == FILE
-    with pytest.raises(UnknownTransportError, match="allowed are shared_folder, rws1, rws2, memory"):
+    with pytest.raises(UnknownTransportError, match="allowed are simulated_folder, rws1, rws2, memory"):
         open_transport("carrier", options)
+
+
+def test_the_former_name_of_the_folder_is_refused_with_the_new_one() -> None:
+    with pytest.raises(UnknownTransportError, match=r"'simulated_folder' now.*rws1 or rws2"):
+        open_transport("shared_folder", TransportOptions("anywhere"))
 
 
 def test_only_the_registry_names_the_transports() -> None:

@@ -26,6 +26,7 @@ from doormill_ros.abb.link_errors import (
     LinkError,
     LoginError,
     ReadTimeoutError,
+    SessionExpiredError,
     SignalAccessError,
     UnknownSignalError,
     UploadError,
@@ -34,16 +35,17 @@ from doormill_ros.abb.link_errors import (
 from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports import rws_http
 from doormill_ros.abb.transports.rws import RwsTransport, connect_rws1, connect_rws2
+from doormill_ros.abb.transports.rws_address import tls_context
 from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2
-from doormill_ros.abb.transports.rws_http import LinkTimeouts, map_http_error, tls_context
+from doormill_ros.abb.transports.rws_http import LinkTimeouts, map_http_error
+from doormill_ros.simulation.controller.io_configuration import ACCESS_LEVELS, SignalAccess
 from doormill_ros.simulation.controller.rws_server.cabinet import (
-    AccessLevel,
     Cabinet,
     SimulatedSignal,
     default_signals,
 )
 from doormill_ros.simulation.controller.rws_server.certificate import write_certificate
-from doormill_ros.simulation.controller.rws_server.reply import CODE_BAD_REQUEST, RefusalError
+from doormill_ros.simulation.controller.rws_server.reply import CODE_INVALID, RefusalError
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
 
 LOGIN = Credentials("Default User", "robotics")
@@ -76,7 +78,7 @@ def link(server: RwsServer):
 @pytest.fixture
 def listening(server: RwsServer):
     transport = link_to(server, subscribe=True, poll_interval=0.1)
-    until(lambda: transport.events_live)
+    until(lambda: transport.events.live)
     yield transport
     transport.close()
 
@@ -122,7 +124,7 @@ def test_one_session_is_kept_and_given_back(server: RwsServer) -> None:
     link = link_to(server, subscribe=True)
     for _ in range(20):
         link.read_ready()
-    until(lambda: link.events_live)
+    until(lambda: link.events.live)
     assert server.services.sessions.created == 1
     link.close()
     link.close()
@@ -135,9 +137,30 @@ def test_one_session_is_kept_and_given_back(server: RwsServer) -> None:
 def test_an_expired_session_is_opened_again(link: RwsTransport, server: RwsServer) -> None:
     link.read_ready()
     server.expire_sessions()
+    assert link.read_ready() is False
+    assert server.services.sessions.created == 2
+    server.expire_sessions()
+    link.set_ready(False)
+    assert server.services.sessions.created == 3
+
+
+def test_raising_is_sent_a_single_time(link: RwsTransport, server: RwsServer) -> None:
+    """Between two tries the robot may have asked for another door; the handshake has to look again."""
+    posts = lambda: [status for method, _, status in server.services.requests if method == "POST"]  # noqa: E731
+    link.read_ready()
+    server.expire_sessions()
+    with pytest.raises(SessionExpiredError):
+        link.set_ready(True)
+    assert posts() == [401]
+    assert link.read_ready() is False
     link.set_ready(True)
     assert link.read_ready() is True
-    assert server.services.sessions.created == 2
+    server.services.behaviour.requests_per_second = 0
+    with pytest.raises(ControllerBusyError):
+        link.set_ready(True)
+    assert posts()[2:] == [503]
+    server.services.behaviour.requests_per_second = None
+    link.set_ready(False)
 
 
 def test_a_wrong_password_is_named_and_not_tried_for_ever(server: RwsServer) -> None:
@@ -148,11 +171,11 @@ def test_a_wrong_password_is_named_and_not_tried_for_ever(server: RwsServer) -> 
     link.close()
 
 
-@pytest.mark.parametrize("level", [AccessLevel.DEFAULT, AccessLevel.READ_ONLY])
-def test_a_wrong_access_level_says_what_to_do(server: RwsServer, level: AccessLevel) -> None:
+@pytest.mark.parametrize("level", [ACCESS_LEVELS["Default"], ACCESS_LEVELS["ReadOnly"]])
+def test_a_wrong_access_level_says_what_to_do(server: RwsServer, level: SignalAccess) -> None:
     server.cabinet.signals[signals.READY] = SimulatedSignal(signals.READY, level)
     link = link_to(server)
-    with pytest.raises(SignalAccessError, match=r"-1073414145.*Access Level All.*cross-connect"):
+    with pytest.raises(SignalAccessError, match=r"-1073445881.*Access Level All.*cross-connect"):
         link.set_ready(True)
     assert server.cabinet.value(signals.READY) == 0
     link.close()
@@ -172,7 +195,7 @@ def test_signals_on_a_device(server: RwsServer) -> None:
     }
     paths = {name: f"Local/DRV_1/{name}" for name in signals.ALL_SIGNALS}
     link = link_to(server, signal_paths=paths, subscribe=True, poll_interval=30.0)
-    until(lambda: link.events_live)
+    until(lambda: link.events.live)
     link.read_request()
     server.cabinet.set_value(signals.REQUEST, 1)
     until(link.read_request)
@@ -213,9 +236,9 @@ def test_both_edges_in_order(listening: RwsTransport, server: RwsServer) -> None
     group = next(iter(server.services.subscriptions.groups.values()))
     seen = []
     for value in (1, 0, 1, 0):
-        count = len(listening._events._edges)
+        count = len(listening.events._edges)
         server.cabinet.set_value(signals.REQUEST, value)
-        until(lambda count=count: len(listening._events._edges) > count)
+        until(lambda count=count: len(listening.events._edges) > count)
     for _ in range(4):
         seen.append(listening.read_request())
     assert seen == [True, False, True, False]
@@ -236,7 +259,7 @@ def test_an_event_ends_the_wait(listening: RwsTransport, server: RwsServer) -> N
 def test_a_request_raised_before_the_subscription_is_seen(server: RwsServer) -> None:
     server.cabinet.set_value(signals.REQUEST, 1)
     link = link_to(server, subscribe=True)
-    until(lambda: link.events_live)
+    until(lambda: link.events.live)
     assert link.read_request() is True
     link.close()
 
@@ -245,16 +268,16 @@ def test_a_broken_stream_is_replaced_and_polling_bridges_the_gap(
     listening: RwsTransport, server: RwsServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object) -> None:
-        raise RefusalError(500, CODE_BAD_REQUEST, "not now")
+        raise RefusalError(500, CODE_INVALID, "not now")
 
     with monkeypatch.context() as patch:
         patch.setattr(server.services.subscriptions, "create", refuse)
         server.drop_streams()
-        until(lambda: not listening.events_live)
+        until(lambda: not listening.events.live)
         server.cabinet.set_value(signals.REQUEST, 1)
         until(listening.read_request)
-        assert not listening.events_live
-    until(lambda: listening.events_live)
+        assert not listening.events.live
+    until(lambda: listening.events.live)
     assert len(server.services.subscriptions.groups) == 1
     listening._poll_interval = 60.0
     server.cabinet.set_value(signals.REQUEST, 0)
@@ -463,7 +486,7 @@ class TestCertificate:
         link = connect_rws2(server2.url, LOGIN, insecure=True, timeouts=PATIENT)
         assert link.read_ready() is False
         assert "not checked" in caplog.text
-        until(lambda: link.events_live)
+        until(lambda: link.events.live)
         link.close()
 
     def test_no_certificate_in_the_file(self, tmp_path: Path) -> None:

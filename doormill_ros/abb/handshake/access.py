@@ -12,11 +12,15 @@ from doormill_ros.abb.link_errors import (
     FileRefusedError,
     FileVerificationError,
     LinkError,
+    OtherRunError,
     ReadySignalError,
     RequestWithdrawnError,
     UnknownSignalError,
 )
 from doormill_ros.abb.transport import Transport, check_file_name
+
+#: What stands before the robot program's own reason, and in its place where it gave none.
+FAULT_WHILE_MILLING, NO_REASON = "the robot stopped with a fault while milling: ", "see its pendant"
 
 
 class ControllerAccess:
@@ -40,6 +44,7 @@ class ControllerAccess:
         self._check = check
         self._in_doubt_until = float("-inf")
         self._absent_signals: set[str] = set()
+        self._announced = b""
 
     @property
     def in_doubt(self) -> bool:
@@ -51,7 +56,7 @@ class ControllerAccess:
         self._in_doubt_until = self._clock() + self.transport.in_doubt_time
 
     def clear(self) -> None:
-        """Ready low first, then the file away, both read back.
+        """Ready low first, then the files away; what reads back decides, not how the orders were answered.
 
         The other order would leave ready high without a file, and writing under a high ready would
         let the controller read a half-written one.
@@ -59,19 +64,36 @@ class ControllerAccess:
         Raises:
             LinkError: The controller is perhaps not cleared.
         """
-        self.transport.set_ready(False)
-        self.require_ready(False)
-        # A removal that arrives late would take away the next file while it is announced.
-        self._doubtful(lambda: self.transport.remove_file(self.file_name))
-        self._doubtful(lambda: self.transport.remove_file(signals.ORDER_FILE))
+        self._announced = b""
+        refused = self._attempt(lambda: self._write_number(0))
+        refused = self._attempt(lambda: self.transport.set_ready(False)) or refused
         try:
-            self.transport.read_file(self.file_name)
+            self.require_ready(False)
+        except ReadySignalError as error:
+            raise refused or error from None
+        for name in (self.file_name, signals.ORDER_FILE):
+            self._remove(name)
+
+    def _remove(self, name: str) -> None:
+        # A removal that arrives late would take away the next file while it is announced.
+        refused = self._attempt(lambda: self._doubtful(lambda: self.transport.remove_file(name)))
+        try:
+            self.transport.read_file(name)
         except FileMissingError:
             return
-        raise FileVerificationError(
-            f"{self.file_name} is still on the controller after it was removed; check its folder's rights",
-            file=self.file_name,
+        raise refused or FileVerificationError(
+            f"{name} is still on the controller after it was removed; check its folder's rights", file=name
         )
+
+    def _attempt(self, operation: Callable[[], None]) -> LinkError | None:
+        """Give an order and return its refusal; one that may be carried out yet is raised."""
+        try:
+            operation()
+        except LinkError as error:
+            if error.in_doubt:
+                raise
+            return error
+        return None
 
     def write(self, submission: Submission) -> None:
         """Put the file into place; what is there afterwards must be verified.
@@ -127,26 +149,70 @@ class ControllerAccess:
         order += request_mark + b"\n" if request_mark else b""
         self._doubtful(lambda: self.transport.write_file(signals.ORDER_FILE, order))
         self._compare(signals.ORDER_FILE, order)
-        if not self.request_is_high() or self.request_mark() != request_mark:
-            raise RequestWithdrawnError(
-                "the request fell, or fell and rose again, while the file was written; request again"
-            )
+        if not self.request_is_high():
+            raise RequestWithdrawnError("the request fell while the file was written; request again")
+        self._require_mark(request_mark)
+        self._announced = request_mark
+        number = _number_of(request_mark)
+        if number:
+            self._doubtful(lambda: self._write_number(number))
         self._doubtful(lambda: self.transport.set_ready(True))
-        self.require_ready(True)
+        self.require_announced()
 
-    def require_ready(self, expected: bool) -> None:
-        """Compare the ready signal with what it should be.
+    def require_announced(self) -> None:
+        """Ready is high, and for the request for which it was raised; to be asked again and again meanwhile.
 
         Raises:
-            ReadySignalError: It differs.
+            RequestWithdrawnError: The robot program has made another request since.
+            ReadySignalError: It does not read high.
             LinkError: It cannot be read.
         """
-        if self.transport.read_ready() is not expected:
+        self.require_ready(True)
+        self._require_mark(self._announced)
+
+    def _require_mark(self, request_mark: bytes) -> None:
+        if self.request_mark() != request_mark:
+            raise RequestWithdrawnError(
+                "the request fell and rose again after the file was made for it; request again"
+            )
+
+    def require_ready(self, expected: bool) -> None:
+        """Compare the ready signals with what they should be.
+
+        Raises:
+            ReadySignalError: One differs.
+            LinkError: One cannot be read.
+        """
+        found = self.transport.read_ready()
+        if found is not expected:
             raise ReadySignalError(
-                f"{signals.READY} reads {int(not expected)} where {int(expected)} was written; "
+                f"{signals.READY} reads {int(found)} where {int(expected)} was written; "
                 "check which other program or operator writes it",
                 expected=expected,
             )
+        if signals.READY_NUMBER in self._absent_signals:
+            return
+        wanted = _number_of(self._announced)
+        try:
+            number = self.transport.read_number(signals.READY_NUMBER)
+        except UnknownSignalError:
+            self._absent_signals.add(signals.READY_NUMBER)
+            return
+        if number != wanted:
+            raise ReadySignalError(
+                f"{signals.READY_NUMBER} reads {number} where {wanted} was written; "
+                "check which other program or operator writes it",
+                expected=wanted,
+            )
+
+    def _write_number(self, number: int) -> None:
+        """Write the ready number; a controller of the thesis' program has none."""
+        if signals.READY_NUMBER in self._absent_signals:
+            return
+        try:
+            self.transport.write_number(signals.READY_NUMBER, number)
+        except UnknownSignalError:
+            self._absent_signals.add(signals.READY_NUMBER)
 
     def request_is_high(self) -> bool:
         """The request asked of the controller itself: an event may be late or lost.
@@ -177,20 +243,64 @@ class ControllerAccess:
 
         Raises:
             FileRefusedError: It refused the file.
-            RequestWithdrawnError: It marks its requests, and neither refused the file nor began to mill.
-            LinkError: Its signals cannot be read.
+            OtherRunError: It accepted another run than the one that was announced.
+            RequestWithdrawnError: It marks its requests, and neither refused the file nor accepted it.
+            LinkError: Its signals or files cannot be read.
         """
         if self.optional_signal(signals.FAULT):
+            reason = self.reason_of_fault(request_mark) or "its pendant says why"
             raise FileRefusedError(
-                f"the controller refused the file of run {run_id}; its pendant says why", run_id=run_id
+                f"the controller refused the file of run {run_id}: {reason}", run_id=run_id
             )
-        # Twice: between the end of BUSY and the start of DONE both are low for an instant.
-        began = any(self.optional_signal(name) for name in 2 * (signals.BUSY, signals.DONE))
-        if request_mark and not began:
+        if not request_mark:
+            return
+        accepted = self._optional_lines(signals.ACCEPTED_FILE)
+        if not accepted:
             raise RequestWithdrawnError(
-                "the request fell, but the robot neither refused the file nor began to mill; its program was "
+                "the request fell, but the robot neither refused the file nor accepted it; its program was "
                 "probably stopped: start it again"
             )
+        if accepted != [run_id, request_mark.decode("ascii", "replace")]:
+            raise OtherRunError(
+                f"the robot accepted {' for request '.join(accepted)} instead of run {run_id}; stop it and look "
+                "at the door",
+                run_id=run_id,
+                found=accepted[0],
+            )
+
+    def reason_of_fault(self, request_mark: bytes) -> str:
+        """What the robot program wrote about the fault of this request, empty when it wrote nothing.
+
+        Raises:
+            LinkError: Its file cannot be read.
+        """
+        lines = self._optional_lines(signals.REFUSED_FILE)
+        if not request_mark or lines[:1] != [request_mark.decode("ascii", "replace")]:
+            return ""
+        return " ".join(lines[1:])
+
+    def was_milled(self, run_id: str) -> bool:
+        """Whether the robot program notes this run as milled to its end; DONE itself falls with the next request.
+
+        Raises:
+            LinkError: Its file cannot be read.
+        """
+        return self._optional_lines(signals.MILLED_FILE) == [run_id]
+
+    def name_door(self, door_id: str) -> None:
+        """Tell the robot program which door is being loaded.
+
+        Raises:
+            LinkError: The file is perhaps not there.
+        """
+        content = door_id.encode("ascii") + b"\n"
+        self.transport.write_file(signals.EXPECTED_FILE, content)
+
+    def _optional_lines(self, name: str) -> list[str]:
+        try:
+            return self.transport.read_file(name).decode("ascii", "replace").splitlines()
+        except FileMissingError:
+            return []
 
     def _compare(self, name: str, expected: bytes) -> bytes:
         found = self.transport.read_file(name)
@@ -212,3 +322,9 @@ class ControllerAccess:
             if error.in_doubt:
                 self.expect_latecomers()
             raise
+
+
+def _number_of(request_mark: bytes) -> int:
+    """The number that ready carries for a request; 0 for a program that does not number its requests."""
+    number = int(request_mark) if request_mark.isdigit() else 0
+    return number if number <= signals.LARGEST_NUMBER else 0

@@ -12,13 +12,15 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import replace
 from typing import Any
 
 from doormill_ros.abb import link_errors, signals
-from doormill_ros.abb.backoff import Backoff
+from doormill_ros.abb.backoff import Backoff, Outage
 from doormill_ros.abb.handshake.access import ControllerAccess
 from doormill_ros.abb.handshake.inbox import Inbox, RunLedger, Submission
+from doormill_ros.abb.handshake.milling import MillingWatch
 from doormill_ros.abb.handshake.state import CLEARED, HandshakeSnapshot, HandshakeTimeouts, RunOutcome
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import LinkError
@@ -57,6 +59,7 @@ class Handshake:
         self._clock = clock
         self._timeouts = timeouts or HandshakeTimeouts()
         self._access = ControllerAccess(transport, clock, file_name, check)
+        self._milling = MillingWatch(self._access, clock, self._timeouts.milling)
         self._on_change = on_change
         self._inbox = Inbox()
         self._runs = RunLedger()
@@ -68,7 +71,7 @@ class Handshake:
         self._request_mark = b""
         self._watch_at = float("-inf")
         self._retry = Backoff(clock, self._timeouts.retry_first, self._timeouts.retry_last)
-        self._unreadable_since: float | None = None
+        self._unreadable = Outage(clock, self._timeouts.link_loss)
 
     @property
     def snapshot(self) -> HandshakeSnapshot:
@@ -109,16 +112,18 @@ class Handshake:
         self._transport.wake()
 
     def abort(self, reason: str) -> None:
-        """Give up the present request or run; the next step lowers ready and removes the file.
-
-        Args:
-            reason: One sentence for the status.
-        """
+        """Give up the present request or run, for a reason of one sentence: ready low and the file gone in a step."""
         self._inbox.order_abort(reason)
         self._transport.wake()
 
+    def expect_door(self, door_id: str) -> Future[None]:
+        """Tell the robot program which door is being loaded; the future holds the `LinkError` of a failure."""
+        told = self._inbox.name_door(door_id)
+        self._transport.wake()
+        return told
+
     def wait(self, timeout: float) -> None:
-        """Sleep until the next `step` is worth its while, at most `timeout` [s]."""
+        """Sleep until the next `step` is worth its while [s]."""
         self._transport.wait(timeout)
 
     def close(self) -> None:
@@ -135,6 +140,7 @@ class Handshake:
         A step takes at most a few transport operations, each within the transport's timeout, and
         raises no `LinkError`: what goes wrong shows in the snapshot.
         """
+        self._inbox.tell_door(self._access.name_door)
         try:
             if self._snapshot.state is State.CLEARING:
                 self._step_clearing()
@@ -166,17 +172,17 @@ class Handshake:
         self._inbox.forget_abort()
         self._watch_at = self._clock() + self._timeouts.watch
         if after is State.MILLING:
-            self._deadline = self._clock() + self._timeouts.milling
-        # When the request could not be read for a while it may have fallen and risen: then a high one
-        # counts as new, and a file that was made before is not taken for it.
-        self._enter(after, reason, code, request=high and not self._edges_missed)
+            self._milling.begin()
+        # A request that could not be read for a while may have fallen and risen, and has for a robot that mills:
+        # a high one counts as new, and a file that was made before is not taken for it.
+        same = not self._edges_missed and after is not State.MILLING
+        self._enter(after, reason, code, request=high and same)
         self._edges_missed = False
 
     def _step_cleared(self) -> None:
         was_high, reported = self._snapshot.request, self._transport.read_request()
         high = reported if reported == was_high else self._access.request_is_high()
-        if high != was_high:
-            self._update(request=high)
+        self._update(request=high)
         if high and not (was_high and reported):  # it rose, or it fell and rose again between two looks
             self._begin_request()
         elif self._snapshot.state is State.REQUESTED:
@@ -194,17 +200,26 @@ class Handshake:
     def _begin_request(self) -> None:
         before = self._snapshot
         number = before.request_number + 1
+        if before.state is State.MILLING:
+            milled, reason = self._milling.end_before_request(before.run_id)
+            self._runs.end_milling(before.run_id, milled, reason)
+            if milled:
+                self._enter(State.DONE, reason, 0)
         context = f" (before: {before.reason})" if before.error_code else ""
         self._drop_submission(link_errors.StaleSubmissionError("the file was made for an earlier request"))
         self._edges_missed = True  # what fails in here makes the request count as new once the link works
         # Read before anybody is told of the request: a picture is then never older than the mark.
         self._request_mark = self._access.request_mark()
-        self._update(request_number=number, times={})
+        self._update(request_number=number, times={}, run_id="", door_id="")
         self._inbox.forget_abort()
         self._deadline = self._clock() + self._timeouts.submission
         self._enter(State.REQUESTED, f"request {number}: waiting for the target file{context}", 0)
         self._access.clear()
         self._edges_missed = False
+
+    def _end_milling(self, state: State, reason: str) -> None:
+        self._runs.end_milling(self._snapshot.run_id, state is State.DONE, reason)
+        self._enter(state, reason, 0)
 
     def _step_requested(self, high: bool) -> None:
         if not high:
@@ -245,14 +260,10 @@ class Handshake:
         self._access.verify(submission)
         self._inbox.raise_if_aborted()
         self._enter(State.RAISING, f"{name} verified, setting {signals.READY}", 0)
-        try:
-            self._access.announce(submission, self._request_mark)
-        except link_errors.RequestWithdrawnError:
-            self._edges_missed = True  # if it is high again, it is a new request
-            raise
+        self._access.announce(submission, self._request_mark)
         self._deadline = self._clock() + self._timeouts.acknowledge
         self._watch_at = self._clock() + self._timeouts.watch
-        self._unreadable_since = None
+        self._unreadable.over()
         self._enter(State.READY, f"{name} verified and announced; the controller may read it", 0)
 
     def _step_ready(self) -> None:
@@ -261,12 +272,11 @@ class Handshake:
             reported = self._transport.read_request()
             high = reported or self._access.request_is_high()
         except LinkError:
-            now, self._edges_missed = self._clock(), True
-            self._unreadable_since = now if self._unreadable_since is None else self._unreadable_since
-            if now - self._unreadable_since >= self._timeouts.link_loss:
+            self._edges_missed = True
+            if self._unreadable.beyond_limit():
                 raise
             return
-        self._unreadable_since = None
+        self._unreadable.over()
         if not high:
             self._acknowledged()
         elif not reported:
@@ -281,7 +291,7 @@ class Handshake:
             )
         elif self._clock() >= self._watch_at:
             self._watch_at = self._clock() + self._timeouts.watch
-            self._access.require_ready(True)
+            self._access.require_announced()
 
     def _acknowledged(self) -> None:
         self._update(request=False)
@@ -292,15 +302,8 @@ class Handshake:
         self._step_clearing()
 
     def _step_milling(self) -> None:
-        if self._access.optional_signal(signals.FAULT):
-            self._enter(State.FAILED, "the robot stopped with a fault while milling; see its pendant", 0)
-        elif self._access.optional_signal(signals.DONE):
-            self._enter(State.DONE, "the robot reported the end of milling", 0)
-        elif self._clock() >= self._deadline:
-            limit = self._timeouts.milling
-            raise link_errors.MillingTimeoutError(
-                f"the robot did not report the end of milling within {limit:g} s; look at it", timeout=limit
-            )
+        if (end := self._milling.end(self._request_mark)) is not None:
+            self._end_milling(*end)
 
     def _fail(self, error: LinkError) -> None:
         state = self._snapshot.state
@@ -308,7 +311,10 @@ class Handshake:
         resting = state in (State.IDLE, State.DONE)
         milling_on = state is State.MILLING and not isinstance(error, link_errors.MillingTimeoutError)
         after = state if resting or milling_on else State.FAILED
-        self._edges_missed = self._edges_missed or error.connection
+        if state is State.MILLING and not milling_on:
+            self._runs.end_milling(self._snapshot.run_id, False, error.message)
+        # Withdrawn and high is a new request.
+        self._edges_missed |= error.connection or isinstance(error, link_errors.RequestWithdrawnError)
         reason = error.message
         if error.connection and state in (State.READY, State.ACKNOWLEDGED):
             reason += "; the controller may have taken the file: look at the robot before you repeat"

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, replace
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, RunOutcome
 from doormill_ros.abb.link_errors import (
+    DoorNameError,
     EmptyTargetFileError,
     HandshakeBusyError,
+    LinkError,
     NoRequestError,
     RepeatedRunError,
     RunAbortedError,
@@ -18,6 +22,7 @@ from doormill_ros.abb.link_errors import (
 
 _RUNS_REMEMBERED = 10_000
 _OUTCOMES_REMEMBERED = 1000
+LONGEST_NAME = 40  #: of a door; RAPID strings hold 80 and a line of the pendant 40
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,7 @@ class Inbox:
         self._mutex = threading.Lock()
         self._submission: Submission | None = None
         self._abort_reason: str | None = None
+        self._door: tuple[str, Future[None]] | None = None
         self._run_ids: dict[str, None] = {}
 
     def put(self, submission: Submission, now: HandshakeSnapshot) -> None:
@@ -104,6 +110,37 @@ class Inbox:
         with self._mutex:
             self._abort_reason = None
 
+    def name_door(self, door_id: str) -> Future[None]:
+        """Remember the name of the door that is being loaded; it takes the place of one not told yet."""
+        told: Future[None] = Future()
+        if not (door_id.isascii() and door_id.isprintable() and 0 < len(door_id) <= LONGEST_NAME):
+            told.set_exception(
+                DoorNameError(
+                    f"name of the door is {door_id!r}; allowed are 1 to {LONGEST_NAME} printable ASCII characters: "
+                    "use the id of a recipe",
+                    found=door_id,
+                )
+            )
+            return told
+        with self._mutex:
+            before, self._door = self._door, (door_id, told)
+        if before is not None:
+            before[1].cancel()
+        return told
+
+    def tell_door(self, write: Callable[[str], None]) -> None:
+        """Pass the name on, if there is one."""
+        with self._mutex:
+            waiting, self._door = self._door, None
+        if waiting is None or not waiting[1].set_running_or_notify_cancel():
+            return
+        try:
+            write(waiting[0])
+        except LinkError as error:
+            waiting[1].set_exception(error)
+        else:
+            waiting[1].set_result(None)
+
     def raise_if_aborted(self) -> None:
         """Turn the order into an error, once.
 
@@ -140,6 +177,12 @@ class RunLedger:
         if len(self._outcomes) > _OUTCOMES_REMEMBERED:
             del self._outcomes[next(iter(self._outcomes))]
         return outcome
+
+    def end_milling(self, run_id: str, milled: bool, reason: str) -> None:
+        """Say how the milling of a run that was handed over ended; without effect for another."""
+        outcome = self._outcomes.get(run_id)
+        if outcome is not None and outcome.handed_over:
+            self._outcomes[run_id] = replace(outcome, milled=milled, reason=reason)
 
     def outcome(self, run_id: str) -> RunOutcome | None:
         """How a run ended, None while it goes on or when it is unknown."""

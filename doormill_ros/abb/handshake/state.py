@@ -78,6 +78,7 @@ class RunOutcome:
         handed_over: The controller read the file and did not refuse it.
         error_code: Code of the `LinkError` leaf, 0 when handed over.
         reason: One sentence.
+        milled: Of a run that was handed over: whether the robot milled it to its end, None while it mills.
     """
 
     run_id: str
@@ -85,6 +86,7 @@ class RunOutcome:
     handed_over: bool
     error_code: int
     reason: str
+    milled: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -98,7 +100,7 @@ class HandshakeSnapshot:
         error_code: Code of the error that led here, 0 when none did.
         request: The request signal when it was last read.
         request_number: Requests seen since the start; a submission belongs to one of them.
-        run_id: Run being handed over or handed over last, empty before the first.
+        run_id: Run handed over, or being so, for the present request; empty before there is one.
         door_id: Its door.
         outcome: End of the last run that ended.
         times: When each state was last entered within the present request, by state value [s].

@@ -17,6 +17,7 @@ from doormill_ros.abb.errors import (
     TargetFileCutShortError,
     TargetFileWriteError,
     TargetLineError,
+    TargetProgramError,
     WrongDoorError,
 )
 from doormill_ros.abb.target_file.checksum import checksum
@@ -25,18 +26,20 @@ from doormill_ros.abb.target_file.trailer import (
     MARK,
     MAX_FEATURES,
     MAX_MOTIONS,
+    MAX_POINTS,
     MAX_TARGETS,
     Trailer,
     TrailerReader,
     format_trailer,
 )
+from doormill_ros.arrays import FloatArray
 from doormill_ros.files import ReadBackError, write_atomically
 from doormill_ros.toolpath.program import MillingProgram, Motion
 
 #: More than the largest file that the counts allow; what is larger is not read line by line.
 MAX_FILE_SIZE = 1_000_000
 _STRANGE = re.compile(rb"[^\n\x20-\x7e]")
-MAX_LINES = MAX_TARGETS + MAX_MOTIONS + MAX_FEATURES + 100
+MAX_LINES = MAX_TARGETS + MAX_MOTIONS + 2 * MAX_FEATURES + MAX_POINTS + 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +52,9 @@ class TargetFile:
         run_id: The run's own name, used once; empty in a file without trailer.
         recipe_version: Version of the recipe; 0 in a file without trailer.
         motions: The motions in the order of execution, wrench zero; empty without trailer.
+        points: Joint angles that MoveAbsJ passes, each of shape (6,) [rad].
+        home: Where the program begins and ends, shape (6,) [rad]; None without trailer.
+        escapes: Points of the way home from each feature.
     """
 
     targets: tuple[TargetLine, ...]
@@ -56,6 +62,9 @@ class TargetFile:
     run_id: str
     recipe_version: int
     motions: tuple[Motion, ...]
+    points: tuple[FloatArray, ...] = ()
+    home: FloatArray | None = None
+    escapes: tuple[range, ...] = ()
 
     def check_for(self, door_id: str, seen_runs: tuple[str, ...] = ()) -> None:
         """Refuse a file for another door or of a run that was executed before.
@@ -88,13 +97,27 @@ def render_target_file(program: MillingProgram, run_id: str) -> bytes:
 
     Raises:
         TargetValueError: A target, name or count that the file cannot hold.
-        TargetProgramError: A motion that does not fit the targets.
+        TargetProgramError: A motion that does not fit the targets, or a way home that is missing.
     """
     targets = program.targets
     lines = format_lines(
         [t.T_base_tool_corrected for t in targets], [t.conf for t in targets], [t.name for t in targets]
     )
-    trailer = Trailer(program.door_id, run_id, program.recipe_version, len(lines), program.motions)
+    if program.home is None:
+        raise TargetProgramError(
+            "the milling program has no home, allowed are joint angles that agree with the controller's: "
+            "generate the path again"
+        )
+    trailer = Trailer(
+        program.door_id,
+        run_id,
+        program.recipe_version,
+        len(lines),
+        program.home,
+        program.points,
+        program.escapes,
+        program.motions,
+    )
     lines += format_trailer(trailer)
     a, b = checksum(lines)
     return _join([*lines, f"{MARK}sum [{a},{b}]"])
@@ -173,7 +196,16 @@ def read_target_file(data: bytes, *, trailer: bool = True) -> TargetFile:
             "number: write the file anew",
             line=count,
         )
-    return TargetFile(targets, found.door_id, found.run_id, found.recipe_version, found.motions)
+    return TargetFile(
+        targets,
+        found.door_id,
+        found.run_id,
+        found.recipe_version,
+        found.motions,
+        found.points,
+        found.home,
+        found.escapes,
+    )
 
 
 def check_handover(data: bytes, run_id: str, door_id: str) -> None:

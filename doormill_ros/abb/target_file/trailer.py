@@ -4,16 +4,20 @@ Each line begins with `#` and a key, in this fixed order, and holds no `;`. The 
 looks for eleven `;` in every line it reads and stops with an error at a line without them, so
 a file with fewer than its 14 targets can never become a motion.
 
-    #doormill 1                                    version of the form
+    #doormill 2                                    version of the form
     #door standard_door
     #run 20260314T101500-3f2a
     #recipe 3                                      version of the recipe
+    #home [0,-40,30,0,10,0]                        where the program begins and ends, degrees
     #targets 14
     #features 2
     #feature hinge_1                               one line for each, counted from 1
+    #points 6
+    #point [12.5,-3.25,40,0,-60,0]                 one line for each point of joint space, counted from 1, degrees
+    #escape [2,4]                                  one line for each feature: first and last point of its way home
     #motions 16
-    #move ["C",3,2,20,"z0",1,TRUE,3200]            kind, target and circle point counted from 1, mm/s,
-                                                   zone, feature or 0, cutting, rev/min
+    #move ["C",3,2,20,"z0",1,TRUE,3200]            kind, target (of "A" a point) and circle point
+                                                   counted from 1, mm/s, zone, feature or 0, cutting, rev/min
     #sum [12345,23456]                             checksum of every byte before this line
 
 The bracketed parts are RAPID record literals: `StrToVal` turns each into a record in one call.
@@ -34,50 +38,33 @@ from doormill_ros.abb.errors import (
     TargetValueError,
 )
 from doormill_ros.abb.target_file.line import RAPID_STRING, SEPARATOR
-from doormill_ros.toolpath.program import Motion, MotionKind
-from doormill_ros.units import RPM, m_to_mm, mm_to_m
+from doormill_ros.abb.target_file.move import Ends, Mistake, format_move, parse_move, plain_number
+from doormill_ros.arrays import FloatArray
+from doormill_ros.robot.chain import JOINTS
+from doormill_ros.toolpath.program import Motion
+from doormill_ros.units import deg_to_rad, rad_to_deg
 
 MARK = "#"
-VERSION = 1
+VERSION = 2
 #: Array sizes of the RAPID module.
 MAX_TARGETS = 2000
 MAX_MOTIONS = 2000
 MAX_FEATURES = 40
-#: Zones that the RAPID module knows, as the controller predefines them.
-ZONES = (
-    "fine",
-    "z0",
-    "z1",
-    "z5",
-    "z10",
-    "z15",
-    "z20",
-    "z30",
-    "z40",
-    "z50",
-    "z60",
-    "z80",
-    "z100",
-    "z150",
-    "z200",
-)
-MAX_SPEED = 7.0  #: v7000, the fastest predefined speed [m/s]
-MAX_SPINDLE_SPEED = 24000.0 * RPM  #: more than any router spindle of the cell turns [rad/s]
-
+MAX_POINTS = 500
+MAX_ESCAPE = 20  #: points of one way home
 #: What a name must not hold: the separator of targets, and what ends or escapes a RAPID string.
 FORBIDDEN = {SEPARATOR, '"', "\\"}
 
-_KINDS = {MotionKind.JOINT: "J", MotionKind.LINEAR: "L", MotionKind.CIRCULAR: "C"}
-_KIND_OF = {letter: kind for kind, letter in _KINDS.items()}
-_NUMBER = r"(\d{1,5}(?:\.\d{1,3})?)"
-_MOVE = re.compile(
-    rf'\["([JLC])",(\d{{1,4}}),(\d{{1,4}}),{_NUMBER},"([a-z0-9]{{2,4}})",(\d{{1,2}}),(TRUE|FALSE),{_NUMBER}\]'
-)
 _SUM = re.compile(r"\[(\d{1,5}),(\d{1,5})\]")
 _COUNT = re.compile(r"\d{1,6}")
+_ESCAPE = re.compile(r"\[(\d{1,4}),(\d{1,4})\]")
+_ANGLE = r"(-?\d{1,3}(?:\.\d{1,4})?)"
+_POINT = re.compile(rf"\[{','.join([_ANGLE] * JOINTS)}\]")
+LARGEST_ANGLE = deg_to_rad(999.0)  #: no joint of this kind of robot turns further [rad]
+ANGLE_DECIMALS = 4  #: of a degree; a point 3 m away moves by 3 um
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trailer:
     """What the trailer says; `wrench` of the motions is zero because the file does not carry it."""
 
@@ -85,6 +72,9 @@ class Trailer:
     run_id: str
     recipe_version: int
     target_count: int
+    home: FloatArray
+    points: tuple[FloatArray, ...]
+    escapes: tuple[range, ...]
     motions: tuple[Motion, ...]
 
 
@@ -93,25 +83,31 @@ def format_trailer(trailer: Trailer) -> list[str]:
 
     Raises:
         TargetValueError: A name that a RAPID string cannot hold, or a count that is too large.
-        TargetProgramError: A motion that does not fit the targets or the RAPID module.
+        TargetProgramError: A motion, point or way home that does not fit the targets or the RAPID module.
     """
     features = list(dict.fromkeys(motion.feature for motion in trailer.motions if motion.feature))
     _check_count("targets", trailer.target_count, MAX_TARGETS)
     _check_count("motions", len(trailer.motions), MAX_MOTIONS)
     _check_count("features", len(features), MAX_FEATURES)
+    _check_count("points", len(trailer.points), MAX_POINTS)
+    _check_escapes(trailer, features)
     lines = [
         f"{MARK}doormill {VERSION}",
         _name_line("door", trailer.door_id),
         _name_line("run", trailer.run_id),
         f"{MARK}recipe {_recipe_version(trailer.recipe_version)}",
+        f"{MARK}home {_format_point(trailer.home, 'home')}",
         f"{MARK}targets {trailer.target_count}",
         f"{MARK}features {len(features)}",
         *(_name_line("feature", feature) for feature in features),
+        f"{MARK}points {len(trailer.points)}",
+        *(f"{MARK}point {_format_point(q, f'point {i + 1}')}" for i, q in enumerate(trailer.points)),
+        *(f"{MARK}escape [{escape.start + 1},{escape.stop}]" for escape in trailer.escapes),
         f"{MARK}motions {len(trailer.motions)}",
     ]
-    for index, motion in enumerate(trailer.motions):
-        lines.append(_format_move(index, motion, trailer.target_count, features))
-    return lines
+    ends = Ends(trailer.target_count, len(trailer.points))
+    moves = [format_move(index, motion, ends, features) for index, motion in enumerate(trailer.motions)]
+    return lines + [f"{MARK}move {move}" for move in moves]
 
 
 class TrailerReader:
@@ -144,15 +140,20 @@ class TrailerReader:
         if version != VERSION:
             raise self._error(f"says version {version}", f"version {VERSION}")
         door_id, run_id = self._value("door"), self._value("run")
-        recipe_version, targets = self._count("recipe"), self._count("targets")
+        recipe_version, home = self._count("recipe"), self._angles("home")
+        targets = self._count("targets")
         features = [self._value("feature") for _ in range(self._count("features", MAX_FEATURES))]
         if len(set(features)) != len(features):
             raise self._error("repeats a feature", "each feature once")
-        motions = tuple(self._move(targets, features) for _ in range(self._count("motions", MAX_MOTIONS)))
+        points = tuple(self._angles("point") for _ in range(self._count("points", MAX_POINTS)))
+        escapes = tuple(self._escape(len(points)) for _ in features)
+        ends = Ends(targets, len(points))
+        motions = tuple(self._move(ends, features) for _ in range(self._count("motions", MAX_MOTIONS)))
         match = _SUM.fullmatch(self._value("sum", {SEPARATOR}))
         if not match:
             raise self._error("holds no checksum", "two numbers as in #sum [12345,23456]")
-        return Trailer(door_id, run_id, recipe_version, targets, motions), (int(match[1]), int(match[2]))
+        trailer = Trailer(door_id, run_id, recipe_version, targets, home, points, escapes, motions)
+        return trailer, (int(match[1]), int(match[2]))
 
     def _value(self, key: str, forbidden: set[str] = FORBIDDEN) -> str:
         if self.at_end:
@@ -178,81 +179,37 @@ class TrailerReader:
             raise self._error(f"says {MARK}{key} {text}", f"an integer from 0 to {largest}")
         return int(text)
 
-    def _move(self, targets: int, features: list[str]) -> Motion:
-        text = self._value("move", {SEPARATOR})
-        match = _MOVE.fullmatch(text)
+    def _angles(self, key: str) -> FloatArray:
+        """Joint angles of a line such as #point, shape (6,) [rad]."""
+        text = self._value(key, {SEPARATOR})
+        match = _POINT.fullmatch(text)
         if not match:
-            raise self._error(f"is {text!r}", 'a move such as ["C",3,2,20,"z0",1,TRUE,3200]')
-        kind, zone = _KIND_OF[match[1]], match[5]
-        target, via, feature = int(match[2]), int(match[3]), int(match[6])
-        if not 1 <= target <= targets or not (1 <= via <= targets if match[1] == "C" else via == 0):
-            raise self._error(f"moves to {target} by way of {via}", f"1 to {targets}, and 0 without circle")
-        if feature > len(features) or zone not in ZONES:
+            raise self._error(f"is {text!r}", f"{JOINTS} joint angles such as [0,-40,30.5,0,10,0]")
+        return deg_to_rad(np.array([float(angle) for angle in match.groups()]))
+
+    def _escape(self, points: int) -> range:
+        """The points of a way home, counted from 0."""
+        text = self._value("escape", {SEPARATOR})
+        match = _ESCAPE.fullmatch(text)
+        first, last = (int(match[1]), int(match[2])) if match else (0, 0)
+        if not 1 <= first <= last <= points or last - first >= MAX_ESCAPE:
             raise self._error(
-                f"names feature {feature} and zone {zone}", f"0 to {len(features)} and one of {ZONES}"
+                f"has the way home {text!r}", f"first and last of {points} points, at most {MAX_ESCAPE}"
             )
-        speed, spindle = mm_to_m(float(match[4])), float(match[8]) * RPM
-        if not 0.0 < speed <= MAX_SPEED or spindle > MAX_SPINDLE_SPEED * (1.0 + 1e-9):
-            raise self._error(f"is {text!r}", "a speed above 0 and a spindle speed the cell has")
-        return Motion(
-            kind=kind,
-            target=target - 1,
-            via=via - 1 if via else None,
-            speed=speed,
-            zone=zone,
-            feature=features[feature - 1] if feature else "",
-            cutting=match[7] == "TRUE",
-            wrench=np.zeros(6),
-            spindle_speed=spindle,
-        )
+        return range(first - 1, last)
+
+    def _move(self, ends: Ends, features: list[str]) -> Motion:
+        text = self._value("move", {SEPARATOR})
+        found = parse_move(text, ends, features)
+        if isinstance(found, Mistake):
+            raise self._error(found.found, found.allowed)
+        return found
 
     def _error(self, found: str, allowed: str) -> AbbError:
         return TargetLineError(
             f"line {self.number} of the target file {found}, allowed is {allowed}: write the file anew",
             line=self.number,
         )
-
-
-def _format_move(index: int, motion: Motion, targets: int, features: list[str]) -> str:
-    """One `#move` line."""
-
-    def error(found: str, allowed: str) -> AbbError:
-        return TargetProgramError(
-            f"motion {index} has {found}, allowed is {allowed}: correct the milling program", motion=index
-        )
-
-    circular = motion.kind is MotionKind.CIRCULAR
-    if motion.kind not in _KINDS:
-        raise error(f"kind {motion.kind!r}", "MoveJ, MoveL or MoveC")
-    if not 0 <= motion.target < targets:
-        raise error(f"target {motion.target}", f"0 to {targets - 1}")
-    via = motion.via
-    if circular != (via is not None) or (via is not None and not 0 <= via < targets):
-        raise error(f"circle point {motion.via}", "a target for MoveC and None for the others")
-    if motion.zone not in ZONES:
-        raise error(f"zone {motion.zone!r}", f"one of {', '.join(ZONES)}")
-    speed = _number(m_to_mm(motion.speed))
-    if not 0.0 < motion.speed <= MAX_SPEED or float(speed) == 0.0:
-        raise error(f"speed {motion.speed} m/s", f"0.000001 to {MAX_SPEED:g} m/s")
-    if not 0.0 <= motion.spindle_speed <= MAX_SPINDLE_SPEED:
-        raise error(f"spindle speed {motion.spindle_speed} rad/s", f"0 to {MAX_SPINDLE_SPEED:.0f} rad/s")
-    fields = (
-        f'"{_KINDS[motion.kind]}"',
-        str(motion.target + 1),
-        str(0 if via is None else via + 1),
-        speed,
-        f'"{motion.zone}"',
-        str(features.index(motion.feature) + 1 if motion.feature else 0),
-        "TRUE" if motion.cutting else "FALSE",
-        _number(motion.spindle_speed / RPM),
-    )
-    return f"{MARK}move [{','.join(fields)}]"
-
-
-def _number(value: float) -> str:
-    """At most three decimals, without zeros at the end."""
-    text = f"{value:.3f}".rstrip("0").rstrip(".")
-    return text or "0"
 
 
 def _name_line(key: str, name: str) -> str:
@@ -270,6 +227,33 @@ def _name_line(key: str, name: str) -> str:
     return line
 
 
+def _format_point(q: FloatArray, name: str) -> str:
+    """Joint angles in degrees as a RAPID record."""
+    angles = np.asarray(q, dtype=float)
+    if angles.shape != (JOINTS,) or not np.all(np.abs(angles) <= LARGEST_ANGLE):
+        raise TargetProgramError(
+            f"{name} has the joint angles {angles.tolist()} rad, allowed are {JOINTS} within "
+            f"{LARGEST_ANGLE:.1f} rad: correct the milling program"
+        )
+    return f"[{','.join(plain_number(angle, ANGLE_DECIMALS) for angle in rad_to_deg(angles).tolist())}]"
+
+
+def _check_escapes(trailer: Trailer, features: list[str]) -> None:
+    """One way home for each feature, along points that there are."""
+    if len(trailer.escapes) != len(features):
+        raise TargetProgramError(
+            f"the milling program has {len(trailer.escapes)} ways home for {len(features)} features, allowed is "
+            "one for each: generate the path again"
+        )
+    for feature, escape in zip(features, trailer.escapes, strict=True):
+        if not 0 <= escape.start < escape.stop <= len(trailer.points) or len(escape) > MAX_ESCAPE:
+            raise TargetProgramError(
+                f"the way home from {feature} has the points {escape.start + 1} to {escape.stop}, allowed are 1 to "
+                f"{MAX_ESCAPE} of the {len(trailer.points)} points: correct the milling program",
+                feature=feature,
+            )
+
+
 def _plain(text: str, forbidden: set[str]) -> bool:
     """Printable ASCII without the forbidden characters."""
     return text.isascii() and text.isprintable() and not forbidden & set(text)
@@ -285,7 +269,7 @@ def _recipe_version(version: int) -> int:
 
 
 def _check_count(what: str, found: int, largest: int) -> None:
-    if not 1 <= found <= largest and not (what == "features" and found == 0):
+    if not 1 <= found <= largest and not (what in ("features", "points") and found == 0):
         raise TargetValueError(
             f"the milling program has {found} {what}, allowed are 1 to {largest}: "
             "mill the door in several runs",

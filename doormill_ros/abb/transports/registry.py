@@ -10,7 +10,7 @@ from doormill_ros.abb.credentials import load_credentials
 from doormill_ros.abb.link_errors import UnknownTransportError
 from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports.rws import connect_rws1, connect_rws2
-from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
+from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class TransportOptions:
     """What a transport may need; none of it is secret.
 
     Attributes:
-        address: Folder of a shared folder, URL of Robot Web Services.
+        address: HOME of a simulated controller, URL of Robot Web Services.
         certificate: PEM file with the controller's certificate, for https.
         insecure: Trust any certificate instead.
     """
@@ -29,12 +29,16 @@ class TransportOptions:
 
 
 TRANSPORTS: dict[str, Callable[[TransportOptions], Transport]] = {
-    "shared_folder": lambda o: SharedFolderTransport(o.address),
+    "simulated_folder": lambda o: SimulatedFolderTransport(o.address),
     "rws1": lambda o: connect_rws1(o.address, load_credentials()),
     "rws2": lambda o: connect_rws2(
         o.address, load_credentials(), certificate=o.certificate, insecure=o.insecure
     ),
 }
+
+
+#: Names that transports had before, and what they are called now.
+_FORMER = {"shared_folder": "simulated_folder"}
 
 
 def open_transport(name: str, options: TransportOptions) -> Transport:
@@ -44,6 +48,12 @@ def open_transport(name: str, options: TransportOptions) -> Transport:
         UnknownTransportError: No transport of that name.
         LinkError: It cannot be opened.
     """
+    if name in _FORMER:
+        raise UnknownTransportError(
+            f"transport is {name!r}, which is named {_FORMER[name]!r} now, because no real controller shows its "
+            "signals as files: write that name, or rws1 or rws2 for a real controller",
+            name=name,
+        )
     if name not in TRANSPORTS:
         raise UnknownTransportError(
             f"transport is {name!r}, allowed are {', '.join(TRANSPORTS)}; correct the bridge's parameter",

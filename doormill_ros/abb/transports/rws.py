@@ -11,6 +11,7 @@ from pathlib import Path
 import httpx
 
 from doormill_ros.abb import signals
+from doormill_ros.abb.controller_state import ControllerEvent, ControllerReading
 from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.link_errors import (
     ControllerReplyError,
@@ -24,16 +25,28 @@ from doormill_ros.abb.link_errors import (
     UploadError,
 )
 from doormill_ros.abb.transport import check_file_name
+from doormill_ros.abb.transports.rws_address import tls_context
+from doormill_ros.abb.transports.rws_controller import RwsController
 from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2, Dialect
 from doormill_ros.abb.transports.rws_events import RwsEvents
-from doormill_ros.abb.transports.rws_http import LinkTimeouts, RwsHttp, tls_context
+from doormill_ros.abb.transports.rws_http import LinkTimeouts, RwsHttp
 
-#: Return code of a write that the signal's access level forbids.
-ACCESS_REJECTED = -1073414145
+#: Return codes of a write that access level or operating mode forbid: the one of live captures of RobotWare 6.16 and
+#: 7.21 (github.com/ichbinmeraj/abb-rws-client, tests/fixtures/errors), and the one of ros-industrial/abb_librws#73.
+REJECTED = (-1073445881, -1073414145)
+#: Codes of "held by somebody else" and "mastership is needed", from the same captures.
+MASTERSHIP = (-1073445862, -1073445859)
+#: Codes of RobotWare 8's refusals to write without the control station's write access, from the same captures.
+WRITE_ACCESS = (-1073435873, -1073435871, -1073435870)
 
 
 class RwsTransport:
-    """Signals and files through one web session; made by `connect_rws`."""
+    """Signals and files through one web session; made by `connect_rws`.
+
+    Attributes:
+        in_doubt_time: How long a request whose connection broke may still be carried out [s].
+        events: What reports edges of the request; None where it is polled alone.
+    """
 
     def __init__(
         self,
@@ -64,22 +77,18 @@ class RwsTransport:
         self._woken = threading.Event()
         self._request_level = False
         self._asked_at = float("-inf")
-        self._events: RwsEvents | None = None
+        self._controller = RwsController(http, dialect)
+        self.events: RwsEvents | None = None
         if subscribe:
-            self._events = RwsEvents(http, dialect, self._path(signals.REQUEST), self._woken)
-            self._events.start()
+            self.events = RwsEvents(http, dialect, self._path(signals.REQUEST), self._woken)
+            self.events.start()
 
     def __repr__(self) -> str:
         return f"RwsTransport({self._http.url!r}, version={self._dialect.version})"
 
-    @property
-    def events_live(self) -> bool:
-        """True while edges are reported; otherwise the request is polled."""
-        return self._events is not None and self._events.live
-
     def read_request(self) -> bool:
         """The next reported edge, or the request's value, at most a polling interval old."""
-        edge = self._events.next_edge() if self._events is not None else None
+        edge = self.events.next_edge() if self.events is not None else None
         if edge is not None:
             self._request_level = edge
             # An event may be older than the last answer; ask again soon.
@@ -94,29 +103,27 @@ class RwsTransport:
 
     def read_signal(self, name: str) -> bool:
         """Any signal as the controller has it."""
-        response = self._http.request("GET", self._dialect.signal(self._path(name)), repeat=True)
-        self._check_signal(response, name, "read")
-        for item in self._dialect.items(response.content):
-            level = str(item.get("lvalue", ""))
-            if level in ("0", "1"):
-                if name == signals.REQUEST:
-                    self._asked_at = time.monotonic()
-                return level == "1"
-        raise SignalReadError(
-            f"signal {name} has no value 0 or 1 in the controller's answer; it must be a digital signal",
-            signal=name,
-        )
+        level = self._read_value(name)
+        if level not in (0, 1):
+            raise SignalReadError(
+                f"signal {name} has no value 0 or 1 in the controller's answer; it must be a digital signal",
+                signal=name,
+            )
+        if name == signals.REQUEST:
+            self._asked_at = time.monotonic()
+        return level == 1
 
     def set_ready(self, value: bool) -> None:
         """Write the ready signal; its access level must be "All"."""
-        response = self._http.request(
-            "POST",
-            self._dialect.set_signal(self._path(signals.READY)),
-            content=f"lvalue={int(value)}",
-            headers={"Content-Type": self._dialect.form_type},
-            repeat=not value,  # lowering twice, or late, does no harm
-        )
-        self._check_signal(response, signals.READY, "written")
+        self._write_value(signals.READY, int(value))
+
+    def read_number(self, name: str) -> int:
+        """A group signal's number."""
+        return self._read_value(name)
+
+    def write_number(self, name: str, value: int) -> None:
+        """Write a group signal; its access level must be "All"."""
+        self._write_value(name, value)
 
     def write_file(self, name: str, data: bytes) -> None:
         """Upload; the controller writes in place, so the file is half there for a moment."""
@@ -152,7 +159,12 @@ class RwsTransport:
 
     def remove_file(self, name: str) -> None:
         """Delete; a missing file is no error."""
-        response = self._http.request("DELETE", self._dialect.file(check_file_name(name)), repeat=True)
+        response = self._http.request(
+            "DELETE",
+            self._dialect.file(check_file_name(name)),
+            headers=self._dialect.change_headers,
+            repeat=True,
+        )
         if response.status_code not in (200, 204, 404):
             raise RemoveError(
                 f"{name} cannot be removed (status {response.status_code}); check the user's "
@@ -160,6 +172,14 @@ class RwsTransport:
                 file=name,
                 status=response.status_code,
             )
+
+    def read_controller(self, ask_privilege: bool = False) -> ControllerReading:
+        """Operating mode, drives, execution and override."""
+        return self._controller.read(ask_privilege)
+
+    def read_events(self) -> tuple[ControllerEvent, ...]:
+        """New entries of the event log."""
+        return self._controller.events()
 
     def wait(self, timeout: float) -> None:
         """Sleep until an edge is reported, at most a polling interval."""
@@ -172,9 +192,32 @@ class RwsTransport:
 
     def close(self) -> None:
         """Unsubscribe, log out and close."""
-        if self._events is not None:
-            self._events.close()
+        if self.events is not None:
+            self.events.close()
         self._http.close(logout=lambda: self._http.request("GET", "/logout"))
+
+    def _read_value(self, name: str) -> int:
+        response = self._http.request("GET", self._dialect.signal(self._path(name)), repeat=True)
+        self._check_signal(response, name, "read")
+        for item in self._dialect.items(response.content):
+            level = str(item.get("lvalue", ""))
+            if level.isascii() and level.isdecimal():
+                return int(level)
+        raise SignalReadError(
+            f"signal {name} has no whole number in the controller's answer; it must be a digital or group signal",
+            signal=name,
+        )
+
+    def _write_value(self, name: str, value: int) -> None:
+        response = self._http.request(
+            "POST",
+            self._dialect.set_signal(self._path(name)),
+            content=f"lvalue={value}",
+            headers={"Content-Type": self._dialect.form_type},
+            repeat=not value,  # lowering twice, or late, does no harm
+            once=bool(value),
+        )
+        self._check_signal(response, name, "written")
 
     def _path(self, name: str) -> str:
         return self._paths.get(name, name)
@@ -184,10 +227,18 @@ class RwsTransport:
         if status in (200, 204):
             return
         code = self._dialect.error_code(response.content)
-        if code == ACCESS_REJECTED:
+        if code in REJECTED:
             raise SignalAccessError(
-                f"signal {name} cannot be {doing} (code {code}): its access level is not 'All'; set "
-                "Access Level All in the I/O configuration, or cross-connect a virtual signal of that level",
+                f"signal {name} cannot be {doing} (code {code}): its access level is not 'All', or the controller is "
+                "in manual mode; set Access Level All in the I/O configuration, or cross-connect a virtual signal of "
+                "that level, and turn the controller to automatic",
+                signal=name,
+                controller_code=code,
+            )
+        if code in MASTERSHIP or code in WRITE_ACCESS:
+            raise SignalAccessError(
+                f"signal {name} cannot be {doing} (code {code}): somebody else may write on this controller now; "
+                "release the write access of RobotStudio or of the other client",
                 signal=name,
                 controller_code=code,
             )

@@ -23,6 +23,8 @@ class Dialect:
         form_type: Content type of a form.
         file_type: Content type of an upload.
         encrypted: https with basic login, where the other has http with digest login.
+        drives: Where the state of the drives is read.
+        log_type: Media type in which the event log comes newest first, "" where it always does.
     """
 
     version: int
@@ -31,6 +33,18 @@ class Dialect:
     form_type: str
     file_type: str
     encrypted: bool
+    drives: str
+    log_type: str
+
+    @property
+    def change_headers(self) -> dict[str, str]:
+        """For a change without a body: 2.0 answers 406 to one without these."""
+        return {"Content-Type": self.form_type, "Content-Length": "0"}
+
+    def resource(self, path: str, query: str = "") -> str:
+        """A resource that both versions have at the same place."""
+        wanted = "&".join(part for part in (query, "json=1" if self.version == 1 else "") if part)
+        return f"{path}?{wanted}" if wanted else path
 
     def signal(self, path: str) -> str:
         """Where a signal is read; `path` is `{name}` or `{network}/{device}/{name}`."""
@@ -78,7 +92,16 @@ class Dialect:
             return 0
 
 
-RWS1 = Dialect(1, "robapi2_subscription", {}, _FORM, "application/octet-stream", encrypted=False)
+RWS1 = Dialect(
+    1,
+    "robapi2_subscription",
+    {},
+    _FORM,
+    "application/octet-stream",
+    encrypted=False,
+    drives="/rw/panel/ctrlstate",
+    log_type="",
+)
 RWS2 = Dialect(
     2,
     "rws_subscription",
@@ -86,4 +109,6 @@ RWS2 = Dialect(
     f"{_FORM};v=2.0",
     "text/plain;v=2.0",
     encrypted=True,
+    drives="/rw/panel/ctrl-state",
+    log_type="application/hal+json;v=2.1",
 )

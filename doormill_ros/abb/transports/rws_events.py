@@ -154,7 +154,7 @@ class RwsEvents:
         group, self._group = self._group, ""
         if group:
             with contextlib.suppress(LinkError):
-                self._http.request("DELETE", f"/subscription/{group}")
+                self._http.request("DELETE", f"/subscription/{group}", headers=self._dialect.change_headers)
 
     def _take(self, message: str) -> None:
         for path, level in _EVENT.findall(message):

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import logging
 import socket
 import ssl
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 import httpx
 
@@ -27,14 +24,16 @@ from doormill_ros.abb.link_errors import (
     LinkError,
     LoginError,
     ReadTimeoutError,
+    SessionExpiredError,
     WriteTimeoutError,
 )
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
+from doormill_ros.abb.transports.rws_address import check_url
 
-_LOG = logging.getLogger(__name__)
 _BUSY_FIRST = 0.05
 _BUSY_LAST = 1.0
 _CLOSE_LIMIT = 1.0
+_LOGIN_PATH = "/rw/panel/opmode"  # any resource that can be read brings a session
 
 
 @dataclass(frozen=True)
@@ -52,58 +51,6 @@ class LinkTimeouts:
     read: float = 2.0
     write: float = 2.0
     total: float = 4.0
-
-
-def tls_context(certificate: Path | None, insecure: bool) -> ssl.SSLContext:
-    """Trust exactly one controller's certificate, or, when asked to, any.
-
-    Controllers come with a self-signed certificate whose name is not the address, so the
-    certificate itself is pinned instead of a name checked.
-
-    Args:
-        certificate: The controller's certificate, PEM.
-        insecure: Accept every certificate; anybody on the network can then read the password.
-
-    Raises:
-        CertificateError: Neither or both are given, or the file is no certificate.
-    """
-    if (certificate is None) is not insecure:
-        raise CertificateError(
-            "give either the controller's certificate file or insecure=True; "
-            "'openssl s_client -connect HOST:443 -showcerts' shows the certificate"
-        )
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-    context.check_hostname = False
-    if certificate is None:
-        _LOG.warning("the controller's certificate is not checked: use this on a closed network only")
-        context.verify_mode = ssl.CERT_NONE
-        return context
-    try:
-        context.load_verify_locations(cafile=str(certificate))
-    except (OSError, ssl.SSLError) as error:
-        raise CertificateError(
-            f"{certificate} is not a PEM certificate ({error}); export the controller's certificate again",
-            path=str(certificate),
-        ) from error
-    context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
-    return context
-
-
-def check_url(url: str) -> str:
-    """The address of a controller without a slash at its end.
-
-    Raises:
-        ConnectError: It is not of the form http://HOST or https://HOST, or holds a password.
-    """
-    parts = urlsplit(url)
-    if parts.scheme not in ("http", "https") or not parts.hostname:
-        raise ConnectError(f"controller address is {url!r}; it must be like 'http://192.168.125.1'", url=url)
-    if parts.username is not None or parts.password is not None:
-        raise ConnectError(
-            "controller address holds a user or password; take them out and set the environment variables "
-            "of the credentials instead"
-        )
-    return url.rstrip("/")
 
 
 class RwsHttp:
@@ -156,6 +103,7 @@ class RwsHttp:
         content: bytes | str | None = None,
         headers: dict[str, str] | None = None,
         repeat: bool = False,
+        once: bool = False,
     ) -> httpx.Response:
         """Send and wait for the whole answer, at most `total` seconds.
 
@@ -165,6 +113,7 @@ class RwsHttp:
             content: Body.
             headers: In addition.
             repeat: Send once more when the connection breaks; only where twice or late does no harm.
+            once: Send a single time: neither "log in" (401) nor "busy" (503) lets it be sent again.
 
         Returns:
             The answer, whatever its status except 401 and 503.
@@ -175,6 +124,8 @@ class RwsHttp:
         deadline = time.monotonic() + self._timeouts.total
 
         def send() -> httpx.Response:
+            if once:
+                return self._send_once(method, path, content, headers or {}, deadline)
             return self._send(method, path, content, headers or {}, repeat, deadline)
 
         try:
@@ -228,7 +179,7 @@ class RwsHttp:
                 self._client.cookies.clear()
                 continue
             if response.status_code != 503:
-                self._logged_in = True
+                self._logged_in, self._fresh = True, False
                 return response
             pause = backoff.failed()
             if time.monotonic() + pause >= deadline:
@@ -239,11 +190,34 @@ class RwsHttp:
                 )
             time.sleep(pause)
 
-    def _exchange(self, method: str, path: str, content: Any, headers: dict[str, str]) -> httpx.Response:
+    def _send_once(
+        self, method: str, path: str, content: Any, headers: dict[str, str], deadline: float
+    ) -> httpx.Response:
+        if self._fresh or not self._logged_in:
+            self._send("GET", _LOGIN_PATH, None, {}, True, deadline)
+        response = self._exchange(method, path, content, headers, answer_challenge=False)
+        if response.status_code == 401:
+            self._logged_in = False
+            self._client.cookies.clear()
+            raise SessionExpiredError(
+                f"controller {self.url} had ended the session before {method} {path}; look at it again and repeat",
+                url=self.url,
+            )
+        if response.status_code == 503:
+            raise ControllerBusyError(
+                f"controller {self.url} answers 503 to {method} {path}: too many sessions or requests; "
+                "close other clients",
+                url=self.url,
+            )
+        return response
+
+    def _exchange(
+        self, method: str, path: str, content: Any, headers: dict[str, str], answer_challenge: bool = True
+    ) -> httpx.Response:
         password = self._credentials.reveal
         auth: httpx.Auth | None = None
         if self._digest:
-            auth = self._digest_auth
+            auth = self._digest_auth if answer_challenge else _Unanswered(self._digest_auth)
         elif not self._logged_in:
             auth = httpx.BasicAuth(self._credentials.user, password())
         doing = f"{method} {path} at {self.url}"
@@ -268,6 +242,7 @@ class RwsHttp:
         limits = self._timeouts
         # Made anew with the client: it keeps the last challenge, which dies with a restarted controller.
         self._digest_auth = httpx.DigestAuth(self._credentials.user, self._credentials.reveal())
+        self._fresh = True
         return httpx.Client(
             cookies=self._cookies,
             headers=self._headers,
@@ -305,6 +280,16 @@ class RwsHttp:
         while self._spent:
             with contextlib.suppress(Exception):
                 self._spent.pop().close()
+
+
+class _Unanswered(httpx.Auth):
+    """Signs a request with the last challenge; a new one is not answered by sending it again."""
+
+    def __init__(self, digest: httpx.DigestAuth) -> None:
+        self._digest = digest
+
+    def auth_flow(self, request: httpx.Request) -> Generator[httpx.Request, httpx.Response, None]:
+        yield next(self._digest.auth_flow(request))
 
 
 def map_http_error(error: httpx.HTTPError, doing: str) -> LinkError:

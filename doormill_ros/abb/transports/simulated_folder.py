@@ -1,4 +1,6 @@
-"""The thesis' way: a folder that PC and controller share, with the signals as files beside it.
+"""A folder that stands for a controller in simulation: its HOME, with the signals as files beside it.
+
+No controller shows its signals as files; a real one is reached by Robot Web Services.
 
 <folder>/Hei2.txt             the target file
 <folder>/io/doPathRequest     "0" or "1", see doormill_ros.abb.signals
@@ -44,7 +46,7 @@ _TORN_READS = 5
 _TORN_PAUSE = 0.002
 
 
-class SharedFolderTransport:
+class SimulatedFolderTransport:
     """Signals and target files in one folder; see `Transport` for the operations.
 
     Calls run on one worker thread in order, because a dead network share blocks in the kernel where
@@ -58,7 +60,7 @@ class SharedFolderTransport:
         """Take the folder for this process alone and remove what a killed writer left half done.
 
         Args:
-            folder: The controller's HOME as this PC sees it; must exist.
+            folder: The simulated controller's HOME; must exist.
             timeout: Limit of one operation [s].
             poll_interval: Longest sleep of `wait` [s].
 
@@ -73,7 +75,7 @@ class SharedFolderTransport:
         self._poll_interval = poll_interval
         self._lock: int | None = None
         self._woken = threading.Event()
-        self._worker = BoundedCaller("shared-folder")
+        self._worker = BoundedCaller("simulated-folder")
         try:
             self._bounded(self._open, ReadTimeoutError, "opening")
         except Exception:
@@ -81,7 +83,7 @@ class SharedFolderTransport:
             raise
 
     def __repr__(self) -> str:
-        return f"SharedFolderTransport({str(self._folder)!r})"
+        return f"SimulatedFolderTransport({str(self._folder)!r})"
 
     def read_request(self) -> bool:
         """The request signal, True when high."""
@@ -97,7 +99,19 @@ class SharedFolderTransport:
 
     def set_ready(self, value: bool) -> None:
         """Replace the ready signal's file."""
-        self._bounded(lambda: self._set_ready(value), WriteTimeoutError, f"writing {signals.READY}")
+        self._bounded(
+            lambda: self._write_signal(signals.READY, int(value)),
+            WriteTimeoutError,
+            f"writing {signals.READY}",
+        )
+
+    def read_number(self, name: str) -> int:
+        """A group signal's number; a missing file is 0."""
+        return self._bounded(lambda: self._read_number(name), ReadTimeoutError, f"reading signal {name}")
+
+    def write_number(self, name: str, value: int) -> None:
+        """Replace the group signal's file."""
+        self._bounded(lambda: self._write_signal(name, value), WriteTimeoutError, f"writing {name}")
 
     def write_file(self, name: str, data: bytes) -> None:
         """Write beside the target, then replace in one step."""
@@ -136,7 +150,7 @@ class SharedFolderTransport:
             return self._worker.call(function, self._timeout)
         except CallTimeout:
             raise timeout_error(
-                f"{doing} in shared folder {self._folder} took longer than {self._timeout:g} s; "
+                f"{doing} in simulated folder {self._folder} took longer than {self._timeout:g} s; "
                 "check the network share",
                 folder=str(self._folder),
                 timeout=self._timeout,
@@ -145,7 +159,7 @@ class SharedFolderTransport:
     def _open(self) -> None:
         if not self._folder.is_dir():
             raise FolderMissingError(
-                f"shared folder {self._folder} does not exist; mount the controller's HOME folder there "
+                f"simulated folder {self._folder} does not exist; mount the controller's HOME folder there "
                 "or correct the path",
                 folder=str(self._folder),
             )
@@ -157,11 +171,20 @@ class SharedFolderTransport:
                 left_over.unlink(missing_ok=True)
         except OSError as error:
             raise FolderMissingError(
-                f"shared folder {self._folder} cannot be used: {error.strerror}; give this user write access",
+                f"simulated folder {self._folder} cannot be used: {error.strerror}; give this user write access",
                 folder=str(self._folder),
             ) from error
 
     def _read_signal(self, name: str) -> bool:
+        value = self._read_number(name)
+        if value > 1:
+            raise SignalReadError(
+                f"signal {name} is {value} in {self._io}; allowed are '0' and '1': check who else writes it",
+                signal=name,
+            )
+        return value == 1
+
+    def _read_number(self, name: str) -> int:
         path = self._io / check_file_name(name)
         content = b""
         for attempt in range(_TORN_READS):
@@ -171,9 +194,9 @@ class SharedFolderTransport:
                 content = path.read_bytes().strip()
             except FileNotFoundError:
                 if self._io.is_dir():
-                    return False
+                    return 0
                 raise SignalReadError(
-                    f"signal {name} cannot be read: {self._io} is gone; mount the shared folder again",
+                    f"signal {name} cannot be read: {self._io} is gone; mount the simulated folder again",
                     signal=name,
                 ) from None
             except OSError as error:
@@ -181,17 +204,18 @@ class SharedFolderTransport:
                     f"signal {name} cannot be read: {error.strerror} ({path}); check the share",
                     signal=name,
                 ) from error
-            if content in (signals.LOW, signals.HIGH):
-                return content == signals.HIGH
+            if content.isdigit():
+                return int(content)
         raise SignalReadError(
-            f"signal {name} is {content[:20]!r} in {path}; allowed are '0' and '1': check who else writes it",
+            f"signal {name} is {content[:20]!r} in {path}; allowed are '0' and '1', for a group a decimal number: "
+            "check who else writes it",
             signal=name,
         )
 
-    def _set_ready(self, value: bool) -> None:
-        path = self._io / signals.READY
+    def _write_signal(self, name: str, value: int) -> None:
+        path = self._io / check_file_name(name)
         try:
-            self._replace(path, signals.HIGH if value else signals.LOW)
+            self._replace(path, b"%d" % value)
         except UploadError as error:
             # Lowering must work on a full disk too, and a missing file reads as low.
             if not value:
@@ -199,7 +223,7 @@ class SharedFolderTransport:
                     path.unlink(missing_ok=True)
                     return
             raise SignalWriteError(
-                f"signal {signals.READY} cannot be written: {error.message}", signal=signals.READY
+                f"signal {name} cannot be written: {error.message}", signal=name
             ) from error
 
     def _replace(self, path: Path, data: bytes) -> None:
@@ -221,7 +245,7 @@ def _lock(descriptor: int, folder: Path) -> None:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise FolderInUseError(
-            f"shared folder {folder} is held by another process; two writers could mix their files: "
+            f"simulated folder {folder} is held by another process; two writers could mix their files: "
             "stop the other abb_bridge first",
             folder=str(folder),
         ) from None
