@@ -36,6 +36,12 @@ class Spread:
     error: FloatArray
 
 
+def bin_places(size: int) -> FloatArray:
+    """Distances of the bins of a mean profile of `size` bins from the edge, outwards [px], shape (size,)."""
+    places: FloatArray = (np.arange(size) - (size - 1) / 2) / _FINE
+    return places
+
+
 @lru_cache(maxsize=16)
 def _templates(half: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Blurred steps (b, m, 3), projectors (b, m, m) onto what they leave unexplained; bin centres (m,)."""

@@ -27,10 +27,11 @@ from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.statistics import share
 from doormill_ros.units import m_to_mm, rad_to_deg
 
+FUTURE = 1.0  # s that a camera's clock may be ahead
 _MOST_WHITE = 0.6  # share of clipped pixels in a picture
 _DARKEST = 16  # grey level that one pixel in two hundred must exceed
 _FEWEST_ROWS = 60
-_SKEW = 4.5  # out of square by that many standard deviations is another line
+_SKEW = 3.0  # standard deviations of the measurement by which an angle may exceed the tolerance
 # Misfit of the mean profile from one blurred step that makes it two edges: as a share of the step, as
 # a multiple of the rows' scatter, and of the streaks of wood grain beside the edge.
 _DOUBLE, _DOUBLE_SCATTER, _DOUBLE_STREAKS = 0.02, 3.5, 2.0
@@ -58,6 +59,10 @@ def check_input(
             "set the camera to the size it was calibrated with",
             info=camera.size,
             picture=(width, height),
+        )
+    if age < -FUTURE:
+        raise StalePicture(
+            f"the picture's stamp is {-age:.2f} s in the future; set the clocks of camera and PC", age=age
         )
     if not age <= settings.max_age:
         raise StalePicture(
@@ -129,6 +134,11 @@ def check_share(edge: str, found: float, settings: LocalizerSettings) -> None:
         )
 
 
+def allowed_misfit(spread: Spread, streaks: float) -> float:
+    """Largest misfit of one edge's mean profile; see `check_spread`."""
+    return max(_DOUBLE, _DOUBLE_SCATTER * spread.level, _DOUBLE_STREAKS * streaks)
+
+
 def check_spread(edge: str, spread: Spread, streaks: float, settings: LocalizerSettings) -> None:
     """Whether an edge is sharp, and one.
 
@@ -144,11 +154,11 @@ def check_spread(edge: str, spread: Spread, streaks: float, settings: LocalizerS
     if spread.blur > settings.max_blur:
         raise Blurred(
             f"the {edge} edge is {spread.blur:.1f} px soft, allowed are {settings.max_blur:.1f} px; "
-            "focus the camera, clean its window or hold the door still",
+            "focus the camera, clean its window, hold the door still, or clear the edge of shadows and rims",
             edge=edge,
             blur=spread.blur,
         )
-    allowed = max(_DOUBLE, _DOUBLE_SCATTER * spread.level, _DOUBLE_STREAKS * streaks)
+    allowed = allowed_misfit(spread, streaks)
     if spread.misfit > allowed:
         raise WrongEdge(
             f"the {edge} edge is not one step from face to background: {100 * spread.misfit:.0f} % of it do not "
@@ -166,17 +176,17 @@ def edge_in_edge() -> WrongEdge:
     )
 
 
-def check_square(fit: CornerFit) -> None:
-    """Whether the two lines stand at a right angle.
+def check_square(fit: CornerFit, settings: LocalizerSettings) -> None:
+    """Whether the two lines stand at a right angle within the tolerance of doors.
 
     Raises:
         WrongEdge: They do not.
     """
-    allowed = _SKEW * fit.square_deviation
+    allowed = settings.squareness_limit + _SKEW * fit.square_deviation
     if abs(fit.out_of_square) > allowed:
         raise WrongEdge(
             f"the lines found are {rad_to_deg(fit.out_of_square):+.3f} degrees out of square, allowed are "
-            f"{rad_to_deg(allowed):.3f}; one of them is not an edge of the door",
+            f"{rad_to_deg(allowed):.3f}; one of them is not an edge of the door, or the door is not square",
             out_of_square=fit.out_of_square,
         )
 
@@ -186,8 +196,8 @@ _POSITION_MARGIN = 2e-5  # m
 _ROTATION_MARGIN = 3.5e-4  # rad
 
 
-def check_range(offset: DoorOffset, limits: PlacementLimits) -> None:
-    """Whether the door stands where the cell accepts it.
+def check_range(offset: DoorOffset, limits: PlacementLimits, sure: bool = True) -> None:
+    """Whether the door stands where the cell accepts it; not `sure` where only a corner shows that may be another.
 
     Raises:
         OutOfRange: It does not.
@@ -198,10 +208,18 @@ def check_range(offset: DoorOffset, limits: PlacementLimits) -> None:
         abs(offset.rotation) - limits.rotation > _ROTATION_MARGIN,
     )
     if any(over):
+        found = (
+            "the door stands" if sure else "no corner shows within the limits, but one that seems to stand"
+        )
+        act = (
+            "place it again"
+            if sure
+            else "place the door again, or clear what covers its edges if it stands right"
+        )
         raise OutOfRange(
-            f"the door stands {m_to_mm(offset.y):+.2f} mm in y, {m_to_mm(offset.z):+.2f} mm in z and "
+            f"{found} {m_to_mm(offset.y):+.2f} mm in y, {m_to_mm(offset.z):+.2f} mm in z and "
             f"{rad_to_deg(offset.rotation):+.2f} degrees off, allowed are {m_to_mm(limits.y):.0f} mm, "
-            f"{m_to_mm(limits.z):.0f} mm and {rad_to_deg(limits.rotation):.0f} degrees; place it again",
+            f"{m_to_mm(limits.z):.0f} mm and {rad_to_deg(limits.rotation):.0f} degrees; {act}",
             offset=offset,
         )
 

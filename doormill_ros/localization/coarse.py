@@ -6,14 +6,15 @@ texture is its edge; a rebate's lip, the back of a door or a rail behind it lie 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, FloatArray, IntArray
+from doormill_ros.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find_steps, reduced
+from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.errors import NoEdge, WrongEdge
+from doormill_ros.localization.layers import choose
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import median
 
@@ -25,16 +26,9 @@ _FLOOR = 0.25  # texture that noise alone makes [grey levels]
 _FAINTEST = 3.5  # smallest step taken for an edge [grey levels]
 _STRAY = 0.5e-3  # lines that far out of range are passed over if others are in range [m]
 _NEAR_CORNER = (16.0e-3, 32.0e-3)  # an edge must show within the second, one of the two within the first [m]
+_BROKEN, _WHOLE = 60.0e-3, 0.7  # so far from a broken corner an edge must show that share of its step [m]
+_SIDE_BY_SIDE = 12.0e-3  # largest difference between the tilts of lines that run side by side [rad]
 _PARALLEL = 9.0e-3  # largest difference between the tilts of the two edges, as far as the search sees [rad]
-
-
-@dataclass(frozen=True)
-class EdgeLine:
-    """A candidate: place at the nominal corner [m], slope across per along, step [grey levels]."""
-
-    across: float
-    tilt: float
-    step: float
 
 
 def candidates(steps: Steps, reach: float) -> tuple[list[EdgeLine], float]:
@@ -60,7 +54,10 @@ def candidates(steps: Steps, reach: float) -> tuple[list[EdgeLine], float]:
     shifted = [padded[i : i + best.size] for i in range(2 * WING + 1)]
     peak = (best > np.max(shifted[:WING], axis=0)) & (best >= np.max(shifted[WING + 1 :], axis=0))
     peak &= best > np.maximum(_FAINTEST, _SIGNIFICANT * level)
-    peak &= (best > _CERTAIN * level) | (best > 0.5 * best[peak].max(initial=0.0))
+    strongest = best[peak].max(initial=0.0)
+    # Outside of the strongest even a faint one may be the edge: that of a strip, or of a face in shadow.
+    outside = across < across[int(np.argmax(np.where(peak, best, 0.0)))]
+    peak &= (best > _CERTAIN * level) | (best > 0.5 * strongest) | (outside & (best > 0.1 * strongest))
     found = np.flatnonzero(peak)
     lines = []
     for j in found[::-1]:
@@ -108,15 +105,10 @@ def refine(steps: Steps, line: EdgeLine) -> EdgeLine:
     return EdgeLine(float(at), float(slope), line.step)
 
 
-def meet(hinge: EdgeLine, bottom: EdgeLine) -> FloatArray:
-    """Pose (y, z, rotation) of the corner of two lines; the rotation is the mean of theirs."""
-    # Hinge: y = a + p z, bottom: z = b + q y; a turn by r tilts them by -r and +r.
-    y = (hinge.across + hinge.tilt * bottom.across) / (1 - hinge.tilt * bottom.tilt)
-    return np.array([y, bottom.across + bottom.tilt * y, np.arctan((bottom.tilt - hinge.tilt) / 2)])
-
-
-def _ends_at_corner(steps: dict[str, Steps], hinge: EdgeLine, bottom: EdgeLine, corner: FloatArray) -> bool:
-    """Whether both edges are there near the corner and at least one of them ends in it."""
+def _ends_at_corner(
+    steps: dict[str, Steps], hinge: EdgeLine, bottom: EdgeLine, corner: FloatArray, broken: bool
+) -> bool:
+    """Whether both edges are there near the corner, or beyond what is `broken` off it, and at least one ends in it."""
     beyond, close = [], []
     for edge, line, at in ((HINGE, hinge, corner[1]), (BOTTOM, bottom, corner[0])):
         # Chips may have taken more than half of the wood near the corner, or a clamp may hide it.
@@ -126,15 +118,25 @@ def _ends_at_corner(steps: dict[str, Steps], hinge: EdgeLine, bottom: EdgeLine, 
             sign * steps[edge].along_line(line.across, line.tilt, at + 0.8e-3, at + reach, quantile)
             for reach in _NEAR_CORNER
         )
-        if max(near, far) < 0.35 * abs(line.step):
-            return False
+        if max(near, far) < 0.35 * abs(line.step):  # a corner may be broken off
+            far = sign * steps[edge].along_line(line.across, line.tilt, at + _NEAR_CORNER[1], at + _BROKEN)
+            if not broken or far < _WHOLE * abs(line.step):
+                return False
         close.append(near > 0.35 * abs(line.step))
         outside = steps[edge].along_line(line.across, line.tilt, at - 3.0e-3, at - 0.9e-3)
         beyond.append(sign * outside > 0.5 * max(near, far))
     # What hides one edge near the corner hides where a line too far in would give itself away: then the other must end.
+    if not any(close):
+        return not any(beyond)
     if not all(close):
-        return any(close) and not beyond[close.index(True)]
+        return not beyond[close.index(True)]
     return not all(beyond)
+
+
+def _parallels(lines: list[EdgeLine], chosen: BoolArray) -> list[EdgeLine]:
+    """Of the chosen lines (n,) those that run along the innermost of them, from the inside outwards."""
+    left = [line for line, one in zip(lines, chosen, strict=True) if one]
+    return [line for line in left if abs(line.tilt - left[0].tilt) < _SIDE_BY_SIDE]
 
 
 def search_bands(view: FaceView, limit: float, rotation: float) -> dict[str, Band]:
@@ -146,7 +148,9 @@ def search_bands(view: FaceView, limit: float, rotation: float) -> dict[str, Ban
     return out
 
 
-def search(picture: ByteArray, view: FaceView, limit: float, rotation: float) -> FloatArray:
+def search(
+    picture: ByteArray, view: FaceView, limit: float, rotation: float, broken: bool = True
+) -> FloatArray:
     """Rough pose of the corner of the door's face: y, z [m] and rotation [rad], shape (3,).
 
     Args:
@@ -154,6 +158,7 @@ def search(picture: ByteArray, view: FaceView, limit: float, rotation: float) ->
         view: The camera before the face.
         limit: Largest offset looked for [m].
         rotation: Largest rotation looked for [rad].
+        broken: Whether a corner that is broken off is one.
 
     Raises:
         NoEdge: Nothing stands out of the texture where an edge must be.
@@ -173,23 +178,37 @@ def search(picture: ByteArray, view: FaceView, limit: float, rotation: float) ->
         if not lines[edge]:
             raise NoEdge(
                 f"no line of at least {max(_FAINTEST, _SIGNIFICANT * level):.1f} grey levels where the {edge} edge "
-                "of the door must be; check that a door stands in the fixture and how it is lit",
+                "of the door must be; check that a door stands in the fixture right side up, what covers its edge "
+                "and how it is lit",
                 edge=edge,
+                marks=(
+                    (edge, view.pixels(view.line(edge, np.zeros(3), np.linspace(0.0, view.length(edge), 9)))),
+                ),
             )
         lines[edge] = [refine(steps[edge], line) for line in lines[edge]]
-    # A line that no other meets at a right angle is a shadow or a tool. Of what remains the innermost
-    # two are the face's, or nothing is: to fall back on lines further out would be to guess.
+    # A line that no other meets at a right angle is a shadow or a tool.
     square = np.array([[abs(h.tilt + b.tilt) < _PARALLEL for b in lines[BOTTOM]] for h in lines[HINGE]])
     inside = [[np.abs(meet(h, b)[:2]).max() < limit + _STRAY for b in lines[BOTTOM]] for h in lines[HINGE]]
     if np.any(np.logical_and(square, inside)):
         square = np.logical_and(square, inside)
     if np.any(square):
-        hinge = lines[HINGE][int(np.argmax(np.any(square, axis=1)))]
-        bottom = lines[BOTTOM][int(np.argmax(np.any(square, axis=0)))]
+        first = (
+            lines[HINGE][int(np.argmax(np.any(square, axis=1)))],
+            lines[BOTTOM][int(np.argmax(np.any(square, axis=0)))],
+        )
+        beside = {
+            HINGE: _parallels(lines[HINGE], np.any(square, axis=1)),
+            BOTTOM: _parallels(lines[BOTTOM], np.any(square, axis=0)),
+        }
+        found = choose(picture, view, beside, meet(*first))
+        hinge, bottom = found[HINGE], found[BOTTOM]
         corner = meet(hinge, bottom)
-        if abs(hinge.tilt + bottom.tilt) < _PARALLEL and _ends_at_corner(steps, hinge, bottom, corner):
+        if abs(hinge.tilt + bottom.tilt) < _PARALLEL and _ends_at_corner(
+            steps, hinge, bottom, corner, broken
+        ):
             return corner
     raise WrongEdge(
         f"{len(lines[HINGE])} upright and {len(lines[BOTTOM])} level lines were found, but the innermost of them "
-        "do not meet at a right angle and end where they meet; clear the view of the door's corner"
+        "do not meet at a right angle and end where they meet; clear the view of the door's corner",
+        marks=tuple((edge, view.pixels(lines[edge][0].points(edge, 0.0))) for edge in (HINGE, BOTTOM)),
     )

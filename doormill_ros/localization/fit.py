@@ -1,8 +1,4 @@
-"""Lines through edge points, and the door's pose from two of them.
-
-An edge wanders: neighbouring points deviate together, so their scatter alone says too little.
-The variance that counts is that of averages over pieces longer than the wander.
-"""
+"""Lines through edge points, and the door's pose from two of them."""
 
 from __future__ import annotations
 
@@ -11,17 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.localization.wander import point_variance
 from doormill_ros.statistics import NORMAL_STD, median
 
-_PIECE = 6.0e-3  # length over which deviations are averaged [m]; a sawn edge wanders over 2 mm
-# Of Gaussian wander over 2 mm, averages over 6 mm hold a fifth too little variance; the biweight and the
-# search for chips take another quarter off the largest of them.
-_PIECE_BIAS = 1.6
 _CUT = 4.7  # Tukey's biweight ends at that many standard deviations
 _FINEST = 2.0e-7  # smallest scatter believed [m]
 _CHIP = 1.0e-3  # length over which points are averaged to see chips in noise [m]
 _CHIP_CUT = 6.0  # such averages lose weight from half that many standard deviations, and have none beyond
 _DOUBTED = 0.1  # least weight of a point in them
+_SQUARE = 2.4  # a door is taken for square up to that many standard deviations of the angle measured
+_SHOWN = 4.0  # variance expected of an angle that shows, as a multiple of its square
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +46,10 @@ class LineFit:
     scatter: float
     variance: float
     freedom: float
+
+    def moved(self, by: float, variance: float) -> LineFit:
+        """This line shifted across [m], by an amount of that variance [m^2]."""
+        return replace(self, place=self.place + by, place_variance=self.place_variance + variance)
 
     def pushed(self, place_variance: float, slope_variance: float) -> LineFit:
         """This line with the uncertainty [m^2], [-] that texture beside the edge adds."""
@@ -100,7 +99,7 @@ def fit_line(
         if step == rounds - 3:
             x, y = every
         residual = y - place - slope * (x - middle)
-    variance, freedom = _point_variance(x, residual, weight) if rounds > 2 else (scale**2, 1.0)
+    variance, freedom = point_variance(x, residual, weight) if rounds > 2 else (scale**2, 1.0)
     lever = x - middle
     square = weight**2
     residuals = across - place - slope * (along - middle)
@@ -138,20 +137,6 @@ def _unchipped(along: FloatArray, residual: FloatArray, weight: FloatArray) -> F
     return kept
 
 
-def _point_variance(along: FloatArray, residual: FloatArray, weight: FloatArray) -> tuple[float, float]:
-    """Variance that independent points would need to make a line as uncertain as it is [m^2], and its freedom."""
-    third = ((along - along.min()) * (3 / _PIECE)).astype(np.intp)
-    # Pieces overlap by two thirds: half as many degrees of freedom more than those side by side have.
-    sums = np.convolve(np.bincount(third, weights=weight * residual), np.ones(3), "valid")
-    squares = np.convolve(np.bincount(third, weights=weight**2), np.ones(3), "valid")
-    used = squares > 0.2 * squares.max()
-    pieces = squares.sum() / squares.max() / 3
-    fitted = (pieces + 0.5) / max(pieces - 1.5, 1.0)  # the line went along with the pieces
-    wander = _PIECE_BIAS * fitted * (sums[used] @ sums[used]) / squares[used].sum()
-    white = (weight**2 @ residual**2) / (weight**2).sum()
-    return float(max(wander, white)), float(max(1.5 * pieces - 2, 1.0))
-
-
 def pooled(lines: dict[str, LineFit]) -> dict[str, LineFit]:
     """Lines along edges that one saw has cut, their uncertainty learned half from themselves, half from all.
 
@@ -180,7 +165,7 @@ class CornerFit:
         pose: y, z [m] and rotation [rad], shape (3,).
         covariance: Of the pose, shape (3, 3).
         out_of_square: Angle of the bottom edge above the normal of the hinge edge, as measured [rad].
-        square_deviation: Standard deviation of `out_of_square` on a true door [rad].
+        square_deviation: Standard deviation with which it was measured [rad].
     """
 
     pose: FloatArray
@@ -197,8 +182,12 @@ def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float) -> CornerFit:
         bottom: z over y of the bottom edge.
         squareness: Standard deviation of the angle between door edges from a right angle [rad].
     """
-    # Two readings of the rotation: turn, and turn + skew with skew ~ N(0, squareness^2).
+    # Two readings of the rotation: turn, and turn + skew with skew ~ N(0, squareness^2). A skew that shows is one: then
+    # the hinge edge alone tells the turn.
     turn_h, turn_b = -np.arctan(hinge.slope), np.arctan(bottom.slope)
+    read = hinge.slope_variance + bottom.slope_variance
+    beyond = (turn_b - turn_h) ** 2 - _SQUARE**2 * (read + squareness**2)
+    squareness = float(np.sqrt(squareness**2 + _SHOWN * max(beyond, 0.0)))
     information = np.array(
         [
             [1 / hinge.slope_variance + 1 / bottom.slope_variance, 1 / bottom.slope_variance],
@@ -223,5 +212,5 @@ def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float) -> CornerFit:
         np.array([y, z, turn]),
         jacobian @ states @ jacobian.T,
         float(turn_b - turn_h),
-        float(np.sqrt(hinge.slope_variance + bottom.slope_variance + squareness**2)),
+        float(np.sqrt(read)),
     )

@@ -11,7 +11,7 @@ from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.coarse import search, search_bands
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import CornerFit, fit_corner
-from doormill_ros.localization.result import EdgeTrace, Localization
+from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.localization.tracing import Trace, trace_edges
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView, face_view
@@ -49,7 +49,7 @@ def localize(
     view = face_view(camera, layout, float(width), float(thickness))
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness)
-    checks.check_square(fit)
+    checks.check_square(fit, settings)
     offset = DoorOffset(*(float(v) for v in fit.pose))
     checks.check_range(offset, layout.limits)
     # A better picture cannot help against a wrong thickness or mounting: only the picture's own part is judged.
@@ -59,7 +59,7 @@ def localize(
     return Localization(
         T_base_door=layout.T_base_door(width, thickness, offset),
         offset=offset,
-        covariance=_covariance(fit, view, settings),
+        parts=_parts(fit, view, settings),
         residual=float(np.sqrt(np.mean(residual**2))),
         inlier_share=float(inlier.mean()),
         quality=_quality(traces, fit.covariance, settings),
@@ -83,22 +83,24 @@ def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> Float
     except (NoEdge, WrongEdge) as reason:
         checks.check_exposure(picture, strict=True)
         try:
-            pose = search(picture, view, _WIDE * limit, _WIDE * rotation)
+            pose = search(picture, view, _WIDE * limit, _WIDE * rotation, broken=False)
         except LocalizationError:
             raise reason from None
-        checks.check_range(DoorOffset(*(float(v) for v in pose)), layout.limits)
+        checks.check_range(DoorOffset(*(float(v) for v in pose)), layout.limits, sure=False)
         raise
 
 
-def _covariance(fit: CornerFit, view: FaceView, settings: LocalizerSettings) -> FloatArray:
-    """Covariance of the pose with what the picture cannot tell."""
+def _parts(fit: CornerFit, view: FaceView, settings: LocalizerSettings) -> CovarianceParts:
+    """Covariance of the pose from the picture, and from what it cannot tell."""
     sight = np.array([*view.sight(fit.pose[:2]), 0.0])  # shift of the corner per distance of the face
-    covariance: FloatArray = (
-        fit.covariance
-        + np.diag(np.square(settings.mounting_deviation))
-        + settings.thickness_deviation**2 * np.outer(sight, sight)
+    across = np.outer(sight, sight)
+    lens = (settings.lens_deviation * view.distance) ** 2 * across
+    return CovarianceParts(
+        scatter=fit.covariance,
+        shape=settings.straightness_deviation**2 * np.diag([1.0, 1.0, 0.0]),
+        thickness=settings.thickness_deviation**2 * across,
+        calibration=np.diag(np.square(settings.mounting_deviation)) + lens,
     )
-    return covariance
 
 
 def _quality(traces: dict[str, Trace], covariance: FloatArray, settings: LocalizerSettings) -> float:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray, IntArray
+from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.result import Localization
 from doormill_ros.units import m_to_mm, rad_to_deg
 
@@ -14,6 +17,7 @@ _BITS = 4  # fractional bits of a pixel that the drawing routines keep
 _EVERY = 10  # of the points that agree, one in so many is drawn
 _ENLARGED = 20  # the ellipse of uncertainty is drawn that much too large
 _SIGMAS = 2.0
+_LINE = 44  # characters that fit on the panel
 
 
 def _fixed(pixels: FloatArray) -> IntArray:
@@ -75,4 +79,26 @@ def draw_overlay(picture: ByteArray, localization: Localization) -> ByteArray:
         lines.append(f"{edge.name} edge: step {edge.contrast:+.0f} grey levels, blur {edge.blur:.1f} px")
     lines.append(f"ellipse: {_SIGMAS:.0f} sigma x {_ENLARGED}")
     _write(out, lines)
+    return out
+
+
+def draw_refusal(picture: ByteArray, reason: LocalizationError) -> ByteArray:
+    """The picture with the sentence of its refusal and the places that it speaks of.
+
+    Args:
+        picture: Grey picture, shape (h, w), uint8.
+        reason: Why there is no pose; `data["marks"]` holds pairs of a name and pixels u, v (n, 2).
+
+    Returns:
+        The drawn picture, rgb, uint8, shape (h, w, 3).
+    """
+    out: ByteArray = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
+    for i, (name, pixels) in enumerate(reason.data.get("marks", ())):
+        colour = (_RED, _YELLOW)[i % 2]
+        cv2.polylines(out, [_fixed(pixels).reshape(-1, 1, 2)], False, colour, 2, cv2.LINE_AA, _BITS)
+        u, v = (int(at) for at in np.mean(pixels, axis=0))
+        cv2.putText(
+            out, name, (u + 12, v + 12 + 36 * i), cv2.FONT_HERSHEY_SIMPLEX, 0.9, colour, 2, cv2.LINE_AA
+        )
+    _write(out, textwrap.wrap(f"{reason.code}: {reason.message}", _LINE))
     return out

@@ -34,13 +34,35 @@ class EdgeTrace:
 
 
 @dataclass(frozen=True, eq=False)
+class CovarianceParts:
+    """What a pose's covariance of y, z [m] and rotation [rad] comes from; each part of shape (3, 3).
+
+    Attributes:
+        scatter: What the picture leaves open; differs from picture to picture.
+        shape: Edges that are not straight beyond what shows of them; the same in all pictures of a door.
+        thickness: Distance of the face, from the door's thickness and its seat; the same for a door.
+        calibration: Mounting and lens of the camera; the same for all doors.
+    """
+
+    scatter: FloatArray
+    shape: FloatArray
+    thickness: FloatArray
+    calibration: FloatArray
+
+    @property
+    def total(self) -> FloatArray:
+        """Their sum, shape (3, 3)."""
+        return self.scatter + self.shape + self.thickness + self.calibration
+
+
+@dataclass(frozen=True, eq=False)
 class Localization:
     """The door's pose from one picture.
 
     Attributes:
         T_base_door: Pose of the door, shape (4, 4).
         offset: Its offset from the nominal place.
-        covariance: Of offset y, z [m] and rotation [rad], shape (3, 3).
+        parts: What its covariance comes from.
         residual: RMS distance of the edge points in use from their lines [m].
         inlier_share: Share of the visible edge length that agrees with the lines, 0..1.
         quality: 0..1, how far the picture is from being refused; 1 is best.
@@ -51,13 +73,18 @@ class Localization:
 
     T_base_door: FloatArray
     offset: DoorOffset
-    covariance: FloatArray
+    parts: CovarianceParts
     residual: float
     inlier_share: float
     quality: float
     corner: FloatArray
     pixel: float
     edges: tuple[EdgeTrace, EdgeTrace]
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Of offset y, z [m] and rotation [rad], shape (3, 3)."""
+        return self.parts.total
 
     @property
     def deviations(self) -> FloatArray:

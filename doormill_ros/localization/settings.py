@@ -20,7 +20,7 @@ class LocalizerSettings(Section):
     """The section `localizer` of config/camera.yaml.
 
     Attributes:
-        squareness: Standard deviation of the door's angle from a right angle [rad].
+        squareness: Standard deviation of the angle of a well made door from a right angle [rad].
         max_age: Age from which a picture is stale [s].
         max_blur: Softest edge, standard deviation of its point spread [px].
         min_inlier_share: Share of each edge's visible length that must agree with its line.
@@ -28,6 +28,9 @@ class LocalizerSettings(Section):
         mounting_deviation: Standard deviation of the camera's mounting in y, z [m] and rotation [rad].
         thickness_deviation: Standard deviation of the face's distance, from the door's thickness and its seat in
             the clamp [m].
+        squareness_limit: Largest angle from a right angle of a door that is milled [rad].
+        straightness_deviation: Standard deviation of a whole edge from the straight line of what shows of it [m].
+        lens_deviation: Standard deviation of the focal length, as a share of it.
     """
 
     squareness: NotNegative
@@ -37,10 +40,19 @@ class LocalizerSettings(Section):
     max_deviation: Triple
     mounting_deviation: Triple
     thickness_deviation: NotNegative
+    squareness_limit: NotNegative = 2.6e-3
+    straightness_deviation: NotNegative = 0.0
+    lens_deviation: NotNegative = 0.0
 
     def picture_only(self) -> LocalizerSettings:
-        """These settings where thickness, seat and mounting are known exactly: the covariance is the picture's own."""
-        return replace(self, mounting_deviation=(0.0, 0.0, 0.0), thickness_deviation=0.0)
+        """These settings where all that no picture tells is known exactly: the covariance is the picture's own."""
+        return replace(
+            self,
+            mounting_deviation=(0.0, 0.0, 0.0),
+            thickness_deviation=0.0,
+            straightness_deviation=0.0,
+            lens_deviation=0.0,
+        )
 
 
 @dataclass(frozen=True)

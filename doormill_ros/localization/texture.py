@@ -23,7 +23,7 @@ _TRIM = 0.9  # share of the rows used, the calmest; the others hold dust and chi
 _FLOOR = 0.1  # variance that rounding to grey levels makes
 _ARM = 4  # px averaged on each side of a step looked for in the face
 # Such a step counts from this many times the usual difference, this share of the edge's step, these levels.
-_INNER_USUAL, _INNER_SHARE, _INNER_LEAST = 8.0, 0.15, 2.5
+_INNER_USUAL, _INNER_SHARE, _INNER_LEAST = 10.0, 0.05, 3.0
 _DOUBT = 2.5  # streaks count from so many standard errors of what was learned of them
 _AVERAGED = 30.0  # rows over which what is no streak averages out; more would trust single rows too little
 _STIFFNESS = 0.003  # share of white noise assumed beside the texture; keeps the weights smooth
@@ -163,23 +163,22 @@ def streaks(common: Float32Array) -> float:
     return float(np.std(common - place * (place @ common) / (place @ place)))
 
 
-def step_inside(common: Float32Array, step: float) -> int | None:
-    """Another step in the face beside an edge, as its distance from the strip's outer end [px], or None.
-
-    Then what was taken for the edge of the face is that of something behind it: a rebate's lip
-    or the back of the door, which shows just beside the face.
+def steps_beside(common: Float32Array, step: float) -> list[tuple[int, float]]:
+    """Other steps in a surface beside an edge: distance from the strip's outer end [px], the furthest first, and size.
 
     Args:
-        common: Median row of the face, its end next to the edge, shape (m,).
+        common: Median row of the surface, its end next to the edge, shape (m,).
         step: Step at the edge [grey levels].
     """
     sums = np.concatenate([[0.0], np.cumsum(common)])
     steps = (sums[2 * _ARM :] + sums[: -2 * _ARM] - 2 * sums[_ARM:-_ARM]) / _ARM
-    usual = NORMAL_STD * median(np.abs(steps))
-    at = int(np.argmax(np.abs(steps)))
-    if abs(steps[at]) < max(_INNER_USUAL * usual, _INNER_SHARE * abs(step), _INNER_LEAST):
-        return None
-    return int(common.size - (at + _ARM))
+    size = np.abs(steps)
+    least = max(_INNER_USUAL * NORMAL_STD * median(size), _INNER_SHARE * abs(step), _INNER_LEAST)
+    found = []
+    for at in np.flatnonzero(size >= least):
+        if size[at] == size[max(at - 2 * _ARM, 0) : at + 2 * _ARM + 1].max():
+            found.append((int(common.size - (at + _ARM)), float(steps[at])))
+    return found
 
 
 @dataclass(frozen=True)

@@ -3,34 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
+from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization import checks
-from doormill_ros.localization.blur import Spread, edge_spread, textured_blur
+from doormill_ros.localization.blur import Spread, edge_spread
+from doormill_ros.localization.edge_line import EdgeLine
+from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.fit import LineFit, fit_line, pooled
-from doormill_ros.localization.profiles import Profiles, crossing, gather, measure, plain_weights
+from doormill_ros.localization.layers import choose
+from doormill_ros.localization.neighbourhood import EVERY, WIDE_HALF, Neighbourhood, look_around
+from doormill_ros.localization.profiles import Profiles, crossing, measure, plain_weights
+from doormill_ros.localization.rim import Rim, check_alike, check_rim, find_rim, suspicious, wide_and_dark
 from doormill_ros.localization.settings import LocalizerSettings
-from doormill_ros.localization.texture import learn_variograms, push, step_inside, step_weights, streaks
+from doormill_ros.localization.texture import push
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
-from doormill_ros.statistics import NORMAL_STD, column_medians, median, share
+from doormill_ros.statistics import share
 
-_WIDE_BLUR, _WIDE_HALF = 3.0, 12  # px; wide enough to catch an edge four pixels from where the search has it
-_EVERY = 6  # rows left out while focusing in
+_WIDE_BLUR = 3.0  # px
+_NARROW_BLUR = 1.5  # px; where another step is near
 # Wide, then sharp focusing ends when the edges move by less than the first two [px]; when they move
 # by more than the third, blur and texture are learned again.
 _CAUGHT, _NEAR, _FAR = 1.5, 0.6, 1.2
-# Pixels looked at on each side of an edge, in standard deviations of its blur. Where nothing but noise is beside
-# the edge, more of them tell its two levels better; where streaks are, they tell more of the streaks.
-_REACH, _PLAIN_REACH = 2.5, 4.0
-_WIDEST = (
-    2 * _WIDE_HALF
-)  # px; largest lag of the widest window, which sees no more than was found to be one edge
-_CLEAR = 3.0  # rows nearer to their line than that many standard deviations tell the blur
-_LASTING = 8.0e-3  # rows that far apart have only streaks in common [m]
-_TEXTURE = 0.25  # largest standard deviation of a texture, as a share of the step
-_LOOK_INSIDE, _FACE_STRIP, _BACK_STRIP = 90, 40, 12  # px; surfaces beside an edge whose texture is learned
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,74 +75,53 @@ def _moved(view: FaceView, before: dict[str, FloatArray], after: dict[str, Float
     return most / view.pixel
 
 
-@dataclass(frozen=True, eq=False)
-class _Lens:
-    """How the rows of one edge are to be read.
-
-    Attributes:
-        spread: Blur of the edge.
-        weights: For its rows, as its blur and the textures beside it ask for.
-        face: Rows of the face beside it [grey levels].
-        rows: Their numbers.
-        streaks: Standard deviation of what the rows have in common [grey levels].
-        inner: Distance of another edge inside of this one [px], or None.
-    """
-
-    spread: Spread
-    weights: Float32Array
-    face: Float32Array
-    rows: IntArray
-    streaks: float
-    inner: float | None
-
-
-def _lens(picture: ByteArray, view: FaceView, pose: FloatArray, wide: Profiles, line: LineFit) -> _Lens:
-    """Learn blur and texture along an edge that runs where `pose` says, from rows read about it and their line."""
-    edge = wide.edge
-    lines, at = crossing(view, edge, pose, 0, -5.0e-3)
-    shift = np.interp(wide.lines, lines, at) - wide.centre
-    off = np.abs(line.residuals)
-    spread = edge_spread(wide, shift, off < _CLEAR * NORMAL_STD * median(off[line.inliers]))
-    gap = int(np.ceil(3.0 * spread.blur)) + 2
-    span = np.arange(-gap - _LOOK_INSIDE, gap + _BACK_STRIP + 1)
-    values = gather(picture, edge, wide.lines, wide.centre, span).astype(np.float32)
-    face, back = values[:, :_LOOK_INSIDE], values[:, -_BACK_STRIP:]
-    strip = face[:, -_FACE_STRIP:]
-    # Rows in light and in shadow are brought to one level, or their median would step where a shadow ends.
-    some = face[::3]
-    level = np.maximum(some.mean(axis=1, keepdims=True), 1.0)
-    common = column_medians(some * (level.mean() / level))
-    inner = step_inside(common, wide.step)
-    apart, most = max(round(_LASTING / view.pixel / _EVERY), 1), _TEXTURE * abs(wide.step)
-    inside, outside = (learn_variograms(side, _WIDEST, apart, most) for side in (strip, back))
-    spread = replace(spread, blur=textured_blur(spread, wide.step, inside, outside))
-    reach = _PLAIN_REACH if inside.plain and outside.plain else _REACH
-    half = min(max(int(np.ceil(reach * spread.blur + 2.0)), 4), _WIDE_HALF)
-    return _Lens(
-        spread,
-        step_weights(half, spread.blur, inside, outside),
-        face,
-        wide.lines,
-        streaks(common[-_FACE_STRIP:]),
-        None if inner is None else inner + gap,
-    )
-
-
 def _focus(
-    picture: ByteArray, view: FaceView, poses: dict[str, FloatArray], settings: LocalizerSettings
+    picture: ByteArray,
+    view: FaceView,
+    poses: dict[str, FloatArray],
+    room: dict[str, int],
+    settings: LocalizerSettings,
 ) -> tuple[dict[str, FloatArray], dict[str, Profiles], dict[str, LineFit]]:
-    """Poses to about half a pixel, with windows wide enough for what the search leaves open; rows and lines."""
-    weights = plain_weights(_WIDE_HALF, _WIDE_BLUR)
+    """Poses to about half a pixel, with windows as wide as the search leaves open and `room` allows; rows and lines."""
     for _ in range(3):
         wide, lines = {}, {}
         for edge in EDGES:
-            wide[edge] = measure(picture, view, edge, poses[edge], weights, _EVERY)
+            weights = plain_weights(room[edge], _WIDE_BLUR if room[edge] == WIDE_HALF else _NARROW_BLUR)
+            wide[edge] = measure(picture, view, edge, poses[edge], weights, EVERY)
             checks.check_rows(wide[edge], settings)
             lines[edge] = _line(view, wide[edge], poses[edge], 2)
         before, poses = poses, _poses(lines)
         if _moved(view, before, poses) < _CAUGHT:
             break
     return poses, wide, lines
+
+
+def _step_aside(
+    picture: ByteArray,
+    view: FaceView,
+    poses: dict[str, FloatArray],
+    room: dict[str, int],
+    around: dict[str, Neighbourhood],
+) -> bool:
+    """Whether the edge of the face is another step beside the one found; then `poses` and `room` become its own."""
+    lines, here = {}, {}
+    for edge in EDGES:
+        line = EdgeLine.at_pose(edge, poses[edge], around[edge].step)
+        near = [(line.across + distance * view.pixel, step) for distance, step in around[edge].beside]
+        others = [replace(line, across=across, step=step) for across, step in near]
+        here[edge] = line
+        lines[edge] = sorted([*others, line], key=lambda one: -one.across)
+    found = choose(picture, view, lines, poses[HINGE][:2])
+    moved = False
+    for i, edge in enumerate(EDGES):
+        if found[edge] is here[edge]:
+            continue
+        move = found[edge].across - here[edge].across
+        apart = [abs(a.across - b.across) for a, b in pairwise(lines[edge]) if found[edge] in (a, b)]
+        poses[edge] = poses[edge] + [move if i == 0 else 0.0, move if i == 1 else 0.0, 0.0]
+        room[edge] = int(np.clip(min(apart) / view.pixel - _WIDE_BLUR, 4, WIDE_HALF))
+        moved = True
+    return moved
 
 
 def trace_edges(
@@ -161,22 +136,37 @@ def trace_edges(
         settings: Limits of refusal.
 
     Raises:
-        LocalizationError: NoEdge, WrongEdge, TooFewInliers, Blurred or OverExposed.
+        LocalizationError: NoEdge, WrongEdge, TooFewInliers, Blurred or OverExposed; `marks` are the edges looked at.
     """
-    poses = dict.fromkeys(EDGES, pose)
+    try:
+        return _trace(picture, view, pose, settings)
+    except LocalizationError as reason:
+        looked_at = [reason.data["edge"]] if "edge" in reason.data else EDGES
+        marks = [
+            (edge, view.pixels(view.line(edge, pose, np.linspace(0.0, view.length(edge), 9))))
+            for edge in looked_at
+        ]
+        reason.data.setdefault("marks", tuple(marks))
+        raise
+
+
+def _trace(
+    picture: ByteArray, view: FaceView, pose: FloatArray, settings: LocalizerSettings
+) -> dict[str, Trace]:
+    poses, room = dict.fromkeys(EDGES, pose), dict.fromkeys(EDGES, WIDE_HALF)
     for _ in range(3):
-        poses, wide, near = _focus(picture, view, poses, settings)
-        lenses = {edge: _lens(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
-        if all(lens.inner is None for lens in lenses.values()):
+        poses, wide, near = _focus(picture, view, poses, room, settings)
+        around = {edge: look_around(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
+        if not any(beside.beside for beside in around.values()) or not _step_aside(
+            picture, view, poses, room, around
+        ):
             break
-        move = [(lenses[edge].inner or 0.0) * view.pixel for edge in EDGES]
-        poses = {edge: poses[edge] + [*move, 0.0] for edge in EDGES}
     else:
         raise checks.edge_in_edge()
     for _ in range(4):
         profiles, lines = {}, {}
-        for edge, lens in lenses.items():
-            profiles[edge] = measure(picture, view, edge, poses[edge], lens.weights)
+        for edge, beside in around.items():
+            profiles[edge] = measure(picture, view, edge, poses[edge], beside.weights)
             checks.check_rows(profiles[edge], settings)
             lines[edge] = _line(view, profiles[edge], poses[edge], 4)
         before, poses = poses, _poses(lines)
@@ -184,18 +174,51 @@ def trace_edges(
         if moved < _NEAR:
             break
         if moved > _FAR:
-            poses, wide, near = _focus(picture, view, poses, settings)
-            lenses = {edge: _lens(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
-    lines = pooled(lines)
-    out = {}
-    for edge, lens in lenses.items():
+            poses, wide, near = _focus(picture, view, poses, room, settings)
+            around = {edge: look_around(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
+    poses, lines, out = _poses(lines), pooled(lines), {}
+    rims: dict[str, Rim | None] = {}
+    for edge, beside in around.items():
         step, line = profiles[edge].step, lines[edge]
-        # A ragged edge smears the rows laid over each other as a soft one does.
-        ragged = line.scatter / view.pixel
-        blur = float(np.sqrt(max(lens.spread.blur**2 - ragged**2, 0.0)))
-        checks.check_spread(edge, replace(lens.spread, blur=blur), lens.streaks / abs(step), settings)
         checks.check_share(edge, share(line.inliers), settings)
-        pushed = push(lens.face, lens.rows, lens.weights, lens.spread.blur, step)
+        rims[edge], spread = rim, spread = _rim(
+            picture, view, poses[edge], profiles[edge], line, beside, settings
+        )
+        if rim is None:
+            # A ragged edge smears the rows laid over each other as a soft one does.
+            ragged = line.scatter / view.pixel
+            blur = float(np.sqrt(max(beside.spread.blur**2 - ragged**2, 0.0)))
+            checks.check_spread(edge, replace(beside.spread, blur=blur), beside.streaks / abs(step), settings)
+        else:
+            check_rim(edge, rim, view.pixel)
+            checks.check_spread(edge, spread, beside.streaks / abs(step), settings)
+            line = line.moved(-rim.shift * view.pixel, (rim.deviation * view.pixel) ** 2)
+        pushed = push(beside.face, beside.rows, beside.weights, beside.spread.blur, step)
         line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
-        out[edge] = Trace(profiles[edge], lens.spread, line)
+        out[edge] = Trace(profiles[edge], spread, line)
+    check_alike(rims, {edge: trace.spread.blur for edge, trace in out.items()})
     return out
+
+
+def _rim(
+    picture: ByteArray,
+    view: FaceView,
+    pose: FloatArray,
+    profiles: Profiles,
+    line: LineFit,
+    beside: Neighbourhood,
+    settings: LocalizerSettings,
+) -> tuple[Rim | None, Spread]:
+    """A rim along an edge of which the line has been found, and the edge's spread with it taken for what it is."""
+    streaks = beside.streaks / abs(beside.step)
+    if beside.spread.blur > settings.max_blur or not suspicious(beside.spread, streaks):
+        return None, beside.spread
+    wide = measure(picture, view, profiles.edge, pose, plain_weights(WIDE_HALF, _WIDE_BLUR), EVERY)
+    lines, at = crossing(view, profiles.edge, pose, 0, -5.0e-3)
+    shift = np.interp(wide.lines, lines, at) - wide.centre
+    spread = edge_spread(wide, shift, np.isin(wide.lines, profiles.lines[line.inliers]))
+    rim = find_rim(spread, streaks)
+    allowed = checks.allowed_misfit(beside.spread, streaks)
+    if rim is None or (wide_and_dark(rim, view.pixel) and beside.spread.misfit < allowed):
+        return None, beside.spread  # grain beside an edge is no strip of its own
+    return rim, replace(spread, blur=rim.blur, misfit=rim.misfit)

@@ -30,6 +30,7 @@ class FaceView:
 
     Attributes:
         camera: The camera.
+        distance: From the camera to the face along base x [m].
         pixel: Size of a pixel on the face at the nominal corner [m]; the thesis' dynamic scale.
     """
 
@@ -41,8 +42,8 @@ class FaceView:
         rotation = self._T_base_camera[:3, :3]
         self._corner_seen = (self._corner - self._T_base_camera[:3, 3]) @ rotation
         self._plane_seen = rotation[1:3]
-        distance = self._corner[0] - self._T_base_camera[0, 3]
-        self.pixel = float(distance / np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
+        self.distance = float(self._corner[0] - self._T_base_camera[0, 3])
+        self.pixel = float(self.distance / np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
 
     def pixels(self, points: FloatArray) -> FloatArray:
         """Pixels u, v (..., 2) of face points (..., 2) [m]."""

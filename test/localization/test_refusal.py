@@ -67,6 +67,8 @@ def test_stale_picture(good, camera, layout):
         localize(good, camera, layout, WIDTH, THICKNESS, age=3.0)
     with pytest.raises(errors.StalePicture):
         localize(good, camera, layout, WIDTH, THICKNESS, age=float("nan"))
+    with pytest.raises(errors.StalePicture, match=r"3600\.00 s in the future"):
+        localize(good, camera, layout, WIDTH, THICKNESS, age=-3600.0)
 
 
 def test_camera_info_missing(good, layout):

@@ -69,14 +69,12 @@ def locate_in_picture(
         LocalizationError: The reason for a refusal.
     """
     found = localize(picture, camera, layout, door.width, door.thickness, settings=settings)
-    # Mounting and thickness are the same in every picture of this door: what the picture says by itself differs.
-    own = localize(picture, camera, layout, door.width, door.thickness, settings=settings.picture_only())
     return LocatedDoor(
         T_base_door=found.T_base_door,
         freedoms=OFFSETS,
         offset=np.array([found.offset.y, found.offset.z, found.offset.rotation]),
         covariance=found.covariance,
-        own_covariance=own.covariance,
+        own_covariance=found.parts.scatter,  # the rest is the same in every picture of this door
         facts={"residual": found.residual, "inlier_share": found.inlier_share, "quality": found.quality},
         localization=found,
     )

@@ -96,7 +96,7 @@ def test_the_thesis_scale_is_that_of_the_camera_at_that_thickness(calibrations):
             assert thesis == pytest.approx(model, rel=3e-3)
         # fx and fy of eq. 3.43 differ, so the two scales do: the thesis expects them alike.
         assert found.scale[0] / found.scale[1] == pytest.approx(1727.22 / 1678.35, rel=0.01)
-        distance = 1.610 - true[0, 3]
+        distance = load_layout().rear_face_x - 0.040 - true[0, 3]
         assert found.scale[0] == pytest.approx(distance / 1678.35, rel=0.02)
 
 

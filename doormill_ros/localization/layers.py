@@ -1,0 +1,250 @@
+"""Steps that run side by side along an edge: which of them is the edge of the face, which a strip on it or behind it.
+
+Grooves, lippings, edge bands and shadows lie on the face, whose edge is then the outermost step; a rebate's lip, a
+bevel, a rail or another door lie behind it, and the face's edge is the innermost. Told apart by brightness, by where
+a strip ends at the other edge - on the face it ends with the face - and by what happens where two strips cross.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import cv2
+import numpy as np
+
+from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.localization.edge_line import EdgeLine
+from doormill_ros.localization.errors import WrongEdge
+from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
+from doormill_ros.statistics import median
+from doormill_ros.units import m_to_mm
+
+_ALIKE = 0.19  # surfaces whose brightness differs by less in its logarithm may be of one plane and one light
+_BEYOND = (
+    0.03  # a strip further from the background than the face by that share of their difference lies before it
+)
+_BACKGROUND = (
+    0.2  # a strip nearer to the background than that share of the face's difference from it is background
+)
+_LEAST = 5.0  # grey levels between two surfaces of which the border can be placed
+_TOGETHER = 0.25e-3  # a strip that ends so near to the other edge ends with it [m]
+_CROSSED = 0.07  # strips fainter than that in the logarithm tell nothing where they cross
+_BRIGHT = 225.0  # strips brighter than that may be clipped where they cross [grey levels]
+_SHADE = 0.35  # a shadow darkens face and background alike, to that share of the logarithm
+_ACROSS = np.linspace(0.3, 0.7, 5)  # where across a strip it is read, as shares of its width
+_PITCH = 0.1e-3  # m
+_END = (
+    -6.0e-3,
+    4.0e-3,
+)  # where a strip's end is looked for, beyond the other edge's outermost and innermost line [m]
+_RISE = 0.15  # a strip begins where it differs so much from what lies beyond, as a share of its difference
+_WELL = (10.0e-3, 40.0e-3)  # where its brightness is read, from the corner [m]
+_BESIDE = (0.6e-3, 1.6e-3)  # where surfaces beside a line are read, from it [m]
+
+
+@dataclass(frozen=True, eq=False)
+class _Sight:
+    """What is needed to read strips in one picture."""
+
+    picture: ByteArray
+    view: FaceView
+
+    def along(self, edge: str, across: FloatArray, tilt: float, along: FloatArray) -> FloatArray:
+        """Mean grey level (n,) at distances `along` (n,) of an edge, over parallels at `across` (k,)."""
+        first = across[:, None] + tilt * along
+        second = np.broadcast_to(along, first.shape)
+        pair = [first, second] if edge == HINGE else [second, first]
+        at = self.view.pixels(np.stack(pair, axis=-1)).astype(np.float32)
+        grey = cv2.remap(
+            self.picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        mean: FloatArray = grey.mean(axis=0, dtype=float)
+        return mean
+
+    def level(self, edge: str, across: FloatArray, tilt: float, start: float, stop: float) -> float:
+        """Median grey level along an edge between two distances [m]."""
+        return median(self.along(edge, across, tilt, np.arange(start, stop, 4 * _PITCH)))
+
+
+@dataclass(frozen=True)
+class _Strip:
+    """What lies between two lines of one edge: brightness, and where it ends [m]; None where that cannot be told."""
+
+    level: float
+    end: float | None
+    middle: float
+
+
+def _strip(
+    sight: _Sight, edge: str, inner: EdgeLine, outer: EdgeLine, corner: float, across_lines: list[EdgeLine]
+) -> _Strip:
+    low, high = outer.at(corner), inner.at(corner)
+    across = low + _ACROSS * (high - low) - inner.tilt * corner
+    middle = 0.5 * (low + high)
+    level = sight.level(edge, across, inner.tilt, corner + _WELL[0], corner + _WELL[1])
+    along = np.arange(across_lines[-1].at(middle) + _END[0], across_lines[0].at(middle) + _END[1], _PITCH)
+    grey = sight.along(edge, across, inner.tilt, along)
+    beyond = median(grey[:20])
+    off = np.abs(grey - beyond)
+    begun = np.flatnonzero(off > max(_LEAST, _RISE * abs(level - beyond)))
+    if abs(level - beyond) < _LEAST:
+        return _Strip(level, -np.inf if begun.size < 0.1 * off.size else None, middle)
+    if not begun.size:
+        return _Strip(level, np.inf, middle)
+    first = int(begun[0])
+    plateau = median(grey[first + 5 : first + 12]) if first + 12 < grey.size else median(grey[-8:])
+    over = np.flatnonzero(off[first:] > 0.5 * abs(plateau - beyond))
+    last = first + (int(over[0]) if over.size else 0)
+    return _Strip(level, float(along[last] - 0.5 * _PITCH), middle)
+
+
+def _is_shadow(sight: _Sight, edge: str, line: EdgeLine, corner: float, end: float) -> bool:
+    """Whether a line darkens face and background alike where it goes on beyond the corner."""
+    outer, inner = (line.across + sign * np.linspace(*_BESIDE, 4) for sign in (-1.0, 1.0))
+    ratios = []
+    for start, stop in ((corner + 4.0e-3, corner + _WELL[1]), (end - 8.0e-3, end - 1.5e-3)):
+        levels = [sight.level(edge, across, line.tilt, start, stop) for across in (outer, inner)]
+        if min(levels) < 2.0:
+            return False
+        ratios.append(float(np.log(levels[0] / levels[1])))
+    face, background = ratios
+    return abs(face) > 0.1 and face * background > 0 and abs(background - face) < _SHADE * abs(face)
+
+
+def choose(
+    picture: ByteArray, view: FaceView, lines: dict[str, list[EdgeLine]], corner: FloatArray
+) -> dict[str, EdgeLine]:
+    """The line of each edge that is the edge of the face.
+
+    Args:
+        picture: Grey picture, shape (h, w), uint8.
+        view: The camera before the face.
+        lines: Parallels of each edge, from the inside outwards.
+        corner: Where the innermost of them meet, y and z [m].
+
+    Raises:
+        WrongEdge: More than one of them may be it.
+    """
+    sight = _Sight(picture, view)
+    place = {HINGE: float(corner[1]), BOTTOM: float(corner[0])}
+    if all(len(found) == 1 for found in lines.values()):
+        return {edge: found[0] for edge, found in lines.items()}
+    real = {}
+    for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
+        end = lines[other][-1].at(lines[edge][-1].at(place[edge]))
+        shadows = [_is_shadow(sight, edge, line, place[edge], end) for line in lines[edge]]
+        real[edge] = [line for line, dark in zip(lines[edge], shadows, strict=True) if not dark]
+        if not real[edge]:
+            raise WrongEdge(
+                f"what runs along the {edge} edge goes on beyond the door: a shadow's border, and outside of it no "
+                "step is to be seen; change the light",
+                edge=edge,
+            )
+    read = {
+        edge: _Edge(sight, edge, real[edge], place[edge], real[other])
+        for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE))
+    }
+    for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
+        read[edge].judge(read[other])
+    return {edge: read[edge].settle(read[HINGE if edge == BOTTOM else BOTTOM]) for edge in read}
+
+
+class _Edge:
+    """The lines of one edge, the strips between them, and what is known of each."""
+
+    def __init__(
+        self, sight: _Sight, edge: str, lines: list[EdgeLine], corner: float, across_lines: list[EdgeLine]
+    ) -> None:
+        self.sight, self.edge, self.lines, self.corner = sight, edge, lines, corner
+        self.strips = [_strip(sight, edge, a, b, corner, across_lines) for a, b in pairwise(lines)]
+        beside = np.linspace(*_BESIDE, 4)
+        start, stop = corner + _WELL[0], corner + _WELL[1]
+        self.face = sight.level(edge, lines[0].across + beside, lines[0].tilt, start, stop)
+        self.back = sight.level(edge, lines[-1].across - beside, lines[-1].tilt, start, stop)
+        deep = np.linspace(5.0e-3, 25.0e-3, 6)
+        self.deep = sight.level(edge, lines[0].across + deep, lines[0].tilt, start, stop)
+        self.first = 0  # the innermost line that may be the face's edge
+        self.ends: list[bool | None] = []
+
+    def like_face(self, strip: _Strip) -> bool:
+        """Whether a strip is as bright as the face, or further from the background than it."""
+        faces = np.maximum([self.face, self.deep], 1.0)
+        near = bool(np.abs(np.log(max(strip.level, 1.0) / faces)).min() < _ALIKE)
+        apart = (strip.level - self.back) / (self.face - self.back) if self.face != self.back else 0.0
+        return bool(apart > 1 + _BEYOND or (near and apart > 0.5))
+
+    def like_background(self, strip: _Strip) -> bool:
+        """Whether a strip is as dark or bright as the background."""
+        return abs(strip.level - self.back) < max(_BACKGROUND * abs(self.face - self.back), 0.5 * _LEAST)
+
+    def judge(self, other: _Edge) -> None:
+        """Where the strips end, and which of them belong to the face by their brightness and their end."""
+        for strip in self.strips:
+            if strip.end is None:
+                self.ends.append(None)
+                continue
+            near = [abs(strip.end - line.at(strip.middle)) for line in other.lines]
+            self.ends.append(min(near) < _TOGETHER)
+        for k, strip in enumerate(self.strips):
+            if self.like_face(strip) and self.ends[k] is not False:
+                if not self.ends[k] and any(self.like_background(before) for before in self.strips[:k]):
+                    raise self.doubt(0, k + 1)
+                self.first = k + 1
+
+    def settle(self, other: _Edge) -> EdgeLine:
+        """The edge of the face.
+
+        Raises:
+            WrongEdge: A strip beside it may belong to the face or not.
+        """
+        k = self.first
+        rest = self.strips[k:]
+        if rest and not self.like_background(rest[0]) and self.ends[k] is not False:
+            crossed = self._crossed(other)
+            if crossed is None and not other.strips[other.first :]:
+                raise self.doubt(k, k + 1)
+            if crossed:
+                k += 1
+        elif k and self._framed(other):
+            raise self.doubt(0, k)
+        return self.lines[k]
+
+    def _framed(self, other: _Edge) -> bool:
+        """Whether strips as bright as the face run round its corner uncrossed: a frame, or another door behind."""
+        return bool(other.first and self._crossed(other) is False)
+
+    def _crossed(self, other: _Edge) -> bool | None:
+        """Whether the outermost strips of both edges cross, as strips on one plane do; None if that cannot be told."""
+        if not self.strips or not other.strips:
+            return None
+        mine, its = self.strips[-1], other.strips[-1]
+        one, two = (np.log(max(s.level, 1.0) / max(e.face, 1.0)) for s, e in ((mine, self), (its, other)))
+        if min(abs(one), abs(two)) < _CROSSED or one * two < 0 or max(mine.level, its.level) > _BRIGHT:
+            return None
+        low, high = self.lines[-1].at(self.corner), self.lines[-2].at(self.corner)
+        across = low + _ACROSS * (high - low) - self.lines[-1].tilt * self.corner
+        begin, stop = other.lines[-1].at(low), other.lines[-2].at(low)
+        width = stop - begin
+        square = self.sight.level(
+            self.edge, across, self.lines[-1].tilt, begin + 0.3 * width, stop - 0.3 * width + _PITCH
+        )
+        found = np.log(max(square, 1.0) / max(self.face, 1.0))
+        return bool(abs(found - one - two) < abs(found - 0.5 * (one + two)))
+
+    def doubt(self, inner: int, outer: int) -> WrongEdge:
+        """The refusal of two steps of which each may be the edge of the face."""
+        first, second = self.lines[inner], self.lines[outer]
+        apart = abs(first.at(self.corner) - second.at(self.corner))
+        strip = self.strips[outer - 1]
+        return WrongEdge(
+            f"two steps {m_to_mm(apart):.1f} mm apart may be the {self.edge} edge: the inner one of "
+            f"{abs(first.step):.0f} grey levels if the strip outside of it (grey {strip.level:.0f}, face "
+            f"{self.face:.0f}) lies behind the face, the outer one of {abs(second.step):.0f} if it is a band or a "
+            "shadow on the face; change the light or cover what stands behind",
+            edge=self.edge,
+            marks=tuple(
+                (name, self.sight.view.pixels(line.points(self.edge, self.corner)))
+                for name, line in (("inner", first), ("outer", second))
+            ),
+        )

@@ -1,0 +1,72 @@
+"""A rim along an edge is found in the mean profile, and a soft lens is not taken for one."""
+
+from math import erf, sqrt
+
+import numpy as np
+import pytest
+
+from doormill_ros.localization.blur import Spread, bin_places
+from doormill_ros.localization.errors import WrongEdge
+from doormill_ros.localization.rim import Rim, check_alike, check_rim, find_rim
+
+PLACE = bin_places(47)
+PIXEL = 1e-4
+
+
+def soft(at, blur):
+    """A step at `at` seen with a Gaussian point spread and the pixel's own width."""
+    sigma = sqrt(blur**2 + 1 / 12)
+    return np.array([0.5 * (1 + erf((x - at) / sigma / sqrt(2))) for x in PLACE])
+
+
+def spread(profile, seed=3):
+    rng = np.random.default_rng(seed)
+    noise = 1e-3
+    single = min(
+        (float(np.sqrt(np.mean((profile - soft(0.0, b)) ** 2))), b) for b in np.geomspace(0.5, 4, 30)
+    )
+    noisy = profile + noise * rng.standard_normal(PLACE.size)
+    return Spread(single[1], single[0], noise, noisy, np.full(PLACE.size, noise))
+
+
+@pytest.mark.parametrize(("width", "brightness"), [(3.0, -0.75), (3.0, 0.5), (6.0, 0.3)])
+def test_outer_border_of_a_rim(width, brightness):
+    outer = 0.4
+    profile = (1 + brightness) * soft(outer, 1.0) - brightness * soft(outer - width, 1.0)
+    rim = find_rim(spread(profile), 0.0)
+    assert rim is not None
+    assert rim.shift == pytest.approx(outer, abs=max(5 * rim.deviation, 0.02))
+    assert rim.width == pytest.approx(width, abs=0.4)
+    assert rim.brightness == pytest.approx(brightness, abs=0.1)
+
+
+def test_one_step_has_no_rim():
+    assert find_rim(spread(soft(0.2, 1.3)), 0.0) is None
+
+
+def test_a_defocused_lens_is_no_rim():
+    radius = 3.0
+    nodes = np.linspace(-1, 1, 401)[1:-1]
+    weight = np.sqrt(1 - nodes**2)
+    profile = sum(w * soft(radius * n, 0.7) for n, w in zip(nodes, weight / weight.sum(), strict=True))
+    assert find_rim(spread(profile), 0.0) is None
+
+
+def test_a_rim_whose_place_is_open_is_refused():
+    rim = Rim(shift=1.0, deviation=0.8, width=2.0, brightness=-0.8, blur=1.0, misfit=0.002)
+    with pytest.raises(WrongEdge, match=r"known to 0\.08 mm only, allowed are 0\.03 mm"):
+        check_rim("hinge", rim, PIXEL)
+
+
+def test_a_dark_rim_too_wide_for_an_arris_is_refused_and_a_bright_one_is_not():
+    rim = Rim(shift=1.0, deviation=0.05, width=7.0, brightness=-0.5, blur=1.0, misfit=0.002)
+    with pytest.raises(WrongEdge, match=r"two steps 0\.70 mm apart"):
+        check_rim("bottom", rim, PIXEL)
+    check_rim("bottom", Rim(1.0, 0.05, 7.0, 0.5, 1.0, 0.002), PIXEL)
+
+
+def test_an_edge_softer_than_one_with_a_rim_hides_a_rim():
+    rim = Rim(shift=1.0, deviation=0.05, width=2.0, brightness=-0.8, blur=1.0, misfit=0.002)
+    with pytest.raises(WrongEdge, match=r"the hinge edge is 1\.40 px soft"):
+        check_alike({"hinge": None, "bottom": rim}, {"hinge": 1.4, "bottom": 1.0})
+    check_alike({"hinge": None, "bottom": rim}, {"hinge": 1.05, "bottom": 1.0})
