@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import sys
 import time
 from pathlib import Path
@@ -17,9 +18,11 @@ from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
-from doormill_ros.errors import DoormillError
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.attendance import CellAttendance
+from doormill_ros.nodes.controller_monitor import ControllerMonitor
+from doormill_ros.nodes.expect_door import ExpectDoorServer
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.mill_door import MillDoorServer
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
@@ -38,29 +41,52 @@ class AbbBridge(ManagedNode):
     """Owns the handshake with the controller; nothing else writes the target file or the ready signal."""
 
     PARAMETERS = (
-        NodeParameter("transport", "shared_folder", f"way to the controller: {', '.join(TRANSPORTS)}"),
-        NodeParameter("address", "out/controller/HOME", "folder of shared_folder, URL of rws1 and rws2"),
+        NodeParameter("transport", "simulated_folder", f"way to the controller: {', '.join(TRANSPORTS)}"),
+        NodeParameter("address", "out/controller/HOME", "HOME of simulated_folder, URL of rws1 and rws2"),
         NodeParameter("certificate", "", "PEM file with the controller's certificate, for rws2"),
         NodeParameter("insecure", False, "trust any certificate of the controller, for rws2"),
-        NodeParameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
-        NodeParameter("limit.recipe", 5.0, "longest wait for the recipe [s]", 0.1, 600.0),
-        NodeParameter("limit.picture", 10.0, "longest wait for picture and door pose [s]", 0.1, 600.0),
-        NodeParameter("limit.targets", 10.0, "longest wait for the targets [s]", 0.1, 600.0),
-        NodeParameter("limit.request", 20.0, "longest wait for the controller's request [s]", 0.1, 3600.0),
         NodeParameter(
-            "limit.ready", 10.0, "longest wait for the file to be written and verified [s]", 0.1, 600.0
+            "manual_mode",
+            False,
+            "in manual mode ask the operator for the remote privilege, for a dry run; over rws1 and rws2",
+        ),
+        NodeParameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
+        NodeParameter("limit.recipe", 5.0, "longest wait for the recipe [s]", 0.1, 600.0, live=True),
+        NodeParameter(
+            "limit.picture", 10.0, "longest wait for picture and door pose [s]", 0.1, 600.0, live=True
+        ),
+        NodeParameter("limit.targets", 10.0, "longest wait for the targets [s]", 0.1, 600.0, live=True),
+        NodeParameter(
+            "limit.request", 20.0, "longest wait for the controller's request [s]", 0.1, 3600.0, live=True
+        ),
+        NodeParameter(
+            "limit.ready",
+            10.0,
+            "longest wait for the file to be written and verified [s]",
+            0.1,
+            600.0,
+            live=True,
         ),
         NodeParameter(
             "limit.read", 60.0, "longest wait for the robot to read and check the file [s]", 1.0, 3600.0
         ),
         NodeParameter("limit.milling", 600.0, "longest wait for the end of milling [s]", 1.0, 36000.0),
+        NodeParameter(
+            "limit.inspection",
+            180.0,
+            "longest wait for who measures the milled door, if anybody [s]",
+            0.1,
+            3600.0,
+            live=True,
+        ),
     )
 
     handshake: Handshake
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("abb_bridge", **kwargs)
-        self._action = MillDoorServer(self, self, self._give_up, ReentrantCallbackGroup())
+        self._group = ReentrantCallbackGroup()
+        self._action = MillDoorServer(self, self, self._give_up, self._group)
 
     def setup(self) -> None:
         """Open the transport, clear the controller, subscribe."""
@@ -78,9 +104,13 @@ class AbbBridge(ManagedNode):
             check=check_handover,
             on_change=self._changed,
         )
+        self._monitor = ControllerMonitor(self, transport, self.value("manual_mode"))
         self._loop = HandshakeLoop(self.handshake)
         self._loop.start()
-        self._action.open()
+        self._monitor.start()
+        self._attendance = CellAttendance(self, self._controller(), self._action.notify)
+        self._action.open(self._attendance)
+        ExpectDoorServer(self, self.handshake.expect_door, self._group)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
         self.every(0.5, self._watch)
@@ -93,6 +123,7 @@ class AbbBridge(ManagedNode):
     def teardown(self) -> None:
         """Lower ready, remove the file, close the transport."""
         self._action.close()
+        self._monitor.stop()
         self._loop.stop()
 
     def destroy_node(self) -> None:
@@ -100,17 +131,17 @@ class AbbBridge(ManagedNode):
         self._action.destroy()
         super().destroy_node()
 
-    def submit(self, message: TargetArray, request_number: int | None = None) -> bytes:
+    def submit(self, message: TargetArray, request_number: int) -> bytes:
         """Render the target file and hand it to the controller; returns its bytes.
 
         Args:
             message: Accepted targets.
-            request_number: Request for which the door was measured; a later one refuses the file. None for
-                targets that no action asked for.
+            request_number: Request for which the door was measured; a later one refuses the file.
 
         Raises:
-            AbbError: The targets cannot be written, or the handshake does not take them.
+            AbbError: The targets cannot be written, the controller can take no file, or the handshake does not.
         """
+        self._monitor.require_fit()
         data = render_target_file(program_of(message), message.run_id)
         self.handshake.submit(message.run_id, message.door_id, data, request_number)
         return data
@@ -142,13 +173,12 @@ class AbbBridge(ManagedNode):
         self._action.deliver("localization", message)
 
     def _take_targets(self, message: TargetArray) -> None:
-        if self._action.deliver("targets", message) or not message.accepted:
-            return
-        # Targets that no action asked for: an integrator drives the bridge himself.
-        try:
-            self.file_away(message.run_id, self.submit(message))
-        except DoormillError as error:
-            self.get_logger().warning(f"targets of run {message.run_id!r} were not handed over: {error}")
+        if not self._action.deliver("targets", message):
+            # Of a run before a restart, or of another cell: nobody knows which door they are for.
+            self.report(
+                WARN,
+                f"targets of run {message.run_id!r} were left aside: no goal of this bridge asked for them",
+            )
 
     def _changed(self, snapshot: HandshakeSnapshot) -> None:
         self._action.notify()
@@ -177,6 +207,16 @@ class AbbBridge(ManagedNode):
     def _watch(self) -> None:
         if not self._loop.alive:
             raise RuntimeError(f"the handshake ended: {self._loop.failure!r}; restart the bridge")
+        hindrance = self._attendance.hindrance()
+        self._action.offer(not hindrance)
+        if hindrance and self._health[1] != hindrance:
+            self.get_logger().error(hindrance)
+            self.report(ERROR, hindrance)
+
+    def _controller(self) -> str:
+        """Names the controller on this network: its URL, or the folder that stands for it."""
+        address = str(self.value("address"))
+        return address if "://" in address else f"{socket.gethostname()}:{Path(address).resolve()}"
 
 
 def _wall_time(monotonic: float) -> Time:

@@ -101,7 +101,8 @@ class BagRecorder(ManagedNode):
         for name, types in self.get_topic_names_and_types():
             if name in self._subscribed or name in self._skipped:
                 continue
-            if name in self._excluded or (is_hidden(name) and not self.value("include_hidden_topics")):
+            hidden = is_hidden(name) and not self.value("include_hidden_topics")
+            if name in self._excluded or hidden or not self._own(name):
                 self._skipped.add(name)
                 continue
             offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
@@ -112,6 +113,11 @@ class BagRecorder(ManagedNode):
             except (ImportError, AttributeError, UnknownTypeError):
                 self._skipped.add(name)
                 self.get_logger().warning(f"{name} is not recorded: {types[0]} is not installed here")
+
+    def _own(self, name: str) -> bool:
+        """A topic of this cell or of the whole network: in a namespace those of other cells are none of its own."""
+        namespace = self.get_namespace().rstrip("/")
+        return not namespace or name.startswith(f"{namespace}/") or name.count("/") == 1
 
     def _record(self, name: str, kind: str, message_type: Any, offered: QoSProfile) -> None:
         self._filler.add_topic(name, kind, [qos_document(offered)])

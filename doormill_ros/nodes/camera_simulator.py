@@ -20,6 +20,7 @@ from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, NodeParameter
+from doormill_ros.nodes.simulated_shift import WORLD_PARAMETERS, SimulatedShift
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera, Sensor
@@ -31,20 +32,45 @@ class CameraSimulator(ManagedNode):
     """Plays the handling robot and the camera: a door for each recipe, a picture for each request."""
 
     PARAMETERS = (
-        NodeParameter("seed", 0, "of placement and picture noise, together with the door's id", 0, 2**31 - 1),
-        NodeParameter("scatter_y", 0.008, "doors stand up to this far off along base y [m]", 0.0, 0.1),
-        NodeParameter("scatter_z", 0.008, "doors stand up to this far off along base z [m]", 0.0, 0.1),
         NodeParameter(
-            "scatter_rotation", 0.03, "doors are turned up to this far about base x [rad]", 0.0, 0.5
+            "seed", 0, "of placement and picture noise, with the door's id", 0, 2**31 - 1, live=True
         ),
-        NodeParameter("offset_y", UNSET, "fixed offset along base y instead [m]; 999: scattered"),
-        NodeParameter("offset_z", UNSET, "fixed offset along base z instead [m]; 999: scattered"),
-        NodeParameter("offset_rotation", UNSET, "fixed rotation about base x instead [rad]; 999: scattered"),
-        NodeParameter("noise", 1.0, "share of the sensor's noise; 0.25: the mean of 16 exposures", 0.0, 4.0),
+        NodeParameter(
+            "scatter_y", 0.008, "doors stand up to this far off along base y [m]", 0.0, 0.1, live=True
+        ),
+        NodeParameter(
+            "scatter_z", 0.008, "doors stand up to this far off along base z [m]", 0.0, 0.1, live=True
+        ),
+        NodeParameter(
+            "scatter_rotation",
+            0.03,
+            "doors are turned up to this far about base x [rad]",
+            0.0,
+            0.5,
+            live=True,
+        ),
+        NodeParameter(
+            "offset_y", UNSET, "fixed offset along base y instead [m]; 999: scattered", -1.0, UNSET, live=True
+        ),
+        NodeParameter(
+            "offset_z", UNSET, "fixed offset along base z instead [m]; 999: scattered", -1.0, UNSET, live=True
+        ),
+        NodeParameter(
+            "offset_rotation",
+            UNSET,
+            "fixed rotation about base x instead [rad]; 999: scattered",
+            -1.0,
+            UNSET,
+            live=True,
+        ),
+        NodeParameter(
+            "noise", 1.0, "share of the sensor's noise; 0.25: the mean of 16 exposures", 0.0, 4.0, live=True
+        ),
         NodeParameter(
             "retry_period", 1.0, "a picture that nobody used is taken again after [s]", 0.1, 3600.0
         ),
-        NodeParameter("pictures", True, "false: the camera is broken and sends nothing"),
+        NodeParameter("pictures", True, "false: the camera is broken and sends nothing", live=True),
+        *WORLD_PARAMETERS,
     )
 
     def __init__(self, **kwargs: Any) -> None:
@@ -52,6 +78,7 @@ class CameraSimulator(ManagedNode):
 
     def setup(self) -> None:
         """Load the true camera; subscribe."""
+        self._shift = SimulatedShift(self.value("world"), self.value("door_number"))
         self._camera = SceneCamera.load()
         self._layout = load_layout()
         self._run_id = ""
@@ -71,8 +98,13 @@ class CameraSimulator(ManagedNode):
         """Tell the intrinsics once; they go out with every picture too."""
         self._info.publish(self._camera_info(Header(stamp=self.get_clock().now().to_msg())))
 
+    @property
+    def _seed(self) -> list[int]:
+        """Of the door in hand; each door of a shift has one of its own, the first one that of a cell for one door."""
+        return [self.value("seed"), *([self._shift.number] if self._shift.number else [])]
+
     def _offset(self, recipe: Recipe) -> DoorOffset:
-        rng = np.random.default_rng([self.value("seed"), zlib.crc32(recipe.door_id.encode())])
+        rng = np.random.default_rng([*self._seed, zlib.crc32(recipe.door_id.encode())])
         names = ("y", "z", "rotation")
         drawn = [self.value(f"scatter_{name}") * rng.uniform(-1.0, 1.0) for name in names]
         if recipe.placement is not None:  # a recipe that says where the door stands is obeyed
@@ -88,16 +120,19 @@ class CameraSimulator(ManagedNode):
         if message.run_id == self._run_id:
             return
         recipe = recipe_of(message)
+        moved, turn = self._shift.begin().camera_moved
         offset = self._offset(recipe)
         scene = PictureScene(
             width=recipe.width,
             thickness=recipe.thickness,
             offset=offset,
-            camera=self._camera,
+            camera=replace(self._camera, origin=self._camera.origin + moved, turn=turn),
             layout=self._layout,
             sensor=self._sensor(),
         )
-        picture = render_picture(scene, zlib.crc32(f"{self.value('seed')} {recipe.door_id}".encode()))
+        picture = render_picture(
+            scene, zlib.crc32(" ".join(map(str, [*self._seed, recipe.door_id])).encode())
+        )
         with self._lock:
             self._run_id, self._picture = message.run_id, picture_message(picture, Header())
         placement = DoorPlacement(

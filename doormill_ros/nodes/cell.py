@@ -12,9 +12,11 @@ from types import TracebackType
 from typing import Any
 
 import rclpy
+import yaml
 
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import RunSummary
+from doormill_ros.files import write_atomically
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.bag_recorder import BagRecorder
 from doormill_ros.nodes.camera_simulator import CameraSimulator
@@ -26,8 +28,11 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
+from doormill_ros.simulation.robot_cell import RobotCell
 
 THREADS = 6
+#: Topics of one name for a whole network; a cell in a namespace has its own.
+GLOBAL = ("tf", "tf_static", "diagnostics")
 
 NODES: tuple[Callable[..., ManagedNode], ...] = (
     BagRecorder,
@@ -36,7 +41,6 @@ NODES: tuple[Callable[..., ManagedNode], ...] = (
     PathGenerator,
     AbbBridge,
     CameraSimulator,
-    ControllerSimulator,
 )
 
 
@@ -48,14 +52,18 @@ class CellOptions:
         parameters: By node name.
         page: Serve the operator's page.
         token: Allows control from that page; None: it only shows.
+        namespace: Of every node, such as "/cell1"; empty: none. Cells in namespaces of their own share nothing.
+        controller: The controller of doors that were milled before; None for one of the cell's own.
     """
 
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)
     page: bool = False
     token: str | None = field(default=None, repr=False)
+    namespace: str = ""
+    controller: RobotCell | None = None
 
     def arguments(self, folder: RunFolder) -> list[str]:
-        """ROS arguments that put everything the nodes write into the run's folder."""
+        """ROS arguments that put everything the nodes write into the run's folder; leaves their parameters there."""
         chosen: dict[str, dict[str, Any]] = {
             "bag_recorder": {"bag": folder.bag},
             "abb_bridge": {"address": folder.controller, "archive": folder.targets},
@@ -65,11 +73,21 @@ class CellOptions:
         for node, values in self.parameters.items():
             chosen.setdefault(node, {}).update(values)
         arguments = ["cell", "--ros-args"]
-        for node, values in chosen.items():
-            for name, value in values.items():
-                text = str(value).lower() if isinstance(value, bool) else str(value)
-                arguments += ["-p", f"{node}:{name}:={text}"]
-        return arguments
+        if self.namespace:
+            remapped = [("__ns", self.namespace), *((f"/{name}", name) for name in GLOBAL)]
+            arguments += [part for old, new in remapped for part in ("-r", f"{old}:={new}")]
+        # A node in a namespace is not named by -p.
+        document = {
+            f"/**/{node}": {"ros__parameters": {name: _plain(value) for name, value in values.items()}}
+            for node, values in chosen.items()
+        }
+        write_atomically(folder.parameters, yaml.safe_dump(document))
+        return [*arguments, "--params-file", str(folder.parameters)]
+
+
+def _plain(value: Any) -> Any:
+    """A value as a parameter file holds it."""
+    return str(value) if isinstance(value, Path) else value
 
 
 class Cell:
@@ -83,7 +101,7 @@ class Cell:
     def __init__(self, folder: RunFolder, options: CellOptions | None = None) -> None:
         self._folder = folder
         options = options or CellOptions()
-        nodes = list(NODES)
+        nodes: list[Callable[[], ManagedNode]] = [*NODES, partial(ControllerSimulator, options.controller)]
         if options.page:
             nodes.append(partial(OperatorPage, options.token))
         self._composition = Composition(options.arguments(folder), nodes, CellDriver, THREADS)
@@ -132,7 +150,17 @@ def run_once(
 
     With the operator's page, `milled` is called after that door and the cell stays up until interrupted.
     """
-    run_folder = RunFolder(folder.resolve())
+    return run_in(RunFolder(folder.resolve()), door_id, options, progress, milled)
+
+
+def run_in(
+    run_folder: RunFolder,
+    door_id: str,
+    options: CellOptions | None = None,
+    progress: Callable[[str, float], None] | None = None,
+    milled: Callable[[RunSummary], None] | None = None,
+) -> RunSummary:
+    """As `run_once`, for a folder that may belong to a shift; its path is absolute."""
     run_folder.prepare()
     with Cell(run_folder, options) as cell:
         summary = cell.mill(door_id, progress)

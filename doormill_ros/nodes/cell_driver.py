@@ -13,9 +13,17 @@ from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import StageTimeoutError
+from doormill_ros.cell.inspection import outcome
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.cell.run_folder import RunFolder
-from doormill_ros.cell.summary import FeatureError, RunSummary, StageDurations, localization_error
+from doormill_ros.cell.summary import (
+    FeatureError,
+    RunSummary,
+    StageDurations,
+    Touched,
+    TouchedBody,
+    localization_error,
+)
 from doormill_ros.cell.waiting import wait
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.futures import result_of
@@ -23,12 +31,21 @@ from doormill_ros.nodes.futures import result_of
 START_LIMIT = 20.0  # s
 RUN_LIMIT = 900.0  # s
 TRUTH_LIMIT = 180.0  # s, for what the simulation tells after a run
+NOT_INSPECTED = (
+    f"the simulated controller did not tell within {TRUTH_LIMIT:g} s what was milled; its log above says why"
+)
 
 
 class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
     """Sends goals and keeps the latest message of each topic that a summary needs."""
 
-    KEPT = (topics.DOOR_LOCALIZATION, topics.DOOR_PLACEMENT, topics.MILLED_DOOR)
+    KEPT = (
+        topics.DOOR_LOCALIZATION,
+        topics.DOOR_PLACEMENT,
+        topics.PATH_TARGETS,
+        topics.MILLED_DOOR,
+        topics.RUN_VERDICT,
+    )
 
     def __init__(self) -> None:
         super().__init__("cell")
@@ -69,14 +86,24 @@ class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
         milled = wait(
             self._changed,
             lambda: self._of_run(topics.MILLED_DOOR, result.run_id),
-            TRUTH_LIMIT if result.success else 0.0,
+            TRUTH_LIMIT if result.target_file else 0.0,
         )
+        # Published before the inspection, so it is there when that is.
+        verdict = self._of_run(topics.RUN_VERDICT, result.run_id)
+        touched = Touched() if verdict is None else _touched(verdict)
+        targets = self._of_run(topics.PATH_TARGETS, result.run_id)
+        failed = result.success and verdict is not None and not verdict.success
+        unknown = result.success and not result.measured
         known = found is not None and found.accepted and true is not None
         return RunSummary(
             door_id=door_id,
-            success=result.success,
-            message=result.message,
-            error_code=result.error_code,
+            success=result.success and not failed and not unknown,
+            message=verdict.message if failed else NOT_INSPECTED if unknown else result.message,
+            error_code=verdict.error_code
+            if failed
+            else StageTimeoutError.code
+            if unknown
+            else result.error_code,
             run_id=result.run_id,
             recipe_version=result.recipe_version,
             target_file=result.target_file,
@@ -84,11 +111,17 @@ class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
             bag=str(folder.bag),
             report=str(folder.report),
             largest_correction=result.largest_correction,
+            expected_error=0.0 if targets is None else targets.expected_error,
             times=StageDurations(**{f.name: getattr(result.times, f.name) for f in fields(StageDurations)}),
             localization_error=localization_error(_offset(found), _offset(true)) if known else DoorOffset(),
             feature_error=FeatureError()
             if milled is None
-            else FeatureError(milled.uncorrected_max, milled.corrected_max, milled.tolerance),
+            else FeatureError(
+                milled.uncorrected_max, milled.corrected_max, milled.tolerance, result.worst_feature
+            ),
+            touched=touched,
+            measured=result.measured,
+            outcome=outcome(result.success, result.error_code, result.measured),
         )
 
     def _keep(self, name: str, message: Any) -> None:
@@ -104,3 +137,21 @@ class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
 
 def _offset(message: Any) -> DoorOffset:
     return DoorOffset(message.offset_y, message.offset_z, message.offset_rotation)
+
+
+def _touched(verdict: Any) -> Touched:
+    bodies = [
+        TouchedBody(
+            touch.body,
+            touch.obstacle,
+            touch.motion,
+            touch.feature,
+            touch.time,
+            touch.depth,
+            touch.volume,
+            touch.samples,
+            (touch.place.x, touch.place.y, touch.place.z),
+        )
+        for touch in verdict.touches
+    ]
+    return Touched(True, verdict.judged, verdict.touched, verdict.volume, verdict.message, tuple(bodies))

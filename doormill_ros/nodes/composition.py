@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import threading
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Generic, TypeVar
 
@@ -13,7 +14,7 @@ from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import init, shut_down
+from doormill_ros.nodes.run import ignore_signals, init, shut_down
 
 STOP_LIMIT = 2.0  # s
 
@@ -84,6 +85,10 @@ class Composition(Generic[Driver]):
             node.bring_up()
 
     def _stop(self) -> None:
+        with _undisturbed():
+            self._close()
+
+    def _close(self) -> None:
         shut_down(self.nodes, self._executor, STOP_LIMIT)
         if self._thread is not None:
             self._thread.join(STOP_LIMIT)
@@ -94,6 +99,20 @@ class Composition(Generic[Driver]):
         self._all.clear()
         self.nodes.clear()
         rclpy.try_shutdown()
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Let no signal interrupt the closing: what it left open would be lost. Signals are the main thread's."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = ignore_signals()
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _spin(executor: MultiThreadedExecutor) -> None:

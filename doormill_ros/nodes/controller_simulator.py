@@ -3,28 +3,36 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from std_msgs.msg import Header
 
-from doormill_interfaces.msg import DoorPlacement, DoorRecipe, RunResult, TargetArray
+from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunResult, TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
+from doormill_ros.measurements.inspection_writer import write_inspection
 from doormill_ros.messages.from_message import program_of, recipe_of, transform_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.executed import executed_message, milled_message
+from doormill_ros.nodes.convert.executed import executed_message, milled_message, verdict_message
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, NodeParameter
+from doormill_ros.nodes.simulated_shift import WORLD_PARAMETERS, SimulatedShift
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.arm import ControllerArm
-from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
+from doormill_ros.simulation.controller.rws_server.running import served_cabinet
 from doormill_ros.simulation.controller.rws_server.server import serve
+from doormill_ros.simulation.judge.bodies import load_cell
+from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun, load_effects
+from doormill_ros.simulation.world.door_truth import GAUGE
+from doormill_ros.simulation.world.gauge import NOISE, gauge
 
 STOP_LIMIT = 5.0  # s
+BAG = "bag"  #: of a run, beside its inspection
 
 
 class ControllerSimulator(ManagedNode):
@@ -46,29 +54,43 @@ class ControllerSimulator(ManagedNode):
         NodeParameter(
             "web_services_certificates", "out/controller", "folder that rws2 writes controller.crt and key to"
         ),
+        *WORLD_PARAMETERS,
+        NodeParameter(
+            "shift_began", 0.0, "begin of the shift [s since the epoch]; 0: of the node", 0.0, 1e11
+        ),
+        NodeParameter(
+            "inspection",
+            "",
+            "folder beside the run's bag for the inspection of its door; empty: none is written",
+        ),
     )
 
-    def __init__(self, **kwargs: Any) -> None:
+    def __init__(self, cell: RobotCell | None = None, **kwargs: Any) -> None:
+        """Take the controller of doors that were milled before; None for one that is switched on with the node."""
         super().__init__("controller_simulator", **kwargs)
+        self._switched_on = cell
 
     def setup(self) -> None:
         """Build the robot; subscribe."""
         effects = self.value("effects")
-        # The published geometry is all that the truth takes from the robot's description.
-        robot = load_robot(load_layout().robot)
-        self._cell = RobotCell(
+        self._shift = SimulatedShift(
+            self.value("world"), self.value("door_number"), self.value("shift_began")
+        )
+        self._cell = self._switched_on or switch_on(
             Path(self.value("home")),
-            ControllerArm(robot.dh, robot.lower, robot.upper, robot.max_velocity),
             load_effects(Path(effects)) if effects else (),
             self.value("time_scale") or None,
             self.value("spindle_works"),
         )
         self._web_services = serve(
             self.value("web_services"),
-            Cabinet.create(Path(self.value("home")), io=self._cell.io),
+            served_cabinet(Path(self.value("home")), self._cell.io, lambda: self._cell.controller),
             self.value("web_services_port"),
             Path(self.value("web_services_certificates")),
         )
+        # What it signaled before it was started is over, as after a real controller's restart.
+        self._cell.reset()
+        self._ended = ""  # run whose door is out of the clamp
         self._recipe: DoorRecipe | None = None
         self._placement: DoorPlacement | None = None
         self._targets: TargetArray | None = None
@@ -76,6 +98,8 @@ class ControllerSimulator(ManagedNode):
         self._thread: threading.Thread | None = None
         self._executed = self.publisher(topics.EXECUTED_PATH)
         self._milled = self.publisher(topics.MILLED_DOOR)
+        self._judged_cell = load_cell()
+        self._verdict = self.publisher(topics.RUN_VERDICT)
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_PLACEMENT, self._take_placement)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
@@ -98,16 +122,23 @@ class ControllerSimulator(ManagedNode):
             self._targets = targets
 
     def _take_result(self, result: RunResult) -> None:
-        # A refused door is taken out by the operator, who also stops the waiting program.
-        if not result.success and self._placement is not None and result.run_id == self._placement.run_id:
+        # A refused door is taken out by the operator, who also stops the waiting program; and whoever is started
+        # after the end of a run hears of its door and of its end in any order.
+        self._ended = result.run_id
+        waits = self._thread is not None and self._thread.is_alive()
+        if waits and self._placement is not None and result.run_id == self._placement.run_id:
             self._halt()
             self._cell.reset()
 
     def _take_placement(self, placement: DoorPlacement) -> None:
         if self._placement is not None and placement.run_id == self._placement.run_id:
             return
+        if placement.run_id == self._ended:
+            return
         self._halt()
         self._placement = placement
+        self._door = self._shift.begin()
+        self._cell.limits = self._door.limits
         self._run = self._cell.start(placement.door_id)
         self._thread = threading.Thread(
             target=self.guarded(self._mill), args=(self._run, placement), name="controller", daemon=True
@@ -131,14 +162,43 @@ class ControllerSimulator(ManagedNode):
     def _inspect(self, run: RobotCellRun, placement: DoorPlacement) -> None:
         targets, recipe = self._targets, self._recipe
         if targets is None or recipe is None or targets.run_id != placement.run_id:
+            # Nobody shall wait for what cannot come.
+            self._milled.publish(MilledDoor(run_id=placement.run_id, door_id=placement.door_id))
             return
         program, door = program_of(targets), recipe_of(recipe)
-        executed = run.executed_path(program)
+        executed, T_base_door = run.executed_path(program), transform_of(placement.pose)
+        uncorrected_path = self._cell.execute_uncorrected(program)
+        if self._shift.world_given:
+            T_base_door = self._door.T_base_door(T_base_door)
+            executed, uncorrected_path = (
+                self._door.executed(door, T_base_door, path) for path in (executed, uncorrected_path)
+            )
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
         self._executed.publish(executed_message(executed, header, placement))
-        T_base_door = transform_of(placement.pose)
+        verdict = judge(door, T_base_door, executed, self._judged_cell, run.spindle_turned(executed))
+        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
+        self._verdict.publish(verdict_message(verdict, header, placement))
         corrected = inspect(door, T_base_door, executed)
-        uncorrected = inspect(door, T_base_door, self._cell.execute_uncorrected(program))
+        uncorrected = inspect(door, T_base_door, uncorrected_path)
+        if self.value("inspection"):
+            points = gauge(door, T_base_door, executed, self._door.drawn(GAUGE))
+            folder = Path(self.value("inspection"))
+            write_inspection(
+                folder, folder.parent / BAG, placement.run_id, self._shift.ended(), NOISE, points
+            )
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
         self._milled.publish(milled_message(door, corrected, uncorrected, TOLERANCE, header, placement))
         self.report(OK, "door milled", door_id=placement.door_id, deviation=corrected.max_deviation)
+
+
+def switch_on(
+    home: Path,
+    effects: Iterable[Mapping[str, Any]] = (),
+    time_scale: float | None = None,
+    spindle_works: bool = True,
+) -> RobotCell:
+    """The robot of the cell's layout and its controller; arguments as of `RobotCell`."""
+    # The published geometry is all that the truth takes from the robot's description.
+    robot = load_robot(load_layout().robot)
+    arm = ControllerArm(robot.dh, robot.lower, robot.upper, robot.max_velocity)
+    return RobotCell(home, arm, effects, time_scale, spindle_works)

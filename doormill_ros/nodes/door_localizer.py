@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -13,12 +14,13 @@ from rclpy.time import Time
 from sensor_msgs.msg import CameraInfo, Image
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
+from doormill_ros.arrays import ByteArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import prepare
-from doormill_ros.localization.overlay import draw_overlay
+from doormill_ros.localization.overlay import draw_overlay, draw_refusal
 from doormill_ros.localization.result import Localization
 from doormill_ros.messages.from_message import camera_of, picture_of
 from doormill_ros.nodes import topics
@@ -38,11 +40,20 @@ class DoorLocalizer(ManagedNode):
     """Localizes the door of the recipe in hand in every picture that arrives."""
 
     PARAMETERS = (
-        NodeParameter("check_age", True, "refuse pictures that are too old; false when a bag is replayed"),
         NodeParameter(
-            "camera_info_wait", 3.0, "how long a picture waits for the first camera info [s]", 0.0, 30.0
+            "check_age", True, "refuse pictures that are too old; false when a bag is replayed", live=True
         ),
-        NodeParameter("overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8),
+        NodeParameter(
+            "camera_info_wait",
+            3.0,
+            "how long a picture waits for the first camera info [s]",
+            0.0,
+            30.0,
+            live=True,
+        ),
+        NodeParameter(
+            "overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8, live=True
+        ),
         NodeParameter("frames", True, "publish the frames of camera and door"),
     )
 
@@ -116,6 +127,8 @@ class DoorLocalizer(ManagedNode):
             answer.reason = error.message
             self._localization.publish(answer)
             self.report(WARN, f"door {recipe.door_id}: {error.message}", error_code=error.code)
+            reason = error
+            self.later("show", lambda: self._show_refusal(message, reason))
             return
         answer.duration = time.perf_counter() - begun
         self._publish(answer, found)
@@ -132,10 +145,19 @@ class DoorLocalizer(ManagedNode):
                     LinkPose(BASE_FRAME, DOOR_FRAME, found.T_base_door),
                 ]
             )
+        self._show_overlay(message, lambda picture: draw_overlay(picture, found))
+
+    def _show_refusal(self, message: Image, reason: LocalizationError) -> None:
+        """Where the picture was refused for what; nothing of a picture that is none."""
+        try:
+            self._show_overlay(message, lambda picture: draw_refusal(picture, reason))
+        except LocalizationError:
+            return
+
+    def _show_overlay(self, message: Image, draw: Callable[[ByteArray], ByteArray]) -> None:
         step = self.value("overlay_step")
         if step:
-            overlay = draw_overlay(picture_of(message), found)[::step, ::step]
-            self._overlay.publish(picture_message(overlay, message.header))
+            self._overlay.publish(picture_message(draw(picture_of(message))[::step, ::step], message.header))
 
     def _publish(self, answer: DoorLocalization, found: Localization) -> None:
         answer.accepted = True

@@ -14,6 +14,7 @@ from typing import Any
 from rclpy.parameter import Parameter
 
 from doormill_ros.abb import signals
+from doormill_ros.abb.handshake.access import FAULT_WHILE_MILLING, NO_REASON
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.errors import StageTimeoutError
 from doormill_ros.messages.from_message import recipe_of
@@ -30,8 +31,8 @@ from doormill_ros.recording.replay.live import LiveRun
 from doormill_ros.recording.replay.offline import LAST_REPLAYED
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.simulation.recorded_controller import (
-    ControllerEvent,
     RecordedController,
+    RecordedEvent,
     controller_events,
     with_end,
 )
@@ -81,19 +82,27 @@ def replay_live(run: RecordedRun, options: LiveOptions) -> list[Answer]:
         nodes = _nodes(run, options, folder)
         with (
             Composition(arguments, nodes, ReplayDriver, THREADS) as cell,
-            RecordedController(home, events, options.rate) as controller,
+            RecordedController(home, events, options.rate, _reason_of_fault(run)) as controller,
         ):
             live = LiveRun(run, cell.driver, options.rate, repeats_the_end(run))
             return live.replay(controller.begin, _age_check(cell.nodes))
 
 
-def _events(run: RecordedRun) -> list[ControllerEvent]:
+def _events(run: RecordedRun) -> list[RecordedEvent]:
     events = controller_events(run.begun_ns, run.requests, run.states)
     if run.result is not None and run.result.success:
         return with_end(events, signals.DONE)
     if run.result is not None and run.result.error_code == MillingFaultError.code:
         return with_end(events, signals.FAULT)
     return events
+
+
+def _reason_of_fault(run: RecordedRun) -> str:
+    """What the robot program said of the fault that ended the run, empty when it said nothing."""
+    if run.result is None or run.result.error_code != MillingFaultError.code:
+        return ""
+    reason = str(run.result.message).partition(FAULT_WHILE_MILLING)[2]
+    return "" if reason == NO_REASON else reason
 
 
 def repeats_the_end(run: RecordedRun) -> bool:

@@ -12,6 +12,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.qos import QoSProfile
 
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.alive import alive_topic
 from doormill_ros.nodes.reporting_node import OK, WARN, ReportingNode
 
 RETRY_PERIOD = 2.0  # s
@@ -30,6 +31,8 @@ class ManagedNode(ReportingNode):
         super().__init__(name, **kwargs)
         self.active = False
         self.configured = False
+        alive = alive_topic(name)
+        self.create_publisher(alive.type, alive.name, alive.offered)
         self._created: list[tuple[Callable[[Any], Any], Any]] = []
         self.declare_parameter(
             "autostart", True, ParameterDescriptor(description="configure and activate at start-up")
@@ -61,6 +64,11 @@ class ManagedNode(ReportingNode):
             if not self.active:
                 self.trigger_activate()
 
+    @property
+    def settled(self) -> bool:
+        """See the base class."""
+        return self.configured
+
     # What a node does in each transition; subclasses override these.
 
     def setup(self) -> None:
@@ -81,8 +89,8 @@ class ManagedNode(ReportingNode):
         """A publisher that lives until clean-up."""
         return self.keep(self.destroy_publisher, self.create_publisher(topic.type, topic.name, topic.offered))
 
-    def subscribe(self, topic: topics.Topic, callback: Callable[[Any], None], **kwargs: Any) -> None:
-        """Call `callback` with each message while the node is active.
+    def subscribe(self, topic: topics.Topic, callback: Callable[[Any], None], **kwargs: Any) -> Any:
+        """Call `callback` with each message while the node is active; returns the subscription.
 
         A publisher that offers less than the topic asks for is taken as it is, where the topic allows it.
         """
@@ -108,6 +116,7 @@ class ManagedNode(ReportingNode):
 
         events = SubscriptionEventCallbacks(incompatible_qos=fall_back) if topic.fallback else None
         create(topic.requested, events)
+        return created[0]
 
     def serve(self, service_type: Any, name: str, callback: Callable[[Any, Any], Any]) -> None:
         """Offer a service until clean-up; it answers in the inactive state too.

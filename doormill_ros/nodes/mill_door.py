@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, fields
+from pathlib import Path
 from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -12,14 +14,17 @@ from rclpy.callback_groups import CallbackGroup
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunResult, StageTimes
 from doormill_interfaces.srv import GetRecipe
-from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
+from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError
 from doormill_ros.cell.run import RunDesk, StageLimits
+from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.errors import DoormillError
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.door_inspections import DoorInspections
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.pipeline.course import Course, RunEnd
-from doormill_ros.pipeline.partners import Handover, RecipeAnswer
+from doormill_ros.pipeline.course import Course
+from doormill_ros.pipeline.partners import Attendance, Handover, RecipeAnswer
+from doormill_ros.pipeline.run_end import RunEnd
 
 
 class MillDoorServer:
@@ -35,7 +40,11 @@ class MillDoorServer:
     """
 
     def __init__(
-        self, node: ManagedNode, handover: Handover, give_up: Callable[[str], None], group: CallbackGroup
+        self,
+        node: ManagedNode,
+        handover: Handover,
+        give_up: Callable[[str], None],
+        group: CallbackGroup,
     ) -> None:
         self._node = node
         self._handover = handover
@@ -43,22 +52,55 @@ class MillDoorServer:
         self._group = group
         self._desk = RunDesk()
         self._recipes: _Recipes | None = None
+        self._inspections: DoorInspections | None = None
+        self._attendance: Attendance | None = None
         self._result = node.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
         )
-        self._server = ActionServer(
-            node,
-            MillDoor,
-            "mill_door",
-            self._execute,
-            callback_group=group,
-            goal_callback=lambda _: GoalResponse.ACCEPT,
-            cancel_callback=self._cancel,
-        )
+        self._server: ActionServer | None = None
+        self.offer(True)
 
-    def open(self) -> None:
-        """Connect to the recipe database."""
+    def offer(self, wanted: bool) -> None:
+        """Serve the action, or withdraw it."""
+        if wanted and self._server is None:
+            self._server = ActionServer(
+                self._node,
+                MillDoor,
+                "mill_door",
+                self._execute,
+                callback_group=self._group,
+                goal_callback=lambda _: GoalResponse.ACCEPT,
+                cancel_callback=self._cancel,
+            )
+        elif not wanted and self._server is not None:
+            self._server.destroy()
+            self._server = None
+
+    def open(self, attendance: Attendance) -> None:
+        """Connect to the recipe database and to who measures milled doors.
+
+        Args:
+            attendance: Which nodes are alive.
+        """
+        self._attendance = attendance
+        self._note = RunNote(Path(self._node.value("archive")))
+        self._end_what_was_cut_off()
         self._recipes = _Recipes(self._node, self._group)
+        self._inspections = DoorInspections(self._node, self.notify)
+
+    def _end_what_was_cut_off(self) -> None:
+        """Tell how the run ended that a former process of this bridge had in hand."""
+        cut_off = self._note.read()
+        if cut_off is None:
+            return
+        end = RunEnd(*cut_off)
+        end.refuse(
+            RunCutOffError.code,
+            "the bridge ended in the middle of the run and was started again; see that the robot stands still, look "
+            "at the door, start again",
+        )
+        self._tell(end)
+        self._note.clear()
 
     def close(self) -> None:
         """Disconnect."""
@@ -68,8 +110,8 @@ class MillDoorServer:
         self._recipes = None
 
     def destroy(self) -> None:
-        """Withdraw the action."""
-        self._server.destroy()
+        """Withdraw the action for good."""
+        self.offer(False)
 
     def deliver(self, stage: str, message: Any) -> bool:
         """Pass a stage's answer to the run in hand; False when it belongs to no run of this server."""
@@ -99,11 +141,13 @@ class MillDoorServer:
             goal.publish_feedback(MillDoor.Feedback(stage=stage, progress=progress))
 
         try:
-            if not self._node.active or self._recipes is None:
+            recipes, inspections, attendance = self._recipes, self._inspections, self._attendance
+            if not self._node.active or recipes is None or inspections is None or attendance is None:
                 raise NodeInactiveError(
                     "the ABB bridge is not active; activate it (ros2 lifecycle set /abb_bridge activate)"
                 )
-            course = Course(run, self._recipes, self._handover, self._limits(), tell)
+            self._note.write(run.run_id, run.door_id)
+            course = Course(run, recipes, self._handover, inspections, attendance, self._limits(), tell)
             end = course.end
             course.mill()
         except DoormillError as error:
@@ -111,9 +155,10 @@ class MillDoorServer:
         except Exception as error:
             self._node.get_logger().error(f"run {run.run_id} ended by {type(error).__name__}: {error}")
             end.refuse(DoormillError.code, f"{type(error).__name__}: {error}; see the bridge's log")
-        finally:
+        try:
+            return self._finish(end, goal)
+        finally:  # not before: giving this run up would give up the next one
             self._desk.end()
-        return self._finish(end, goal)
 
     def _limits(self) -> StageLimits:
         names = [field.name for field in fields(StageLimits)]
@@ -121,11 +166,22 @@ class MillDoorServer:
 
     def _finish(self, end: RunEnd, goal: Any) -> MillDoor.Result:
         """Tell everybody how the run ended."""
-        if not end.success:
+        if not end.milled:
             self._give_up(end.message)
-        values = {**asdict(end), "times": StageTimes(**asdict(end.times))}
-        result = MillDoor.Result(**_values_of(values, MillDoor.Result))
-        message = RunResult(**_values_of(values, RunResult))
+        self._tell(end)
+        with suppress(OSError):  # it is told again after a restart, that is all
+            self._note.clear()
+        result = MillDoor.Result(**_values_of(_document(end), MillDoor.Result))
+        if end.success:
+            goal.succeed()
+        elif goal.is_cancel_requested:
+            goal.canceled()
+        else:
+            goal.abort()
+        return result
+
+    def _tell(self, end: RunEnd) -> None:
+        message = RunResult(**_values_of(_document(end), RunResult))
         message.header.stamp = self._node.get_clock().now().to_msg()
         if self._node.context.ok():
             self._result.publish(message)
@@ -135,13 +191,18 @@ class MillDoorServer:
             log.info(end.message)
         else:
             log.warning(end.message)
-        if end.success:
-            goal.succeed()
-        elif goal.is_cancel_requested:
-            goal.canceled()
-        else:
-            goal.abort()
-        return result
+
+
+def _document(end: RunEnd) -> dict[str, Any]:
+    """How a run ended, by the names of the messages' fields."""
+    return {
+        **asdict(end),
+        "times": StageTimes(**asdict(end.times)),
+        "measured": end.inspection.measured,
+        "worst_feature": end.inspection.feature,
+        "deviation": end.inspection.deviation,
+        "tolerance": end.inspection.tolerance,
+    }
 
 
 def _values_of(values: dict[str, Any], message_type: Any) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from doormill_ros.operator.server import create_app
 from doormill_ros.operator.state import EndedRun, ViewStore
 
 BRIDGE = "abb_bridge"
+CONTROLLER = "/controller"  # what the bridge tells of it
 SILENCE = 5.0  # s; nodes report on themselves every second
 KEPT_PICTURES = 4
 FEEDBACK = topics.Topic(
@@ -124,6 +125,7 @@ class OperatorPage(ManagedNode):
             result.error_code,
             result.message,
             seconds_of(result.header.stamp),
+            result.measured,
         )
         known = any(run.run_id == ended.run_id for run in self.store.view.history)
         self.store.update(lambda view: view.with_ended(ended))
@@ -132,7 +134,10 @@ class OperatorPage(ManagedNode):
 
     def _take_diagnostics(self, array: DiagnosticArray) -> None:
         for status in array.status:
-            if status.name == BRIDGE:
+            namespace, _, node = status.name.removesuffix(CONTROLLER).rpartition("/")
+            if namespace != self.get_namespace().strip("/"):
+                continue  # of another cell
+            if node == BRIDGE and not status.name.endswith(CONTROLLER):
                 self._bridge_heard = time.monotonic()
                 self._look_for_bridge()
             fault = status.message if status.level == ERROR else ""

@@ -13,12 +13,13 @@ from std_msgs.msg import Header, String
 
 from doormill_interfaces.msg import DoorRecipe, TargetArray
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.run import FUTURE
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
-from doormill_ros.messages.from_message import nanoseconds_of, recipe_of, transform_of
+from doormill_ros.messages.from_message import nanoseconds_of, recipe_of, seconds_of, transform_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import path_message
-from doormill_ros.nodes.convert.markers import no_markers, program_markers
+from doormill_ros.nodes.convert.markers import body_markers, no_markers, program_markers
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.frame_publisher import frame_publisher
 from doormill_ros.nodes.managed_node import ManagedNode
@@ -60,6 +61,7 @@ class PathGenerator(ManagedNode):
         self._markers = self.publisher(topics.PATH_MARKERS)
         self._joints = self.publisher(topics.PATH_JOINT_STATES)
         self._description = self.publisher(topics.ROBOT_DESCRIPTION)
+        self._bodies = self.publisher(topics.CELL_BODIES)
         self._frames = frame_publisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_POSE, self._take_pose)
@@ -67,6 +69,7 @@ class PathGenerator(ManagedNode):
     def start(self) -> None:
         """Describe the robot to who draws it."""
         self._description.publish(String(data=self._setup.robot.urdf.read_text(encoding="utf-8")))
+        self._bodies.publish(body_markers(self._setup.robot, self._setup.layout))
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         if self._recipe is not None and self._recipe.run_id != recipe.run_id:
@@ -81,7 +84,12 @@ class PathGenerator(ManagedNode):
             self._take_pose(pose)
 
     def _take_pose(self, pose: PoseStamped) -> None:
-        recipe = self._recipe
+        recipe, now = self._recipe, self.get_clock().now().to_msg()
+        ahead = seconds_of(pose.header.stamp) - seconds_of(now)
+        if ahead > FUTURE:
+            # Kept, it would pass for the pose of every door to come.
+            self.report(WARN, f"a pose came with a stamp {ahead:.1f} s in the future; set the clocks")
+            return
         if recipe is None or nanoseconds_of(pose.header.stamp) < nanoseconds_of(recipe.header.stamp):
             # Topics have no common order: the pose may overtake the recipe it was measured for.
             self._early = pose

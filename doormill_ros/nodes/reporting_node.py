@@ -8,9 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rclpy.exceptions import ParameterException
 from rclpy.lifecycle import LifecycleNode
+from rclpy.parameter import Parameter
 
+from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.errors import DoormillError
 from doormill_ros.nodes import topics
 
@@ -23,13 +26,17 @@ DISPLAY_DELAY = 0.1  # s
 
 @dataclass(frozen=True)
 class NodeParameter:
-    """A declared parameter: name, default, what it means with its unit, allowed range."""
+    """A declared parameter: name, default, what it means with its unit, allowed range.
+
+    One that is not `live` is read when the node is configured, and changes of it are refused from then on.
+    """
 
     name: str
     default: Any
     description: str
     low: float | None = None
     high: float | None = None
+    live: bool = False
 
     def descriptor(self) -> ParameterDescriptor:
         """The ROS descriptor."""
@@ -53,12 +60,56 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         super().__init__(name, **kwargs)
         self._later: dict[str, Any] = {}
         self._health: tuple[bytes, str, dict[str, Any]] = (WARN, "unconfigured", {})
-        for parameter in self.PARAMETERS:
-            self.declare_parameter(parameter.name, parameter.default, parameter.descriptor())
+        try:
+            for parameter in self.PARAMETERS:
+                self._declare(parameter)
+        except BadParameterError:
+            LifecycleNode.destroy_node(self)  # what subclasses destroy is not there yet
+            raise
+        self.add_on_set_parameters_callback(self._judge_change)
         self._diagnostics = self.create_publisher(
             DiagnosticArray, topics.DIAGNOSTICS.name, topics.DIAGNOSTICS.offered
         )
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
+
+    def _declare(self, parameter: NodeParameter) -> None:
+        """Declare a parameter with what the command line or a file says of it.
+
+        Raises:
+            BadParameterError: That is no value that it can have.
+        """
+        given = self._parameter_overrides.get(parameter.name)
+        default, whole = parameter.default, given is not None and type(given.value) is int
+        if isinstance(default, float) and whole:
+            given = Parameter(parameter.name, value=float(given.value))
+            self._parameter_overrides[parameter.name] = given
+        try:
+            self.declare_parameter(parameter.name, default, parameter.descriptor())
+        except ParameterException as error:
+            limits = "" if parameter.low is None else f" from {parameter.low:g} to {parameter.high:g}"
+            raise BadParameterError(
+                f"parameter {parameter.name} of /{self.get_name()} is {given.value!r}, allowed is a "
+                f"{type(default).__name__}{limits}: {parameter.description}; correct it on the command line or in the "
+                "parameter file"
+            ) from error
+
+    def _judge_change(self, changes: list[Parameter]) -> SetParametersResult:
+        """Refuse what would be accepted and change nothing."""
+        fixed = {parameter.name for parameter in self.PARAMETERS if not parameter.live}
+        for change in changes:
+            known = change.name in fixed and self.has_parameter(change.name)
+            if known and self.settled and change.value != self.value(change.name):
+                return SetParametersResult(
+                    successful=False,
+                    reason=f"{change.name} is read when /{self.get_name()} is configured; deactivate it and clean it "
+                    "up first (ros2 lifecycle set), or start it with the new value",
+                )
+        return SetParametersResult(successful=True)
+
+    @property
+    def settled(self) -> bool:
+        """The node has read its parameters."""
+        return False
 
     def value(self, name: str) -> Any:
         """Current value of a parameter."""

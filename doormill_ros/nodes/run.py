@@ -9,11 +9,14 @@ import gc
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.logging import get_logger
 from rclpy.signals import uninstall_signal_handlers
 
+from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.resources import resource
 
@@ -66,6 +69,9 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except BadParameterError as error:
+        get_logger("doormill").fatal(error.message)
+        return 2
     except Exception:
         # What is met while the context goes away is the way out, no fault.
         if rclpy.ok():
@@ -73,9 +79,9 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
     finally:
         # An interrupt that another thread took may be told to this one only now; it is told once.
         try:
-            _ignore_signals()
+            ignore_signals()
         except KeyboardInterrupt:
-            _ignore_signals()
+            ignore_signals()
         shut_down(nodes, executor, STOP_LIMIT)
         rclpy.try_shutdown()
     return 0
@@ -88,17 +94,22 @@ def shut_down(nodes: Sequence[ManagedNode], executor: MultiThreadedExecutor | No
     """
     for node in nodes:
         node.close()
-    # On a signal a thread of rclpy's wakes the executor through a guard condition that it holds no lock on.
+    # Its thread for signals wakes the executor through a guard condition that it holds no lock on.
     # Destroyed meanwhile, that is a segmentation fault: the thread has to end first.
     uninstall_signal_handlers()
     if executor is not None:
         executor.shutdown(timeout_sec=timeout)
 
 
-def _ignore_signals() -> None:
-    """Let no signal disturb the end of the process; what is ignored stays so until its last moment."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)
+def ignore_signals() -> dict[signal.Signals, Any]:
+    """Let no signal disturb what follows; to be called by the main thread.
+
+    Returns:
+        The handlers that stood before rclpy and this, by signal.
+    """
+    # rclpy takes back only handlers that it still finds in their place; its thread would stay with them.
+    uninstall_signal_handlers()
+    return {number: signal.signal(number, signal.SIG_IGN) for number in (signal.SIGINT, signal.SIGTERM)}
 
 
 def _keep_freed_memory() -> None:

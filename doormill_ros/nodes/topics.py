@@ -15,12 +15,14 @@ from visualization_msgs.msg import MarkerArray
 
 from doormill_interfaces.msg import (
     AbbStatus,
+    ControllerState,
     DoorLocalization,
     DoorPlacement,
     DoorRecipe,
     ExecutedPath,
     MilledDoor,
     RunResult,
+    RunVerdict,
     TargetArray,
 )
 
@@ -74,16 +76,19 @@ PATH_TARGETS = _topic("path/targets", TargetArray, EVENT)
 PATH_NOMINAL = _topic("path/nominal", Path, STATE)
 PATH_CORRECTED = _topic("path/corrected", Path, STATE)
 PATH_MARKERS = _topic("path/markers", MarkerArray, STATE)
+CELL_BODIES = _topic("cell/bodies", MarkerArray, STATE)
 PATH_JOINT_STATES = _topic("path/joint_states", JointState, STATE)
 ROBOT_DESCRIPTION = _topic("robot_description", String, STATE)
 ABB_STATUS = _topic("abb/status", AbbStatus, STATE)
 ABB_REQUEST = _topic("abb/request", Bool, STATE)
 ABB_READY = _topic("abb/ready", Bool, STATE)
+CONTROLLER_STATE = _topic("abb/controller_state", ControllerState, STATE)
 ABB_TARGET_FILE = _topic("abb/target_file", String, STATE)
 RUN_RESULT = _topic("run/result", RunResult, STATE)
 DOOR_PLACEMENT = _topic("simulation/door_placement", DoorPlacement, STATE)
 EXECUTED_PATH = _topic("simulation/executed_path", ExecutedPath, STATE)
 MILLED_DOOR = _topic("simulation/milled_door", MilledDoor, STATE)
+RUN_VERDICT = _topic("simulation/verdict", RunVerdict, STATE)
 #: Where tf2_msgs is missing; Foxglove takes single transforms from any topic.
 FRAMES = _topic("frames", TransformStamped, LATCHED_FRAMES)
 DIAGNOSTICS = _topic("/diagnostics", DiagnosticArray, EVENT)
@@ -99,15 +104,18 @@ ALL: tuple[Topic, ...] = (
     PATH_NOMINAL,
     PATH_CORRECTED,
     PATH_MARKERS,
+    CELL_BODIES,
     PATH_JOINT_STATES,
     ROBOT_DESCRIPTION,
     ABB_STATUS,
     ABB_REQUEST,
     ABB_READY,
+    CONTROLLER_STATE,
     ABB_TARGET_FILE,
     RUN_RESULT,
     DOOR_PLACEMENT,
     EXECUTED_PATH,
     MILLED_DOOR,
+    RUN_VERDICT,
     DIAGNOSTICS,
 )

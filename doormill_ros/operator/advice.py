@@ -16,6 +16,11 @@ class Advice:
 
 _WAIT = Advice("wait", "Wait. The cell is measuring the door and working out the robot's path.")
 _STAY_OUT = Advice("danger", "Stay out of the cell. The robot mills the door.")
+_SPOILED = Advice(
+    "act",
+    "The door was milled out of tolerance. Put it aside when the robot has stopped, and mill no other before it is "
+    "known why.",
+)
 _CLEARING = Advice(
     "wait", "Wait until the link to the controller is clear. If this lasts, see the state below."
 )
@@ -51,7 +56,12 @@ _WITHOUT_RUN = {
 
 
 def next_step(
-    bridge_present: bool, state: str, run_in_hand: bool, refusal: str, faults: Mapping[str, str]
+    bridge_present: bool,
+    state: str,
+    run_in_hand: bool,
+    refusal: str,
+    faults: Mapping[str, str],
+    spoiled: bool = False,
 ) -> Advice:
     """What to do now.
 
@@ -61,6 +71,7 @@ def next_step(
         run_in_hand: A door is being milled.
         refusal: Why the door in hand or the last one was refused.
         faults: What nodes in error say of themselves, by node.
+        spoiled: The last door was milled out of tolerance.
     """
     if not bridge_present or not state:
         return Advice(
@@ -73,6 +84,8 @@ def next_step(
     if faults:
         node, message = next(iter(faults.items()))
         return Advice("fault", f"Put right what {node} reports, or call maintenance: {message}")
+    if refusal and not run_in_hand and spoiled:
+        return _SPOILED
     if refusal and not run_in_hand:
         # A run can also end while the robot moves: canceled, or given up after its time limit.
         return Advice(

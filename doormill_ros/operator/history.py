@@ -72,6 +72,7 @@ def _ended(values: dict[str, Any]) -> EndedRun:
         error_code=int(values["error_code"]),
         message=str(values["message"]),
         ended=float(values["ended"]),
+        measured=bool(values.get("measured", False)),
     )
     if not run.run_id:
         raise ValueError("a goal that never became a run")

@@ -14,17 +14,13 @@ function cell(row, text) {
   row.insertCell().textContent = text;
 }
 
-function result(run) {
-  return run.success ? "milled" : `refused (${run.error_code})`;
-}
-
 function showHistory(history) {
   const rows = history.map((run) => {
     const row = document.createElement("tr");
     row.className = run.success ? "milled" : "refused";
     cell(row, new Date(run.ended * 1000).toLocaleString([], { dateStyle: "short", timeStyle: "short" }));
     cell(row, run.door_id);
-    cell(row, result(run));
+    cell(row, run.outcome);
     cell(row, run.message);
     return row;
   });
@@ -58,7 +54,7 @@ function show(view) {
   write("state", view.state ? `${view.state}: ${view.state_reason}` : "unknown");
   write("door", view.run_id ? `${view.door_id}, stage ${view.stage}` : "none");
   const last = view.history[0];
-  write("last", last ? `${last.door_id}, ${result(last)}` : "none yet");
+  write("last", last ? `${last.door_id}, ${last.outcome}` : "none yet");
   byId("progress").hidden = !view.run_id;
   byId("progress").value = view.progress;
   write("notice", view.notice);

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
+from doormill_ros.cell.errors import OutOfToleranceError
+from doormill_ros.cell.inspection import outcome
 from doormill_ros.operator.advice import next_step
 
 HISTORY = 50  # runs
@@ -15,7 +17,10 @@ LONGEST_TEXT = 2000  # characters
 
 @dataclass(frozen=True)
 class EndedRun:
-    """How a run ended; `ended` in seconds since the epoch, `message` the reason of a refusal."""
+    """How a run ended; `ended` in seconds since the epoch, `message` the reason of a refusal.
+
+    `measured`: the milled door was measured; without, nobody knows how it came out.
+    """
 
     run_id: str
     door_id: str
@@ -23,6 +28,12 @@ class EndedRun:
     error_code: int
     message: str
     ended: float
+    measured: bool = False
+
+    @property
+    def outcome(self) -> str:
+        """What it came to in two or three words."""
+        return outcome(self.success, self.error_code, self.measured)
 
 
 @dataclass(frozen=True)
@@ -133,7 +144,10 @@ class CellView:
 
     def document(self) -> dict[str, Any]:
         """JSON-able content of the page; the picture by its number."""
-        step = next_step(self.bridge_present, self.state, self.run_id != "", self.refusal, self.faults)
+        spoiled = bool(self.history) and self.history[0].error_code == OutOfToleranceError.code
+        step = next_step(
+            self.bridge_present, self.state, self.run_id != "", self.refusal, self.faults, spoiled
+        )
         return {
             "state": self.state if self.bridge_present else "",
             "state_reason": self.state_reason,
@@ -146,7 +160,7 @@ class CellView:
             "refusal": self.refusal,
             "notice": self.notice,
             "faults": [{"node": node, "message": text} for node, text in self.faults.items()],
-            "history": [asdict(run) for run in self.history],
+            "history": [{**asdict(run), "outcome": run.outcome} for run in self.history],
             "picture": None
             if self.picture is None
             else {"number": self.picture.number, "caption": self.picture.caption},

@@ -13,6 +13,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from doormill_ros.recording.errors import BagError, UnreadableBagError
+from doormill_ros.recording.mcap_chunks import check_chunks
 from doormill_ros.recording.mcap_scan import is_complete, scan
 
 
@@ -97,7 +98,11 @@ def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagM
     """
     messages = _scanned(folder, topics) if is_broken_off(folder) else _indexed(folder, topics)
     try:
+        for path in _files(folder):
+            check_chunks(path)
         yield from messages
+    except UnreadableBagError:
+        raise
     except Exception as error:  # the library raises many kinds for a damaged file
         raise _unreadable(folder, error) from error
 

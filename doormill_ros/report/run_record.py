@@ -21,6 +21,7 @@ LATEST = (
     "simulation/door_placement",
     "simulation/executed_path",
     "simulation/milled_door",
+    "simulation/verdict",
 )
 STATUS = "abb/status"
 
@@ -55,6 +56,11 @@ class RunRecord:
         return self.latest.get(topic)
 
 
+def _in_the_cell(topic: str) -> str:
+    """The name of a topic without the namespace of the cell that it was recorded in."""
+    return next((name for name in (*LATEST, STATUS) if topic.endswith(f"/{name}")), topic.lstrip("/"))
+
+
 def read_run(bag: Path) -> RunRecord:
     """The last run of a bag.
 
@@ -65,7 +71,7 @@ def read_run(bag: Path) -> RunRecord:
     record = RunRecord(bag)
     steps: list[tuple[float, str, str]] = []
     for item in read_bag(bag):
-        topic = item.topic.lstrip("/")
+        topic = _in_the_cell(item.topic)
         record.counts[topic] = record.counts.get(topic, 0) + 1
         if topic in LATEST:
             record.latest[topic] = item.message

@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from doormill_ros import __version__
+from doormill_ros.cell.errors import OutOfToleranceError
+from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, MeasuredDoor, outcome
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.files import write_atomically
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import program_of, transform_of
-from doormill_ros.pages.page import Charts, Facts, Listing, Page, Picture, Section, Text, render
+from doormill_ros.messages.from_message import inspection_of, program_of, transform_of
+from doormill_ros.pages.page import Charts, Facts, Listing, Page, PageSection, Paragraphs, Picture, render
 from doormill_ros.recipes.drawing import draw_recipe
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.report.figures import (
@@ -25,10 +27,25 @@ from doormill_ros.report.figures import (
     pose_figure,
 )
 from doormill_ros.report.run_record import RunRecord, read_run
-from doormill_ros.toolpath.drawing import draw_program
+from doormill_ros.robot.description import load_robot
+from doormill_ros.toolpath.drawing import draw_program, draw_ways
+from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.units import m_to_mm, rad_to_deg, s_to_ms
 
+TOUCHED = "touched what it must not"
 TARGET_LINES = 400  # of the RAPID file that the page shows
+
+
+def _expected(targets: Any) -> str:
+    """Expected error of each feature's walls, as springs and forces are known."""
+    by_feature: dict[str, float] = {}
+    for motion in targets.motions:
+        if motion.feature and motion.cutting:
+            error = getattr(targets.targets[motion.target], "expected_error", 0.0)
+            by_feature[motion.feature] = max(by_feature.get(motion.feature, 0.0), error)
+    if not any(by_feature.values()):
+        return "not told: the run is older than this figure"
+    return ", ".join(f"{name} {m_to_mm(error):.3f} mm" for name, error in by_feature.items())
 
 
 def _facts(record: RunRecord) -> dict[str, str]:
@@ -63,16 +80,48 @@ def _facts(record: RunRecord) -> dict[str, str]:
             f"{len(targets.targets)} targets, {len(targets.motions)} motions, {targets.cycle_time:.1f} s, "
             f"largest correction {m_to_mm(targets.largest_correction):.3f} mm by model {targets.robot_model}"
         )
-    if milled is not None:
+        facts["expected error"] = _expected(targets)
+        facts["cycle"] = _cycle(targets.cycle_time, targets.door_id)
+    inspection = _inspection(record)
+    if inspection.out_of_tolerance:
+        facts["milled"] = f"out of tolerance: {inspection.sentence}"
+    elif _handed_over(result) and not inspection.measured:
+        facts["milled"] = "not measured"
+    elif milled is not None:
         facts["milled"] = (
             f"within {m_to_mm(milled.corrected_max):.3f} mm of the recipe, {m_to_mm(milled.uncorrected_max):.3f} mm "
             f"without correction, tolerance {m_to_mm(milled.tolerance):.1f} mm"
         )
+    verdict = record.get("simulation/verdict")
+    if verdict is not None:
+        facts["touched"] = verdict.message
     if result.target_file:
         facts["RAPID file"] = f"{result.target_file} (sha256 {result.sha256})"
     if targets is not None:
         facts["robot model"] = targets.robot_model
     return facts
+
+
+def _handed_over(result: Any) -> bool:
+    """The door was milled; only then does a result name its file."""
+    return bool(result.sha256)
+
+
+def _inspection(record: RunRecord) -> MeasuredDoor:
+    """How the door came out."""
+    milled = record.get("simulation/milled_door")
+    return MeasuredDoor() if milled is None else inspection_of(milled)
+
+
+def _outcome(record: RunRecord) -> str:
+    """What the run came to in a few words, from what was measured: bags of older software call every end a success."""
+    result, inspection = record.get("run/result"), _inspection(record)
+    if _handed_over(result) and inspection.out_of_tolerance:
+        return OUT_OF_TOLERANCE
+    judged = record.get("simulation/verdict")
+    if result.success and judged is not None and not judged.success:
+        return TOUCHED
+    return outcome(result.success, result.error_code, inspection.measured)
 
 
 def _target_lines(record: RunRecord) -> list[str]:
@@ -101,7 +150,9 @@ def _door(recipe: Any, targets: Any, pose: Any) -> str:
     if targets is None or pose is None:
         drawing = draw_recipe(content)
     else:
-        drawing = draw_program(content, program_of(targets), transform_of(pose))
+        program, layout = program_of(targets), load_layout()
+        drawing = draw_program(content, program, transform_of(pose))
+        draw_ways(drawing, program, transform_of(pose), load_robot(layout.robot), layout.T_flange_tool)
     # As a picture of its own: the drawing's style sheet must not reach the rest of the page.
     data = base64.b64encode(drawing.to_svg().encode()).decode("ascii")
     words = escape(f"Door {recipe.door_id} with its features")
@@ -148,38 +199,46 @@ def _stage_times(result: Any) -> Facts:
     )
 
 
-def _refusal(code: int, handed_over: bool) -> Text:
+def _refusal(code: int, handed_over: bool) -> Paragraphs:
     left = (
         "The target file was handed over before; none was left" if handed_over else "No target file was left"
     )
-    return Text([f"Error code {code}. {left} for the controller."])
+    return Paragraphs([f"Error code {code}. {left} for the controller."])
 
 
 def render_report(record: RunRecord) -> str:
     """The whole page, self-contained."""
     result, recipe = record.get("run/result"), record.get("door/recipe")
     picture, target_lines = _picture(record), _target_lines(record)
-    top = [] if result.success else [_refusal(result.error_code, bool(target_lines))]
-    sections = [Section("", [*top, Facts(list(_facts(record).items()))])]
+    judged, came_to = record.get("simulation/verdict"), _outcome(record)
+    top = []
+    if came_to == OUT_OF_TOLERANCE:
+        top.append(Paragraphs([f"Error code {OutOfToleranceError.code}. {_inspection(record).sentence}."]))
+    elif not result.success:
+        top.append(_refusal(result.error_code, bool(target_lines)))
+    if judged is not None and not judged.success:
+        top.append(Paragraphs([f"Error code {judged.error_code}. {judged.message}."]))
+    sections = [PageSection("", [*top, Facts(list(_facts(record).items()))])]
     if picture:
-        sections.append(Section("Picture", [Picture(picture, "Picture of the door with found edges")]))
-    sections += [Section(title, [Charts([drawing], "wide")]) for title, drawing in _figures(record).items()]
+        sections.append(PageSection("Picture", [Picture(picture, "Picture of the door with found edges")]))
+    sections += [
+        PageSection(title, [Charts([drawing], "wide")]) for title, drawing in _figures(record).items()
+    ]
     steps = [(step.state, f"{step.begun:.3f} s", step.reason) for step in record.handshake]
     timeline = [Charts([handshake_figure(record.handshake)], "wide")] if record.handshake else []
     sections += [
-        Section("Stage times", [_stage_times(result)]),
-        Section("Handshake with the controller", [*timeline, Facts(steps, numbers=True)]),
+        PageSection("Stage times", [_stage_times(result)]),
+        PageSection("Handshake with the controller", [*timeline, Facts(steps, numbers=True)]),
     ]
     if target_lines:
-        sections.append(Section("RAPID target file", [Listing("\n".join(target_lines))]))
+        sections.append(PageSection("RAPID target file", [Listing("\n".join(target_lines))]))
     if recipe is not None:
         document = json.dumps(json.loads(recipe.document), indent=2)
-        sections.append(Section("Recipe", [Listing(document)]))
+        sections.append(PageSection("Recipe", [Listing(document)]))
     counts = [(topic, str(count)) for topic, count in sorted(record.counts.items())]
-    sections.append(Section("Recorded topics", [Facts(counts, numbers=True)]))
-    verdict = "milled" if result.success else "refused"
-    title = f"Door {result.door_id}: {verdict}"
-    return render(Page(result.message, sections, title=title, good=result.success))
+    sections.append(PageSection("Recorded topics", [Facts(counts, numbers=True)]))
+    title = f"Door {result.door_id}: {came_to}"
+    return render(Page(result.message, sections, title=title, good=came_to in (MILLED, NOT_MEASURED)))
 
 
 def write_report(bag: Path, path: Path) -> None:
@@ -189,3 +248,13 @@ def write_report(bag: Path, path: Path) -> None:
         BagError: The bag cannot be read or holds no run.
     """
     write_atomically(path, render_report(read_run(bag)))
+
+
+def _cycle(program: float, door_id: str) -> str:
+    """The predicted time of the door against appendix A.1 of the thesis."""
+    cycle = load_settings().cycle
+    found = program + cycle.probing
+    text = f"{found:.1f} s with finding the door, allowed are {cycle.total:.1f} s: "
+    if found <= cycle.total:
+        return text + "kept"
+    return text + f"exceeded by one robot; 'recipes check {door_id}' says what two would need"

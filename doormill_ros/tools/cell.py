@@ -1,8 +1,10 @@
-"""Tool `cell`: run the whole cell in one process on simulated hardware and mill one door."""
+"""Tool `cell`: run the whole cell in one process on simulated hardware and mill one door, or a shift of doors."""
 
 from __future__ import annotations
 
 import argparse
+import itertools
+import re
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
@@ -10,11 +12,26 @@ from pathlib import Path
 from doormill_ros.cell.run_folder import point_latest
 from doormill_ros.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
+OUT_OF_TOLERANCE_STATUS = 3
+NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
+
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(prog="cell", description=__doc__)
-    parser.add_argument("--door", required=True, metavar="ID", help="door to mill, for example standard_door")
+    parser.add_argument(
+        "--door",
+        required=True,
+        action="append",
+        metavar="ID",
+        help="door to mill, for example standard_door; for a shift again and again, taken in turn",
+    )
+    parser.add_argument(
+        "--doors", type=int, metavar="N", help="mill a shift of N doors, each with bag and inspection"
+    )
+    parser.add_argument(
+        "--world", type=Path, metavar="FILE", help="how the simulated cell really is, see docs/world.md"
+    )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="where the run's files go; default: out/latest"
     )
@@ -25,6 +42,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         type=float,
         metavar=("Y", "Z", "DEG"),
         help="place the door this far off: mm, mm, degrees",
+    )
+    parser.add_argument(
+        "--namespace", default="", metavar="NS", help="ROS namespace, for example /cell1, beside another cell"
     )
     parser.add_argument("--robot-model", metavar="YAML", help="model.yaml of a diagnosis for the correction")
     parser.add_argument(
@@ -46,13 +66,27 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     options = parser.parse_args(arguments)
     if options.ui is None and (options.control or options.ui_host):
         parser.error("--control and --ui-host belong to the operator's page: add --ui")
+    if options.doors is None and (options.world or len(options.door) > 1):
+        options.doors = len(options.door)
+    if options.doors is not None:
+        if options.doors < 1:
+            parser.error(f"--doors is {options.doors}, allowed is a positive whole number")
+        if options.ui is not None:
+            parser.error("--ui shows one door: leave it out, or --doors and --world")
+        if options.world and options.effects:
+            parser.error("--effects and --world both say what the robot hides: leave one out")
+    if options.namespace and not NAMESPACE.fullmatch(options.namespace):
+        parser.error(
+            f"--namespace is {options.namespace!r}, allowed are slashes with names of letters, digits and _: /cell1"
+        )
     return options
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run; 0 when the door was milled, 1 when it was refused."""
+    """Run; 0 for a milled door, 3 for one milled out of tolerance, 1 for one refused or not measured."""
     options = parse(arguments)
     # Late, so that --help answers at once.
+    from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
     from doormill_ros.cell.summary import RunSummary
     from doormill_ros.nodes.cell import CellOptions, run_once
     from doormill_ros.nodes.run import interrupt_once
@@ -68,8 +102,10 @@ def main(arguments: list[str] | None = None) -> int:
     parameters: dict[str, dict[str, object]] = {"camera_simulator": camera}
     if options.robot_model:
         parameters["path_generator"] = {"robot_model": Path(options.robot_model).resolve()}
-    if options.effects:
+    if options.effects and options.doors is None:
         parameters["controller_simulator"] = {"effects": Path(options.effects).resolve()}
+    if options.doors is not None:
+        return _mill_shift(options, parameters)
     latest = Path("out/latest")
     folder = options.out or Path("out/runs") / datetime.now(UTC).strftime("%Y%m%dT%H%M%S%fZ")
 
@@ -91,25 +127,65 @@ def main(arguments: list[str] | None = None) -> int:
     def milled(summary: RunSummary) -> None:
         print(f"{summary.message}\nthe cell stays up for the operator's page; end it with Ctrl-C", flush=True)
 
-    cell = CellOptions(parameters, page=options.ui is not None, token=token)
-    summary = run_once(options.door, folder, cell, progress, milled)
+    cell = CellOptions(parameters, options.ui is not None, token, options.namespace)
+    summary = run_once(options.door[0], folder, cell, progress, milled)
     write_report(Path(summary.bag), Path(summary.report))
     if options.out is None:
         point_latest(folder, latest)
         folder = latest
     print(summary.message)
-    if summary.success:
+    if summary.measured:
         error, feature = summary.localization_error, summary.feature_error
         print(
             f"localization error {m_to_mm(error.y):+.4f} mm, {m_to_mm(error.z):+.4f} mm, "
-            f"{rad_to_deg(error.rotation):+.4f} degrees; feature error {m_to_mm(feature.corrected_max):.3f} mm "
+            f"{rad_to_deg(error.rotation):+.4f} degrees; feature error {m_to_mm(feature.corrected_max):.3f} mm at "
+            f"{feature.feature} "
             f"(uncorrected {m_to_mm(feature.uncorrected_max):.3f}, tolerance {m_to_mm(feature.tolerance):.1f})"
         )
+        print(summary.touched.message)
         print(f"RAPID file  {folder / 'targets' / Path(summary.target_file).name}")
     print(f"bag         {folder / 'bag'}")
     print(f"report      {folder / 'report.html'}")
     print(f"summary     {folder / 'summary.json'}")
+    if summary.outcome == OUT_OF_TOLERANCE:
+        return OUT_OF_TOLERANCE_STATUS
     return 0 if summary.success else 1
+
+
+def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, object]]) -> int:
+    """Mill doors one after the other; 0 when nothing is wrong with any, 1 otherwise, 2 when a file cannot be used."""
+    from doormill_ros.cell.run_folder import ShiftFolder
+    from doormill_ros.cell.summary import RunSummary
+    from doormill_ros.errors import DoormillError
+    from doormill_ros.nodes.cell import CellOptions
+    from doormill_ros.nodes.shift import run_shift
+    from doormill_ros.report.run_report import write_report
+    from doormill_ros.simulation.robot_cell import load_effects
+    from doormill_ros.simulation.world.world_file import load_world
+
+    doors = list(itertools.islice(itertools.cycle(options.door), options.doors))
+    folder = options.out or Path("out/shifts") / datetime.now(UTC).strftime("%Y%m%dT%H%M%S%fZ")
+
+    def milled(number: int, summary: RunSummary) -> None:
+        write_report(Path(summary.bag), Path(summary.report))
+        print(f"[{number + 1}/{len(doors)}] {summary.message}", file=sys.stderr, flush=True)
+
+    try:
+        if options.world:
+            world = load_world(options.world)
+            for number in range(len(doors)):
+                world.door(number)
+        effects = load_effects(Path(options.effects)) if options.effects else ()
+    except DoormillError as error:
+        print(f"cell: {error.message}", file=sys.stderr)
+        return 2
+    shift = run_shift(
+        doors, folder, CellOptions(parameters, namespace=options.namespace), options.world, effects, milled
+    )
+    print(shift.table())
+    print(f"summary     {ShiftFolder(folder).summary}")
+    print(f"diagnosis   diagnose --inspections {folder} --out {folder / 'diagnosis'}")
+    return 0 if shift.success else 1
 
 
 if __name__ == "__main__":

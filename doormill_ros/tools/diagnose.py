@@ -1,8 +1,7 @@
 """Tell what a simulation gets wrong: `diagnose --data DIR [--data DIR ...] [--check DIR ...] --out OUT`.
 
-With `--thesis` in place of `--data` it questions the thesis' own loading tests (tables 4.2 and 4.3), with
-`--pictures DIR` the camera model by pictures of a door that was moved by known amounts, with `--inspections DIR` the
-robot's springs by inspected doors and the bags of their runs.
+`--data` takes every kind of set by the schema in its set.yaml; some kinds have an option of their own, too. With
+`--thesis` in place of `--data` it questions the thesis' own loading tests (tables 4.2 and 4.3).
 """
 
 from __future__ import annotations
@@ -15,6 +14,8 @@ from pathlib import Path
 
 from rich.console import Console
 
+from doormill_ros.diagnosis import kinds
+from doormill_ros.diagnosis.core.kind import run
 from doormill_ros.errors import DoormillError
 
 
@@ -26,18 +27,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--data", metavar="DIR", type=Path, action="append", default=[], help="set to diagnose"
     )
     source.add_argument("--thesis", action="store_true", help="the loading tests that the thesis prints")
-    source.add_argument("--pictures", metavar="DIR", type=Path, help="pictures of a moved door")
-    source.add_argument("--inspections", metavar="DIR", type=Path, help="one or many inspected doors")
+    own = {kind.option: kind for kind in kinds.KINDS if kind.option}
+    for option, kind in own.items():
+        source.add_argument(f"--{option}", metavar="DIR", type=Path, help=kind.help)
     parser.add_argument(
         "--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only"
     )
     parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
     parser.add_argument("--quiet", action="store_true", help="print the verdict only")
     chosen = parser.parse_args(arguments)
-    if chosen.check and not chosen.data:
-        other = next(name for name in ("thesis", "pictures", "inspections") if getattr(chosen, name))
+    if chosen.check and chosen.thesis:
+        others = ", ".join(f"--{option}" for option in ("data", *own))
         parser.exit(
-            2, f"diagnose: --check was given with --{other}, allowed is --check with --data; leave one out\n"
+            2, f"diagnose: --check was given with --thesis, allowed is --check with {others}; leave one out\n"
         )
     logging.basicConfig(level=logging.ERROR)
     console = Console(stderr=True, quiet=chosen.quiet, log_path=False)
@@ -52,19 +54,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 from doormill_ros.thesis.run import run_thesis
 
                 verdict = run_thesis(chosen.out)
-            elif chosen.pictures is not None:
-                from doormill_ros.diagnosis.camera.run import run_pictures
-
-                verdict = run_pictures(chosen.pictures, chosen.out, progress)
-            elif chosen.inspections is not None:
-                from doormill_ros.diagnosis.parts.run import run_inspections
-
-                verdict = run_inspections(chosen.inspections, chosen.out, progress)
             else:
-                from doormill_ros.diagnosis.kinds import choose_runner
-
-                run = choose_runner([*chosen.data, *chosen.check])
-                verdict = run(chosen.data, chosen.check, chosen.out, progress)
+                named = [kind for option, kind in own.items() if getattr(chosen, option) is not None]
+                kind = named[0] if named else kinds.kind_of([*chosen.data, *chosen.check])
+                data = [getattr(chosen, kind.option)] if named else chosen.data
+                verdict = run(kind, data, chosen.check, chosen.out, progress)
     except DoormillError as error:
         print(" ".join(error.message.split()), file=sys.stderr)
         return 2

@@ -115,12 +115,15 @@ def _draw(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
         print(draw_recipe(recipe).save(path))
         return
     # What draws takes a second to import, and only this asks for it.
+    from doormill_ros.pipeline.plan import load_setup
     from doormill_ros.pipeline.preview import preview
-    from doormill_ros.toolpath.drawing import draw_program, save_png
+    from doormill_ros.toolpath.drawing import draw_program, draw_ways, save_png
 
     (robot,) = preview(recipe, model=arguments.robot_model)
     if path.suffix.lower() == ".svg":
         drawing = draw_program(recipe, robot.program, robot.T_base_door, arguments.factor)
+        setup = load_setup()
+        draw_ways(drawing, robot.program, robot.T_base_door, setup.robot, setup.layout.T_flange_tool)
         print(drawing.save(path))
     else:
         print(save_png(path, recipe, robot.program, robot.T_base_door, arguments.factor))
@@ -129,13 +132,22 @@ def _draw(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
 def _check(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
     from doormill_ros.pipeline.preview import preview
     from doormill_ros.toolpath.door_checks import cycle_budget, text_table
+    from doormill_ros.toolpath.errors import PathError
 
     robots = preview(_chosen(database, arguments), arguments.robots, arguments.robot_model)
     for robot in robots:
         print(f"{robot.robot} robot")
         print(text_table(robot.check))
+    whole = cycle_budget([robot.check for robot in robots])
     if len(robots) > 1:
-        print(cycle_budget([robot.check for robot in robots]))
+        print(whole)
+    elif not whole.kept:
+        try:
+            both = preview(_chosen(database, arguments), 2, arguments.robot_model)
+        except PathError as error:
+            print(f"two robots cannot mill it: {error.message}")
+        else:
+            print(f"two robots: {cycle_budget([robot.check for robot in both])}")
 
 
 def _export(database: RecipeDatabase, arguments: argparse.Namespace) -> None:

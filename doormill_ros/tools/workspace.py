@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +13,23 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
+from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.errors import DoormillError
+from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import Robot, load_robot
+from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.units import MM, deg_to_rad, m_to_mm, n_per_m_to_n_per_um, rad_to_deg
+from doormill_ros.workspace.advice import PlannedDoors, best_place, layout_at, plan_doors, sample_doors
 from doormill_ros.workspace.doors import DoorRange, thesis_box
 from doormill_ros.workspace.grid import THESIS_STEP, thesis_grid
 from doormill_ros.workspace.maps import WRENCH_SCRIPT, WRENCH_TEXT, Maps, compute_maps, save_maps
 from doormill_ros.workspace.pictures import draw_conditioning, draw_influence, draw_region, draw_stiffness
 from doormill_ros.workspace.posture import POSTURES
-from doormill_ros.workspace.region import BoxPlacement, RegionSearch, assess, survey
+from doormill_ros.workspace.region import ELBOW, BoxPlacement, RegionRules, RegionSearch, assess, survey
 
 SCHEMA = "doormill/workspace/1"
+TEMPLATE = "standard_door"  #: whose features the planned doors have
+CANDIDATES = 3  #: places whose programs are looked at
 THESIS_ROBOT = "irb6600_175_255"
 # Table 4.6 of the thesis, degrees: where its region of operation lies on the maps.
 TABLE_4_6 = (
@@ -141,13 +148,32 @@ def _region(
         "thesis": _placement(reference, lowest),
     }
     task = progress.add_task("region of operation", total=1.0)
-    everywhere = survey(robot, doors, progress=_bar(progress, task, 0.8))
-    for objective in ("conditioning", "stiffness"):
+    everywhere = survey(robot, doors, RegionRules(clearance=ELBOW), progress=_bar(progress, task, 0.5))
+    layout, settings = load_layout(), load_settings()
+    hinged = sample_doors(load_recipe(TEMPLATE), doors, everything=False)
+    alone = sample_doors(load_recipe(TEMPLATE), doors, everything=True)
+
+    def judged(place: CellLayout, hinges: PlannedDoors | None = None) -> dict[str, Any]:
+        hinges = hinges or plan_doors(hinged, place, robot, settings)
+        return {"hinges": asdict(hinges), "one_robot": asdict(plan_doors(alone, place, robot, settings))}
+
+    region["cell"] = {"programs": judged(layout)}
+    region["thesis"]["programs"] = judged(layout_at(layout, reference.corner, doors))
+    for done, objective in enumerate(("conditioning", "stiffness")):
         found = everywhere.best(objective)
+        choice = everywhere.candidates(objective, CANDIDATES)
+        best = best_place([place.corner for place in choice], hinged, doors, layout, robot, settings)
+        region[f"best_{objective}"] = None
+        if best is not None:
+            number, hinges = best
+            found = replace(found, best=choice[number])
+            place = layout_at(layout, choice[number].corner, doors)
+            region[f"best_{objective}"] = _placement(choice[number], lowest) | {
+                "programs": judged(place, hinges)
+            }
         draw_region(robot, found, reference, arguments.out / f"region_{objective}.png")
         _save_search(found, arguments.out / f"region_{objective}.npz")
-        region[f"best_{objective}"] = _placement(found.best, lowest) if found.best else None
-    progress.update(task, completed=1.0)
+        progress.update(task, completed=0.7 + 0.3 * done)
     return {"region": region}
 
 
@@ -203,6 +229,16 @@ def _report(robot: Robot, document: dict[str, Any], lowest_hinge: float) -> None
         )
         if place["refusal"]:
             print(f"    {place['refusal']}")
+        _report_programs(place["programs"])
+    print("  the cell of config/cell.yaml:")
+    _report_programs(document["region"]["cell"]["programs"])
+
+
+def _report_programs(programs: dict[str, Any]) -> None:
+    for what, doors in (("hinges", programs["hinges"]), ("all features, one robot", programs["one_robot"])):
+        print(f"    {what}: {doors['refused']} of {doors['planned']} doors refused")
+        if doors["reason"]:
+            print(f"      {doors['reason']}")
 
 
 if __name__ == "__main__":

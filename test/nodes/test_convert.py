@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,12 +14,15 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
 from doormill_interfaces.msg import TargetArray
+from doormill_ros.cell.layout import load_layout
 from doormill_ros.messages.from_message import program_of, transform_of
 from doormill_ros.nodes.convert.geometry import path_message
-from doormill_ros.nodes.convert.markers import program_markers
+from doormill_ros.nodes.convert.markers import body_markers, program_markers
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.recipes.documents import shipped_recipes
+from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.configuration import ConfData
+from doormill_ros.robot.description import load_robot
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
 
@@ -42,7 +46,18 @@ def program() -> MillingProgram:
     motions = (
         Motion(MotionKind.JOINT, 0, None, 0.5, "fine", "", False),
         Motion(MotionKind.LINEAR, 1, None, 0.02, "z1", "hinge_1", True, rng.normal(size=6), 400.0),
-        Motion(MotionKind.CIRCULAR, 3, 2, 0.02, "z0", "hinge_1", True, rng.normal(size=6), 400.0),
+        Motion(
+            MotionKind.CIRCULAR,
+            3,
+            2,
+            0.02,
+            "z0",
+            "hinge_1",
+            True,
+            *rng.normal(size=(1, 6)),
+            400.0,
+            rng.normal(size=6),
+        ),
     )
     return MillingProgram("door", 3, targets, motions)
 
@@ -68,6 +83,49 @@ def test_a_program_comes_back_as_it_was(program: MillingProgram) -> None:
         fields = ("kind", "target", "via", "speed", "zone", "feature", "cutting", "spindle_speed")
         assert [getattr(found, f) for f in fields] == [getattr(wanted, f) for f in fields]
         assert np.array_equal(found.wrench, wanted.wrench)
+        ends = [m.wrench if m.wrench_end is None else m.wrench_end for m in (found, wanted)]
+        assert np.array_equal(*ends)
+
+
+def test_ways_come_back_over_the_wire() -> None:
+    rng = np.random.default_rng(4)
+    motions = (
+        Motion(MotionKind.ABSOLUTE, 0, None, 0.5, "fine", "", False),
+        Motion(MotionKind.JOINT, 0, None, 0.5, "fine", "hinge_1", False),
+        Motion(MotionKind.JOINT, 0, None, 0.5, "fine", "hinge_2", False),
+    )
+    program = MillingProgram(
+        "door",
+        1,
+        (),
+        motions,
+        tuple(rng.uniform(-3, 3, (5, 6))),
+        rng.uniform(-3, 3, 6),
+        (range(1, 3), range(3, 5)),
+    )
+    message = over_the_wire(program_into(TargetArray(), program))
+    assert [(e.feature, e.first, e.last) for e in message.escapes] == [("hinge_1", 1, 2), ("hinge_2", 3, 4)]
+    back = program_of(message)
+    assert back.motions[0].kind is MotionKind.ABSOLUTE
+    np.testing.assert_array_equal(back.points, program.points)
+    np.testing.assert_array_equal(back.home, program.home)
+    assert back.escapes == program.escapes
+
+
+def test_every_body_is_shown_in_the_frame_that_moves_it() -> None:
+    robot, layout = load_robot("irb6600_175_255"), load_layout()
+    post = Body("post", "capsule", radius=0.1, start=np.zeros(3), end=np.array([0.0, 0.3, 0.0]))
+    markers = body_markers(robot, replace(layout, obstacles=(*layout.obstacles, post))).markers
+    shown = {(m.ns, m.id): m for m in markers}
+    assert len(shown) == len(markers) == 11 + 1 + 4 + 3
+    disc = shown["turning disc", 0]
+    assert (disc.header.frame_id, disc.pose.position.x, disc.scale.x) == ("link_6", 0.18, 0.04)
+    assert shown["spindle", 0].header.frame_id == "flange"
+    assert shown["floor", 0].header.frame_id == "base_link"
+    # The cylinder's axis is z of its pose, the balls stand at its ends.
+    assert transform_of(shown["post", 0].pose)[:3, 2] == pytest.approx([0.0, 1.0, 0.0])
+    assert shown["post", 0].scale.z == pytest.approx(0.3)
+    assert shown["post", 2].pose.position.y == pytest.approx(0.3)
 
 
 def test_no_two_targets_share_a_message(program: MillingProgram) -> None:
@@ -75,7 +133,10 @@ def test_no_two_targets_share_a_message(program: MillingProgram) -> None:
     message = program_into(TargetArray(), program)
     poses = [p for t in message.targets for p in (t.nominal, t.corrected)]
     assert len({id(p) for p in poses}) == len({id(p.position) for p in poses}) == len(poses)
-    vectors = [v for m in (*message.targets, *message.motions) for v in (m.wrench.force, m.wrench.torque)]
+    wrenches = [m.wrench for m in (*message.targets, *message.motions)] + [
+        m.wrench_end for m in message.motions
+    ]
+    vectors = [v for wrench in wrenches for v in (wrench.force, wrench.torque)]
     assert len({id(v) for v in vectors}) == len(vectors)
 
 

@@ -71,3 +71,76 @@ def test_signals_do_not_disturb_the_closing(first: signal.Signals) -> None:
     )
     assert (ended.returncode, ended.stdout) == (0, "closed\n"), ended.stderr
     assert "Traceback" not in ended.stderr
+
+
+#: What rclpy still has installed while nodes close, and after that.
+ENDED = """
+import sys
+from doormill_ros.nodes.composition import Composition
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.run import run_nodes
+from rclpy.node import Node
+from rclpy.signals import get_current_signal_handlers_options as installed
+
+class Asking(ManagedNode):
+    def __init__(self):
+        super().__init__("asking")
+
+    def start(self):
+        if sys.argv[1] == "run_nodes":
+            raise KeyboardInterrupt
+
+    def teardown(self):
+        print(installed().name)
+
+if sys.argv[1] == "run_nodes":
+    run_nodes(Asking, arguments=["asking"])
+else:
+    for _ in range(2):
+        with Composition(["composed"], [Asking], lambda: Node("beside"), 2):
+            print(installed().name)
+print(installed().name)
+"""
+
+
+@pytest.mark.parametrize(
+    ("how", "installed"), [("run_nodes", ["NO", "NO"]), ("composition", ["ALL", "NO", "ALL", "NO", "NO"])]
+)
+def test_what_rclpy_installed_is_gone_before_nodes_close(how: str, installed: list[str]) -> None:
+    """Its thread has ended then; handlers that are replaced before it takes them back stay, and so does the thread."""
+    ended = subprocess.run(
+        [sys.executable, "-c", ENDED, how], capture_output=True, text=True, timeout=LIMIT, check=False
+    )
+    assert (ended.returncode, ended.stdout.split()) == (0, installed), ended.stderr
+
+
+#: The same for nodes in the process of a command, which goes on afterwards.
+COMPOSED = """
+import signal
+from doormill_ros.nodes.composition import Composition
+from doormill_ros.nodes.managed_node import ManagedNode
+from rclpy.node import Node
+
+class Signalled(ManagedNode):
+    def __init__(self):
+        super().__init__("signalled")
+
+    def teardown(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.raise_signal(number)
+        print("closed")
+
+# Python has this handler only where the process was not started with SIGINT ignored, as in the background.
+before = signal.default_int_handler
+signal.signal(signal.SIGINT, before)
+with Composition(["composed"], [Signalled], lambda: Node("beside"), 2):
+    pass
+print(signal.getsignal(signal.SIGINT) is before)
+"""
+
+
+def test_signals_do_not_disturb_the_closing_of_a_composition() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", COMPOSED], capture_output=True, text=True, timeout=LIMIT, check=False
+    )
+    assert (ended.returncode, ended.stdout) == (0, "closed\nTrue\n"), ended.stderr

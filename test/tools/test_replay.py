@@ -13,7 +13,7 @@ import yaml
 from bags.timeline import load_timeline
 from doormill_ros.abb.target_file import line as target_line
 from doormill_ros.correction import compensate
-from doormill_ros.localization import tracing
+from doormill_ros.localization import neighbourhood
 from doormill_ros.recording.replay import offline
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_model import model_document
@@ -79,7 +79,7 @@ def test_what_was_not_compared_stays_in_the_expectation(
 
 
 def shorter_reach(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(tracing, "_PLAIN_REACH", 1.2)
+    patch.setattr(neighbourhood, "_PLAIN_REACH", 1.2)
 
 
 def shorter_correction(patch: pytest.MonkeyPatch) -> None:

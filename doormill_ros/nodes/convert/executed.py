@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from geometry_msgs.msg import Point
 from std_msgs.msg import Header
 
-from doormill_interfaces.msg import DoorPlacement, FeatureDeviation, MilledDoor
+from doormill_interfaces.msg import DoorPlacement, FeatureDeviation, MilledDoor, RunVerdict
 from doormill_interfaces.msg import ExecutedPath as ExecutedPathMessage
+from doormill_interfaces.msg import Touch as TouchMessage
 from doormill_ros.nodes.convert.geometry import pose_message, wrench_message
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.judge.verdict import Touch, Verdict, WoodGone
 from doormill_ros.simulation.milled_part import MilledPart
 
 
@@ -62,4 +65,37 @@ def milled_message(
         uncorrected_max=uncorrected.max_deviation,
         tolerance=tolerance,
         features=features,
+    )
+
+
+def verdict_message(verdict: Verdict, header: Header, placement: DoorPlacement) -> RunVerdict:
+    """What a run touched, bodies first."""
+    error = verdict.error
+    touches: list[Touch | WoodGone] = [*verdict.touches, *verdict.gone]
+    return RunVerdict(
+        header=header,
+        run_id=placement.run_id,
+        door_id=placement.door_id,
+        success=error is None,
+        error_code=0 if error is None else error.code,
+        message=verdict.sentence,
+        judged=verdict.judged,
+        touched=verdict.touched_samples,
+        volume=verdict.volume,
+        touches=[_touch_message(touch) for touch in touches],
+    )
+
+
+def _touch_message(touch: Touch | WoodGone) -> TouchMessage:
+    x, y, z = touch.place.tolist()
+    return TouchMessage(
+        body=touch.body if isinstance(touch, Touch) else "mill",
+        obstacle=touch.obstacle if isinstance(touch, Touch) else "door",
+        motion=touch.motion,
+        feature=touch.feature,
+        time=touch.time,
+        depth=touch.depth,
+        place=Point(x=x, y=y, z=z),
+        volume=0.0 if isinstance(touch, Touch) else touch.volume,
+        samples=len(touch.samples),
     )

@@ -8,15 +8,20 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import transform
+from doormill_ros.cell.layout import CellLayout
+from doormill_ros.frames import BASE_FRAME, transform
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.robot.bodies import Body, load_bodies
+from doormill_ros.robot.description import Robot
+from doormill_ros.toolpath.program import MillingProgram, MotionKind
 
 NOMINAL = ColorRGBA(r=0.55, g=0.55, b=0.55, a=1.0)
 CORRECTED = ColorRGBA(r=0.10, g=0.45, b=0.85, a=1.0)
 CORRECTION = ColorRGBA(r=0.90, g=0.35, b=0.10, a=1.0)
 DOOR = ColorRGBA(r=0.80, g=0.65, b=0.45, a=0.4)  # paths lie in it, on the far side too
+ROBOT_BODY = ColorRGBA(r=0.95, g=0.45, b=0.10, a=0.25)
+OBSTACLE = ColorRGBA(r=0.45, g=0.45, b=0.50, a=0.5)
 THIN, THICK = 0.002, 0.004  # m; thinner is less than a pixel where a whole door is seen
 EXAGGERATION = 100.0  # corrections are tenths of a millimetre on a door of metres
 
@@ -42,6 +47,46 @@ def _door_marker(header: Header, T_base_door: FloatArray, door: Recipe) -> Marke
     )
 
 
+def _body_marker(header: Header, body: Body, colour: ColorRGBA) -> list[Marker]:
+    """A box, or the cylinder and the two balls of a capsule."""
+    if body.size is not None:
+        pose, size = pose_message(body.T_frame_body), body.size
+        parts = [(Marker.CUBE, pose, size)]
+    else:
+        start, end = body.ends
+        width = 2.0 * body.margin
+        length = float(np.linalg.norm(end - start))
+        parts = [(Marker.CYLINDER, pose_message(body.T_frame_body), np.array([width, width, length]))]
+        ball = np.full(3, width)
+        parts += [(Marker.SPHERE, pose_message(transform(translation=at)), ball) for at in (start, end)]
+    return [
+        Marker(
+            header=header,
+            ns=body.name,
+            id=number,
+            type=kind,
+            action=Marker.ADD,
+            pose=pose,
+            scale=Vector3(x=float(size[0]), y=float(size[1]), z=float(size[2])),
+            color=colour,
+            frame_locked=True,
+        )
+        for number, (kind, pose, size) in enumerate(parts)
+    ]
+
+
+def body_markers(robot: Robot, layout: CellLayout) -> MarkerArray:
+    """What robot, spindle and cell take up for the check of motions, each in the frame that moves it."""
+    markers = []
+    for body in load_bodies(robot):
+        markers += _body_marker(Header(frame_id=body.link), body, ROBOT_BODY)
+    for part in layout.spindle:
+        markers += _body_marker(Header(frame_id=robot.flange_link), part, ROBOT_BODY)
+    for obstacle in layout.obstacles:
+        markers += _body_marker(Header(frame_id=BASE_FRAME), obstacle, OBSTACLE)
+    return MarkerArray(markers=markers)
+
+
 def no_markers(header: Header) -> MarkerArray:
     """What takes the markers of an earlier program away."""
     return MarkerArray(markers=[Marker(header=header, action=Marker.DELETEALL)])
@@ -62,6 +107,8 @@ def program_markers(
     corrected = _marker(header, "corrected path", Marker.LINE_STRIP, THICK, CORRECTED)
     corrections = _marker(header, "correction x 100", Marker.LINE_LIST, THICK, CORRECTION)
     for motion in program.motions:
+        if motion.kind is MotionKind.ABSOLUTE:
+            continue
         for index in ([] if motion.via is None else [motion.via]) + [motion.target]:
             target = program.targets[index]
             p_nominal, p_corrected = target.T_base_tool_nominal[:3, 3], target.T_base_tool_corrected[:3, 3]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from geometry_msgs.msg import Vector3
 
+from doormill_interfaces.msg import Escape, JointPoint, TargetArray
 from doormill_interfaces.msg import Motion as MotionMessage
 from doormill_interfaces.msg import Target as TargetMessage
-from doormill_interfaces.msg import TargetArray
 from doormill_ros.arrays import FloatArray
 from doormill_ros.nodes.convert.geometry import fill_pose, pose_values
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
@@ -16,6 +16,7 @@ KINDS = {
     MotionKind.JOINT: MotionMessage.MOVE_J,
     MotionKind.LINEAR: MotionMessage.MOVE_L,
     MotionKind.CIRCULAR: MotionMessage.MOVE_C,
+    MotionKind.ABSOLUTE: MotionMessage.MOVE_ABS_J,
 }
 
 
@@ -28,11 +29,18 @@ def program_into(message: TargetArray, program: MillingProgram) -> TargetArray:
     message.door_id = program.door_id
     message.recipe_version = program.recipe_version
     message.largest_correction = program.largest_correction
+    message.expected_error = program.expected_error
     targets = program.targets
     nominal = pose_values([t.T_base_tool_nominal for t in targets])
     corrected = pose_values([t.T_base_tool_corrected for t in targets])
     message.targets = [_target(*row) for row in zip(targets, nominal, corrected, strict=True)]
     message.motions = [_motion(m) for m in program.motions]
+    message.points = [JointPoint(joint_positions=np.asarray(q, dtype=float)) for q in program.points]
+    message.home = [] if program.home is None else np.asarray(program.home, dtype=float).tolist()
+    message.escapes = [
+        Escape(feature=feature, first=escape.start, last=escape.stop - 1)
+        for feature, escape in zip(program.features, program.escapes, strict=bool(program.escapes))
+    ]
     return message
 
 
@@ -46,6 +54,7 @@ def _target(target: Target, nominal: list[float], corrected: list[float]) -> Tar
     message.cf1, message.cf4, message.cf6, message.cfx = conf.cf1, conf.cf4, conf.cf6, conf.cfx
     _fill_pair(message.wrench.force, message.wrench.torque, target.wrench)
     _fill_pair(message.deflection.linear, message.deflection.angular, target.deflection)
+    message.expected_error = float(target.expected_error)
     return message
 
 
@@ -59,6 +68,8 @@ def _motion(motion: Motion) -> MotionMessage:
     message.feature = motion.feature
     message.cutting = motion.cutting
     _fill_pair(message.wrench.force, message.wrench.torque, motion.wrench)
+    end = motion.last_wrench
+    _fill_pair(message.wrench_end.force, message.wrench_end.torque, end)
     message.spindle_speed = float(motion.spindle_speed)
     return message
 

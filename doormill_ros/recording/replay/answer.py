@@ -146,6 +146,7 @@ def targets_answer(stamp_ns: int, program: MillingProgram, cycle_time: float, ro
         **{f"targets[{index}]": _target(target) for index, target in enumerate(program.targets)},
         **{f"motions[{index}]": _motion(motion) for index, motion in enumerate(program.motions)},
         "largest_correction": program.largest_correction,
+        "expected_error": program.expected_error,
         "cycle_time": float(cycle_time),
     }
     return Answer(TARGETS, stamp_ns, _flat(ACCEPTED | content))
@@ -186,11 +187,13 @@ def _target(target: Target) -> dict[str, Any]:
         "cfx": conf.cfx,
         "wrench": {"force": target.wrench[:3], "torque": target.wrench[3:]},
         "deflection": {"linear": target.deflection[:3], "angular": target.deflection[3:]},
+        "expected_error": target.expected_error,
     }
 
 
 def _motion(motion: Motion) -> dict[str, Any]:
     """Fields of a doormill_interfaces/Motion."""
+    end = motion.last_wrench
     return {
         "kind": motion.kind.value,
         "target": motion.target,
@@ -201,6 +204,7 @@ def _motion(motion: Motion) -> dict[str, Any]:
         "cutting": motion.cutting,
         "spindle_speed": float(motion.spindle_speed),
         "wrench": {"force": motion.wrench[:3], "torque": motion.wrench[3:]},
+        "wrench_end": {"force": end[:3], "torque": end[3:]},
     }
 
 

@@ -30,7 +30,7 @@ TOLERANCES: tuple[tuple[str, Tolerance], ...] = (
     (r"^pose\.covariance", Tolerance(1e-18, "", relative=1e-3)),
     (r"^residual$", Tolerance(1e-7, "m", relative=1e-3)),
     (r"^quality$", Tolerance(1e-3)),
-    (r"\.position$|^largest_correction$", Tolerance(1e-7, "m")),
+    (r"\.position$|^largest_correction$|expected_error$", Tolerance(1e-7, "m")),
     (r"\.orientation$|\.joint_positions$", Tolerance(1e-7, "rad")),
     (r"\.linear$", Tolerance(1e-8, "m")),
     (r"\.angular$", Tolerance(1e-8, "rad")),

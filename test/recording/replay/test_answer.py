@@ -29,7 +29,7 @@ from support.source_tree import ROOT
 
 STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 #: doormill_interfaces/Motion.kind by what an answer calls it.
-KINDS = {"MoveJ": 0, "MoveL": 1, "MoveC": 2}
+KINDS = {"MoveJ": 0, "MoveL": 1, "MoveC": 2, "MoveAbsJ": 3}
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def test_every_field_of_a_program_has_the_value_of_the_message(program: MillingP
     message = program_into(TargetArray(accepted=True, robot_model="springs", cycle_time=81.5), program)
     answer = targets_answer(7, program, 81.5, "springs")
     assert answer.stamp_ns == 7
-    assert len(answer.values) == 8 + 14 * len(program.targets) + 10 * len(program.motions)
+    assert len(answer.values) == 9 + 15 * len(program.targets) + 12 * len(program.motions)
     for path, value in answer.values.items():
         found = field_of(message, path)
         if path.endswith(".kind"):

@@ -1,0 +1,111 @@
+"""Signs of life: every node of the cell offers a topic that says nothing but that it lives; the bridge watches them.
+
+It is DDS' liveliness, which DDS' own threads keep up: a busy node counts as alive, one that was killed or stopped is
+given up after `LEASE`. The topics are hidden from what lists and records topics.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.qos import LivelinessPolicy, QoSProfile
+from std_msgs.msg import Empty
+
+from doormill_ros.nodes.topics import Topic
+
+LEASE = 1.0  #: s without a sign of life after which a node is dead
+#: A node that is started again stands beside its dead predecessor for so long [s].
+SETTLING = LEASE + 0.5
+QOS = QoSProfile(
+    depth=1,
+    liveliness=LivelinessPolicy.AUTOMATIC,
+    liveliness_lease_duration=Duration(seconds=LEASE),
+)
+
+
+def alive_topic(name: str) -> Topic:
+    """The topic that a node of that name offers as long as it lives; nothing is ever published.
+
+    A name that begins with a slash is taken as it is, for what is not of one namespace.
+    """
+    return Topic(name if name.startswith("/") else f"_alive/{name}", Empty, QOS, QOS)
+
+
+@dataclass
+class _Seen:
+    """What is known of the nodes of one name; times are monotonic [s]."""
+
+    alive: int = 0
+    since: float = 0.0  # when their number changed last
+    ever: bool = False
+
+
+class AliveWatch:
+    """Knows which nodes are alive.
+
+    Args:
+        node: Managed node of which it is part; make this in its `setup`.
+        names: Of the nodes to be watched.
+        notify: Called after each change.
+        clock: Monotonic [s].
+        own: The names are also this process' own; DDS tells of the liveliness of other processes only.
+    """
+
+    def __init__(
+        self,
+        node: Any,
+        names: Iterable[str],
+        notify: Callable[[], None],
+        clock: Callable[[], float] = time.monotonic,
+        own: bool = False,
+    ) -> None:
+        self._most = 0 if own else 1
+        self._notify = notify
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._seen = {name: _Seen() for name in names}
+        for name in self._seen:
+            topic = alive_topic(name)
+            events = SubscriptionEventCallbacks(liveliness=partial(self._count, name))
+            subscription = node.create_subscription(
+                topic.type, topic.name, lambda _: None, topic.requested, event_callbacks=events
+            )
+            node.keep(node.destroy_subscription, subscription)
+
+    def dead(self, names: Iterable[str]) -> str:
+        """The first of the names whose node was there and is dead; else empty."""
+        with self._lock:
+            return next((name for name in names if self._seen[name].ever and not self._seen[name].alive), "")
+
+    def doubled(self) -> str:
+        """The name of which more than one node is alive, for longer than a restart takes; else empty."""
+        now = self._clock()
+        with self._lock:
+            return next(
+                (
+                    name
+                    for name, seen in self._seen.items()
+                    if seen.alive > self._most and now - seen.since > SETTLING
+                ),
+                "",
+            )
+
+    def settling(self) -> bool:
+        """Two nodes of one name are alive, but perhaps not for long."""
+        with self._lock:
+            return any(seen.alive > self._most for seen in self._seen.values())
+
+    def _count(self, name: str, event: Any) -> None:
+        with self._lock:
+            seen = self._seen[name]
+            if event.alive_count != seen.alive:
+                seen.alive, seen.since = event.alive_count, self._clock()
+            seen.ever = seen.ever or seen.alive > 0
+        self._notify()

@@ -1,0 +1,86 @@
+"""Part of /abb_bridge: which nodes of the cell are alive, and whether this bridge is the only one.
+
+A bridge that finds another one in its namespace or at its controller refuses every goal and withdraws the action, for
+as long as the other is there; one that was alone before goes on.
+"""
+
+from __future__ import annotations
+
+import time
+import zlib
+from collections.abc import Callable, Sequence
+
+from doormill_ros.cell.errors import NodeDeadError, NodeDoubledError
+from doormill_ros.nodes.alive import LEASE, AliveWatch, alive_topic
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.pipeline.course import RECIPE
+
+BRIDGE = "abb_bridge"
+#: After so long a bridge that has met no other is the first; discovery takes seconds on a loaded machine [s].
+ALONE = 20.0
+NAMESPACES = "give each cell a namespace (-r __ns:=/cell1) or a ROS_DOMAIN_ID of its own"
+
+
+class CellAttendance:
+    """Watches the nodes that a run needs, and other bridges.
+
+    Args:
+        node: The bridge; make this in its `setup`.
+        controller: What names the controller on this network, the same for every bridge that goes to it.
+        notify: Called after each change.
+        clock: Monotonic [s].
+    """
+
+    def __init__(
+        self,
+        node: ManagedNode,
+        controller: str,
+        notify: Callable[[], None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._clock = clock
+        self._controller = controller
+        self._begun = clock()
+        self._first = False
+        claim = f"/_alive/controller_{zlib.crc32(controller.encode()):08x}"
+        node.publisher(alive_topic(claim))
+        self._nodes = AliveWatch(node, RECIPE, notify, clock)
+        self._bridges = AliveWatch(node, (BRIDGE, claim), notify, clock, own=True)
+
+    @property
+    def settled(self) -> bool:
+        """See `pipeline.partners.Attendance`."""
+        return not (self._nodes.settling() or (self._bridges.settling() and not self._first))
+
+    def require(self, names: Sequence[str]) -> None:
+        """See `pipeline.partners.Attendance`."""
+        dead = self._nodes.dead(names)
+        if dead:
+            raise NodeDeadError(
+                f"/{dead} is dead: it gave no sign of life for {LEASE:g} s; when it runs again, start the door again"
+            )
+        doubled = self._nodes.doubled()
+        if doubled:
+            raise NodeDoubledError(
+                f"two nodes /{doubled} are alive in this namespace, and what one cell sees would be taken for "
+                f"another's; {NAMESPACES}"
+            )
+        hindrance = self.hindrance()
+        if hindrance:
+            raise NodeDoubledError(hindrance)
+
+    def hindrance(self) -> str:
+        """Why this bridge gives way to another one; empty when it does not. To be asked every now and then."""
+        other = self._bridges.doubled()
+        if not self._bridges.settling() and self._clock() - self._begun > ALONE:
+            self._first = True
+        if not other or self._first:
+            return ""
+        if other == BRIDGE:
+            return (
+                f"another /{BRIDGE} was alive in this namespace before, and this one gives way; {NAMESPACES}"
+            )
+        return (
+            f"another bridge went to the controller at {self._controller} before, and this one gives way; end one of "
+            "the two, or set the parameter address"
+        )

@@ -1,0 +1,153 @@
+"""Part of /abb_bridge: how the controller is, on a topic and in diagnostics, and whether it can take a file."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from std_msgs.msg import Header
+
+from doormill_interfaces.msg import ControllerEvent as EventMessage
+from doormill_interfaces.msg import ControllerState
+from doormill_ros.abb.controller_state import (
+    EMERGENCY_STOP,
+    GUARD_STOP,
+    MOTORS_ON,
+    ControllerEvent,
+    ControllerReading,
+    ControllerWatch,
+)
+from doormill_ros.abb.link_errors import ControllerStateError, LinkError
+from doormill_ros.abb.transport import Transport
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.reporting_node import ERROR, OK, WARN
+
+PERIOD = 1.0  # s, between two looks
+#: A reading older than this is taken anew before a file is announced [s].
+FRESH = 2.0
+STOP_LIMIT = 5.0  # s
+
+
+class ControllerMonitor:
+    """Looks at the controller from a thread of its own; without a transport that can tell, it does nothing."""
+
+    def __init__(self, node: ManagedNode, transport: Transport, ask_privilege: bool) -> None:
+        """Create the publishers.
+
+        Args:
+            node: The bridge.
+            transport: Way to the controller.
+            ask_privilege: In manual mode ask the operator to let the PC write.
+        """
+        self._node = node
+        self._watch = transport if isinstance(transport, ControllerWatch) else None
+        self._ask = ask_privilege
+        self._state = node.publisher(topics.CONTROLLER_STATE)
+        self._diagnostics = node.publisher(topics.DIAGNOSTICS)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="controller-monitor", daemon=True)
+        self._latest: tuple[float, ControllerReading] | None = None
+        self._shown: tuple[ControllerReading | None, str] | None = None
+
+    def start(self) -> None:
+        """Begin to look."""
+        if self._watch is not None:
+            self._thread.start()
+
+    def stop(self) -> None:
+        """Cease to look."""
+        self._ended.set()
+        if self._thread.is_alive():
+            self._thread.join(STOP_LIMIT)
+
+    def require_fit(self) -> None:
+        """Refuse to announce a file to a controller that cannot take it.
+
+        Raises:
+            ControllerStateError: Says what hinders and what to do.
+            LinkError: Its state cannot be read.
+        """
+        if self._watch is None:
+            return
+        latest = self._latest
+        if latest is None or latest[1].hindrance or time.monotonic() - latest[0] > FRESH:
+            latest = self._look(self._watch)
+        latest[1].require_fit()
+
+    def _run(self) -> None:
+        watch = self._watch
+        while watch is not None and not self._ended.is_set():
+            try:
+                _, reading = self._look(watch)
+                self._publish(reading, watch.read_events())
+            except LinkError as error:
+                self._publish_failure(error)
+            self._ended.wait(PERIOD)
+
+    def _look(self, watch: ControllerWatch) -> tuple[float, ControllerReading]:
+        latest = (time.monotonic(), watch.read_controller(self._ask))
+        self._latest = latest
+        return latest
+
+    def _publish(self, reading: ControllerReading, events: tuple[ControllerEvent, ...]) -> None:
+        hindrance = reading.hindrance
+        stopped = reading.controller_state in (EMERGENCY_STOP, GUARD_STOP, "sysfail")
+        self._diagnose(ERROR if stopped else WARN if hindrance else OK, hindrance or "takes files", reading)
+        if (reading, "") == self._shown and not events:
+            return
+        self._shown = (reading, "")
+        self._send(
+            ControllerState(
+                operating_mode=reading.operating_mode,
+                controller_state=reading.controller_state,
+                execution_state=reading.execution_state,
+                motors_on=reading.controller_state == MOTORS_ON,
+                guard_stop=reading.controller_state == GUARD_STOP,
+                emergency_stop=reading.controller_state == EMERGENCY_STOP,
+                privilege=reading.privilege,
+                speed_override=reading.speed_override,
+                takes_files=not hindrance,
+                advice=hindrance,
+                error_code=ControllerStateError.code if hindrance else 0,
+                events=[
+                    EventMessage(
+                        number=event.number,
+                        severity=event.severity,
+                        code=event.code,
+                        title=event.title,
+                        text=event.text,
+                    )
+                    for event in events
+                ],
+            )
+        )
+
+    def _publish_failure(self, error: LinkError) -> None:
+        self._latest = None
+        self._diagnose(ERROR, f"the controller's state cannot be read: {error.message}", None)
+        if self._shown == (None, error.message):
+            return
+        self._shown = (None, error.message)
+        self._send(ControllerState(advice=error.message, error_code=error.code))
+
+    def _send(self, message: ControllerState) -> None:
+        if self._node.context.ok():
+            message.header = Header(stamp=self._node.get_clock().now().to_msg())
+            self._state.publish(message)
+
+    def _diagnose(self, level: bytes, message: str, reading: ControllerReading | None) -> None:
+        if not self._node.context.ok():
+            return
+        values = {} if reading is None else vars(reading)
+        status = DiagnosticStatus(
+            level=level,
+            name=f"{self._node.get_fully_qualified_name().lstrip('/')}/controller",
+            message=message,
+            hardware_id="doormill",
+            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self._node.get_clock().now().to_msg()
+        self._diagnostics.publish(array)

@@ -1,0 +1,58 @@
+"""A shift: doors one after the other with one controller, each run with nodes, bag and inspection of its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from doormill_ros.cell.run_folder import ShiftFolder
+from doormill_ros.cell.shift_summary import ShiftSummary
+from doormill_ros.cell.summary import RunSummary
+from doormill_ros.nodes.cell import CellOptions, run_in
+from doormill_ros.nodes.controller_simulator import switch_on
+
+
+def run_shift(
+    doors: Sequence[str],
+    folder: Path,
+    options: CellOptions,
+    world: Path | None = None,
+    effects: Iterable[Mapping[str, Any]] = (),
+    milled: Callable[[int, RunSummary], None] | None = None,
+) -> ShiftSummary:
+    """Mill doors and write shift.json, anew after each of them; a refused door does not end the shift.
+
+    The nodes of each door are new, so that nothing latched reaches the next bag; controller, camera and robot are those
+    of the door before.
+
+    Args:
+        doors: Their ids, in order.
+        folder: Of the shift.
+        options: As for one door.
+        world: How the cell really is; None as the project assumes.
+        effects: What the robot hides where no world is given.
+        milled: Called with each door's number and summary.
+
+    Raises:
+        WorldFileError: The world file cannot be used.
+    """
+    paths = ShiftFolder(folder.resolve())
+    paths.prepare()
+    controller, began = switch_on(paths.controller, effects), time.time()
+    shift = ShiftSummary("" if world is None else str(world))
+    for number, door_id in enumerate(doors):
+        run_folder = paths.run(number)
+        parameters = {node: dict(values) for node, values in options.parameters.items()}
+        place = {"door_number": number, **({} if world is None else {"world": world.resolve()})}
+        own = {"shift_began": began, "inspection": run_folder.inspection}
+        parameters["camera_simulator"] = parameters.get("camera_simulator", {}) | place
+        parameters["controller_simulator"] = parameters.get("controller_simulator", {}) | place | own
+        run = run_in(run_folder, door_id, replace(options, parameters=parameters, controller=controller))
+        shift.add(number, run_folder.root.name, run)
+        shift.write(paths.summary)
+        if milled is not None:
+            milled(number, run)
+    return shift

@@ -1,0 +1,87 @@
+"""A few strikes of the campaign `bench/deaths.py`, and that its oracle sees what it is there for."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from doormill_ros.cell.run_in_hand import NOTE, RunNote
+from support.deaths.campaign import Strike, play
+from support.deaths.oracle import Oracle
+
+FILE = b"1;2;3;\n#door oak\n#run r1\n#sum [1,2]\n"
+#: The bridge with ready high, the controller with ready high, and a stage that stands still for a while.
+STRIKES = [
+    Strike("abb_bridge", True, "ready", 0.1, 0.0),
+    Strike("cell_simulator", True, "ready", 0.1, 0.0),
+    Strike("path_generator", False, "recipe", 0.0, 3.0),
+]
+
+
+def test_nodes_that_die_leave_a_result_and_a_cell_that_mills_again_by_itself(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path / "ros"))
+    tally = play(tmp_path / "cell", STRIKES)
+    assert tally.strikes == len(STRIKES)
+    assert (tally.wrong, tally.without_result, tally.manual, tally.died) == ([], [], [], 0)
+    # Once before the strikes and once after each.
+    assert tally.milled >= len(STRIKES) + 1
+    assert tally.seen >= len(STRIKES) + 1
+
+
+def _mill(home: Path, oracle: Oracle) -> None:
+    """What a robot's folder goes through when it takes a file."""
+
+    def write(name: str, level: str) -> None:
+        (home / "io" / name).write_text(level)
+        time.sleep(0.1)
+
+    before = len(oracle.starts)
+    write("doPathBusy", "0")
+    (home / "Hei2.txt").write_bytes(FILE)
+    write("doPathReady", "1")
+    write("doPathBusy", "1")
+    deadline = time.monotonic() + 60.0
+    while len(oracle.starts) == before:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize(
+    ("stood", "wrong"),
+    [
+        ([("oak", "r1")], False),
+        ([("birch", "r0"), ("oak", "r1")], False),
+        ([("oak", "r1"), ("birch", "r2")], True),
+        ([("oak", "r2")], True),
+        ([], True),
+    ],
+)
+def test_the_oracle_sees_a_file_of_another_door_or_run(
+    tmp_path: Path, stood: list[tuple[str, str]], wrong: bool
+) -> None:
+    (tmp_path / "io").mkdir()
+    with Oracle(tmp_path) as oracle:
+        for number, (door_id, run_id) in enumerate(stood):
+            oracle.placed(float(number), door_id, run_id)
+        _mill(tmp_path, oracle)
+    assert bool(oracle.faults()) is wrong
+
+
+def test_a_run_that_was_cut_off_is_found_after_a_restart(tmp_path: Path) -> None:
+    note = RunNote(tmp_path / "new")
+    assert note.read() is None
+    note.write("r1", "oak")
+    assert RunNote(tmp_path / "new").read() == ("r1", "oak")
+    note.clear()
+    note.clear()
+    assert note.read() is None
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '"r1"', "\0", '{"run_id": "r1"}'])
+def test_a_damaged_note_is_none(tmp_path: Path, content: str) -> None:
+    (tmp_path / NOTE).write_text(content)
+    assert RunNote(tmp_path).read() is None

@@ -1,0 +1,71 @@
+"""A pose that nobody measured is not planned for."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import pytest
+import rclpy
+from geometry_msgs.msg import PoseStamped
+from rclpy.lifecycle import TransitionCallbackReturn
+from std_msgs.msg import Header
+
+from doormill_interfaces.msg import TargetArray
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.nodes.convert.geometry import pose_message
+from doormill_ros.nodes.convert.recipe import recipe_message
+from doormill_ros.nodes.path_generator import PathGenerator
+from doormill_ros.recipes.documents import shipped_recipes
+
+DOOR = "thesis_190_0deg"
+
+
+class Published:
+    """Takes the place of the targets' publisher."""
+
+    def __init__(self) -> None:
+        self.messages: list[TargetArray] = []
+
+    def publish(self, message: TargetArray) -> None:
+        self.messages.append(message)
+
+
+@pytest.fixture
+def generator() -> Iterator[PathGenerator]:
+    context = rclpy.Context()
+    rclpy.init(context=context)
+    node = PathGenerator(context=context)
+    assert node.trigger_configure() == TransitionCallbackReturn.SUCCESS
+    assert node.trigger_activate() == TransitionCallbackReturn.SUCCESS
+    node._targets = Published()
+    yield node
+    node.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def pose(ahead: float) -> PoseStamped:
+    recipe = shipped_recipes()[DOOR]
+    message = PoseStamped(pose=pose_message(load_layout().T_base_door(recipe.width, recipe.thickness)))
+    nanoseconds = time.time_ns() + int(ahead * 1e9)
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(nanoseconds, 1_000_000_000)
+    return message
+
+
+def take_recipe(node: PathGenerator) -> None:
+    header = Header(stamp=node.get_clock().now().to_msg())
+    node._take_recipe(recipe_message(shipped_recipes()[DOOR], "r1", header))
+
+
+@pytest.mark.parametrize("known", [False, True], ids=["before the recipe", "after the recipe"])
+def test_a_pose_from_the_future_is_left_aside(generator: PathGenerator, known: bool) -> None:
+    if known:
+        take_recipe(generator)
+    generator._take_pose(pose(3600.0))
+    if not known:
+        take_recipe(generator)
+    assert generator._targets.messages == []
+    assert "in the future" in generator._health[1]
+    generator._take_pose(pose(0.0))
+    (answer,) = generator._targets.messages
+    assert (answer.run_id, answer.accepted) == ("r1", True)

@@ -1,0 +1,71 @@
+"""What the command line of `cell` refuses of a shift before any node starts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from doormill_ros.cell.run_folder import ShiftFolder
+from doormill_ros.cell.shift_summary import ShiftSummary
+from doormill_ros.cell.summary import FeatureError, RunSummary
+from doormill_ros.tools.cell import main, parse
+
+
+@pytest.mark.parametrize(
+    ("more", "complaint"),
+    [
+        (["--doors", "0"], "--doors is 0, allowed is a positive whole number"),
+        (["--doors", "2", "--ui"], "--ui shows one door"),
+        (["--world", "w.yaml", "--effects", "e.yaml"], "--effects and --world both say what the robot hides"),
+    ],
+)
+def test_options_that_exclude_each_other_are_refused(
+    more: list[str], complaint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stop:
+        parse(["--door", "a", *more])
+    assert stop.value.code == 2
+    assert complaint in capsys.readouterr().err
+
+
+def test_a_shift_has_as_many_doors_as_named_unless_told() -> None:
+    assert parse(["--door", "a"]).doors is None
+    assert parse(["--door", "a", "--door", "b"]).doors == 2
+    assert parse(["--door", "a", "--world", "w.yaml"]).doors == 1
+    assert parse(["--door", "a", "--door", "b", "--doors", "5"]).doors == 5
+
+
+def test_a_world_file_of_no_use_is_told_in_one_line_before_anything_is_made(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    world, out = tmp_path / "world.yaml", tmp_path / "out"
+    world.write_text("schema: doormill/world/1\nrobots: {}\n", encoding="utf-8")
+    assert main(["--door", "thesis_190_0deg", "--world", str(world), "--out", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"cell: {world}: robots is unknown, allowed are robot, tool, links")
+    assert said.count("\n") == 1
+    assert not out.exists()
+
+
+def test_the_table_of_a_shift_has_a_line_a_door() -> None:
+    shift = ShiftSummary()
+    shift.add(0, "door_000", RunSummary("a", True, "", run_id="r0", feature_error=FeatureError(0.0, 2.1e-4)))
+    shift.add(1, "door_001", RunSummary("long_name", False, "no picture", run_id="r1"))
+    assert shift.table().splitlines() == [
+        "door  recipe     run  success  largest deviation",
+        "0     a          r0   yes      0.210 mm",
+        "1     long_name  r1   no       -",
+    ]
+    assert not shift.success
+
+
+def test_a_new_shift_leaves_nothing_of_the_one_before(tmp_path: Path) -> None:
+    paths = ShiftFolder(tmp_path)
+    for kept in ("door_plans", "notes"):
+        (tmp_path / kept).mkdir()
+    for number in range(3):
+        paths.run(number).inspection.mkdir(parents=True)
+    paths.summary.write_text("{}")
+    paths.prepare()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["controller", "door_plans", "notes"]
