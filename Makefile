@@ -6,7 +6,7 @@ DISTRO ?= kilted
 DOOR ?= standard_door
 ENV = . ./activate &&
 
-.PHONY: help setup run test lint format bench faults corpus score clean
+.PHONY: help setup run test lint format bench faults stops shift corpus score clean
 
 help:             ## this list
 	@sed -nE 's/^([a-z]+):[^#]*## *(.*)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 10
@@ -33,11 +33,19 @@ bench: setup      ## speed beside named peers, out/bench/bench.json
 faults: setup     ## 300 seeded runs of kills, torn writes and lost connections between PC and controller
 	@$(ENV) python bench/faults.py --runs 300 --seed 1
 
-corpus: setup     ## localization over 300 workshop-like pictures beside two peers
+stops: setup      ## 200 seeded stops and losses of power in the cut; a judge of tool, spindle and guard
+	@$(ENV) python bench/stops.py --runs 200 --seed 1
+
+shift: setup      ## 100 doors in one continuous run over Robot Web Services 1.0; path, report, memory, handles
+	@$(ENV) python bench/shift.py --doors 100
+
+corpus: setup     ## localization over 300 workshop-like pictures beside two peers, and under 31 conditions
 	@$(ENV) python bench/bench_localization.py
+	@$(ENV) python bench/bench_conditions.py
 
 score: setup      ## diagnosis over 200 seeded sets with hidden effects, as a confusion matrix
 	@$(ENV) python bench/diagnosis_score.py --sets 200
+	@$(ENV) python bench/motions_score.py --sets 200
 
 clean:            ## remove what setup, run and bench made
 	rm -rf .venv build install log out

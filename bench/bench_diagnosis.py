@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import least_squares
 
-from doormill_ros.diagnosis.loading.diagnosis import diagnose_set
 from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
 from doormill_ros.diagnosis.loading.problem import LoadingProblem as Problem
 from doormill_ros.measurements.measurement_set import MeasurementSet, read_measurement_set
 from doormill_ros.robot.description import load_robot
-from doormill_ros.robot_model.elastic.causes.cause import Cause
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.causes.registry import candidates
 from harness import Entry, entry
+from support.diagnoses import diagnose_set
 from support.truth.loading_test import draw_plan, write_loading_test
 
 HIDDEN = {"cause": "joint_backlash", "where": "joint 1", "parameters": {"gap": 6e-5, "crossing": 60.0}}
@@ -32,14 +32,14 @@ def make_set(folder: Path) -> MeasurementSet:
     return read_measurement_set(folder)
 
 
-def refit_everything(data: MeasurementSet) -> tuple[Cause, np.ndarray, float]:
+def refit_everything(data: MeasurementSet) -> tuple[ElasticCause, np.ndarray, float]:
     """Every candidate alone, fitted and cross-validated by scipy with its finite differences."""
     problem = Problem(data)
     patterns = unnamed_patterns(data.q, data.time, data.temperature, data.dt)
-    best: tuple[float, Cause, np.ndarray] | None = None
+    best: tuple[float, ElasticCause, np.ndarray] | None = None
     for cause in [*candidates(data.reflectors), *patterns]:
 
-        def white(theta: np.ndarray, rows: np.ndarray, cause: Cause = cause) -> np.ndarray:
+        def white(theta: np.ndarray, rows: np.ndarray, cause: ElasticCause = cause) -> np.ndarray:
             return problem.predict([cause], theta).white[rows].ravel()
 
         everything = np.ones(len(data), dtype=bool)

@@ -16,9 +16,9 @@ from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.target_file.target_file import check_handover
 from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports.rws import connect_rws1
-from doormill_ros.abb.transports.shared_folder import SharedFolderTransport
+from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
+from doormill_ros.simulation.controller.io_configuration import ACCESS_LEVELS
 from doormill_ros.simulation.controller.rws_server.cabinet import (
-    AccessLevel,
     Cabinet,
     SimulatedSignal,
     default_signals,
@@ -29,7 +29,7 @@ from support.faults.world import make_file
 
 _N = 41
 #: The public client addresses signals by network and device.
-_PEER_SIGNAL = SimulatedSignal("doPeer", AccessLevel.ALL, "Local", "DRV_1")
+_PEER_SIGNAL = SimulatedSignal("doPeer", ACCESS_LEVELS["All"], "Local", "DRV_1")
 
 
 class Handover:
@@ -63,7 +63,7 @@ class Handover:
 
 def _folder(n: int) -> float:
     with tempfile.TemporaryDirectory() as folder:
-        handover = Handover(Cabinet.create(Path(folder)), SharedFolderTransport(folder))
+        handover = Handover(Cabinet.create(Path(folder)), SimulatedFolderTransport(folder))
         for _ in range(n):
             handover.turn()
         handover.handshake.close()

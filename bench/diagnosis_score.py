@@ -21,10 +21,11 @@ from scipy.stats import chi2
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 
-from doormill_ros.diagnosis.core.document import parameters_of
-from doormill_ros.diagnosis.loading.diagnosis import LoadingDiagnosis, diagnose_set
+from doormill_ros.diagnosis.core.account import parameters_of
+from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.measurements.measurement_set import read_measurement_set
 from doormill_ros.robot.description import load_robot
+from support.diagnoses import diagnose_set
 from support.truth.hidden_effects import (
     FOREIGN_CAUSES,
     LIBRARY_CAUSES,

@@ -22,8 +22,8 @@ sys.path.insert(0, str(ROOT))
 # ruff: noqa: E402
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
 from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
+from doormill_ros.diagnosis.pose.kind import check_set
 from doormill_ros.diagnosis.pose.placement import fit_placement
-from doormill_ros.diagnosis.pose.run import check_set
 from doormill_ros.measurements.pose_set import PoseSet, read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry

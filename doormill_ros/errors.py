@@ -11,7 +11,7 @@ import copyreg
 import importlib
 import pkgutil
 import sys
-from typing import Any, ClassVar, NamedTuple, Self, cast
+from typing import Any, NamedTuple, Self, cast
 
 # First code, what the hundred is about, and the codes that a short list shows.
 RANGES = (
@@ -25,6 +25,8 @@ RANGES = (
     (800, "the run", (801, 802)),
 )
 
+LONGEST = 1000  #: characters of a sentence; the middle of a longer one is left out
+
 
 class DoormillError(Exception):
     """Anything without a code of its own.
@@ -36,10 +38,11 @@ class DoormillError(Exception):
         data: The offending values by name, for logs and messages.
     """
 
-    code: ClassVar[int] = 1
+    code: int = 1
 
     def __init__(self, message: str, **data: Any) -> None:
-        """Keep the sentence and the offending values."""
+        """Keep the sentence, on one line and no longer than a log takes, and the offending values."""
+        message = _line(message)
         super().__init__(message)
         self.message = message
         self.data = data
@@ -63,6 +66,15 @@ class DoormillError(Exception):
         module = sys._getframe(1).f_globals["__name__"]
         members = {"code": code, "__doc__": sentence, "__module__": module, **attributes}
         return cast("type[Self]", type(name, (cls,), members))
+
+
+def _line(message: str) -> str:
+    """What a file holds, or a library says of it, stands in the sentence: it may be of any length and form."""
+    if not message.isprintable():
+        message = " ".join("".join(c if c.isprintable() else " " for c in message).split())
+    if len(message) > LONGEST:
+        message = f"{message[: LONGEST - 300]} ... {message[-295:]}"
+    return message
 
 
 class DataSetError(DoormillError):

@@ -23,7 +23,7 @@ def mm_to_m(value: Number) -> Number:
 
 
 def m_to_mm(value: Number) -> Number:
-    """Metres to millimetres."""
+    """Metres to millimetres, radians to milliradians."""
     return value / MM
 
 

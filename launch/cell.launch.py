@@ -1,21 +1,69 @@
-"""The whole cell, one process a node: `ros2 launch doormill_ros cell.launch.py`."""
+"""The whole cell, one process a node: `ros2 launch doormill_ros cell.launch.py`.
+
+A second cell beside it: `namespace:=/cell2 out:=out/cell2`. What dies is started again.
+"""
 
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 from launch.actions import DeclareLaunchArgument
 from launch.conditions import IfCondition
-from launch.substitutions import LaunchConfiguration
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 
 from launch import LaunchDescription
 
-NODES = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "bag_recorder")
+NODES = (
+    "recipe_database",
+    "door_localizer",
+    "path_generator",
+    "abb_bridge",
+    "bag_recorder",
+    "cell_simulator",
+)
+#: Topics of one name for a whole network; a cell in a namespace has its own.
+GLOBAL = ("tf", "tf_static", "diagnostics")
+RESPAWN_DELAY = 1.0  # s
+ARGUMENTS = {
+    "namespace": ("", "namespace of every node, for example /cell1; cells in different ones share nothing"),
+    "out": ("out", "folder of bags, target files and the simulated controller; each cell needs its own"),
+    "autostart": ("true", "bring the nodes up; false: an operator does"),
+    "simulate": ("true", "simulated camera, controller and robot"),
+    "respawn": ("true", "start what died again"),
+    "log_level": ("info", "of every node: debug, info, warn, error"),
+    "use_sim_time": ("false", "take the time from /clock"),
+    "rviz": ("false", "show the runs in RViz"),
+}
+
+
+def in_out(*parts):
+    return PathJoinSubstitution([LaunchConfiguration("out"), *parts])
+
+
+def cell_node(name):
+    chosen = {name: LaunchConfiguration(name) for name in ("autostart", "use_sim_time")}
+    folders = {
+        "abb_bridge": {"address": in_out("controller", "HOME"), "archive": in_out("targets")},
+        "bag_recorder": {"folder": in_out("bags")},
+        "cell_simulator": {"home": in_out("controller", "HOME")},
+    }
+    return Node(
+        package="doormill_ros",
+        executable=name,
+        namespace=LaunchConfiguration("namespace"),
+        output="screen",
+        # What comes later wins: a file may name another controller than the simulated folder.
+        parameters=[folders.get(name, {}), LaunchConfiguration("parameters"), chosen],
+        remappings=[(f"/{topic}", topic) for topic in GLOBAL],
+        arguments=["--ros-args", "--log-level", LaunchConfiguration("log_level")],
+        respawn=LaunchConfiguration("respawn"),
+        respawn_delay=RESPAWN_DELAY,
+        condition=IfCondition(LaunchConfiguration("simulate")) if name == "cell_simulator" else None,
+    )
 
 
 def generate_launch_description():
     share = Path(get_package_share_directory("doormill_ros"))
-    parameters = [LaunchConfiguration("parameters"), {"autostart": LaunchConfiguration("autostart")}]
     return LaunchDescription(
         [
             DeclareLaunchArgument(
@@ -23,24 +71,11 @@ def generate_launch_description():
                 default_value=str(share / "config" / "nodes.yaml"),
                 description="YAML file with the parameters of the nodes",
             ),
-            DeclareLaunchArgument(
-                "autostart", default_value="true", description="bring the nodes up; false: an operator does"
-            ),
-            DeclareLaunchArgument(
-                "simulate", default_value="true", description="simulated camera, controller and robot"
-            ),
-            DeclareLaunchArgument("rviz", default_value="false", description="show the runs in RViz"),
             *[
-                Node(package="doormill_ros", executable=name, output="screen", parameters=parameters)
-                for name in NODES
+                DeclareLaunchArgument(name, default_value=default, description=description)
+                for name, (default, description) in ARGUMENTS.items()
             ],
-            Node(
-                package="doormill_ros",
-                executable="cell_simulator",
-                output="screen",
-                parameters=parameters,
-                condition=IfCondition(LaunchConfiguration("simulate")),
-            ),
+            *[cell_node(name) for name in NODES],
             Node(
                 package="rviz2",
                 executable="rviz2",

@@ -1,5 +1,5 @@
 MODULE DoorCell
-    ! The cell: tool, work object, home position, spindle.
+    ! The cell: tool, work object, home position, doors by number, spindle.
     ! Measure toolMill and jposHome on the cell before the first door.
 
     ! Tool centre point 250 mm in front of the flange, z along the spindle axis (config/cell.yaml).
@@ -10,10 +10,19 @@ MODULE DoorCell
     CONST jointtarget jposHome:=[[0,-40,30,0,10,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
     ! Axes this close to jposHome count as home [deg].
     CONST num HOME_TOLERANCE:=1;
+    ! FALSE for a PC that raises doPathReady and announces no run: a file is then known by its door alone.
+    CONST bool ORDER_REQUIRED:=TRUE;
+    ! What giDoorNumber means, for a line control that names the door by a number from 1.
+    PERS string doorNumbers{32}:=["","","","","","","","","","","","","","","","",
+        "","","","","","","","","","","","","","","",""];
 
     CONST num MAX_SPINDLE_SPEED:=24000;
+    ! Longest time to come to speed, and for diSpindleAtSpeed to fall after another speed was set [s].
     CONST num SPINDLE_TIMEOUT:=10;
-    CONST num CLAMP_TIMEOUT:=600;
+    CONST num SPINDLE_FALL_TIMEOUT:=2;
+    ! Speeds of the way back: out of the wood, in front of the feature, home [mm/s].
+    CONST speeddata SPEED_OUT:=[20,100,5000,1000];
+    CONST speeddata SPEED_CLEAR:=[100,100,5000,1000];
 
     ! Speed of the spindle as it was set last [rev/min].
     VAR num spindleSpeed:=0;
@@ -24,30 +33,49 @@ MODULE DoorCell
     ENDPROC
 
     FUNC bool AtHome()
-        VAR jointtarget here;
-
-        here:=CJointT();
-        RETURN Near(here.robax.rax_1,jposHome.robax.rax_1) AND Near(here.robax.rax_2,jposHome.robax.rax_2) AND
-            Near(here.robax.rax_3,jposHome.robax.rax_3) AND Near(here.robax.rax_4,jposHome.robax.rax_4) AND
-            Near(here.robax.rax_5,jposHome.robax.rax_5) AND Near(here.robax.rax_6,jposHome.robax.rax_6);
+        RETURN NearJoints(CJointT(),jposHome,HOME_TOLERANCE);
     ENDFUNC
 
-    LOCAL FUNC bool Near(num angle,num wanted)
-        RETURN Abs(angle-wanted)<HOME_TOLERANCE;
+    FUNC bool NearJoints(jointtarget a,jointtarget b,num tolerance)
+        RETURN Abs(a.robax.rax_1-b.robax.rax_1)<=tolerance AND Abs(a.robax.rax_2-b.robax.rax_2)<=tolerance AND
+            Abs(a.robax.rax_3-b.robax.rax_3)<=tolerance AND Abs(a.robax.rax_4-b.robax.rax_4)<=tolerance AND
+            Abs(a.robax.rax_5-b.robax.rax_5)<=tolerance AND Abs(a.robax.rax_6-b.robax.rax_6)<=tolerance;
     ENDFUNC
 
-    PROC RunSpindle(num speed)
-        ! Returns when the spindle has its speed. The robot must stand still.
+    FUNC num RunSpindle(num speed)
+        ! Returns 0 when the spindle has its speed, else the number of the text that says why not.
+        ! The robot must stand still.
+        VAR bool late;
+
         IF speed=0 THEN
             StopSpindle;
-        ELSE
-            SetAO aoSpindleSpeed,speed;
-            Set doSpindleOn;
-            Set doBlowOff;
-            WaitDI diSpindleAtSpeed,1\MaxTime:=SPINDLE_TIMEOUT;
+            RETURN 0;
         ENDIF
+        IF spindleSpeed<>0 THEN
+            ! At speed is believed only after it fell.
+            SetAO aoSpindleSpeed,speed;
+            WaitDI diSpindleAtSpeed,0\MaxTime:=SPINDLE_FALL_TIMEOUT\TimeFlag:=late;
+            IF late THEN
+                ! The step was too small for the drive to signal it: from rest it must.
+                StopSpindle;
+            ENDIF
+        ENDIF
+        WaitDI diSpindleAtSpeed,0\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
+        IF late THEN
+            StopSpindle;
+            RETURN TXT_SPINDLE_STUCK;
+        ENDIF
+        SetAO aoSpindleSpeed,speed;
+        Set doSpindleOn;
+        Set doBlowOff;
         spindleSpeed:=speed;
-    ENDPROC
+        WaitDI diSpindleAtSpeed,1\MaxTime:=SPINDLE_TIMEOUT\TimeFlag:=late;
+        IF late THEN
+            StopSpindle;
+            RETURN TXT_SPINDLE_SLOW;
+        ENDIF
+        RETURN 0;
+    ENDFUNC
 
     PROC StopSpindle()
         Reset doSpindleOn;

@@ -1,11 +1,7 @@
 MODULE DoorMill
-    ! Mills one door a cycle: asks the PC for the path, reads it, mills it.
-    ! Load with DoorFile.mod, DoorCell.mod and the signals of EIO.cfg; run main in continuous cycle.
-
-    CONST num READY_FALL_TIMEOUT:=30;
-    CONST num PATH_TIMEOUT:=600;
-
-    VAR errnum ERR_DOOR_RELEASED:=-1;
+    ! Mills one door a cycle: waits for it, asks the PC for the path, reads it, mills it, waits until it is taken out.
+    ! Load with DoorText, DoorCell, DoorStop, DoorLink, DoorPath, DoorLine, DoorFile and the parameters of EIO.cfg and
+    ! SYS.cfg; run main in continuous cycle.
 
     ! What is being milled, for displays: number in the file's motions, 0 between doors.
     PERS num millingMotion:=0;
@@ -13,80 +9,73 @@ MODULE DoorMill
     PERS bool millingCutting:=FALSE;
 
     PROC main()
-        VAR errnum problem;
-
         PrepareCell;
-        RequestPath;
-        ReadTargetFile;
-        ConfirmReady;
-        AcceptPath;
-        MillMoves;
-        FinishDoor;
+        LeadBack;
+        WaitForDoor;
+        IF RequestPath() THEN
+            IF AcceptPath() THEN
+                MillMoves;
+                FinishDoor;
+            ELSE
+                RefusePath;
+            ENDIF
+        ENDIF
     ERROR
-        problem:=ERRNO;
-        IF problem=ERR_FILE_REFUSED THEN
-            RefusePath;
-            RETURN;
-        ENDIF
-        StopSafely;
-        IF problem=ERR_WAIT_MAXTIME THEN
-            Report "A signal did not come in time.","See the event log for the signal.";
-        ELSEIF problem=ERR_DOOR_RELEASED THEN
-            Report "The door was released while milling.","Clear the tool before going on.";
-        ELSE
-            Report "The program stopped with an error.","ERRNO "+NumToStr(problem,0);
-        ENDIF
-        ! Not to be continued from here: jog the tool clear, run MoveHome, start at main.
-        EXIT;
+        EndDoor TXT_ERROR,"ERRNO "+NumToStr(ERRNO,0);
+        RETURN;
     ENDPROC
 
     LOCAL PROC PrepareCell()
-        IF ERR_DOOR_RELEASED=-1 THEN
-            BookErrNo ERR_DOOR_RELEASED;
-        ENDIF
+        WatchRestart;
         ConfJ\On;
-        ConfL\On;
+        ! The path's configurations are the robot's own: near a border of two of them the axes are what counts.
+        ConfL\Off;
         millingMotion:=0;
         StopSpindle;
         Reset doPathRequest;
-        Reset doPathBusy;
-        IF NOT AtHome() THEN
-            ! From anywhere else the way home may lead through a door.
-            Report "The robot is not at home.","Jog it clear of the door and run MoveHome.";
-            EXIT;
+        RecallRuns;
+    ENDPROC
+
+    LOCAL FUNC bool AcceptPath()
+        IF NOT ReadTargetFile() THEN
+            RETURN FALSE;
         ENDIF
-    ENDPROC
-
-    LOCAL PROC RequestPath()
-        WaitDI diDoorClamped,1\MaxTime:=CLAMP_TIMEOUT;
-        ! A ready signal that is still high belongs to an earlier file.
-        WaitDO doPathReady,0\MaxTime:=READY_FALL_TIMEOUT;
-        Reset doPathFault;
-        Reset doPathDone;
-        NumberRequest;
-        Set doPathRequest;
-        WaitDO doPathReady,1\MaxTime:=PATH_TIMEOUT;
-    ENDPROC
-
-    LOCAL PROC ConfirmReady()
         ! Reading takes a while. A PC that lowered ready meanwhile has taken the file back.
-        IF doPathReady=0 THEN
-            refusal:="The PC took the target file back.";
+        IF NOT PathReady() THEN
+            refusal:=TXT_TAKEN_BACK;
             refusalDetail:=runId;
-            RAISE ERR_FILE_REFUSED;
+            RETURN FALSE;
         ENDIF
-    ENDPROC
-
-    LOCAL PROC AcceptPath()
+        IF doorChanged THEN
+            refusal:=TXT_RELEASED;
+            refusalDetail:=doorId;
+            RETURN FALSE;
+        ENDIF
         RememberRun;
+        IF NOT TellAccepted(runId) THEN
+            refusal:=TXT_NO_ACK;
+            refusalDetail:=ACCEPTED_FILE;
+            RETURN FALSE;
+        ENDIF
+        stopReason:=0;
+        stoppedKnown:=FALSE;
+        BeginEscape 1;
+        EndEscape TRUE;
+        doorSpent:=TRUE;
+        doorInHand:=TRUE;
+        ! Each door is named anew.
+        expectedDoor:="";
         Set doPathBusy;
+        WatchDoor;
         ! Acknowledges: the whole path is in memory, the PC may do with the file what it likes.
         Reset doPathRequest;
-        TPWrite "Milling door:";
+        Show TXT_MILLING;
         TPWrite doorId;
-    ENDPROC
+        RETURN TRUE;
+    ENDFUNC
 
     LOCAL PROC RefusePath()
+        TellRefused refusal,refusalDetail;
         Set doPathFault;
         Reset doPathRequest;
         Report refusal,refusalDetail;
@@ -94,34 +83,33 @@ MODULE DoorMill
 
     LOCAL PROC MillMoves()
         FOR i FROM 1 TO moveCount DO
-            IF diDoorClamped=0 THEN
-                RAISE ERR_DOOR_RELEASED;
-            ENDIF
             IF moves{i}.spindle<>spindleSpeed THEN
                 ! The motion before ended in a stop point, see ZoneBetween.
-                RunSpindle moves{i}.spindle;
+                SetSpindle moves{i}.spindle;
+            ENDIF
+            IF i=1 THEN
+                NoteEscape i;
+            ELSEIF NOT SameWay(i-1,i) THEN
+                NoteEscape i;
             ENDIF
             Announce i;
-            IF i=1 THEN
-                Approach targets{moves{i}.target};
-            ENDIF
             MillMove moves{i},ZoneBetween(i);
         ENDFOR
-        StopSpindle;
-    ENDPROC
-
-    LOCAL PROC Approach(robtarget first)
-        ! The home position has another configuration than the path; only MoveJ can change it.
-        MoveJ first,v500,fine,toolMill\WObj:=wobjDoor;
+        SetSpindle 0;
     ENDPROC
 
     LOCAL PROC MillMove(moverow row,zonedata zone)
         VAR speeddata speed;
 
+        IF row.cutting AND (row.spindle<>spindleSpeed OR diSpindleAtSpeed=0) THEN
+            EndDoor TXT_SPINDLE_LOST,"";
+        ENDIF
         ! Reorientation and axis speeds of the predefined speeds, feed from the file.
         speed:=v100;
         speed.v_tcp:=row.speed;
         TEST row.kind
+        CASE "A":
+            MoveAbsJ points{row.target},speed,zone,toolMill\WObj:=wobjDoor;
         CASE "J":
             MoveJ targets{row.target},speed,zone,toolMill\WObj:=wobjDoor;
         CASE "L":
@@ -132,14 +120,47 @@ MODULE DoorMill
     ENDPROC
 
     LOCAL FUNC zonedata ZoneBetween(num number)
-        ! The program runs ahead of the robot: it has to stand wherever a signal follows.
+        ! The program runs ahead of the robot: it has to stand wherever a signal or another way back follows.
         IF number=moveCount THEN
             RETURN fine;
         ENDIF
         IF moves{number+1}.spindle<>moves{number}.spindle THEN
             RETURN fine;
         ENDIF
+        IF NOT SameWay(number,number+1) THEN
+            RETURN fine;
+        ENDIF
         RETURN ZoneOf(moves{number}.zone);
+    ENDFUNC
+
+    LOCAL FUNC bool SameWay(num before,num after)
+        ! The way home is the same one.
+        IF IsWay(before) OR IsWay(after) THEN
+            RETURN FALSE;
+        ENDIF
+        RETURN moves{before}.feature=moves{after}.feature;
+    ENDFUNC
+
+    LOCAL PROC NoteEscape(num number)
+        ! How to get home from anywhere on this motion, kept for DoorStop. The robot stands at its beginning.
+        VAR num feature;
+
+        feature:=moves{number}.feature;
+        IF IsWay(number) THEN
+            ! Back to where it stands now, the way this motion goes, and on as from here.
+            EscapeOver CJointT(),moves{number}.kind="L";
+        ELSE
+            BeginEscape 0;
+            FOR i FROM escapes{feature}.first TO escapes{feature}.last STEP 1 DO
+                AddToEscape points{i};
+            ENDFOR
+            EndEscape TRUE;
+        ENDIF
+    ENDPROC
+
+    LOCAL FUNC bool IsWay(num number)
+        ! Not at a feature, or on a way that only the axes know.
+        RETURN moves{number}.feature=0 OR moves{number}.kind="A" OR moves{number}.kind="J";
     ENDFUNC
 
     LOCAL PROC Announce(num number)
@@ -156,26 +177,18 @@ MODULE DoorMill
         millingMotion:=0;
         millingFeature:="";
         millingCutting:=FALSE;
+        BeginEscape 1;
+        EndEscape TRUE;
         MoveHome;
-        Reset doPathBusy;
+        doorInHand:=FALSE;
+        WatchNothing;
+        TellMilled runId;
+        ! Held until the next request, which does not come before the clamp opened. Busy falls after it rose: who sees
+        ! neither takes the door for one that came to nothing.
         Set doPathDone;
-        TPWrite "Door is milled.";
-    ENDPROC
-
-    LOCAL PROC StopSafely()
-        ! The robot first, then the spindle: a tool at rest in moving contact breaks.
-        StopMove\Quick;
-        ClearPath;
-        StopSpindle;
-        Set doPathFault;
-        Reset doPathRequest;
         Reset doPathBusy;
-        StartMove;
-    ENDPROC
-
-    LOCAL PROC Report(string reason,string detail)
-        TPWrite reason;
-        TPWrite detail;
-        ErrWrite "Door milling",reason\RL2:=detail;
+        Show TXT_MILLED;
+        WaitDI diDoorClamped,0;
+        doorSpent:=FALSE;
     ENDPROC
 ENDMODULE

@@ -47,12 +47,12 @@ if [[ $(cat .venv/.doormill-requirements 2>/dev/null) != "$wanted" ]]; then
     say "2/3 installing the other Python dependencies (about a minute)"
     if [[ $sourced == yes ]]; then
         mkdir -p log
-        cp requirements/test.txt log/requirements-test.txt
+        cp requirements/run.txt log/requirements-run.txt
         if .venv/bin/python -c 'import pinocchio' 2>/dev/null; then
-            sed -i '/^pin>/d' log/requirements-test.txt  # ros-*-pinocchio is installed
+            sed -i '/^pin>/d' log/requirements-run.txt  # ros-*-pinocchio is installed
         fi
         pip -c requirements/ros-sourced-constraints.txt -r requirements/ros-sourced.txt \
-            -r requirements/run.txt -r log/requirements-test.txt
+            -r log/requirements-run.txt -r requirements/test.txt
     else
         pip -r requirements/build.txt -r "requirements/ros-$distro.txt" -r requirements/run.txt -r requirements/test.txt
         .venv/bin/python scripts/relocate_wheels.py

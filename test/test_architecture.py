@@ -127,8 +127,6 @@ def test_conversions_to_millimetres_and_degrees_stay_at_the_edges() -> None:
             assert word not in text, f"{path.relative_to(ROOT)} spells {word}; use doormill_ros.units"
 
 
-#: Rooms that still spell their conversions; to be emptied.
-SPELL_CONVERSIONS = {"diagnosis", "robot_model"}
 THOUSANDS = {1e3, 1e6, 1e-3, 1e-6}
 
 
@@ -160,21 +158,10 @@ def test_conversions_by_thousands_are_functions_of_units() -> None:
     spelled = {
         str(path.relative_to(ROOT)): lines
         for path in SOURCES
-        if path.name != "units.py" and path.relative_to(PACKAGE).parts[0] not in SPELL_CONVERSIONS
+        if path.name != "units.py"
         if (lines := spelled_conversions(ast.parse(path.read_text(encoding="utf-8"))))
     }
     assert spelled == {}
-
-
-#: Names that stand twice, and why.
-SAME_NAME = {
-    "JointBacklash": "one cause, as loading tests and as poses see it",
-    "ThermalDrift": "one cause, as loading tests and as poses see it",
-    "Problem": "what a diagnosis asks, of loading tests and of poses",
-    "Parameter": "of a cause; a node of RAPID's syntax bears RAPID's own word",
-    "Text": "of a page; a node of RAPID's syntax bears RAPID's own word",
-    "Section": "of a page, in HTML's word; of a document that is read",
-}
 
 
 def doubled(sources: dict[str, str]) -> dict[str, list[str]]:
@@ -195,5 +182,5 @@ def test_the_scan_sees_a_doubled_name() -> None:
 def test_a_class_name_means_one_thing() -> None:
     """Private classes speak to their file alone and may share a name."""
     texts = {str(path.relative_to(PACKAGE)): path.read_text(encoding="utf-8") for path in SOURCES}
-    twice = doubled(texts)
-    assert set(twice) == set(SAME_NAME), twice
+    assert len(texts) > 200
+    assert doubled(texts) == {}

@@ -29,9 +29,16 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import RobotDescriptionError
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.extended_model import load_compliance_model
-from doormill_ros.simulation.errors import EffectsFileError, SceneFileError
+from doormill_ros.simulation.controller.limits import load_limits
+from doormill_ros.simulation.errors import (
+    ControllerLimitsError,
+    EffectsFileError,
+    SceneFileError,
+    WorldFileError,
+)
 from doormill_ros.simulation.picture.scene import SceneCamera
 from doormill_ros.simulation.robot_cell import load_effects
+from doormill_ros.simulation.world.world_file import load_world
 from doormill_ros.toolpath.errors import PathSettingsError
 from doormill_ros.toolpath.settings import load_settings as load_toolpath
 from doormill_ros.values import Array, Count, Exactly, Finite, Name, NotNegative, Positive, Section
@@ -48,6 +55,8 @@ LOADERS = {
     "photoelectric": (load_photoelectric, BadSensorFile, "config/sensors/photoelectric.yaml"),
     "touch_probe": (load_touch_probe, BadSensorFile, "config/sensors/touch_probe.yaml"),
 }
+LOADERS["controller"] = (load_limits, ControllerLimitsError, "config/controller.yaml")
+LOADERS["world"] = (load_world, WorldFileError, "config/worlds/example.yaml")
 LOADERS["scene"] = (SceneCamera.load, SceneFileError, "config/camera.yaml")
 NO_CONFIGURATION = {
     "empty": b"",

@@ -16,6 +16,21 @@ from support.source_tree import PACKAGE, ROOT, SOURCES, imports_of
 NAME = PACKAGE.name
 #: What takes part in milling a real door; none of it may need the laboratory or the simulation.
 PRODUCTION = ("door_localizer", "recipe_database", "path_generator", "abb_bridge", "bag_recorder")
+#: What the world of a simulated shift judges, and everything that is made of it.
+JUDGED = (
+    "toolpath",
+    "correction",
+    "diagnosis",
+    "robot",
+    "robot_model",
+    "localization",
+    "collision",
+    "workspace",
+    "pipeline",
+    "identification",
+    "measurements",
+    "thesis",
+)
 LABORATORY = ("diagnosis", "thesis", "identification", "measurements", "simulation")
 
 
@@ -111,6 +126,15 @@ def test_milling_a_door_needs_no_laboratory() -> None:
     needed = reach([f"{NAME}.nodes.{node}" for node in PRODUCTION], graph())
     assert len(needed) > 80
     assert {m for m in needed if m.split(".")[1] in LABORATORY} == set()
+
+
+def test_the_world_of_a_shift_shares_no_model_with_what_it_judges() -> None:
+    """Neither itself nor through what it needs."""
+    worlds = [module for module in graph() if module.startswith(f"{NAME}.simulation.world.")]
+    assert len(worlds) >= 6
+    needed = reach(worlds, graph())
+    assert f"{NAME}.simulation.truth.chain" in needed
+    assert {module for module in needed if module.split(".")[1] in JUDGED} == set()
 
 
 def executables() -> set[str]:

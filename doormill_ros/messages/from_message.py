@@ -12,17 +12,19 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.frames import from_xyzw
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
 CHANNELS = {"mono8": 1, "8UC1": 1, "rgb8": 3, "bgr8": 3}
 GREY = {"rgb8": np.array([0.299, 0.587, 0.114]), "bgr8": np.array([0.114, 0.587, 0.299])}
 #: Numbers of doormill_interfaces/Motion.kind.
-KINDS = (MotionKind.JOINT, MotionKind.LINEAR, MotionKind.CIRCULAR)
+KINDS = (MotionKind.JOINT, MotionKind.LINEAR, MotionKind.CIRCULAR, MotionKind.ABSOLUTE)
 
 
 def nanoseconds_of(stamp: Any) -> int:
@@ -109,6 +111,21 @@ def recipe_of(message: Any) -> Recipe:
     return Recipe.from_document(json.loads(message.document))
 
 
+def _wrench_end(motion: Any) -> FloatArray | None:
+    """Where it differs from the beginning, shape (6,) [N, N m]; bags of constant wrenches do not have it."""
+    end = getattr(motion, "wrench_end", None)
+    if end is None:
+        return None
+    values = wrench_of(end)
+    return None if np.array_equal(values, wrench_of(motion.wrench)) else values
+
+
+def inspection_of(message: Any) -> MeasuredDoor:
+    """How a door came out, from a doormill_interfaces/MilledDoor; one without features was not measured."""
+    found = ((feature.feature, float(feature.corrected_max)) for feature in message.features)
+    return MeasuredDoor.worst(found, float(message.tolerance))
+
+
 def program_of(message: Any) -> MillingProgram:
     """The milling program of an accepted doormill_interfaces/TargetArray."""
     nominal = _transforms_of([t.nominal for t in message.targets])
@@ -122,6 +139,7 @@ def program_of(message: Any) -> MillingProgram:
             conf=ConfData(int(t.cf1), int(t.cf4), int(t.cf6), int(t.cfx)),
             wrench=wrench_of(t.wrench),
             deflection=twist_of(t.deflection),
+            expected_error=float(getattr(t, "expected_error", 0.0)),  # older bags lack it
         )
         for i, t in enumerate(message.targets)
     )
@@ -136,7 +154,20 @@ def program_of(message: Any) -> MillingProgram:
             cutting=bool(m.cutting),
             wrench=wrench_of(m.wrench),
             spindle_speed=float(m.spindle_speed),
+            wrench_end=_wrench_end(m),
         )
         for m in message.motions
     )
-    return MillingProgram(message.door_id, int(message.recipe_version), targets, motions)
+    # Bags of programs without ways have none of these fields.
+    points = tuple(np.array(p.joint_positions, dtype=float) for p in getattr(message, "points", ()))
+    home = np.array(getattr(message, "home", ()), dtype=float)
+    escapes = tuple(range(int(e.first), int(e.last) + 1) for e in getattr(message, "escapes", ()))
+    return MillingProgram(
+        message.door_id,
+        int(message.recipe_version),
+        targets,
+        motions,
+        points,
+        home if home.shape == (JOINTS,) else None,
+        escapes,
+    )

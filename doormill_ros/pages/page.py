@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 
 @dataclass(frozen=True)
-class Text:
+class Paragraphs:
     """Paragraphs; as notes in a lighter colour."""
 
     kind: ClassVar[str] = "text"
@@ -107,11 +107,11 @@ class Picture:
     words: str
 
 
-Block = Text | Tiles | Table | Facts | Charts | Listing | Picture
+Block = Paragraphs | Tiles | Table | Facts | Charts | Listing | Picture
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """Blocks below a heading; without a title they stand at the top of the page."""
 
     title: str
@@ -131,7 +131,7 @@ class Page:
     """
 
     heading: str
-    sections: Sequence[Section]
+    sections: Sequence[PageSection]
     lead: str = ""
     title: str = ""
     good: bool | None = None

@@ -19,6 +19,7 @@ from doormill_ros.identification.process_forces import (
     segment_forces,
 )
 from doormill_ros.measurements.raw_files import Recording, read_force_log
+from doormill_ros.recipes.force_origin import ForceAxes
 from support.source_tree import DATA
 from support.thesis_milling import THESIS_FORCES
 
@@ -199,7 +200,10 @@ def test_recipes_take_the_same_arm(cell_recipe):
     for feature in cell_recipe.features:
         given_at = np.array([0.0, 0.0, feature.wrench_point])
         for name, row in zip(("left_line", "top_turn", "right_line", "bottom_turn"), TABLE_4_8, strict=True):
-            assert feature.wrench(name) == pytest.approx(shift_wrench(row, given_at), abs=1e-9)
+            at_tip = shift_wrench(row, given_at)
+            if feature.force_origin.axes is ForceAxes.FEATURE:  # x right and y up are the tool's y and -x
+                at_tip = at_tip[[1, 0, 2, 4, 3, 5]] * [-1, 1, 1, -1, 1, 1]
+            assert feature.wrench(name) == pytest.approx(at_tip, abs=1e-9)
         assert feature.wrench_point == pytest.approx(lever_arm(TABLE_4_8), abs=5e-4)
 
 

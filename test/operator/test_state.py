@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.operator.advice import next_step
 from doormill_ros.operator.state import HISTORY, LONGEST_TEXT, CellView, EndedRun, ViewStore
 
@@ -148,3 +149,24 @@ def test_a_listener_hears_of_changes_only_and_not_after_its_end() -> None:
     end()
     store.update(lambda view: view.with_handshake("requested", ""))
     assert heard == ["idle"]
+
+
+def test_a_spoiled_door_is_not_said_to_be_milled_well() -> None:
+    view = CellView().with_handshake("done", "").with_run("r1", "oak")
+    spoiled = EndedRun("r1", "oak", False, OutOfToleranceError.code, "1.60 mm off", 1.0, True)
+    document = view.with_ended(spoiled).document()
+    assert document["history"][0]["outcome"] == "milled, out of tolerance"
+    assert "out of tolerance" in document["next_step"]
+    assert document["refusal"] == "1.60 mm off"
+
+
+@pytest.mark.parametrize(
+    ("run", "words"),
+    [
+        (EndedRun("r", "oak", True, 0, "", 1.0, True), "milled"),
+        (EndedRun("r", "oak", True, 0, "", 1.0, False), "milled, not measured"),
+        (EndedRun("r", "oak", False, 204, "", 1.0), "refused (204)"),
+    ],
+)
+def test_the_history_says_what_is_known_of_a_door(run: EndedRun, words: str) -> None:
+    assert CellView().with_ended(run).document()["history"][0]["outcome"] == words

@@ -27,10 +27,10 @@ from doormill_ros.pages.page import (
     Facts,
     Listing,
     Page,
+    PageSection,
+    Paragraphs,
     Picture,
-    Section,
     Table,
-    Text,
     Tiles,
     render,
 )
@@ -64,7 +64,7 @@ def some_charts() -> list[str]:
 
 def a_page() -> Page:
     blocks = [
-        Text([WICKED], note=True),
+        Paragraphs([WICKED], note=True),
         Tiles([(WICKED, WICKED)]),
         Table(("a", WICKED), [[WICKED, Bar(WICKED, 0.5, RED)], ["c", "d"]], marked=1, name="models"),
         Table(("a", "b"), []),
@@ -73,7 +73,7 @@ def a_page() -> Page:
         Picture("data:,", WICKED),
         Charts(some_charts()),
     ]
-    return Page(WICKED, [Section(WICKED, blocks)], lead=WICKED, good=False)
+    return Page(WICKED, [PageSection(WICKED, blocks)], lead=WICKED, good=False)
 
 
 def test_texts_stay_text_and_charts_keep_them_inside(tmp_path) -> None:

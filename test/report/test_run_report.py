@@ -203,6 +203,7 @@ def test_camera_pictures_are_shown_as_drivers_send_them(encoding: str, padding: 
 
 def test_a_picture_that_nobody_reads_is_left_out() -> None:
     record = read_run(BAGS / "outside_y")
+    del record.latest["door/overlay"]
     record.latest["camera/image_raw"].encoding = "bayer_rggb16"
     page = render_report(record)
     assert "<h2>Picture</h2>" not in page
@@ -218,3 +219,19 @@ def test_the_tool_writes_the_page_beside_the_bag_and_refuses_others(
     capsys.readouterr()
     assert main([str(tmp_path / "nowhere")]) == 2
     assert "nowhere" in capsys.readouterr().err
+
+
+def test_a_bag_of_older_software_is_not_believed_that_a_bad_door_is_good() -> None:
+    record = read_run(BAGS / "thesis_190_0deg")
+    feature = record.latest["simulation/milled_door"].features[0]
+    feature.corrected_max = 1.6e-3
+    page = render_report(record)
+    assert "Door thesis_190_0deg: milled, out of tolerance" in page
+    assert f"{feature.feature} is 1.60 mm off where 0.50 mm are allowed" in page
+    assert 'class="bad"' in page
+
+
+def test_a_door_that_nobody_measured_is_said_to_be_so() -> None:
+    record = read_run(BAGS / "thesis_190_0deg")
+    del record.latest["simulation/milled_door"]
+    assert "Door thesis_190_0deg: milled, not measured" in render_report(record)

@@ -1,0 +1,124 @@
+"""The localizer under conditions that it was not made for: `python bench/bench_conditions.py [COUNT [SEED]]`.
+
+One row a condition: pictures, how many were accepted, how many of those were wrong, by how much at most, and why the
+others were refused. Wrong is a pose more than 0.1 mm, 0.1 degrees or 5 of its own standard deviations off. Exit code
+1 when one is in a condition that a picture can show, or when fewer than nine in ten of a fair condition are accepted;
+those of support/pictures/unseen.py are listed only.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
+
+# ruff: noqa: E402
+from rich.console import Console
+from rich.table import Table
+
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.errors import LocalizationError
+from doormill_ros.localization.localizer import localize, prepare
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.units import DEG, MM, m_to_mm
+from support.pictures.conditions import CONDITIONS, ConditionPicture, pictures
+from support.pictures.unseen import DOUBTFUL, UNSEEN
+
+COUNT, SEED = 100, 7
+WRONG_PLACE, WRONG_ANGLE, WRONG_SIGMA = 0.1 * MM, 0.1 * DEG, 5.0
+FAIR_SHARE = 0.9
+
+
+@dataclass
+class Row:
+    """What became of the pictures of one condition."""
+
+    fair: bool = True
+    count: int = 0
+    wrong: int = 0
+    worst: float = 0.0
+    reasons: Counter[str] = field(default_factory=Counter)
+    times: list[float] = field(default_factory=list)
+
+    @property
+    def accepted(self) -> int:
+        """Pictures with a pose."""
+        return self.count - self.reasons.total()
+
+    @property
+    def refusing(self) -> bool:
+        """True when too many good pictures were refused."""
+        return self.fair and self.accepted < FAIR_SHARE * self.count
+
+
+def look(item: ConditionPicture, row: Row) -> None:
+    """Localize one picture and enter it."""
+    camera, layout, scene = load_camera(), load_layout(), item.scene
+    picture = render_picture(scene, item.seed)
+    prepare(camera, layout, scene.width, item.thickness)
+    row.count += 1
+    start = time.process_time()
+    try:
+        found = localize(picture, camera, layout, scene.width, item.thickness)
+    except LocalizationError as reason:
+        row.reasons[type(reason).__name__] += 1
+        return
+    finally:
+        row.times.append(time.process_time() - start)
+    pose = np.array([found.offset.y, found.offset.z, found.offset.rotation])
+    error = pose - [scene.offset.y, scene.offset.z, scene.offset.rotation]
+    place = float(np.hypot(*error[:2]))
+    sigma = float(np.sqrt(error @ np.linalg.solve(found.covariance, error)))
+    row.worst = max(row.worst, place)
+    row.wrong += place > WRONG_PLACE or abs(error[2]) > WRONG_ANGLE or sigma > WRONG_SIGMA
+
+
+def run(count: int = COUNT, seed: int = SEED) -> dict[str, Row]:
+    """The table by condition."""
+    cv2.setNumThreads(1)
+    rows = {name: Row(condition.fair) for name, condition in CONDITIONS.items()}
+    for name, row in rows.items():
+        for item in pictures(name, count, seed):
+            look(item, row)
+    return rows
+
+
+def main() -> int:
+    """Print the table."""
+    rows = run(*(int(v) for v in sys.argv[1:3]))
+    table = Table(
+        "condition", "pictures", "accepted", "wrong", "worst, mm", "ms", "refused", title="Conditions"
+    )
+    for name, row in rows.items():
+        why = ", ".join(f"{reason} {n}" for reason, n in row.reasons.most_common())
+        spent = f"{1e3 * float(np.median(row.times)):.1f}, {1e3 * max(row.times):.0f}"
+        wrong = f"[bold]{row.wrong}[/]" if row.wrong else "0"
+        worst = f"{m_to_mm(row.worst):.3f}" if row.accepted else ""
+        table.add_row(name, str(row.count), str(row.accepted), wrong, worst, spent, why)
+    Console(width=170).print(table)
+    wrong = {name for name, row in rows.items() if row.wrong}
+    refusing = {name for name, row in rows.items() if row.refusing}
+    for what, found, known in (("wrong poses", wrong, UNSEEN), ("refusing", refusing, DOUBTFUL | UNSEEN)):
+        print(
+            f"{what}: {', '.join(sorted(found - known)) or 'none'}; known: {', '.join(sorted(found & known)) or 'none'}"
+        )
+    times = [spent for row in rows.values() for spent in row.times]
+    accepted, count = (sum(getattr(row, of) for row in rows.values()) for of in ("accepted", "count"))
+    print(
+        f"{sum(rows[name].wrong for name in wrong)} of {accepted} accepted poses wrong, {count} pictures; "
+        f"{1e3 * float(np.median(times)):.1f} ms a picture in the median"
+    )
+    return 1 if (wrong - UNSEEN) or (refusing - DOUBTFUL - UNSEEN) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

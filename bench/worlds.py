@@ -1,0 +1,43 @@
+"""Every shipped door in every world that its maker does not know: walls corrected and uncorrected."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
+
+from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.pipeline.plan import load_setup, plan
+from doormill_ros.recipes.documents import shipped_recipes
+from doormill_ros.units import m_to_mm
+from support.milled_worlds import WORLDS, both_files, wall_errors
+
+
+def main() -> None:
+    """Print, for each door and world, the feature that the correction serves worst."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("doors", nargs="*", help="shipped doors; all of them when none is named")
+    setup, recipes = load_setup(), shipped_recipes()
+    print(f"{'door':20s} {'world':26s} {'feature':14s} corrected  plain  difference [mm]")
+    for name in parser.parse_args().doors or list(recipes):
+        recipe = recipes[name]
+        p = recipe.placement
+        offset = DoorOffset(p.y, p.z, p.rotation) if p else DoorOffset()
+        T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
+        program = plan(recipe, T_base_door, setup).program
+        files = both_files(program, setup.robot.dh, setup.layout.T_flange_tool)
+        for world, truth in WORLDS.items():
+            walls = wall_errors(recipe, T_base_door, files, truth)
+            worst = max(walls, key=lambda feature: walls[feature][0] - walls[feature][1])
+            corrected, plain = (m_to_mm(value) for value in walls[worst])
+            print(
+                f"{name:20s} {world:26s} {worst:14s} {corrected:9.3f} {plain:6.3f} {corrected - plain:+.3f}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,208 @@
+"""Robot, spindle, mill, door and cell as bodies, and the distances between those that must not touch.
+
+Kinematics and distances are those of Pinocchio and coal: one posture a call, every pair of bodies in it.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+try:
+    import coal
+except ImportError:  # its name until Pinocchio 3
+    import hppfcl as coal
+
+from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.cell.layout import CellLayout
+from doormill_ros.robot.bodies import Body, load_bodies
+from doormill_ros.robot.chain import JOINTS
+from doormill_ros.robot.description import Robot
+
+DOOR, MILL = "door", "mill"
+PARALLEL = 1e-9  #: a step less than this beside an axis is on it [m]
+_BEHIND = np.arange(1, JOINTS + 1)  #: numbers of the joints, of which the base is 0
+#: Bodies fewer joints apart than this are held apart by the joints' limits.
+JOINTS_APART = 3
+#: The limits of axis 5 hold a bare flange off the forearm. What hangs on it is held against those of the forearm's
+#: bodies that do not come this close to the wrist centre [m].
+FOREARM, WRIST_ROOM = 4, 0.25
+
+
+@dataclass(frozen=True)
+class Mill:
+    """The mill as far as it reaches out of the spindle, and half its width [m]."""
+
+    reach: float
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedDoor:
+    """A door as a box: extent along x, y, z of its frame, shape (3,) [m], and T_base_door, shape (4, 4)."""
+
+    size: FloatArray
+    T_base_door: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """A body on a moving joint (0: none): its name, the joint, and its farthest points in the joint's frame."""
+
+    name: str
+    joint: int
+    corners: FloatArray
+    margin: float
+    index: int
+
+    def distance_to(self, point: FloatArray) -> float:
+        """Of a point from the box round the body along its joint's axes, shape (3,) [m]."""
+        outside = np.maximum(self.corners.min(axis=0) - point, point - self.corners.max(axis=0)).clip(0.0)
+        return float(np.linalg.norm(outside)) - self.margin
+
+
+class World:
+    """One robot before one door.
+
+    Attributes:
+        names: The two bodies of every pair, the moving one first.
+        reach: How far the farthest point of a pair's moving body can be from each axis that moves the two
+            against each other, 0 for the others, shape (pairs, 6) [m].
+        outside_cut: Pairs that must stay apart even while the mill is in the wood, shape (pairs,): there the tool
+            meets the door, and the spindle keeps off its surface by the depth of the feature alone.
+        tool_and_cell: Pairs of spindle or mill and something that stands still, shape (pairs,).
+        clearance: What every pair must keep [m].
+    """
+
+    def __init__(self, robot: Robot, layout: CellLayout, mill: Mill, door: PlacedDoor | None) -> None:
+        """Take the bodies of the robot's and the cell's files, the mill at the tool centre point, and a door."""
+        self.clearance = layout.clearance
+        self._model = _model_of(robot.urdf)
+        self._data = self._model.createData()
+        self._geometry = pin.GeometryModel()
+        moving = [self._add(body, body.link) for body in load_bodies(robot)]
+        spindle = [self._add(body, robot.flange_link) for body in layout.spindle]
+        mill_body = self._add(_mill_body(layout, mill), robot.flange_link)
+        fixed = [self._add(body, self._model.frames[1].name) for body in layout.obstacles]
+        if door is not None:
+            fixed.append(self._add_door(door))
+        moving += [*spindle, mill_body]
+        pairs = [(a, b) for a in moving if a.joint for b in fixed]
+        tool = {body.name for body in [*spindle, mill_body]}
+        wrist = self._model.jointPlacements[FOREARM + 1].translation
+        forearm = [body for body in moving if body.joint == FOREARM and body.distance_to(wrist) >= WRIST_ROOM]
+        pairs += [(a, b) for a in moving for b in moving if a.joint - b.joint >= JOINTS_APART]
+        pairs += [(a, b) for a in [*spindle, mill_body] for b in forearm]
+        for a, b in pairs:
+            self._geometry.addCollisionPair(pin.CollisionPair(a.index, b.index))
+        self._results = self._geometry.createData()
+        self.names = tuple((a.name, b.name) for a, b in pairs)
+        reach = {body.index: _reach_of(body, _skeleton_of(robot.urdf)) for body in moving if body.joint}
+        self.reach = np.array([np.where(b.joint < _BEHIND, reach[a.index], 0.0) for a, b in pairs])
+        still = {body.name for body in fixed}
+        self.tool_and_cell: BoolArray = np.array([a.name in tool and b.name in still for a, b in pairs])
+        self.outside_cut: BoolArray = np.array([not (a.name in tool and b.name == DOOR) for a, b in pairs])
+
+    def distances(self, q: FloatArray) -> FloatArray:
+        """Distance of every pair in one posture, negative where they overlap, shape (6,) [rad] -> (pairs,) [m]."""
+        pin.computeDistances(
+            self._model, self._data, self._geometry, self._results, np.asarray(q, dtype=float)
+        )
+        return np.array([result.min_distance for result in self._results.distanceResults])
+
+    def _add(self, body: Body, link: str) -> _Placed:
+        frame = self._model.frames[self._model.getFrameId(link)]
+        joint = int(frame.parentJoint)
+        T_joint_link = frame.placement.homogeneous
+        if body.size is not None:
+            shape = coal.Box(*body.size)
+        else:
+            start, end = body.ends
+            shape = coal.Capsule(body.margin, float(np.linalg.norm(end - start)))
+        place = pin.SE3(T_joint_link @ body.T_frame_body)
+        index = self._geometry.addGeometryObject(_object(body.name, joint, place, shape))
+        corners = body.corners @ T_joint_link[:3, :3].T + T_joint_link[:3, 3]
+        return _Placed(body.name, joint, corners, body.margin, int(index))
+
+    def _add_door(self, door: PlacedDoor) -> _Placed:
+        T = door.T_base_door.copy()
+        T[:3, 3] += T[:3, :3] @ (0.5 * door.size)
+        shape = coal.Box(*door.size)
+        index = self._geometry.addGeometryObject(_object(DOOR, 0, pin.SE3(T), shape))
+        return _Placed(DOOR, 0, np.zeros((0, 3)), 0.0, int(index))
+
+
+def _object(name: str, joint: int, place: pin.SE3, shape: coal.CollisionGeometry) -> pin.GeometryObject:
+    if coal.__name__ == "coal":
+        return pin.GeometryObject(name, joint, place, shape)
+    return pin.GeometryObject(name, joint, shape, place)
+
+
+def _mill_body(layout: CellLayout, mill: Mill) -> Body:
+    tip = layout.T_flange_tool[:3, 3]
+    back = tip - mill.reach * layout.T_flange_tool[:3, 2]
+    return Body(name=MILL, shape="capsule", radius=mill.radius, start=back, end=tip)
+
+
+@functools.cache
+def _model_of(urdf: Path) -> pin.Model:
+    return pin.buildModelFromUrdf(str(urdf))
+
+
+@dataclass(frozen=True, eq=False)
+class _Skeleton:
+    """A robot's joints.
+
+    Attributes:
+        own_axis: Axis of each joint in its own frame, shape (6, 3).
+        longest: How far the origin of joint b can be from that of joint a, whatever the angles, shape (6, 6) [m].
+    """
+
+    own_axis: FloatArray
+    longest: FloatArray
+
+
+@functools.cache
+def _skeleton_of(urdf: Path) -> _Skeleton:
+    model = _model_of(urdf)
+    data = model.createData()
+    pin.computeJointJacobians(model, data, np.zeros(JOINTS))
+    places = [data.oMi[i] for i in range(1, JOINTS + 1)]
+    axes = data.J[3:].T  # (6, 3)
+    points = np.array([place.translation for place in places])
+    own_axis = np.array([place.rotation.T @ axis for place, axis in zip(places, axes, strict=True)])
+    longest = np.zeros((JOINTS, JOINTS))
+    for a in range(JOINTS):
+        for b in range(a + 1, JOINTS):
+            longest[a, b] = _longest(points[a : b + 1], axes[a : b + 1])
+    return _Skeleton(own_axis, longest)
+
+
+def _longest(points: FloatArray, axes: FloatArray) -> float:
+    """How far the last of some joints' origins can be from the first, whatever the angles between them [m].
+
+    An origin on the axis of the joint before it is not moved by that joint, so that the two ways add as vectors.
+    """
+    total, way = 0.0, points[1] - points[0]
+    for i in range(1, len(points) - 1):
+        step = points[i + 1] - points[i]
+        if float(np.linalg.norm(np.cross(step, axes[i]))) < PARALLEL:
+            way = way + step
+        else:
+            total, way = total + float(np.linalg.norm(way)), step
+    return total + float(np.linalg.norm(way))
+
+
+def _reach_of(body: _Placed, skeleton: _Skeleton) -> FloatArray:
+    """How far the farthest point of a body can be from each axis before it, shape (6,) [m]."""
+    last = body.joint - 1
+    row = np.zeros(JOINTS)
+    far = float(np.linalg.norm(body.corners, axis=1).max())
+    row[:last] = skeleton.longest[:last, last] + far + body.margin
+    aside = np.linalg.norm(np.cross(body.corners, skeleton.own_axis[last]), axis=1)
+    row[last] = float(aside.max()) + body.margin
+    return row

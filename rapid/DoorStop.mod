@@ -1,0 +1,313 @@
+MODULE DoorStop
+    ! What ends a door before its time, and the way back to home.
+    !
+    ! Whatever happens while a door is in hand, the robot stops, the spindle is switched off, and main begins
+    ! anew: nothing of the path that is left is ever moved on. Traps see spindle, clamp and guard; the event
+    ! routines (SYS.cfg) see stops, emergency stops and power failures.
+
+    CONST num MAX_ESCAPE:=20;
+
+    ! From the acceptance of a path until the robot is home again.
+    PERS bool doorInHand:=FALSE;
+    ! From the acceptance until the clamp opened: this door is never asked for again.
+    PERS bool doorSpent:=FALSE;
+    ! Number of the text that says why the door in hand ended, 0 while it goes on.
+    PERS num stopReason:=0;
+    VAR string stopDetail:="";
+    ! Where the robot stood then, and whether that is known.
+    PERS jointtarget stoppedAt:=[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+    PERS bool stoppedKnown:=FALSE;
+
+    ! The way home from where the robot is: first the points from escapeNext on, then home. With escapeNext 0
+    ! it is at a feature: straight back along the tool axis, on to the first point, then as before.
+    PERS jointtarget escape{MAX_ESCAPE}:=[
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
+        [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]];
+    PERS num escapeCount:=0;
+    PERS num escapeNext:=0;
+    PERS bool escapeKnown:=FALSE;
+
+    ! The clamp opened since WatchLeaving: whatever it holds now is another door than the one that was named.
+    VAR bool doorChanged:=FALSE;
+
+    ! A robot that stands farther from where it stopped was jogged [deg].
+    LOCAL CONST num STOPPED_TOLERANCE:=0.5;
+
+    ! Less than this out of the wood is no motion [mm].
+    LOCAL CONST num NO_WAY:=1;
+
+    LOCAL VAR bool escapeFits:=TRUE;
+    LOCAL VAR intnum spindleLost;
+    LOCAL VAR intnum doorReleased;
+    LOCAL VAR intnum guardOpened;
+    LOCAL VAR intnum doorLeft;
+    LOCAL VAR intnum goneOn;
+
+    PROC WatchRestart()
+        ! For as long as the program runs.
+        WatchNothing;
+        IDelete goneOn;
+        Reset doMillAbort;
+        CONNECT goneOn WITH OnGoneOn;
+        ISignalDO doMillAbort,1,goneOn;
+        ! A start at main comes out of DoorRestarted too.
+        StartMove;
+    ENDPROC
+
+    PROC WatchNothing()
+        IDelete spindleLost;
+        IDelete doorReleased;
+        IDelete guardOpened;
+    ENDPROC
+
+    PROC WatchLeaving()
+        ! From the clamping on: a door that is changed for another while the PC works or the file is read.
+        IDelete doorLeft;
+        doorChanged:=FALSE;
+        CONNECT doorLeft WITH OnDoorLeft;
+        ISignalDI diDoorClamped,0,doorLeft;
+        IF diDoorClamped=0 THEN
+            doorChanged:=TRUE;
+        ENDIF
+    ENDPROC
+
+    PROC WatchDoor()
+        CONNECT spindleLost WITH OnSpindleLost;
+        ISignalDI diSpindleAtSpeed,0,spindleLost;
+        ISleep spindleLost;
+        CONNECT doorReleased WITH OnDoorReleased;
+        ISignalDI diDoorClamped,0,doorReleased;
+        CONNECT guardOpened WITH OnGuardOpened;
+        ISignalDI diGuardClosed,0,guardOpened;
+        IDelete doorLeft;
+        ! An interrupt comes with the change: what was so before is looked at here.
+        IF diDoorClamped=0 OR doorChanged THEN
+            EndDoor TXT_RELEASED,"";
+        ENDIF
+    ENDPROC
+
+    PROC SetSpindle(num speed)
+        ! Another speed for the spindle, watched from then on.
+        VAR num reason;
+
+        ISleep spindleLost;
+        IF speed>0 AND diGuardClosed=0 THEN
+            Show TXT_WAIT_GUARD;
+            WaitDI diGuardClosed,1;
+        ENDIF
+        reason:=RunSpindle(speed);
+        IF reason<>0 THEN
+            EndDoor reason,"";
+        ENDIF
+        IF speed>0 THEN
+            IWatch spindleLost;
+            IF diSpindleAtSpeed=0 THEN
+                EndDoor TXT_SPINDLE_LOST,"";
+            ENDIF
+        ENDIF
+    ENDPROC
+
+    PROC EndDoor(num reason,string detail)
+        ! Ends the door from wherever the program is; main begins anew and leads back.
+        WatchNothing;
+        ! Of several reasons the first one ends the door; none is left for the next cycle.
+        IDelete goneOn;
+        Reset doMillAbort;
+        ! The robot first, then the spindle: a tool at rest in moving contact breaks.
+        StopMove\Quick;
+        WaitRob\ZeroSpeed;
+        StopSpindle;
+        stopDetail:=detail;
+        IF stopReason=0 THEN
+            TellRefused reason,detail;
+        ENDIF
+        NoteStop reason;
+        ClearPath;
+        StartMove;
+        ExitCycle;
+    ENDPROC
+
+    LOCAL PROC NoteStop(num reason)
+        IF stopReason=0 THEN
+            stopReason:=reason;
+        ENDIF
+        stoppedAt:=CJointT();
+        stoppedKnown:=TRUE;
+        ! Busy stays: the tool may stand in the door, which must not be taken out.
+        Set doPathFault;
+        Reset doPathRequest;
+    ENDPROC
+
+    LOCAL TRAP OnSpindleLost
+        EndDoor TXT_SPINDLE_LOST,"";
+    ENDTRAP
+
+    LOCAL TRAP OnDoorReleased
+        EndDoor TXT_RELEASED,"";
+    ENDTRAP
+
+    LOCAL TRAP OnDoorLeft
+        doorChanged:=TRUE;
+        ! The name was that door's; the next one is named once it is being loaded.
+        expectedDoor:="";
+    ENDTRAP
+
+    LOCAL TRAP OnGuardOpened
+        EndDoor TXT_GUARD_OPEN,"";
+    ENDTRAP
+
+    LOCAL TRAP OnGoneOn
+        ! Started again after a stop with the spindle on: DoorRestarted holds the robot.
+        EndDoor TXT_STOPPED,"";
+    ENDTRAP
+
+    ! Event routines, see SYS.cfg. None of them moves the robot or asks anything.
+
+    PROC DoorStopped()
+        ! STOP, QSTOP: the robot stands. A spindle at rest is no reason to give the door up.
+        IF doorInHand AND spindleSpeed<>0 THEN
+            StopSpindle;
+            NoteStop TXT_STOPPED;
+        ENDIF
+        StopSpindle;
+    ENDPROC
+
+    PROC DoorPowered()
+        ! POWERON: the outputs fell with the power, what the program knows of the spindle did not.
+        DoorStopped;
+    ENDPROC
+
+    PROC DoorRestarted()
+        ! START, RESTART: before anything moves on. What is left of the path of a door that ended stays unmoved.
+        IF stopReason<>0 THEN
+            StopMove;
+            ! No way back to the path either: the tool stands in the wood.
+            ClearPath;
+            Set doMillAbort;
+        ENDIF
+    ENDPROC
+
+    PROC DoorReset()
+        ! RESET: the program is at main, its variables are new.
+        StopSpindle;
+    ENDPROC
+
+    ! The way back.
+
+    PROC BeginEscape(num next)
+        ! From now on the robot is at a feature (0) or on its way to the first point that is added (1).
+        escapeKnown:=FALSE;
+        escapeFits:=TRUE;
+        escapeCount:=0;
+        escapeNext:=next;
+    ENDPROC
+
+    PROC EscapeOver(jointtarget point,bool straight)
+        ! From now on the robot is on its way from a point, from where it gets home as it did so far.
+        FOR i FROM escapeCount TO 1 STEP -1 DO
+            IF i<MAX_ESCAPE THEN
+                escape{i+1}:=escape{i};
+            ENDIF
+        ENDFOR
+        escape{1}:=point;
+        escapeKnown:=escapeKnown AND escapeCount<MAX_ESCAPE;
+        IF escapeCount<MAX_ESCAPE THEN
+            escapeCount:=escapeCount+1;
+        ENDIF
+        escapeNext:=1;
+        IF straight THEN
+            escapeNext:=0;
+        ENDIF
+    ENDPROC
+
+    PROC EndEscape(bool known)
+        escapeKnown:=known AND escapeFits;
+    ENDPROC
+
+    PROC AddToEscape(jointtarget point)
+        IF escapeCount=MAX_ESCAPE THEN
+            escapeFits:=FALSE;
+            RETURN;
+        ENDIF
+        escapeCount:=escapeCount+1;
+        escape{escapeCount}:=point;
+    ENDPROC
+
+    PROC LeadBack()
+        ! Returns with the robot at home and no door in hand. Until then it asks, again and again.
+        VAR num reason;
+        VAR num answer;
+
+        IF doorInHand AND stopReason=0 THEN
+            ! The program pointer was moved to main.
+            NoteStop TXT_STOPPED;
+            stoppedKnown:=FALSE;
+        ENDIF
+        reason:=stopReason;
+        IF reason<>0 THEN
+            Report reason,stopDetail;
+            TellRefused reason,stopDetail;
+        ELSE
+            reason:=TXT_NOT_HOME;
+        ENDIF
+        WHILE NOT AtHome() DO
+            IF NOT (doorInHand AND escapeKnown) THEN
+                answer:=Ask(reason,TXT_BY_HAND,TXT_OK,0);
+            ELSEIF stoppedKnown AND NOT NearJoints(CJointT(),stoppedAt,STOPPED_TOLERANCE) THEN
+                answer:=Ask(TXT_MOVED,TXT_BY_HAND,TXT_OK,0);
+            ELSE
+                answer:=Ask(reason,TXT_ASK_RETRACT,TXT_RETRACT,TXT_JOG);
+                IF answer=1 THEN
+                    Retract;
+                ENDIF
+            ENDIF
+        ENDWHILE
+        Reset doPathBusy;
+        IF doorInHand THEN
+            answer:=Ask(reason,TXT_ASK_NEXT,TXT_OK,0);
+        ELSEIF stopReason<>0 THEN
+            answer:=Ask(reason,TXT_ASK_GO_ON,TXT_OK,0);
+        ENDIF
+        doorInHand:=FALSE;
+        stopReason:=0;
+        stopDetail:="";
+        escapeKnown:=FALSE;
+    ENDPROC
+
+    LOCAL PROC Retract()
+        VAR robtarget here;
+        VAR robtarget there;
+        VAR robtarget ahead;
+        VAR num depth;
+
+        ! From here on the place where it stopped is another one.
+        stoppedKnown:=FALSE;
+        IF escapeNext=0 AND escapeCount>0 THEN
+            here:=CRobT(\Tool:=toolMill\WObj:=wobjDoor);
+            there:=CalcRobT(escape{1},toolMill\WObj:=wobjDoor);
+            ! How far the first point lies behind the tool, along the tool's axis.
+            ahead:=RelTool(here,0,0,1);
+            depth:=(there.trans.x-here.trans.x)*(ahead.trans.x-here.trans.x);
+            depth:=depth+(there.trans.y-here.trans.y)*(ahead.trans.y-here.trans.y);
+            depth:=depth+(there.trans.z-here.trans.z)*(ahead.trans.z-here.trans.z);
+            IF depth<-NO_WAY THEN
+                MoveL RelTool(here,0,0,depth),SPEED_OUT,fine,toolMill\WObj:=wobjDoor;
+            ENDIF
+            MoveL there,SPEED_CLEAR,fine,toolMill\WObj:=wobjDoor;
+            escapeNext:=1;
+        ENDIF
+        WHILE escapeNext<=escapeCount DO
+            MoveAbsJ escape{escapeNext},v500,fine,toolMill\WObj:=wobjDoor;
+            escapeNext:=escapeNext+1;
+        ENDWHILE
+        MoveHome;
+    ENDPROC
+ENDMODULE
