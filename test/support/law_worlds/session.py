@@ -108,11 +108,10 @@ def draw_session(rng: np.random.Generator) -> Session:
     row = np.repeat(visits, 2 * LOADS)
     n = len(row)
     size = rng.uniform(150.0, 600.0, (n, 1))
-    if rng.random() < 0.5:  # a rope along an axis of the base, or a push from anywhere with a couple
+    if rng.random() < 0.5:  # a rope along an axis of the base, else a pull from anywhere with a couple
         way, couple = np.vstack([np.eye(3), -np.eye(3)])[rng.integers(6, size=n)], np.zeros((n, 3))
     else:
         way, couple = rng.normal(size=(n, 3)), rng.normal(0.0, 30.0, (n, 3))
-    # Whether two reflectors are enough is the diagnosis' business, whether all are used is chance.
     dt = np.exp(rng.uniform(np.log(5.0), np.log(200.0), n))
     t = np.cumsum(dt + rng.uniform(150.0, 300.0, n))
     swing = rng.uniform(1.5, 3.0) * np.sin(2 * np.pi * (t / rng.uniform(9e3, 2e4) + rng.random()))
