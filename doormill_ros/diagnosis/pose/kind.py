@@ -22,7 +22,6 @@ from doormill_ros.diagnosis.pose.evidence import (
     next_poses_table,
 )
 from doormill_ros.diagnosis.pose.fit import deviation
-from doormill_ros.diagnosis.pose.margins import margins
 from doormill_ros.diagnosis.pose.model import Errors, rmse
 from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
 from doormill_ros.diagnosis.pose.placement import fit_placement
@@ -100,7 +99,6 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
                 for row in data.row[bad]
             ],
             remarks=_remarks(diagnosis),
-            margins=margins(diagnosis),
             next_measurement=plan_next(diagnosis, poses),
             checks=checks,
             sections=sections,
