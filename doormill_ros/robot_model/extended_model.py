@@ -61,15 +61,6 @@ class ExtendedComplianceModel:
         self.laws = tuple(laws)
         self._kinematics = Kinematics(dh)
 
-    @property
-    def unknown_on_path(self) -> tuple[str, ...]:
-        """Where a path does not know what drives a law of the robot, one sentence each."""
-        return tuple(
-            f"{law.cause.where} hangs on {law.cause.driver}, which no path knows: its mean over the test stands for it"
-            for law in self.laws
-            if isinstance(law.cause, LawTerm) and law.cause.of_robot and not driver(law.cause.driver).of_path
-        )
-
     def deflection(
         self,
         q: FloatArray,
@@ -202,6 +193,18 @@ def _model(document: dict[str, Any], path: Path) -> ExtendedComplianceModel:
             path=str(path),
         )
     return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes, laws)
+
+
+def unknown_on_path(model: ComplianceModel) -> tuple[str, ...]:
+    """Where a path does not know what drives a law of the robot, one sentence each."""
+    if not isinstance(model, ExtendedComplianceModel):
+        return ()
+    laws = [law.cause for law in model.laws if isinstance(law.cause, LawTerm) and law.cause.of_robot]
+    return tuple(
+        f"{law.where} hangs on {law.driver}, which no path knows: its mean over the test stands for it"
+        for law in laws
+        if not driver(law.driver).of_path
+    )
 
 
 def load_model_of(robot: Robot, path_or_name: str | Path = "") -> ComplianceModel:

@@ -29,7 +29,7 @@ _REFINEMENTS = 6  #: rounds in which a rough number of a shape may move
 class LawSearch(BeamSearch[ElasticCause]):
     """A model of established causes, which stay, and of terms, which have to earn their place."""
 
-    largest, beam = 8, 4
+    largest, beam = 7, 2
 
     def __init__(
         self,

@@ -28,6 +28,7 @@ class Carrier:
         size: A typical amplitude.
         does: What it does, in words, before the amount.
         of_robot: Whether it is in the robot and not in the measuring chain.
+        components: How many motions there are.
     """
 
     motion: Motion
@@ -35,6 +36,7 @@ class Carrier:
     size: float
     does: str
     of_robot: bool = True
+    components: int = 1
 
 
 def number_of(where: str) -> int:
@@ -142,6 +144,18 @@ def _shift(case: LoadCase, where: str) -> list[FloatArray]:
     return [_along(np.broadcast_to(axis, (len(case), 3)), every) for axis in np.eye(3)]
 
 
+def _turned(case: LoadCase, where: str) -> list[FloatArray]:
+    """What a tracker that has turned makes of a displacement."""
+    every = np.ones(len(case), dtype=bool)
+    return [_along(np.cross(axis, case.springs()[:, :3]), every) for axis in np.eye(3)]
+
+
+def _turning(case: LoadCase, where: str) -> list[FloatArray]:
+    """What a tracker that turns between two readings makes of a place; it shifts too, as nobody knows where it stands."""
+    every = np.ones(len(case), dtype=bool)
+    return [*(_along(np.cross(axis, case.point), every) for axis in np.eye(3)), *_shift(case, where)]
+
+
 def _skew(of: int, into: int) -> Motion:
     def motion(case: LoadCase, where: str) -> list[FloatArray]:
         vectors = np.zeros((len(case), 3))
@@ -191,8 +205,8 @@ CARRIERS: dict[str, Carrier] = {
     "tool tilt": Carrier(_mount(6, (0, 1)), "rad / (N m)", 1e-6, "tilts"),
     "tool turn": Carrier(_mount(6, (2,)), "rad / (N m)", 1e-6, "turns about the axis of the flange"),
     "tool shift": Carrier(_yielding(6), "m / N", 1e-7, "yields to the force"),
-    "force bias": Carrier(_bias((0, 1, 2)), "N", 5.0, "reads a force too small", False),
-    "torque bias": Carrier(_bias((3, 4, 5)), "N m", 5.0, "reads a torque too small", False),
+    "force bias": Carrier(_bias((0, 1, 2)), "N", 5.0, "reads a force too small", False, 3),
+    "torque bias": Carrier(_bias((3, 4, 5)), "N m", 5.0, "reads a torque too small", False, 3),
     "sensor gain": Carrier(_gain, "1", 0.05, "reads too small a share", False),
     **{
         f"crosstalk {_CHANNELS[of]} into {_CHANNELS[into]}": Carrier(
@@ -205,7 +219,9 @@ CARRIERS: dict[str, Carrier] = {
         for of in range(6)
         for into in range(6)
     },
-    "reading": Carrier(_shift, "m", 1e-5, "reads along x, y, z", False),
+    "reading": Carrier(_shift, "m", 1e-5, "reads along x, y, z", False, 3),
+    "axes": Carrier(_turned, "rad", 0.01, "stands turned about x, y, z", False, 3),
+    "place": Carrier(_turning, "rad, m", 1e-5, "turns about and moves along x, y, z", False, 6),
     **{
         f"axes {_XYZ[of]} into {_XYZ[into]}": Carrier(
             _skew(of, into), "1", 0.05, f"adds to {_XYZ[into]} a share of {_XYZ[of]}", False
@@ -213,7 +229,7 @@ CARRIERS: dict[str, Carrier] = {
         for of in range(3)
         for into in range(3)
     },
-    "slip": Carrier(_slip, "m", 1e-5, "slips along x, y, z of its link", False),
+    "slip": Carrier(_slip, "m", 1e-5, "slips along x, y, z of its link", False, 3),
     "slip along the load": Carrier(_drawn, "m", 1e-5, "slips along the force", False),
     "holder": Carrier(_swing, "1", 0.1, "moves more than its link", False),
 }

@@ -96,6 +96,7 @@ _WITH_LOAD = (
 )
 _TILT = (*_BY_WRENCH, ("direction", (("sign", 0.0),), False), ("own angle", _OTHER_ANGLE, False))
 _SLIP = (("wrench", (("size", 1.0), ("past", 0.3), ("past", 0.5), ("past", 0.7)), False),)
+_DRIFT = (("time", _OVER_TIME, False), ("time under load", _UNDER_LOAD, False), ("temperature", _WARM, False))
 _DRAWN = (*(("past", part) for part in (0.3, 0.5, 0.7)), ("beyond", 0.3), ("beyond", 0.5))
 
 #: What it acts on, its places (None: the reflectors), what may drive it. Equals go by this order: what sits at an end
@@ -129,7 +130,8 @@ DICTIONARY = (
             ("angle of joint k", (("waves", 1.0), ("slope", 0.0)), False),
         ),
     ),
-    *((name, ("tracker",), _LEVEL) for name in CARRIERS if name.startswith("axes")),
+    *((name, ("tracker",), _DRIFT) for name in ("axes", "place")),
+    *((name, ("tracker",), _LEVEL) for name in CARRIERS if name.startswith("axes ")),
     ("slip", None, (*_SENSOR, *_SLIP)),
     (
         "slip along the load",

@@ -72,12 +72,9 @@ class LawTerm(LinearTwist):
         self.name = f"{acts_on} by {driver}: {shape}"
         self.variant = ", ".join(f"{value:.4g}" for value in numbers)
         self._wide = len(seen.usual)
-        count = self._wide * self._components()
+        count = self._wide * self.carrier.components
         self.scale, self.lower, self.upper = np.ones(count), np.full(count, -1e6), np.full(count, 1e6)
         self.parameters = (CauseParameter("weights", self.carrier.unit, -np.inf, np.inf, count),)
-
-    def _components(self) -> int:
-        return 3 if self.acts_on in ("force bias", "torque bias", "reading", "slip") else 1
 
     def followed(self, case: LoadCase) -> FloatArray:
         """Columns of the shape in each loading, shape (n, m)."""
