@@ -151,7 +151,7 @@ def _turned(case: LoadCase, where: str) -> list[FloatArray]:
 
 
 def _turning(case: LoadCase, where: str) -> list[FloatArray]:
-    """What a tracker that turns between two readings makes of a place; it shifts too, as nobody knows where it stands."""
+    """What a tracker that turns between two readings makes of a place; it shifts too, for nobody knows its place."""
     every = np.ones(len(case), dtype=bool)
     return [*(_along(np.cross(axis, case.point), every) for axis in np.eye(3)), *_shift(case, where)]
 
