@@ -93,6 +93,50 @@ def _bending(case: LoadCase, where: str) -> list[FloatArray]:
     return [LinkBending(where).unit(case)[:, :, 0] * 1e6]
 
 
+def _across(case: LoadCase, k: int) -> tuple[FloatArray, FloatArray]:
+    """Two axes fixed to link k + 1 across its line, shape (n, 3) each."""
+    axis, _ = _line(case, k)
+    own = case.axes[:, k + 1]
+    aligned = np.abs(np.einsum("nij,ni->nj", own, axis)).mean(axis=0)
+    first = np.cross(axis, own[:, :, int(np.argmin(np.round(aligned, 6)))])
+    first /= np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-9)
+    return first, np.cross(axis, first)
+
+
+def _at_middle(case: LoadCase, k: int, turn: FloatArray) -> FloatArray:
+    """Everything beyond the middle of link k + 1 turns about it; points on the link itself stay."""
+    middle = 0.5 * (case.origin[:, k] + case.origin[:, k + 1])
+    twist = np.concatenate([np.cross(turn, case.point - middle), turn], axis=1)
+    twist[case.link < k + 1] = 0.0
+    return twist
+
+
+def _hinge(case: LoadCase, where: str) -> list[FloatArray]:
+    """By the moment at the middle of the link: about two axes across it, and about one by the other's."""
+    k = number_of(where)
+    axes = _across(case, k)
+    lever = 0.5 * (case.origin[:, k] + case.origin[:, k + 1]) - case.origin[:, k + 1]
+    moment = case.moment[:, k + 1] + np.cross(-lever, case.force)
+    one, two = (np.sum(moment * axis, axis=1, keepdims=True) for axis in axes)
+    turns = (one * axes[0], two * axes[1], one * axes[1] + two * axes[0])
+    return [_at_middle(case, k, turn) for turn in turns]
+
+
+def _crooked(case: LoadCase, where: str) -> list[FloatArray]:
+    k = number_of(where)
+    return [_at_middle(case, k, axis) for axis in _across(case, k)]
+
+
+def _longer(case: LoadCase, where: str) -> list[FloatArray]:
+    k = number_of(where)
+    return [_along(_line(case, k)[0], case.link > k)]
+
+
+def _seat(case: LoadCase, where: str) -> list[FloatArray]:
+    """The tool turns on the flange about its axes, whatever the load."""
+    return [case.rotate(axis, 6, 6) for axis in np.moveaxis(case.axes[:, 6], 2, 0)]
+
+
 def _mount(frame: int, axes: tuple[int, ...]) -> Motion:
     """Everything from a frame on turns about some of its axes by the moment about them."""
 
@@ -199,6 +243,10 @@ CARRIERS: dict[str, Carrier] = {
     "bearing": Carrier(_yielding(-1), "m / N", 1e-7, "yields to the force"),
     "torsion": Carrier(_torsion, "rad / (N m^2)", 1e-7, "twists about its length"),
     "bending": Carrier(_bending, "1 / (N m^2)", 1e-7, "bends"),
+    "hinge": Carrier(_hinge, "rad / (N m)", 1e-7, "gives way at its middle", True, 3),
+    "straightness": Carrier(_crooked, "rad", 1e-5, "bends at its middle, whatever the load,", True, 2),
+    "length": Carrier(_longer, "m", 1e-5, "grows"),
+    "seat": Carrier(_seat, "rad", 1e-5, "turns about x, y, z of the flange, whatever the load,", True, 3),
     "base tilt": Carrier(_mount(0, (0, 1)), "rad / (N m)", 1e-8, "tilts"),
     "base turn": Carrier(_mount(0, (2,)), "rad / (N m)", 1e-8, "turns about its upright axis"),
     "base shift": Carrier(_yielding(0), "m / N", 1e-7, "yields to the force"),
