@@ -18,7 +18,7 @@ from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 
 _EACH = 2  #: terms of one place and driver that are fitted in full after the preview
-_SCREEN = 14  #: terms that are, over all
+_SCREEN = 10  #: terms that are, over all
 #: Score that a term has to gain in the preview, its price paid, to be fitted.
 _PROMISING = 0.0
 #: What a curve has to be better by than a closed law.
@@ -69,8 +69,11 @@ class LawSearch(BeamSearch[ElasticCause]):
 
     def order(self, found: Fit[ElasticCause]) -> tuple[int, int, list[int]]:
         """Fewer numbers first, then the order of the dictionary; a refined number ranks as the rough one."""
-        first = {key: place for place, key in reversed(list(enumerate(c.key for c in self.candidates)))}
-        return 0, found.size, sorted(first[member.key] for member in found.members)
+        return 0, found.size, sorted(self._first[member.key] for member in found.members)
+
+    @cached_property
+    def _first(self) -> dict[tuple[str, str], int]:
+        return {cause.key: place for place, cause in reversed(list(enumerate(self.candidates)))}
 
     def extensions(self, found: Fit[ElasticCause]) -> list[tuple[ElasticCause, float]]:
         """Of every place and driver the most promising terms."""

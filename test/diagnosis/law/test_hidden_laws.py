@@ -50,7 +50,7 @@ def test_a_law_of_a_joint_is_placed_told_and_predicts_unseen_postures(tmp_path):
 
 
 def test_a_law_of_the_sensor_moves_no_tool(tmp_path):
-    truth, document, _, _, out = told(tmp_path, 10)
+    truth, document, _, _, out = told(tmp_path, 2)
     assert truth["where"] == "sensor"
     assert {law["where"] for law in document["unnamed"]} == {"sensor"}
     (check,) = document["checks"]

@@ -200,6 +200,17 @@ def _turning(case: LoadCase, where: str) -> list[FloatArray]:
     return [*(_along(np.cross(axis, case.point), every) for axis in np.eye(3)), *_shift(case, where)]
 
 
+def _lasting(case: LoadCase) -> FloatArray:
+    """Time between the two readings, shape (n, 1) [s]; none where nobody read."""
+    dt = case.circumstances.dt
+    return np.zeros((len(case), 1)) if dt is None else np.asarray(dt, dtype=float)[:, None]
+
+
+def _drifting(motion: Motion) -> Motion:
+    """A motion at a speed: it goes on while a trial lasts."""
+    return lambda case, where: [twist * _lasting(case) for twist in motion(case, where)]
+
+
 def _skew(of: int, into: int) -> Motion:
     def motion(case: LoadCase, where: str) -> list[FloatArray]:
         vectors = np.zeros((len(case), 3))
@@ -270,6 +281,8 @@ CARRIERS: dict[str, Carrier] = {
     "reading": Carrier(_shift, "m", 1e-5, "reads along x, y, z", False, 3),
     "axes": Carrier(_turned, "rad", 0.01, "stands turned about x, y, z", False, 3),
     "place": Carrier(_turning, "rad, m", 1e-5, "turns about and moves along x, y, z", False, 6),
+    "drift": Carrier(_drifting(_shift), "m / s", 1e-7, "drifts along x, y, z", False, 3),
+    "turning": Carrier(_drifting(_turning), "rad / s, m / s", 1e-7, "turns and drifts", False, 6),
     **{
         f"axes {_XYZ[of]} into {_XYZ[into]}": Carrier(
             _skew(of, into), "1", 0.05, f"adds to {_XYZ[into]} a share of {_XYZ[of]}", False

@@ -28,7 +28,8 @@ _TORQUE = (
     *((name, part) for name in ("past", "beyond") for part in (0.2, 0.4, 0.6)),
 )
 _STEPS = tuple(("past", float(part)) for part in np.round(np.arange(0.1, 0.95, 0.05), 2))
-_OVER_TIME = (("slope", 0.0), ("line", 0.5), *_STEPS, ("settling", 0.1), ("settling", 0.3))
+_PERIODS = tuple(("periods", float(np.round(1.0 / n, 3))) for n in (0.5, 1.0, 1.5, 2.0, 3.0, 4.0))
+_OVER_TIME = (("slope", 0.0), ("line", 0.5), *_STEPS, ("settling", 0.1), ("settling", 0.3), *_PERIODS)
 _UNDER_LOAD = (
     ("logarithm", 0.0),
     ("logarithmic line", 0.0),
@@ -97,6 +98,10 @@ _WITH_LOAD = (
 _TILT = (*_BY_WRENCH, ("direction", (("sign", 0.0),), False), ("own angle", _OTHER_ANGLE, False))
 _SLIP = (("wrench", (("size", 1.0), ("past", 0.3), ("past", 0.5), ("past", 0.7)), False),)
 _DRIFT = (("time", _OVER_TIME, False), ("time under load", _UNDER_LOAD, False), ("temperature", _WARM, False))
+_SPEED = (
+    ("time", (("level", 0.0), ("line", 0.5), ("settling", 0.1), ("settling", 0.3), *_PERIODS), False),
+    ("temperature", (("line", 0.5),), False),
+)
 _DRAWN = (*(("past", part) for part in (0.3, 0.5, 0.7)), ("beyond", 0.3), ("beyond", 0.5))
 
 #: What it acts on, its places (None: the reflectors), what may drive it. Equals go by this order: what sits at an end
@@ -135,6 +140,7 @@ DICTIONARY = (
         ),
     ),
     *((name, ("tracker",), _DRIFT) for name in ("axes", "place")),
+    *((name, ("tracker",), _SPEED) for name in ("drift", "turning")),
     *((name, ("tracker",), _LEVEL) for name in CARRIERS if name.startswith("axes ")),
     ("slip", None, (*_SENSOR, *_SLIP)),
     (

@@ -18,7 +18,7 @@ Numbers = Sequence[float]
 
 
 #: Shapes whose first own number may be refined once one of the dictionary's was taken.
-REFINED = ("fading", "saturating", "limited", "beyond", "past", "creeping", "settling")
+REFINED = ("periods", "fading", "saturating", "limited", "beyond", "past", "creeping", "settling")
 
 
 @dataclass(frozen=True)
@@ -99,6 +99,10 @@ SHAPES: dict[str, Shape] = {
         lambda x, p: [np.sin(p[0] * x), np.cos(p[0] * x)],
         lambda d, u, p, w: f"{p[0]:.4g} waves a turn of {d}: sine {w[0]}, cosine {w[1]}",
         bounded=False,
+    ),
+    "periods": Shape(
+        lambda x, p: [np.sin(2.0 * np.pi * x / p[0]), np.cos(2.0 * np.pi * x / p[0])],
+        lambda d, u, p, w: f"with a period of {p[0]:.4g} {u} of {d}: sine {w[0]}, cosine {w[1]}",
     ),
     "logarithm": Shape(
         lambda x, p: [np.log(np.maximum(x, 1e-9) / p[0])],
