@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.law.carriers import CARRIERS, number_of
+from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
 from doormill_ros.robot_model.elastic.law.drivers import reading
+from doormill_ros.robot_model.elastic.law.parts import number_of
 from doormill_ros.robot_model.elastic.law.term import LawTerm, seen_in
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
