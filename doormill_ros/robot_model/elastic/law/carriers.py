@@ -40,6 +40,12 @@ CARRIERS: dict[str, Carrier] = {
     "spring": Carrier(parts.spring, "1", 0.1, "gives way more"),
     "joint angle": Carrier(lambda case, where: [case.joint_twist(number_of(where))], "rad", 1e-5, "turns"),
     "joint angle with the load": Carrier(parts.with_load, "rad", 1e-5, "turns with the load"),
+    **{
+        f"coupling with joint {k + 1}": Carrier(
+            parts.coupling(k), "rad / (N m)", 1e-8, f"and joint {k + 1} turn each by the other's torque"
+        )
+        for k in range(6)
+    },
     "tilt across the axis": Carrier(parts.tilt, "rad / (N m)", 1e-7, "tilts across its axis"),
     "bearing": Carrier(parts.yielding(-1), "m / N", 1e-7, "yields to the force"),
     "torsion": Carrier(parts.torsion, "rad / (N m^2)", 1e-7, "twists about its length"),

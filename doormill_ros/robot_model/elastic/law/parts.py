@@ -37,6 +37,17 @@ def with_load(case: LoadCase, where: str) -> list[FloatArray]:
     return [np.sign(case.torque[:, k])[:, None] * case.joint_twist(k)]
 
 
+def coupling(other: int) -> Motion:
+    """The torque of another joint turns this one, and by Maxwell's theorem of reciprocity the other way round."""
+
+    def motion(case: LoadCase, where: str) -> list[FloatArray]:
+        k = number_of(where)
+        this, that = (case.torque[:, i, None] * case.joint_twist(j) for i, j in ((other, k), (k, other)))
+        return [this + that]
+
+    return motion
+
+
 def tilt(case: LoadCase, where: str) -> list[FloatArray]:
     """By the moment across the axis, about the origin of the joint."""
     k = number_of(where)
@@ -70,7 +81,8 @@ def torsion(case: LoadCase, where: str) -> list[FloatArray]:
 
 def bending(case: LoadCase, where: str) -> list[FloatArray]:
     """As an Euler-Bernoulli beam."""
-    return [LinkBending(where).unit(case)[:, :, 0] * 1e6]
+    beam, one = LinkBending(where), np.ones(1)
+    return [beam.twist(case, one) * beam.values(one, case)]
 
 
 def _across(case: LoadCase, k: int) -> tuple[FloatArray, FloatArray]:
