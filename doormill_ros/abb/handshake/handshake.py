@@ -20,7 +20,7 @@ from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.backoff import Backoff, Outage
 from doormill_ros.abb.handshake.access import ControllerAccess
 from doormill_ros.abb.handshake.inbox import Inbox, RunLedger, Submission
-from doormill_ros.abb.handshake.milling import MillingWatch
+from doormill_ros.abb.handshake.milling import TAKEN_UP, MillingWatch
 from doormill_ros.abb.handshake.state import CLEARED, HandshakeSnapshot, HandshakeTimeouts, RunOutcome
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import LinkError
@@ -68,6 +68,7 @@ class Handshake:
         self._deadline = float("inf")
         self._after_clearing: tuple[State, str, int] = (State.IDLE, "started", 0)
         self._edges_missed = True
+        self._looks_back = False  # for a run that a former process handed over
         self._request_mark = b""
         self._watch_at = float("-inf")
         self._retry = Backoff(clock, self._timeouts.retry_first, self._timeouts.retry_last)
@@ -86,7 +87,7 @@ class Handshake:
         """Lower ready and remove the target file, whatever a former process left; then as `step`."""
         self._begin_clearing(State.IDLE, "started", 0)
         self._access.expect_latecomers()
-        self._edges_missed = True
+        self._edges_missed = self._looks_back = True
         return self.step()
 
     def submit(self, run_id: str, door_id: str, data: bytes, request_number: int | None = None) -> None:
@@ -156,9 +157,12 @@ class Handshake:
         if not self._retry.due:
             return
         after, reason, code = self._after_clearing
+        former = None
         try:
             self._access.clear()
             high = self._access.request_is_high()
+            if self._looks_back and not high:
+                former = self._milling.recall(self._runs)
         except LinkError as error:
             self._edges_missed = True
             self._retry.failed()
@@ -171,12 +175,17 @@ class Handshake:
             return
         self._inbox.forget_abort()
         self._watch_at = self._clock() + self._timeouts.watch
+        self._looks_back &= high
+        if former is not None:
+            after, reason, code = State.MILLING, TAKEN_UP, 0
+            self._request_mark = former[1]
+            self._update(run_id=former[0], door_id="")
         if after is State.MILLING:
             self._milling.begin()
-        # A request that could not be read for a while may have fallen and risen, and has for a robot that mills:
-        # a high one counts as new, and a file that was made before is not taken for it.
-        same = not self._edges_missed and after is not State.MILLING
-        self._enter(after, reason, code, request=high and same)
+        # A request that could not be read for a while may have fallen and risen: a high one counts as new, and a file
+        # that was made before is not taken for it. Known is one alone that came to nothing.
+        known = not self._edges_missed and self._snapshot.request and after is State.FAILED
+        self._enter(after, reason, code, request=high and known)
         self._edges_missed = False
 
     def _step_cleared(self) -> None:
@@ -249,6 +258,7 @@ class Handshake:
             self._inbox.forget_abort()
 
     def _hand_over(self, submission: Submission) -> None:
+        self._looks_back = False
         self._runs.begin(submission)
         submission.check_request(self._snapshot.request_number)
         self._update(run_id=submission.run_id, door_id=submission.door_id)

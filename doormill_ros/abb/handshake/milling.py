@@ -6,7 +6,10 @@ from collections.abc import Callable
 
 from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.handshake.access import FAULT_WHILE_MILLING, NO_REASON, ControllerAccess
+from doormill_ros.abb.handshake.inbox import RunLedger
 from doormill_ros.abb.handshake.state import HandshakeState
+
+TAKEN_UP = "the robot is busy with a file that was handed over before this start"
 
 
 class MillingWatch:
@@ -27,6 +30,23 @@ class MillingWatch:
     def begin(self) -> None:
         """The robot mills from now on."""
         self._deadline = self._clock() + self._limit
+
+    def recall(self, runs: RunLedger) -> tuple[str, bytes] | None:
+        """Take up what a former process of this PC began: the run that the robot mills now, and its request's mark.
+
+        The robot tells by its busy signal, which stays high after a fault until it is home, and by its notes. Of a run
+        that it has milled meanwhile it tells the end. None where it mills nothing.
+
+        Raises:
+            LinkError: The controller cannot be asked.
+        """
+        busy = self._access.optional_signal(signals.BUSY)
+        accepted, mark, milled = self._access.last_runs()
+        runs.recall(milled, True, "the robot noted the end of milling while nobody looked")
+        if not busy:
+            return None
+        runs.recall(accepted, None, TAKEN_UP)
+        return accepted, mark
 
     def end(self, request_mark: bytes) -> tuple[HandshakeState, str] | None:
         """State and reason of the end, None while the robot mills.
