@@ -19,8 +19,9 @@ from typing import Any
 from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.backoff import Backoff, Outage
 from doormill_ros.abb.handshake.access import ControllerAccess
+from doormill_ros.abb.handshake.announced import AnnouncedWatch
 from doormill_ros.abb.handshake.inbox import Inbox, RunLedger, Submission
-from doormill_ros.abb.handshake.milling import TAKEN_UP, MillingWatch
+from doormill_ros.abb.handshake.milling import MillingWatch
 from doormill_ros.abb.handshake.state import CLEARED, HandshakeSnapshot, HandshakeTimeouts, RunOutcome
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import LinkError
@@ -59,6 +60,7 @@ class Handshake:
         self._clock = clock
         self._timeouts = timeouts or HandshakeTimeouts()
         self._access = ControllerAccess(transport, clock, file_name, check)
+        self._announced = AnnouncedWatch(self._access, clock, self._timeouts)
         self._milling = MillingWatch(self._access, clock, self._timeouts.milling)
         self._on_change = on_change
         self._inbox = Inbox()
@@ -68,7 +70,6 @@ class Handshake:
         self._deadline = float("inf")
         self._after_clearing: tuple[State, str, int] = (State.IDLE, "started", 0)
         self._edges_missed = True
-        self._looks_back = False  # for a run that a former process handed over
         self._request_mark = b""
         self._watch_at = float("-inf")
         self._retry = Backoff(clock, self._timeouts.retry_first, self._timeouts.retry_last)
@@ -87,7 +88,8 @@ class Handshake:
         """Lower ready and remove the target file, whatever a former process left; then as `step`."""
         self._begin_clearing(State.IDLE, "started", 0)
         self._access.expect_latecomers()
-        self._edges_missed = self._looks_back = True
+        self._edges_missed = True
+        self._milling.look_back(True)
         return self.step()
 
     def submit(self, run_id: str, door_id: str, data: bytes, request_number: int | None = None) -> None:
@@ -157,12 +159,10 @@ class Handshake:
         if not self._retry.due:
             return
         after, reason, code = self._after_clearing
-        former = None
         try:
             self._access.clear()
             high = self._access.request_is_high()
-            if self._looks_back and not high:
-                former = self._milling.recall(self._runs)
+            former = None if high else self._milling.recall(self._runs)
         except LinkError as error:
             self._edges_missed = True
             self._retry.failed()
@@ -175,11 +175,12 @@ class Handshake:
             return
         self._inbox.forget_abort()
         self._watch_at = self._clock() + self._timeouts.watch
-        self._looks_back &= high
+        if not high:
+            self._milling.look_back(False)
         if former is not None:
-            after, reason, code = State.MILLING, TAKEN_UP, 0
-            self._request_mark = former[1]
-            self._update(run_id=former[0], door_id="")
+            after, reason, code = State.MILLING, self._milling.TAKEN_UP, 0
+            run_id, self._request_mark = former
+            self._update(run_id=run_id, door_id="")
         if after is State.MILLING:
             self._milling.begin()
         # A request that could not be read for a while may have fallen and risen: a high one counts as new, and a file
@@ -226,10 +227,6 @@ class Handshake:
         self._access.clear()
         self._edges_missed = False
 
-    def _end_milling(self, state: State, reason: str) -> None:
-        self._runs.end_milling(self._snapshot.run_id, state is State.DONE, reason)
-        self._enter(state, reason, 0)
-
     def _step_requested(self, high: bool) -> None:
         if not high:
             raise link_errors.RequestWithdrawnError(
@@ -258,7 +255,7 @@ class Handshake:
             self._inbox.forget_abort()
 
     def _hand_over(self, submission: Submission) -> None:
-        self._looks_back = False
+        self._milling.look_back(False)
         self._runs.begin(submission)
         submission.check_request(self._snapshot.request_number)
         self._update(run_id=submission.run_id, door_id=submission.door_id)
@@ -271,8 +268,7 @@ class Handshake:
         self._inbox.raise_if_aborted()
         self._enter(State.RAISING, f"{name} verified, setting {signals.READY}", 0)
         self._access.announce(submission, self._request_mark)
-        self._deadline = self._clock() + self._timeouts.acknowledge
-        self._watch_at = self._clock() + self._timeouts.watch
+        self._announced.begin()
         self._unreadable.over()
         self._enter(State.READY, f"{name} verified and announced; the controller may read it", 0)
 
@@ -289,19 +285,8 @@ class Handshake:
         self._unreadable.over()
         if not high:
             self._acknowledged()
-        elif not reported:
-            raise link_errors.RequestWithdrawnError(
-                "the request fell and rose again before ready was lowered; request again"
-            )
-        elif self._clock() >= self._deadline:
-            raise link_errors.AcknowledgeTimeoutError(
-                f"the controller did not take the file within {self._timeouts.acknowledge:g} s; "
-                "check that the milling program runs in automatic mode",
-                timeout=self._timeouts.acknowledge,
-            )
-        elif self._clock() >= self._watch_at:
-            self._watch_at = self._clock() + self._timeouts.watch
-            self._access.require_announced()
+        else:
+            self._announced.require(reported)
 
     def _acknowledged(self) -> None:
         self._update(request=False)
@@ -313,7 +298,9 @@ class Handshake:
 
     def _step_milling(self) -> None:
         if (end := self._milling.end(self._request_mark)) is not None:
-            self._end_milling(*end)
+            state, reason = end
+            self._runs.end_milling(self._snapshot.run_id, state is State.DONE, reason)
+            self._enter(state, reason, 0)
 
     def _fail(self, error: LinkError) -> None:
         state = self._snapshot.state
