@@ -11,6 +11,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read_document
+from doormill_ros.frames import rotate_wrench, rotation_from_vector
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
@@ -69,11 +70,14 @@ class ExtendedComplianceModel:
         acting = [sized for sized in self.causes if sized.cause.of_robot]
         for sized in acting:
             if sized.cause.stage == "setup":
-                sized.cause.setup(setup, sized.values)
+                sized.cause.setup(setup, _theta(sized))
+        if setup.process_angle:
+            axis = self._kinematics.forward(q)[:, :3, 2]
+            wrench = rotate_wrench(rotation_from_vector(setup.process_angle * axis), wrench)
         case = build_load_case(
             self._kinematics,
             q + setup.joint_offset,
-            wrench,
+            setup.wrench_gain * wrench,
             np.asarray(load_point, dtype=float),
             direction=None if direction is None else np.broadcast_to(direction, q.shape),
             joint_stiffness=self.joint_stiffness,
@@ -86,6 +90,11 @@ class ExtendedComplianceModel:
             part = sized.cause.twist(case, sized.cause.from_values(sized.values, case))
             twist = twist + (part if share is None else share[:, None] * part)
         return twist
+
+
+def _theta(sized: SizedCause) -> FloatArray:
+    """Fitted numbers, shape (p,), of a cause before the elasticity: they hang on no load."""
+    return sized.cause.from_values(sized.values, None)  # type: ignore[arg-type]
 
 
 def model_document(
