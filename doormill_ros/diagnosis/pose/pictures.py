@@ -36,14 +36,15 @@ def before_and_after(diagnosis: PoseDiagnosis) -> list[str]:
 
 
 def joint_angle(diagnosis: PoseDiagnosis, series: int, errors: FloatArray) -> FloatArray:
-    """Residual turn of every joint that explains a pose error best, shape (n, 6) [rad]."""
+    """Residual turn of every joint that explains a pose error best, shape (n, J) [rad]."""
     problem = diagnosis.extended.problem
-    scale = np.repeat(1.0 / np.array(problem.sigma), 3)
-    turns = [joint_turn(k) for k in range(1, 7)]
+    scale = problem.scale(series)
+    turns = [joint_turn(k) for k in range(1, problem.joints + 1)]
     D = derivatives(problem.frames(series), problem.placements[series])[:, turns] * scale
     H = np.einsum("nac,nbc->nab", D, D)
-    size: FloatArray = np.sqrt(np.einsum("naa->na", H))
-    H = H / (size[:, :, None] * size[:, None, :]) + 1e-2 * np.eye(6)
+    # A target on the axis of a joint does not show its turn.
+    size: FloatArray = np.maximum(np.sqrt(np.einsum("naa->na", H)), 1e-12)
+    H = H / (size[:, :, None] * size[:, None, :]) + 1e-2 * np.eye(problem.joints)
     g = np.einsum("nac,nc->na", D, errors * scale) / size
     return np.linalg.solve(H, g[:, :, None])[:, :, 0] / size
 
@@ -61,7 +62,7 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
         return []
     residual = [joint_angle(diagnosis, i, errors) for i, errors in enumerate(diagnosis.after.blocks)]
     charts = []
-    for k in range(1, 7):
+    for k in range(1, problem.joints + 1):
         if f"joint {k}" not in own:
             continue
         cause, part = own[f"joint {k}"]
