@@ -52,6 +52,13 @@ def closing(
     sections = [
         PageSection("What no pose can tell from the placement", [_gauge(document)]),
         PageSection("Joint angles that were visited", [_coverage(document)]),
+        PageSection(
+            "How sure: what was expected of rows that no fit had seen",
+            [
+                Charts(pictures.calibration(document["certainty"]), "halves"),
+                _certainty(document["certainty"]),
+            ],
+        ),
     ]
     if checks:
         sections.append(PageSection("Checked series in detail", [_checks(checks)]))
@@ -116,6 +123,21 @@ def _gauge(document: Mapping[str, Any]) -> Table:
     ]
     rows += [[e["what"], e["where"], "-", e["why"]] for e in document["not_determined"]]
     return Table(("Cause", "Where", "Parameters", "Imitated by"), rows)
+
+
+def _certainty(parts: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
+    rows = [
+        [
+            part.replace("_", " "),
+            one["set"],
+            _um(one, "expected_rmse"),
+            _um(one, "rmse"),
+            f"{100 * one['within_95']:.0f} %",
+        ]
+        for part, entries in parts.items()
+        for one in entries
+    ]
+    return Table(("Left out", "Series", "Expected [um]", "Came [um]", "Inside intervals of 95 %"), rows)
 
 
 def _coverage(document: Mapping[str, Any]) -> Table:

@@ -18,6 +18,7 @@ from doormill_ros.diagnosis.pose.causes import (
     not_determined,
     rejected_entry,
 )
+from doormill_ros.diagnosis.pose.certainty import certainty_section
 from doormill_ros.diagnosis.pose.check import check_set
 from doormill_ros.diagnosis.pose.coverage import coverage
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, check_together, diagnose_poses
@@ -161,6 +162,7 @@ def _sections(diagnosis: PoseDiagnosis) -> dict[str, Any]:
         "not_distinguishable_from_placement": indistinguishable(diagnosis),
         "not_determined": not_determined(diagnosis.sets),
         "coverage": coverage(diagnosis),
+        "certainty": certainty_section(diagnosis),
     }
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
@@ -103,6 +106,22 @@ def spectra(diagnosis: PoseDiagnosis) -> list[str]:
             pairs = diagnosis.extended.problem.x[layout.part(index)].reshape(-1, 2)
             x, y = np.array(cause.orders, dtype=float), m_to_um(np.hypot(pairs[:, 0], pairs[:, 1]))
             charts.append(scatter(cause.where, "order", "amplitude [urad]", [Curve("", BLUE, x, y)]))
+    return charts
+
+
+def calibration(parts: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
+    """Position error that was expected of rows no fit had seen against what came, as under `certainty`."""
+    charts = []
+    for part, entries in parts.items():
+        clouds, most = [], 0.0
+        for index, one in enumerate(entries):
+            x = m_to_um(np.array([group["expected_rmse"] for group in one["groups"]]))
+            y = m_to_um(np.array([group["rmse"] for group in one["groups"]]))
+            clouds.append(Curve(one["set"], _COLOURS[index % len(_COLOURS)], x, y))
+            most = max(most, float(x.max()), float(y.max()))
+        line = Curve("as expected", GREY, np.array([0.0, most]), np.array([0.0, most]))
+        title = part.replace("_", " ")
+        charts.append(scatter(title, "expected [um]", "came [um]", clouds, lines=[line], width=HALF))
     return charts
 
 

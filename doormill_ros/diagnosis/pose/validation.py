@@ -106,6 +106,10 @@ class Validation:
                     out[series][rows] = linear.residual(placed, rows)
         return out
 
+    def variance(self, split: Split, series: int, rows: IntArray) -> FloatArray:
+        """Variance of predicted positions of rows from what is uncertain in a split's solution, shape (n, 3) [m^2]."""
+        return self._linear[series].variance(split.solution, rows, split.series is not None)
+
     def cost(self, errors: Sequence[FloatArray], axes: slice = ALL_AXES) -> list[FloatArray]:
         """Weighted squares of every row in noise units, shape (n,) each; of some of its six components."""
         problem = self.fitted.problem
@@ -145,6 +149,37 @@ class _Linear:
                 twists[:, key] = basis @ part if len(rows) == len(basis) else basis[rows] @ part
         twists[:, self.free] += x[self.own]
         result: FloatArray = self.error[rows] - np.einsum("na,nac->nc", twists, self.D[rows])
+        return result
+
+    def effect(self, rows: IntArray, count: int, axes: int) -> FloatArray:
+        """Derivatives of the first axes of the poses of rows by all unknowns, shape (len(rows), axes, count)."""
+        A = np.zeros((len(rows), axes, count))
+        for key, (ids, basis) in self.bases.items():
+            A[:, :, ids] += self.D[rows, key, :axes, None] * basis[rows][:, None, :]
+        A[:, :, self.own] = np.swapaxes(self.D[rows][:, self.free, :axes], 1, 2)
+        return A
+
+    def variance(self, solution: Solution, rows: IntArray, placed: bool) -> FloatArray:
+        """Of predicted positions of rows, shape (len(rows), 3) [m^2]; `placed` if marked rows alone place the series.
+
+        Then the placement takes up a part of what is wrong in the coefficients, and adds the noise of those rows.
+        """
+        A, C = self.effect(rows, len(solution.x), 3), solution.covariance
+        noise = np.zeros((len(rows), 3))
+        if placed and not self.shared:
+            marked = self.effect(self.placing, len(solution.x), 6) * self.scale[:, None]
+            marked = marked.reshape(-1, len(solution.x))
+            P = marked[:, self.own]
+            unit = 1.0 / np.linalg.norm(P, axis=0)
+            inverse = np.linalg.inv((P * unit).T @ (P * unit) + _WHISPER**2 * np.eye(len(unit)))
+            inverse *= np.outer(unit, unit)
+            own = A[:, :, self.own]
+            noise = np.sum((own @ inverse) * own, axis=2)
+            A = A - own @ (inverse @ (P.T @ marked))
+            A[:, :, self.own] = 0.0
+        used = np.flatnonzero(np.any(A, axis=(0, 1)))
+        A = A[:, :, used]
+        result: FloatArray = np.sum((A @ C[np.ix_(used, used)]) * A, axis=2) + noise
         return result
 
     def place(self, x: FloatArray) -> FloatArray:
