@@ -78,15 +78,16 @@ def choices(diagnosis: LoadingDiagnosis) -> dict[str, list[SizedCause]]:
             SizedCause(f.cause, f.values) for f in diagnosis.findings if f.cause.of_robot
         ]
     }
-    for equal in (equal for finding in diagnosis.findings for equal in finding.equals):
+    equals = [equal.model for finding in diagnosis.findings for equal in finding.equals]
+    for model in (model for model in equals if model is not None):
         # Of a model with an equal in it: what stands in no other model for anything unnamed or not believed.
         members = [
             cause
-            for cause in equal.model.members
+            for cause in model.members
             if cause.named and (cause in named or cause not in diagnosis.best.members)
         ]
         found[" and ".join(map(repr, members))] = [
-            SizedCause(cause, cause.values(equal.model.theta[equal.model.part(cause)], case))
+            SizedCause(cause, cause.values(model.theta[model.part(cause)], case))
             for cause in members
             if cause.of_robot
         ]

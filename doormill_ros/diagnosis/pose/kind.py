@@ -28,14 +28,11 @@ from doormill_ros.diagnosis.pose.evidence import (
     evidence,
     next_poses_table,
 )
-from doormill_ros.diagnosis.pose.margins import margins
 from doormill_ros.diagnosis.pose.model import Errors, figures
 from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
 from doormill_ros.measurements.pose_set import SCHEMA, PoseSet, placement_owners, read_pose_set
 from doormill_ros.robot_model.pose.model import model_document
 
-#: A checked row this many expected deviations off counts as a gross error.
-_GROSS = 7.0
 #: Position errors are three-dimensional lengths, far above a tenth of a micrometre.
 UNIT = Unit("m", "um", digits=0)
 
@@ -110,7 +107,6 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
                 for row in data.row[bad]
             ],
             remarks=_remarks(diagnosis),
-            margins=margins(diagnosis),
             next_measurement=plan_next(diagnosis, poses),
             checks=checks,
             sections=sections,

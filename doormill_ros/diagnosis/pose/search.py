@@ -90,6 +90,10 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         self.progress(f"{len(self.gone)} causes do not earn their place")
         return SeriesFit(rest, model.fitted, model.validation.less(model.ids(causes)))
 
+    def rivals(self, model: SeriesFit, cause: PoseCause) -> list[tuple[PoseCause, SeriesFit]]:
+        """None: everything that may act was in from the start."""
+        return []
+
     def useless(
         self, model: SeriesFit, asked: Sequence[PoseCause], strictly: bool
     ) -> list[tuple[PoseCause, float]]:

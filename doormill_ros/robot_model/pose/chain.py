@@ -11,10 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import displacement
+from doormill_ros.frames import displacement, vector_from_rotation
 
 AXES = 6  #: translation x, y, z, rotation x, y, z
 
@@ -88,7 +87,7 @@ def residual(
     if rotation is None:
         return np.concatenate([measured - T[:, :3, 3], np.zeros(measured.shape)], axis=1)
     turn = (R_base_tracker @ rotation) @ np.swapaxes(T[:, :3, :3], 1, 2)
-    return np.concatenate([measured - T[:, :3, 3], Rotation.from_matrix(turn).as_rotvec()], axis=1)
+    return np.concatenate([measured - T[:, :3, 3], vector_from_rotation(turn)], axis=1)
 
 
 def derivatives(T_base_frames: FloatArray, placement: Placement) -> FloatArray:

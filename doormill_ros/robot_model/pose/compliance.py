@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import vector_from_rotation
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
@@ -49,7 +49,7 @@ class PoseErrorCompliance:
         actual = self.pose_model.flange(q, direction)
         point = np.append(np.asarray(load_point, dtype=float), 1.0)
         shift = ((actual - nominal) @ point)[:, :3]
-        turn = Rotation.from_matrix(actual[:, :3, :3] @ np.swapaxes(nominal[:, :3, :3], 1, 2)).as_rotvec()
+        turn = vector_from_rotation(actual[:, :3, :3] @ np.swapaxes(nominal[:, :3, :3], 1, 2))
         return np.concatenate([shift, turn], axis=1) + self.springs.deflection(
             q, wrench, load_point, direction
         )
