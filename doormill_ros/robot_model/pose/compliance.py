@@ -70,4 +70,10 @@ def load_pose_compliance(path: Path) -> PoseErrorCompliance:
             f"add config/robots/{model.robot}, or use load_pose_model to predict poses without load",
             path=str(path),
         ) from error
+    if len(model.dh) != len(robot.dh):
+        raise PoseModelError(
+            f"{path} describes {len(model.dh)} joints, robot {model.robot!r} has {len(robot.dh)}; "
+            "give the model of this robot",
+            path=str(path),
+        )
     return PoseErrorCompliance(model, JointSpringModel(robot))
