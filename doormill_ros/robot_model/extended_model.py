@@ -15,7 +15,8 @@ from doormill_ros.frames import rotate_wrench, rotation_from_vector
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup, index
+from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.elastic.law.drivers import driver
@@ -61,6 +62,14 @@ class ExtendedComplianceModel:
         self.causes = tuple(causes)
         self.laws = tuple(laws)
         self._kinematics = Kinematics(dh)
+
+    def springs_of_joints(self) -> FloatArray:
+        """Springs with what causes established of them, shape (6,) [N m / rad]."""
+        springs = self.joint_stiffness.copy()
+        for sized in self.causes:
+            if isinstance(sized.cause, JointStiffness):
+                springs[index(sized.cause.where)] = sized.values[0]
+        return springs
 
     def deflection(
         self,
