@@ -11,10 +11,12 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read_document
+from doormill_ros.frames import rotate_wrench, rotation_from_vector
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup, index
+from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.elastic.law.drivers import driver
@@ -61,6 +63,14 @@ class ExtendedComplianceModel:
         self.laws = tuple(laws)
         self._kinematics = Kinematics(dh)
 
+    def springs_of_joints(self) -> FloatArray:
+        """Springs with what causes established of them, shape (6,) [N m / rad]."""
+        springs = self.joint_stiffness.copy()
+        for sized in self.causes:
+            if isinstance(sized.cause, JointStiffness):
+                springs[index(sized.cause.where)] = sized.values[0]
+        return springs
+
     def deflection(
         self,
         q: FloatArray,
@@ -79,11 +89,14 @@ class ExtendedComplianceModel:
         acting = [sized for sized in (*self.causes, *self.laws) if sized.cause.of_robot]
         for sized in acting:
             if sized.cause.stage == "setup":
-                sized.cause.setup(setup, sized.values)
+                sized.cause.setup(setup, _theta(sized))
+        if setup.process_angle:
+            axis = self._kinematics.forward(q)[:, :3, 2]
+            wrench = rotate_wrench(rotation_from_vector(setup.process_angle * axis), wrench)
         case = build_load_case(
             self._kinematics,
             q + setup.joint_offset,
-            wrench,
+            setup.wrench_gain * wrench,
             np.asarray(load_point, dtype=float),
             direction=None if direction is None else np.broadcast_to(direction, q.shape),
             joint_stiffness=self.joint_stiffness,
@@ -96,6 +109,11 @@ class ExtendedComplianceModel:
             part = sized.cause.twist(case, sized.cause.from_values(sized.values, case))
             twist = twist + (part if share is None else share[:, None] * part)
         return twist
+
+
+def _theta(sized: SizedCause) -> FloatArray:
+    """Fitted numbers, shape (p,), of a cause before the elasticity: they hang on no load."""
+    return sized.cause.from_values(sized.values, None)  # type: ignore[arg-type]
 
 
 def model_document(

@@ -61,6 +61,10 @@ class Kind(ABC, Generic[S, D]):
     def check(self, diagnosis: D, other: S) -> dict[str, Any]:
         """Predict a set that no fit has seen: `set`, `rows`, and `rmse` of `baseline` and `extended`."""
 
+    def check_all(self, diagnosis: D, others: Sequence[S]) -> list[dict[str, Any]]:
+        """Predict several, each for itself unless they have something in common."""
+        return [self.check(diagnosis, other) for other in others]
+
     @abstractmethod
     def account(
         self, diagnosis: D, sets: Sequence[S], checks: Sequence[Mapping[str, Any]], progress: Progress
@@ -151,7 +155,7 @@ def run(
     diagnosis = kind.diagnose(sets, progress)
     if others:
         progress("predicting the sets to check")
-    checks = [kind.check(diagnosis, other) for other in others]
+    checks = kind.check_all(diagnosis, others)
     account = kind.account(diagnosis, sets, checks, progress)
     progress("writing the report")
     write_diagnosis(out, diagnosis_document(account), account.model, render_report(account))

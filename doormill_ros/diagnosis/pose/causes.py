@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from doormill_ros.diagnosis.core.wording import spoken
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.model import distinct_share, rmse
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
+from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
 
@@ -136,6 +138,20 @@ def rejected_entry(score: Score) -> dict[str, Any]:
     }
 
 
+def not_determined(sets: Sequence[PoseSet]) -> list[dict[str, Any]]:
+    """What no row of a placement tells, of every series whose target was seen as a point."""
+    owners = placement_owners(sets)
+    return [
+        {
+            "what": "orientation of the target on the flange",
+            "where": f"set {data.name}",
+            "why": "positions alone were measured",
+        }
+        for data, own in zip(sets, owners, strict=True)
+        if not any(one.oriented for one, other in zip(sets, owners, strict=True) if other == own)
+    ]
+
+
 def indistinguishable(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
     """Parameters that a shifted robot or target would imitate."""
     found: list[dict[str, Any]] = [
@@ -147,7 +163,7 @@ def indistinguishable(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
         },
         {
             "cause": "link_geometry",
-            "where": "link 6",
+            "where": f"link {diagnosis.sets[0].joints}",
             "parameters": ["theta", "d", "a", "alpha"],
             "imitated_by": "target on flange",
         },

@@ -85,8 +85,8 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
         """Nothing named: gross errors are those that the nominal model does not explain either."""
         baseline = examination.baseline
         kept = [
-            good | (deviation(error, baseline.problem.sigma) <= GROSS)
-            for good, error in zip(examination.kept, baseline.errors.train, strict=True)
+            good | (deviation(error, baseline.problem.sigma, data.oriented) <= GROSS)
+            for good, error, data in zip(examination.kept, baseline.errors.train, self.sets, strict=True)
         ]
         self.gone = [*examination.named, *self.gone]
         return replace(examination.withdrawn(), kept=kept)
