@@ -7,7 +7,7 @@ import yaml
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.law.shapes import columns
-from doormill_ros.robot_model.elastic.law.term import LawTerm, Seen
+from doormill_ros.robot_model.elastic.law.term import LawTerm, SeenRange
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.extended_model import (
@@ -38,7 +38,7 @@ def with_law(term, weights):
 
 
 def spring(driver, shape, numbers, usual, low=-3.0, high=3.0, where="joint 2"):
-    return LawTerm(where, "spring", driver, shape, numbers, Seen(low, high, usual))
+    return LawTerm(where, "spring", driver, shape, numbers, SeenRange(low, high, usual))
 
 
 def test_a_spring_with_waves_is_a_softer_spring_at_that_angle():
@@ -70,7 +70,9 @@ def test_laws_pass_through_the_file(tmp_path):
     terms = [
         SizedCause(spring("own angle", "waves", (7.0,), (0.1, 0.2)), np.array([0.3, -0.1])),
         SizedCause(
-            LawTerm("joint 3", "joint angle", "torque of joint 2", "slope", (), Seen(-900.0, 900.0, (0.0,))),
+            LawTerm(
+                "joint 3", "joint angle", "torque of joint 2", "slope", (), SeenRange(-900.0, 900.0, (0.0,))
+            ),
             np.array([2e-8]),
         ),
     ]
@@ -108,7 +110,7 @@ def test_a_sensor_bias_is_the_springs_under_that_force():
     case = build_load_case(
         kinematics, Q[None], WRENCH[None], POINT, wrench_rotation=angle, joint_stiffness=ROBOT.stiffness
     )
-    term = LawTerm("sensor", "force bias", "constant", "level", (), Seen(1.0, 1.0, (1.0,)))
+    term = LawTerm("sensor", "force bias", "constant", "level", (), SeenRange(1.0, 1.0, (1.0,)))
     for axis in range(3):
         unit = np.zeros((1, 6))
         unit[0, axis] = 1.0

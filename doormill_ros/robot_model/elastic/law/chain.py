@@ -42,24 +42,24 @@ def crosstalk(of: int, into: int) -> Motion:
 
 
 def gain(case: LoadCase, where: str) -> list[FloatArray]:
-    """What a share of the whole wrench makes."""
+    """What a share of the whole wrench makes; shape (n, 6) each."""
     return [case.springs()]
 
 
 def shift(case: LoadCase, where: str) -> list[FloatArray]:
-    """Along each axis of the base."""
+    """Along each axis of the base; shape (n, 6) each."""
     every = np.ones(len(case), dtype=bool)
     return [shifted(np.broadcast_to(axis, (len(case), 3)), every) for axis in np.eye(3)]
 
 
 def turned(case: LoadCase, where: str) -> list[FloatArray]:
-    """What a tracker that has turned makes of a displacement."""
+    """What a tracker that has turned makes of a displacement; shape (n, 6) each."""
     every = np.ones(len(case), dtype=bool)
     return [shifted(np.cross(axis, case.springs()[:, :3]), every) for axis in np.eye(3)]
 
 
 def turning(case: LoadCase, where: str) -> list[FloatArray]:
-    """What a tracker that turns between two readings makes of a place; it shifts too, for nobody knows its place."""
+    """A tracker that turns between two readings, and shifts, as its place is unknown; shape (n, 6) each."""
     every = np.ones(len(case), dtype=bool)
     return [*(shifted(np.cross(axis, case.point), every) for axis in np.eye(3)), *shift(case, where)]
 
@@ -94,17 +94,17 @@ def _is(case: LoadCase, where: str) -> BoolArray:
 
 
 def slip(case: LoadCase, where: str) -> list[FloatArray]:
-    """Along each axis of the link, of one reflector."""
+    """Along each axis of the link, of one reflector; shape (n, 6) each."""
     axes = case.axes[np.arange(len(case)), case.link]
     return [shifted(axes[:, :, i], _is(case, where)) for i in range(3)]
 
 
 def swing(case: LoadCase, where: str) -> list[FloatArray]:
-    """A share of its own displacement, of one reflector."""
+    """A share of its own displacement, of one reflector; shape (n, 6) each."""
     return [shifted(case.springs()[:, :3], _is(case, where))]
 
 
 def drawn(case: LoadCase, where: str) -> list[FloatArray]:
-    """Along the force, whatever its size."""
+    """Along the force, whatever its size; shape (n, 6) each."""
     size = np.maximum(np.linalg.norm(case.force, axis=1, keepdims=True), 1e-9)
     return [shifted(case.force / size, _is(case, where))]

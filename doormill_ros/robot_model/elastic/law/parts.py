@@ -26,13 +26,13 @@ def shifted(vectors: FloatArray, moved: BoolArray) -> FloatArray:
 
 
 def spring(case: LoadCase, where: str) -> list[FloatArray]:
-    """By the torque over the stiffness of the model."""
+    """By the torque over the stiffness of the model; shape (n, 6) each."""
     k = number_of(where)
     return [(case.torque[:, k] / case.joint_stiffness[k])[:, None] * case.joint_twist(k)]
 
 
 def with_load(case: LoadCase, where: str) -> list[FloatArray]:
-    """One radian the way the load turns it."""
+    """One radian the way the load turns it; shape (n, 6) each."""
     k = number_of(where)
     return [np.sign(case.torque[:, k])[:, None] * case.joint_twist(k)]
 
@@ -49,7 +49,7 @@ def coupling(other: int) -> Motion:
 
 
 def tilt(case: LoadCase, where: str) -> list[FloatArray]:
-    """By the moment across the axis, about the origin of the joint."""
+    """By the moment across the axis, about the origin of the joint; shape (n, 6) each."""
     k = number_of(where)
     moment = case.moment[:, k] - case.torque[:, k, None] * case.axis(k)
     return [case.rotate(moment, k, k + 1)]
@@ -72,7 +72,7 @@ def _line(case: LoadCase, k: int) -> tuple[FloatArray, FloatArray]:
 
 
 def torsion(case: LoadCase, where: str) -> list[FloatArray]:
-    """By the moment along the link, about its line."""
+    """By the moment along the link, about its line; shape (n, 6) each."""
     k = number_of(where)
     axis, length = _line(case, k)
     moment = np.sum(case.moment[:, k + 1] * axis, axis=1, keepdims=True)
@@ -80,7 +80,7 @@ def torsion(case: LoadCase, where: str) -> list[FloatArray]:
 
 
 def bending(case: LoadCase, where: str) -> list[FloatArray]:
-    """As an Euler-Bernoulli beam."""
+    """As an Euler-Bernoulli beam; shape (n, 6) each."""
     beam, one = LinkBending(where), np.ones(1)
     return [beam.twist(case, one) * beam.values(one, case)]
 
@@ -104,7 +104,7 @@ def _at_middle(case: LoadCase, k: int, turn: FloatArray) -> FloatArray:
 
 
 def hinge(case: LoadCase, where: str) -> list[FloatArray]:
-    """By the moment at the middle of the link: about two axes across it, and about one by the other's."""
+    """By the moment at the middle of the link, about two axes across it and between them; shape (n, 6) each."""
     k = number_of(where)
     axes = _across(case, k)
     lever = 0.5 * (case.origin[:, k] + case.origin[:, k + 1]) - case.origin[:, k + 1]
@@ -115,19 +115,19 @@ def hinge(case: LoadCase, where: str) -> list[FloatArray]:
 
 
 def crooked(case: LoadCase, where: str) -> list[FloatArray]:
-    """A kink at the middle of the link about either axis across it."""
+    """A kink at the middle of the link about either axis across it; shape (n, 6) each."""
     k = number_of(where)
     return [_at_middle(case, k, axis) for axis in _across(case, k)]
 
 
 def longer(case: LoadCase, where: str) -> list[FloatArray]:
-    """Along the line of the link."""
+    """Along the line of the link; shape (n, 6) each."""
     k = number_of(where)
     return [shifted(_line(case, k)[0], case.link > k)]
 
 
 def seat(case: LoadCase, where: str) -> list[FloatArray]:
-    """The tool turns on the flange about its axes, whatever the load."""
+    """The tool turns on the flange about its axes, whatever the load; shape (n, 6) each."""
     return [case.rotate(axis, 6, 6) for axis in np.moveaxis(case.axes[:, 6], 2, 0)]
 
 

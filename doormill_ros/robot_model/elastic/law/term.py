@@ -22,7 +22,7 @@ _STEPS = (0.6, 0.85, 1.18, 1.7)
 
 
 @dataclass(frozen=True)
-class Seen:
+class SeenRange:
     """Where a driver was in the test that a law comes from.
 
     Attributes:
@@ -35,14 +35,16 @@ class Seen:
     usual: tuple[float, ...]
 
 
-def seen_in(case: LoadCase, where: str, name: str, shape: str, numbers: tuple[float, ...]) -> Seen | None:
+def seen_in(
+    case: LoadCase, where: str, name: str, shape: str, numbers: tuple[float, ...]
+) -> SeenRange | None:
     """What a test has seen of a driver; None where that was not recorded or never changed (but a constant)."""
     values = reading(name, case, number_of(where))
     values = values[np.isfinite(values)]
     if not len(values) or (name != "constant" and np.ptp(values) < 1e-9):
         return None
     usual = columns(shape, values, numbers).mean(axis=0)
-    return Seen(float(values.min()), float(values.max()), tuple(map(float, usual)))
+    return SeenRange(float(values.min()), float(values.max()), tuple(map(float, usual)))
 
 
 class LawTerm(LinearTwist):
@@ -59,7 +61,7 @@ class LawTerm(LinearTwist):
     named = False
 
     def __init__(
-        self, where: str, acts_on: str, driver: str, shape: str, numbers: tuple[float, ...], seen: Seen
+        self, where: str, acts_on: str, driver: str, shape: str, numbers: tuple[float, ...], seen: SeenRange
     ) -> None:
         """Put the term together.
 
@@ -161,7 +163,7 @@ def term_of(document: Mapping[str, Any]) -> tuple[LawTerm, FloatArray]:
         str(document["driver"]),
         str(document["shape"]),
         tuple(float(value) for value in document["numbers"]),
-        Seen(float(seen["low"]), float(seen["high"]), usual),
+        SeenRange(float(seen["low"]), float(seen["high"]), usual),
     )
     driver(term.driver)
     weights = np.asarray(document["weights"]["value"], dtype=float)
