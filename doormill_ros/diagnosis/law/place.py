@@ -28,7 +28,7 @@ _CAUSES = {
 def place_of(term: ElasticCause) -> tuple[str, str]:
     """Place and driver."""
     if isinstance(term, LawTerm):
-        return term.where, term.driver
+        return term.where, term.driver.partition(" (")[0]
     where, driver = _CAUSES.get(term.name, ("", "constant"))
     return (f"reflector {term.where}" if where == "reflector" else where or term.where), driver
 

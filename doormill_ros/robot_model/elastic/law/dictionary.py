@@ -63,6 +63,7 @@ _SPRING = (
     ("own torque", _TORQUE, True),
     ("torque sign", (("positive", 0.0),), False),
     ("direction", _AGAINST, False),
+    ("direction (sense)", _AGAINST, False),
     ("own angle", _OWN_ANGLE, True),
     ("angle of joint k", _OTHER_ANGLE, True),
     ("torque of joint k", _OTHER_TORQUE, True),

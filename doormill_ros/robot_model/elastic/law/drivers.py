@@ -1,6 +1,6 @@
 """What can drive an effect, read from a loading: one line a driver.
 
-The names are those of diagnosis.json. A value that nobody knows is NaN.
+The names are those of diagnosis.json; brackets tell two readings of one driver apart. A value that nobody knows is NaN.
 """
 
 from __future__ import annotations
@@ -53,6 +53,7 @@ DRIVERS: dict[str, Driver] = {
     "own torque": _JOINT["torque"],
     "torque sign": Driver(lambda case, k: np.sign(case.torque[:, k]), "", True),
     "direction": Driver(_along, "", True),
+    "direction (sense)": Driver(lambda case, k: np.sign(case.direction[:, k]), "", True),
     "time": Driver(lambda case, k: _known(case.circumstances.time, case), "s", False),
     "time under load": Driver(lambda case, k: _known(case.circumstances.dt, case), "s", False),
     "temperature": Driver(lambda case, k: _known(case.circumstances.temperature, case), "deg C", False),
