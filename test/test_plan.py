@@ -179,7 +179,7 @@ CALLED_FROM_OUTSIDE = {
     *("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown", "downgrade"),
     # What a person does at the simulated controller, who is somebody else in every test.
     *("reload_modules", "set_mode", "emergency_stop", "release_emergency_stop", "open_guard", "close_guard"),
-    *("fail_power", "restore_power", "warm_start", "expire_sessions"),
+    *("fail_power", "restore_power", "warm_start", "expire_sessions", "take_locally", "give_locally"),
     # Reads what a diagnosis of moving joints leaves; no part of the cell corrects motions by it.
     "load_motion_model",
     # Says in the registry of sensors what one is blind for.
