@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import vector_from_rotation
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread
@@ -57,7 +57,7 @@ class PoseErrorCompliance:
         actual = self.pose_model.flange(q, direction)
         point = np.append(np.asarray(load_point, dtype=float), 1.0)
         shift = ((actual - nominal) @ point)[:, :3]
-        turn = Rotation.from_matrix(actual[:, :3, :3] @ np.swapaxes(nominal[:, :3, :3], 1, 2)).as_rotvec()
+        turn = vector_from_rotation(actual[:, :3, :3] @ np.swapaxes(nominal[:, :3, :3], 1, 2))
         return np.concatenate([shift, turn], axis=1)
 
     def standing_spread(self, q: FloatArray, load_point: FloatArray, relative: FloatArray) -> StandingSpread:
@@ -80,4 +80,10 @@ def load_pose_compliance(path: Path) -> PoseErrorCompliance:
             f"add config/robots/{model.robot}, or use load_pose_model to predict poses without load",
             path=str(path),
         ) from error
+    if len(model.dh) != len(robot.dh):
+        raise PoseModelError(
+            f"{path} describes {len(model.dh)} joints, robot {model.robot!r} has {len(robot.dh)}; "
+            "give the model of this robot",
+            path=str(path),
+        )
     return PoseErrorCompliance(model, JointSpringModel(robot))
