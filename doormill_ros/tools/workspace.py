@@ -160,10 +160,11 @@ def _region(
     layout, settings = load_layout(), load_settings()
     hinged = sample_doors(load_recipe(TEMPLATE), doors, everything=False)
     alone = sample_doors(load_recipe(TEMPLATE), doors, everything=True)
+    thick = [door for door in alone if door.thickness == doors.thickness[1]]  # both reach deepest into these
 
     def judged(place: CellLayout, hinges: PlannedDoors | None = None) -> dict[str, Any]:
         hinges = hinges or plan_doors(hinged, place, robot, settings)
-        two = plan_shares(alone, place, robot, second_at(settings, layout, place))
+        two = plan_shares(thick, place, robot, second_at(settings, layout, place))
         return {
             "hinges": asdict(hinges),
             "one_robot": asdict(plan_doors(alone, place, robot, settings)),
