@@ -6,6 +6,7 @@ import ast
 import itertools
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -759,6 +760,46 @@ def test_the_loop_answers_and_stops_without_help() -> None:
     assert not loop.alive
     assert loop.failure is None
     assert not transport.signal(signals.READY)
+
+
+def until(condition: Callable[[], object]) -> None:
+    limit = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < limit
+        time.sleep(0.001)
+
+
+def test_a_loop_that_is_held_leaves_the_file_of_another_bridge_alone() -> None:
+    transport = MemoryTransport()
+    transport.write_file(signals.TARGET_FILE, b"of another bridge")
+    transport.set_signal(signals.READY, True)
+    loop = HandshakeLoop(Handshake(transport), idle_wait=0.001, held=True)
+    with loop:
+        time.sleep(0.05)
+    assert not loop.alive
+    assert transport.signal(signals.READY)
+    assert transport._files[signals.TARGET_FILE] == b"of another bridge"
+
+
+def test_a_loop_that_is_held_in_a_run_takes_its_own_file_away_and_begins_anew_when_released() -> None:
+    transport = MemoryTransport()
+    handshake = Handshake(transport)
+    with HandshakeLoop(handshake, idle_wait=0.001) as loop:
+        transport.set_signal(signals.REQUEST, True)
+        until(lambda: handshake.snapshot.accepts_submission)
+        handshake.submit("run", "door", FILE)
+        until(lambda: handshake.snapshot.state is State.READY)
+        loop.hold()
+        until(lambda: handshake.snapshot.state is State.IDLE)
+        assert not transport.signal(signals.READY)
+        assert not transport._files
+        assert handshake.outcome("run").error_code != 0
+        transport.write_file(signals.TARGET_FILE, b"of another bridge")
+        time.sleep(0.05)
+        assert transport._files
+        loop.release()
+        until(lambda: handshake.snapshot.accepts_submission)
+        assert not transport._files
 
 
 def test_a_programming_error_in_the_loop_leaves_the_controller_cleared() -> None:
