@@ -13,8 +13,8 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Bool, String
 
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, TargetArray
-from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
+from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
@@ -82,7 +82,7 @@ class AbbBridge(ManagedNode):
         ),
     )
 
-    handshake: Handshake
+    handshake: SharedHandshake
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("abb_bridge", **kwargs)
@@ -97,7 +97,7 @@ class AbbBridge(ManagedNode):
         self._file = self.publisher(topics.ABB_TARGET_FILE)
         self._shown: tuple[bool, bool] | None = None
         transport = open_transport(self.value("transport"), self._transport_options())
-        self.handshake = Handshake(
+        self.handshake = SharedHandshake(
             transport,
             timeouts=HandshakeTimeouts(
                 acknowledge=self.value("limit.read"), milling=self.value("limit.milling")

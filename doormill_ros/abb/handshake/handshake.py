@@ -126,23 +126,6 @@ class Handshake:
         """Sleep until the next `step` is worth its while [s]."""
         self._transport.wait(timeout)
 
-    def wake(self) -> None:
-        """End a `wait`; from any thread."""
-        self._transport.wake()
-
-    def rest(self, reason: str) -> None:
-        """Give up the file in hand and take no notice of the controller any more until `on_start`."""
-        if self._snapshot.state is State.READY:
-            self._fail(link_errors.RunAbortedError(reason))
-        if self._snapshot.state is State.MILLING:
-            self._runs.end_milling(self._snapshot.run_id, False, reason)
-        self._drop_submission(link_errors.RunAbortedError(reason))
-        self._enter(State.IDLE, reason, 0, request=False)
-
-    def leave(self) -> None:
-        """Close the transport and leave the controller as it is: another one's file may stand there."""
-        self._transport.close()
-
     def close(self) -> None:
         """Lower ready, remove the file as far as the link allows, and close the transport."""
         try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 
-from doormill_ros.abb.handshake.handshake import Handshake
+from doormill_ros.abb.handshake.sharing import SharedHandshake
 
 
 class HandshakeLoop:
@@ -15,7 +15,7 @@ class HandshakeLoop:
     `Handshake.on_start` of the next process and the robot program both guard against.
     """
 
-    def __init__(self, handshake: Handshake, idle_wait: float = 0.5, held: bool = False) -> None:
+    def __init__(self, handshake: SharedHandshake, idle_wait: float = 0.5, held: bool = False) -> None:
         """Prepare the thread.
 
         Args:
