@@ -68,7 +68,7 @@ def door_pose_of(pose: Any) -> FloatArray:
     return transform_of(pose)
 
 
-def _transforms_of(poses: list[Any]) -> FloatArray:
+def transforms_of(poses: list[Any]) -> FloatArray:
     """T_a_b, shape (n, 4, 4), all at once: one by one the calls cost more than the arithmetic."""
     if not poses:
         return np.empty((0, 4, 4))
@@ -219,8 +219,8 @@ def inspection_of(message: Any) -> MeasuredDoor:
 
 def program_of(message: Any) -> MillingProgram:
     """The milling program of an accepted doormill_interfaces/TargetArray."""
-    nominal = _transforms_of([t.nominal for t in message.targets])
-    corrected = _transforms_of([t.corrected for t in message.targets])
+    nominal = transforms_of([t.nominal for t in message.targets])
+    corrected = transforms_of([t.corrected for t in message.targets])
     targets = tuple(
         Target(
             name=t.name,
