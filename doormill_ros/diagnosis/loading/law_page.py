@@ -11,8 +11,8 @@ from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.pages.charts import BLUE, RED, WIDE, Curve, scatter
 from doormill_ros.pages.page import Block, Charts, PageSection, Paragraphs
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
-from doormill_ros.robot_model.elastic.law.carriers import number_of
 from doormill_ros.robot_model.elastic.law.drivers import driver, reading
+from doormill_ros.robot_model.elastic.law.parts import number_of
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.units import m_to_um

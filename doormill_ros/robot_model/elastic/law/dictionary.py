@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.elastic.law.carriers import CARRIERS, number_of
+from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
 from doormill_ros.robot_model.elastic.law.drivers import reading
+from doormill_ros.robot_model.elastic.law.parts import number_of
 from doormill_ros.robot_model.elastic.law.term import LawTerm, seen_in
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -108,6 +109,10 @@ _DRAWN = (*(("past", part) for part in (0.3, 0.5, 0.7)), ("beyond", 0.3), ("beyo
 #: of the arm and would look alike inside it comes first.
 DICTIONARY = (
     ("spring", JOINTS, _SPRING),
+    *(
+        (f"coupling with joint {k}", JOINTS[: k - 1], ((f"torque of joint {k}", (("level", 0.0),), False),))
+        for k in range(2, 7)
+    ),
     ("joint angle", JOINTS, _TURN),
     ("joint angle with the load", JOINTS, _WITH_LOAD),
     *((mount, ("base",), _MOUNT) for mount in ("base tilt", "base turn", "base shift")),
@@ -207,7 +212,7 @@ def _numbers(shape: str, part: float, values: FloatArray) -> tuple[float, ...]:
     if shape in ("rise", "line"):
         return (float((1.0 - part) * values.min() + part * values.max()),)
     if shape.startswith("logarithm"):
-        return (max(float(values.min()), 1e-3 * largest),)
+        return (max(float(values.min()), 0.002 * largest),)
     if shape == "beyond":
         return (part * largest, largest)
     if shape == "past":

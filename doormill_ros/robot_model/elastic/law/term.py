@@ -11,8 +11,9 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
-from doormill_ros.robot_model.elastic.law.carriers import CARRIERS, number_of
+from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
 from doormill_ros.robot_model.elastic.law.drivers import driver, reading
+from doormill_ros.robot_model.elastic.law.parts import number_of
 from doormill_ros.robot_model.elastic.law.shapes import REFINED, SHAPES, columns
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -116,10 +117,6 @@ class LawTerm(LinearTwist):
             if seen is not None:
                 found.append(LawTerm(self.where, self.acts_on, self.driver, self.shape, numbers, seen))
         return found
-
-    def unknown(self, case: LoadCase) -> bool:
-        """Whether nobody knows the driver in some of these loadings."""
-        return not bool(np.isfinite(reading(self.driver, case, number_of(self.where))).all())
 
     def pattern(self) -> str:
         """What it is."""
