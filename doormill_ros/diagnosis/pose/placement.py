@@ -127,28 +127,6 @@ def huber(size: FloatArray, floor: float = 0.0) -> FloatArray:
     return huber_weights(size, HUBER * scale)
 
 
-def fit_placement(
-    T_base_frames: FloatArray,
-    position: FloatArray,
-    rotation: FloatArray | None,
-    sigma: tuple[float, float],
-    start: Placement | None = None,
-) -> Placement:
-    """The placement of one series, see `place_together`.
-
-    Args:
-        T_base_frames: Modelled frames, shape (n, J + 1, 4, 4).
-        position: Measured target, shape (n, 3) [m].
-        rotation: R_tracker_target, shape (n, 3, 3), or None where not measured.
-        sigma: Expected deviation per axis, position [m] and rotation [rad].
-        start: Where to start; found from the data when None.
-
-    Raises:
-        PosePlacementError: Too few rows and no start.
-    """
-    return place_together([Seen(T_base_frames, position, rotation)], sigma, start)
-
-
 def place_together(
     parts: Sequence[Seen], sigma: tuple[float, float], start: Placement | None = None
 ) -> Placement:
