@@ -144,16 +144,17 @@ def place_together(
     """
     if start is None:
         oriented = [one for one in parts if one.rotation is not None]
-        chosen = oriented if sum(len(one.position) for one in oriented) >= _ROWS else parts
-        rows, needed = sum(len(one.position) for one in chosen), rows_needed(chosen is oriented)
+        enough = len(oriented) == len(parts) or sum(len(one.position) for one in oriented) >= _ROWS
+        chosen = oriented if enough else parts
+        rows, needed = sum(len(one.position) for one in chosen), rows_needed(enough)
         if rows < needed:
             raise PosePlacementError(
                 f"{rows} rows with placement 1 are given, a set is placed by at least {needed} different "
-                f"{'poses' if chosen is oriented else 'positions'}; mark more rows"
+                f"{'poses' if enough else 'positions'}; mark more rows"
             )
         flange = np.concatenate([one.T_base_frames[:, -1] for one in chosen])
         position = np.concatenate([one.position for one in chosen])
-        if chosen is oriented:
+        if enough:
             turned = [one.rotation for one in oriented if one.rotation is not None]
             start = first_placement(flange, position, np.concatenate(turned))
         else:
