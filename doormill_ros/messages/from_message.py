@@ -43,7 +43,7 @@ def transform_of(pose: Any) -> FloatArray:
     return from_xyzw(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
 
 
-def _transforms_of(poses: list[Any]) -> FloatArray:
+def transforms_of(poses: list[Any]) -> FloatArray:
     """T_a_b, shape (n, 4, 4), all at once: one by one the calls cost more than the arithmetic."""
     if not poses:
         return np.empty((0, 4, 4))
@@ -128,8 +128,8 @@ def inspection_of(message: Any) -> MeasuredDoor:
 
 def program_of(message: Any) -> MillingProgram:
     """The milling program of an accepted doormill_interfaces/TargetArray."""
-    nominal = _transforms_of([t.nominal for t in message.targets])
-    corrected = _transforms_of([t.corrected for t in message.targets])
+    nominal = transforms_of([t.nominal for t in message.targets])
+    corrected = transforms_of([t.corrected for t in message.targets])
     targets = tuple(
         Target(
             name=t.name,

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.kind import matched_contours, recorded_cut
+from doormill_ros.diagnosis.parts.kind import inspected_door
+from doormill_ros.diagnosis.parts.recorded_cut import recorded_cut
 from doormill_ros.measurements.inspection import Inspection, inspections_in
 from doormill_ros.recording.replay.recorded_run import read_runs
 from doormill_ros.tools.cell import main
@@ -79,7 +80,7 @@ def test_the_inspections_are_read_matched_and_a_takt_apart(shift: dict[str, Any]
         180.0,
         180.0,
     ]
-    used = [sum(len(c.deviation) for c in matched_contours(door, recorded_cut(door))) for door in doors]
+    used = [len(inspected_door(door, recorded_cut(door)).door.points) for door in doors]
     assert len(used) == 3
     assert min(used) > 100
 

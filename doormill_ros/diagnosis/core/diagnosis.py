@@ -10,6 +10,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.beam import BeamSearch
+from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.examination import Examination
 from doormill_ros.diagnosis.core.finding import Finding, make_findings
 from doormill_ros.diagnosis.core.fit import Fit
@@ -33,6 +34,7 @@ class Diagnosis(Judgement[C, Fit[C]], Generic[P, C]):
         findings: Established causes.
         outliers: Trial numbers.
         remarks: Sentences for the reader.
+        characterised: Laws without a name for what the findings leave, where any was found.
     """
 
     problem: P
@@ -40,6 +42,7 @@ class Diagnosis(Judgement[C, Fit[C]], Generic[P, C]):
     findings: tuple[Finding[C], ...]
     outliers: tuple[int, ...]
     remarks: tuple[str, ...]
+    characterised: Characterised[C] | None = None
 
     @property
     def kept(self) -> BoolArray:

@@ -99,9 +99,9 @@ class SearchedKind(Kind[S, Diagnosis[P, C]], Generic[S, P, C]):
         return diagnose_problem(self.problem(sets), progress)
 
     def check(self, diagnosis: Diagnosis[P, C], other: S) -> dict[str, Any]:
-        """Predict by the model in question and by the extended one."""
+        """Predict by the model in question, by the extended one, and with laws where there are any."""
         problem = self.problem([other])
-        extended = diagnosis.extended
+        extended, laws = diagnosis.extended, diagnosis.characterised
         everything = np.ones(len(problem), dtype=bool)
 
         def off(members: Sequence[C], theta: Any) -> float:
@@ -113,6 +113,7 @@ class SearchedKind(Kind[S, Diagnosis[P, C]], Generic[S, P, C]):
             "rows": len(problem),
             "baseline": {"rmse": off((), np.zeros(0))},
             "extended": {"rmse": off(extended.members, extended.theta)},
+            **({"characterised": {"rmse": off(laws.fit.members, laws.fit.theta)}} if laws else {}),
         }
 
     def account(

@@ -1,4 +1,4 @@
-"""Inspected doors: points and bag of each become contours that question the robot's joint springs."""
+"""Inspected doors: points and bag of each become deviations that question robot, tool, force and place."""
 
 from __future__ import annotations
 
@@ -9,76 +9,48 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.core.account import Account, account_of
+from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
 from doormill_ros.diagnosis.core.wording import Words
-from doormill_ros.diagnosis.loading.kind import extended_model_document
-from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
-from doormill_ros.diagnosis.parts.inspection import InspectedContour, match_contour, part_problem
-from doormill_ros.frames import apply, inverse
-from doormill_ros.measurements.inspection import CAMERA, FEATURE, SCHEMA, Inspection, inspections_in
-from doormill_ros.messages.from_message import recipe_of, transform_of, wrench_of
-from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.recording.bag_reader import read_bag, topics_of
-from doormill_ros.recording.replay.recorded_run import read_runs
+from doormill_ros.diagnosis.parts.changes import change_sentences, changes_document, changes_of
+from doormill_ros.diagnosis.parts.charts import charts_of
+from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.matching import matched_points
+from doormill_ros.diagnosis.parts.model import door_model_document, usable
+from doormill_ros.diagnosis.parts.next_door import PLACES, next_sentence, places_of
+from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem, GaugedDoor
+from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
+from doormill_ros.diagnosis.parts.steps import possible_steps
+from doormill_ros.localization.camera import load_camera
+from doormill_ros.measurements.inspection import CAMERA, SCHEMA, Inspection, inspections_in
+from doormill_ros.pages.page import PageSection
 from doormill_ros.robot.description import load_robot
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
-
-EXECUTED_PATH = "/simulation/executed_path"
 
 METHOD = """Where the tool cut, the bag knows posture, last motions and process wrench, and where the tool had been
-sent: the deviation of the wall less that is the robot's displacement under load along the wall's normal. It was
-questioned as a loading test is, on stretches of wall left out of every fit."""
+sent: the deviation of a surface less that is the tool's displacement along its normal. Every effect of the library was
+fitted alone and in combination, always of one size, beginning at a door, changing at one, or drifting, and scored on
+features or stretches left out of its fit. What a door's place could make counts no more than that place is known."""
 
 
 @dataclass(frozen=True, eq=False)
-class RecordedCut:
-    """What the bag says of the run that milled a door.
-
-    Attributes:
-        recipe: The door.
-        T_base_door: Where the localizer put it, shape (4, 4).
-        tool: Commanded poses of the tool in base, shape (m, 4, 4).
-        q: Commanded joint angles, shape (m, 6) [rad].
-        wrench: On the tool at its centre point, base axes, shape (m, 6) [N, N m].
-        time: Shape (m,) [s].
-        cutting: Samples in the wood, shape (m,).
-        feature: Name of the feature of each sample.
-    """
-
-    recipe: Recipe
-    T_base_door: FloatArray
-    tool: FloatArray
-    q: FloatArray
-    wrench: FloatArray
-    time: FloatArray
-    cutting: BoolArray
-    feature: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class MatchedInspection:
-    """An inspection and the contours that its points became."""
+class InspectedDoor:
+    """An inspection and what its points, matched with the run, tell."""
 
     inspection: Inspection
-    contours: list[InspectedContour]
+    door: GaugedDoor
 
 
-class Inspections(SearchedKind[MatchedInspection, LoadingProblem, ElasticCause]):
+class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
     """Inspected doors of the robot in the cell, taken together."""
 
     schema = SCHEMA
     option = "inspections"
     help = "one or many inspected doors"
-    words = Words("simulation", "points", "deviation", "deviation", "stretches", METHOD)
-    next_measurement = (
-        "inspect doors whose features the robot reaches in other postures, on walls cut in both directions: contours "
-        "of one posture cannot tell which joint gave way"
-    )
+    words = Words("simulation", "points", "deviation", "deviation", "features", METHOD)
 
-    def read(self, folder: Path, progress: Progress) -> Sequence[MatchedInspection]:
+    def read(self, folder: Path, progress: Progress) -> Sequence[InspectedDoor]:
         """One inspection, or those in a folder, each matched with the run that milled its door.
 
         Raises:
@@ -88,44 +60,92 @@ class Inspections(SearchedKind[MatchedInspection, LoadingProblem, ElasticCause])
         found = []
         for inspection in inspections_in(folder):
             progress(f"matching {inspection.name} with the run that milled it")
-            found.append(
-                MatchedInspection(inspection, matched_contours(inspection, recorded_cut(inspection)))
-            )
+            found.append(inspected_door(inspection, recorded_cut(inspection)))
         return found
 
-    def problem(self, sets: Sequence[MatchedInspection]) -> LoadingProblem:
-        """The walls of all doors, as a loading test of the robot in the cell."""
+    def problem(self, sets: Sequence[InspectedDoor]) -> DoorProblem:
+        """The points of all doors."""
         layout = load_layout()
-        noise = float(np.sqrt(np.mean([one.inspection.noise**2 for one in sets])))
-        contours = [contour for one in sets for contour in one.contours]
-        doors = [
-            -1 if one.inspection.datum == CAMERA else number
-            for number, one in enumerate(sets)
-            for _ in one.contours
-        ]
-        return part_problem(contours, load_robot(layout.robot), layout.T_flange_tool, noise, doors)
+        return DoorProblem([one.door for one in sets], load_robot(layout.robot), layout.T_flange_tool)
 
-    def name(self, one: MatchedInspection) -> str:
+    def diagnose(self, sets: Sequence[InspectedDoor], progress: Progress) -> DoorDiagnosis:
+        """Look for doors at which something changed, then search, examine and weigh."""
+        problem = self.problem(sets)
+        problem.steps = possible_steps(problem)
+        if problem.steps:
+            names = ", ".join(problem.doors[step].name for step in problem.steps)
+            progress(f"something may have changed at {names}")
+        return diagnose_problem(problem, progress)
+
+    def name(self, one: InspectedDoor) -> str:
         """What the door is called."""
         return one.inspection.name
 
     def account(
         self,
-        diagnosis: LoadingDiagnosis,
-        sets: Sequence[MatchedInspection],
+        diagnosis: DoorDiagnosis,
+        sets: Sequence[InspectedDoor],
         checks: Sequence[Mapping[str, Any]],
         progress: Progress,
     ) -> Account:
-        """With the inspections, how many of their points were used, and a model for the path generator."""
-        source = ", ".join(map(self.name, sets))
+        """With what changed since which door, charts, and a model for the path generator."""
+        progress("asking since when")
+        changes = changes_of(diagnosis)
+        charts = charts_of(diagnosis, min((c.door for c in changes), default=None))
+        remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis)]
+        account = account_of(diagnosis, self.words, next_sentence(diagnosis), checks)
+        sections = _facts(sets) | {
+            "changes": changes_document(diagnosis, changes),
+            "charts": charts.document(),
+        }
+        names = [one.name for one in diagnosis.problem.doors]
+        source = names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"
         return replace(
-            account_of(diagnosis, self.words, self.next_measurement, checks),
-            sections=_facts(sets),
-            model=extended_model_document(diagnosis, source),
+            account,
+            sections=sections,
+            remarks=[*remarks, *account.remarks],
+            model=door_model_document(diagnosis, source),
+            closing=[PageSection("Door by door", charts.blocks())],
         )
 
 
-def _facts(sets: Sequence[MatchedInspection]) -> dict[str, Any]:
+def _scope(diagnosis: DoorDiagnosis) -> list[str]:
+    """What these doors cannot tell, and what of it the path generator cannot undo."""
+    found, places = [], places_of(diagnosis)
+    if places < PLACES:
+        found.append(
+            f"The features lie in {places} place{'s' if places > 1 else ''} of the cell; which joint gives way is told "
+            f"by {PLACES} or more."
+        )
+    _, others = usable(diagnosis)
+    if others:
+        found.append(f"No correction of the path undoes {' and '.join(others)}: put that right where it is.")
+    return found
+
+
+def inspected_door(inspection: Inspection, cut: RecordedCut) -> InspectedDoor:
+    """An inspection joined with the run that milled its door in the cell of the layout.
+
+    Raises:
+        TrialTableError: A point belongs to no feature of the recipe.
+        SetDescriptionError: No point was cut under one load.
+    """
+    layout = load_layout()
+    door = GaugedDoor(
+        name=inspection.name,
+        run_id=inspection.run_id,
+        recipe=cut.recipe.door_id,
+        time=inspection.measured_at.timestamp(),
+        points=matched_points(inspection, cut, load_robot(layout.robot), layout.T_flange_tool),
+        noise=inspection.noise,
+        placing=cut.placing if inspection.datum == CAMERA else None,
+        corner=cut.T_base_door[:3, 3],
+        eye=load_camera().T_base_camera(cut.recipe.width)[:3, 3],
+    )
+    return InspectedDoor(inspection, door)
+
+
+def _facts(sets: Sequence[InspectedDoor]) -> dict[str, Any]:
     inspections = [one.inspection for one in sets]
     return {
         "inspections": [
@@ -133,87 +153,7 @@ def _facts(sets: Sequence[MatchedInspection]) -> dict[str, Any]:
         ],
         "points": {
             "measured": sum(len(one) for one in inspections),
-            "on_floors": sum(int(np.sum(~one.wall)) for one in inspections),  # walls alone are questioned
-            "used": sum(len(contour.deviation) for one in sets for contour in one.contours),
+            "on_floors": sum(int(np.sum(~one.wall)) for one in inspections),
+            "used": sum(len(one.door.points) for one in sets),
         },
     }
-
-
-def recorded_cut(inspection: Inspection) -> RecordedCut:
-    """What the bag of an inspection says of its run.
-
-    Raises:
-        SetDescriptionError: The bag does not hold that run, its pose or its executed path.
-        BagError: The bag cannot be read.
-    """
-    runs = {run.run_id: run for run in read_runs(inspection.bag)}
-    run = runs.get(inspection.run_id)
-    if run is None or run.recipe is None:
-        raise inspection.refuse("run_id", f"is {inspection.run_id!r}, the bag holds {', '.join(runs)}")
-    poses = [message.pose.pose for _, message in run.localizations if message.accepted]
-    topics = [topic for topic in topics_of(inspection.bag) if topic.endswith(EXECUTED_PATH)]
-    executed = [
-        item.message
-        for item in (read_bag(inspection.bag, topics) if topics else ())
-        if item.message.run_id == run.run_id
-    ]
-    if not poses or not executed:
-        missing = "door pose" if not poses else f"path on {EXECUTED_PATH}"
-        raise inspection.refuse("bag", f"names a bag that holds no {missing} of run {run.run_id}")
-    path = executed[-1]
-    return RecordedCut(
-        recipe=recipe_of(run.recipe),
-        T_base_door=transform_of(poses[-1]),
-        tool=np.array([transform_of(pose) for pose in path.commanded]),
-        q=np.array(path.joint_positions, dtype=float).reshape(-1, 6),
-        wrench=np.array([wrench_of(wrench) for wrench in path.wrench]),
-        time=np.array(path.time, dtype=float),
-        cutting=np.array(path.cutting, dtype=bool),
-        feature=tuple(path.feature),
-    )
-
-
-def matched_contours(inspection: Inspection, cut: RecordedCut) -> list[InspectedContour]:
-    """The walls of an inspection with the robot's state where each point was cut, one contour a feature.
-
-    Raises:
-        TrialTableError: A point belongs to no feature of the recipe.
-        SetDescriptionError: No point lies on a wall that was cut under steady load.
-    """
-    names = {feature.id for feature in cut.recipe.features}
-    datum = inspection.datum.removeprefix(FEATURE)
-    if datum != inspection.datum and datum not in names:
-        raise inspection.refuse("datum", f"is against {datum!r}, the recipe has {', '.join(sorted(names))}")
-    for row, name in enumerate(inspection.feature):
-        if name not in names:
-            raise inspection.refuse_point(
-                row, "feature", f"is {name!r}, the recipe has {', '.join(sorted(names))}"
-            )
-    contours = []
-    for feature in cut.recipe.features:
-        rows = np.flatnonzero((np.array(inspection.feature) == feature.id) & inspection.wall)
-        cutting = cut.cutting & (np.array(cut.feature) == feature.id)
-        if not len(rows) or not np.any(cutting & np.any(cut.wrench != 0.0, axis=1)):
-            continue
-        # The flank of the deepest pass leaves the wall: its points are looked for at the depth of the tip there.
-        T_base_feature = cut.T_base_door @ cut.recipe.T_door_feature(feature)
-        depth = apply(inverse(T_base_feature), cut.tool[cutting, :3, 3])[:, 2].max()
-        flat = apply(inverse(T_base_feature), apply(cut.T_base_door, inspection.point[rows]))
-        flat[:, 2] = depth
-        contours.append(
-            match_contour(
-                apply(T_base_feature, flat),
-                inspection.normal[rows] @ cut.T_base_door[:3, :3].T,
-                inspection.deviation[rows],
-                tool_radius=feature.tool.radius,
-                tool=cut.tool[:, :3, 3],
-                q=cut.q,
-                wrench=cut.wrench,
-                time=cut.time,
-                cutting=cutting,
-            )
-        )
-    contours = [contour for contour in contours if len(contour.deviation)]
-    if not contours:
-        raise inspection.refuse("run_id", "names a run that cut none of the measured walls under steady load")
-    return contours

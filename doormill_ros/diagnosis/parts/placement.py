@@ -1,95 +1,94 @@
-"""Doors of which nobody knows where they stood when they were measured: position and angle are fitted away."""
+"""Where a door really stood: what its place can make of deviations counts no more than the place is known.
+
+A door measured against itself may have stood anywhere. One measured against its recorded pose stood where the localizer
+says, within the covariance that it states: part of that is common to all doors (the calibration), the rest differs
+from door to door. How large the rest is shows between neighbouring doors of one recipe.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Self
+from collections.abc import Sequence
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.diagnosis.core.problem import Prediction
-from doormill_ros.diagnosis.core.robust import trial_weights
-from doormill_ros.diagnosis.loading.problem import LoadingProblem
-from doormill_ros.measurements.trials import Trials
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 
-_ROUNDS = 10  #: of reweighting until gross errors steer no placement
 _SEEN = 1e-6  #: share of the best seen direction below which the walls see a displacement not at all
+_QUARTILE = 0.3186  #: lower quartile of the size of a normal number, in standard deviations
+_LEAST = (
+    0.01  #: share of the stated variance that is scatter at least: a few differences may be small by chance
+)
+_PAIRS = 4  #: neighbouring doors of one recipe from which on their differences tell the scatter
 
 
-def placement_columns(point: FloatArray, normal: FloatArray, door: IntArray) -> FloatArray:
-    """What displacing and turning each door does along the normals of its walls.
+def free_columns(point: FloatArray, normal: FloatArray) -> FloatArray:
+    """What displacing and turning a door does along the normals of its points, shape (n, 6), scaled to metres."""
+    arm = point - point.mean(axis=0)
+    size = max(float(np.linalg.norm(arm, axis=1).max()), 1e-9)
+    return np.hstack([normal, np.cross(arm, normal) / size])
+
+
+def seen_columns(point: FloatArray, normal: FloatArray, corner: FloatArray) -> FloatArray:
+    """What y, z and the turn about x of a localized door do along the normals, shape (n, 3).
 
     Args:
-        point: Points on walls, shape (n, 3) [m].
-        normal: Unit normals there, shape (n, 3).
-        door: Number of the door of each point, -1 for one that was measured where it had stood, shape (n,).
-
-    Returns:
-        Orthonormal columns, shape (n, k), at most six a door: directions that its walls cannot see are left out.
+        point: Shape (n, 3) [m].
+        normal: Shape (n, 3).
+        corner: Origin of the door, about which it turns, shape (3,) [m].
     """
-    found = [np.zeros((len(point), 0))]
-    for number in np.unique(door[door >= 0]):
-        rows = door == number
-        arm = point[rows] - point[rows].mean(axis=0)
-        size = max(float(np.linalg.norm(arm, axis=1).max()), 1e-9)
-        columns = np.zeros((len(point), 6))
-        columns[rows] = np.hstack([normal[rows], np.cross(arm, normal[rows]) / size])
-        basis, seen, _ = np.linalg.svd(columns, full_matrices=False)
-        found.append(basis[:, seen > _SEEN * seen[0]])
+    turned = np.cross(np.eye(3)[0], point - corner)
+    return np.column_stack([normal[:, 1], normal[:, 2], np.sum(turned * normal, axis=1)])
+
+
+class DoorPlaces:
+    """Takes from whitened rows what the places of the doors can make, as far as these are not known.
+
+    It is the root of the covariance of all rows: identity plus that of the places.
+    """
+
+    def __init__(self, columns: FloatArray, free: FloatArray) -> None:
+        """Work out directions and shares.
+
+        Args:
+            columns: Of places that are known: whitened effects of independent unit variance, shape (n, k).
+            free: Of places that are not, whitened, shape (n, m).
+        """
+        unknown, seen, _ = np.linalg.svd(free, full_matrices=False)
+        unknown = unknown[:, seen > _SEEN * max(float(seen.max(initial=0.0)), 1e-30)]
+        known = columns - unknown @ (unknown.T @ columns)
+        basis, size, _ = np.linalg.svd(known, full_matrices=False)
+        self._basis = np.hstack([unknown, basis])
+        self._share = np.concatenate([np.ones(unknown.shape[1]), 1.0 - 1.0 / np.sqrt(1.0 + size**2)])
+
+    def take(self, rows: FloatArray) -> FloatArray:
+        """Whitened rows, shape (n, p), less what places can make."""
+        return rows - self._basis @ (self._share[:, None] * (self._basis.T @ rows))
+
+
+def scatter_between(places: FloatArray, recipe: Sequence[str], stated: FloatArray) -> FloatArray:
+    """Variance of the places from door to door, at most what is stated, shape (3,).
+
+    Args:
+        places: Fitted place of each door, in order, shape (d, 3).
+        recipe: What each of them is.
+        stated: Variances that the localizer states, shape (3,).
+    """
+    recipes = np.array(recipe)
+    steps = [np.diff(places[recipes == name], axis=0) for name in dict.fromkeys(recipe)]
+    found = np.concatenate(steps)
+    if len(found) < _PAIRS:
+        return stated
+    # The lower quartile of their sizes: one step in a short shift shows in as many neighbours as there are recipes.
+    std = np.quantile(np.abs(found), 0.25, axis=0) / (_QUARTILE * np.sqrt(2.0))
+    result: FloatArray = np.clip(std**2, _LEAST * stated, stated)
+    return result
+
+
+def block_columns(rows: IntArray, blocks: Sequence[FloatArray], n: int) -> FloatArray:
+    """Columns of each door in a matrix of all n points, shape (n, sum of columns); `rows` is the door of each point."""
+    found = [np.zeros((n, 0))]
+    for number, block in enumerate(blocks):
+        column = np.zeros((n, block.shape[1]))
+        column[rows == number] = block
+        found.append(column)
     return np.hstack(found)
-
-
-class FreePartProblem(LoadingProblem):
-    """A loading test along walls whose doors may have been displaced and turned by any amount.
-
-    Residuals and derivatives are taken less their best fit by a placement of each door, so that nothing counts
-    that a placement could make.
-    """
-
-    def __init__(
-        self,
-        data: Trials,
-        finite: bool = False,
-        sight: FloatArray | None = None,
-        groups: IntArray | None = None,
-        allowed: Callable[[ElasticCause], bool] = lambda cause: True,
-        placement: FloatArray | None = None,
-    ) -> None:
-        """As `LoadingProblem`; `placement` are columns along the sight, shape (n, k), see `placement_columns`."""
-        super().__init__(data, finite, sight, groups, allowed)
-        self.placement = np.zeros((len(data), 0)) if placement is None else placement
-        columns = self.placement * np.linalg.norm(self.whiten[:, 0], axis=1, keepdims=True)
-        self._columns, self._fit = columns, np.linalg.pinv(columns)
-        before = super().predict((), np.zeros(0)).white[:, 0]
-        for _ in range(_ROUNDS):
-            left = before - columns @ (self._fit @ before)
-            root = np.sqrt(trial_weights(left**2, True, self.components))
-            self._fit = np.linalg.pinv(columns * root[:, None]) * root
-
-    def _free(self, rows: FloatArray) -> FloatArray:
-        """Whitened rows less their placement, shape (n, 3) or (n, 3, p); the first of three components is the sight."""
-        free = rows.copy()
-        free[:, 0] -= self._columns @ (self._fit @ rows[:, 0])
-        return free
-
-    def predict(
-        self, members: Sequence[ElasticCause], theta: FloatArray, derivative: bool = False
-    ) -> Prediction:
-        """Residuals, likelihood and derivatives of what no placement makes, as `Problem.predict`."""
-        found = super().predict(members, theta, derivative)
-        white = self._free(found.white)
-        cost = found.cost + np.sum(white**2, axis=1) - np.sum(found.white**2, axis=1)
-        jacobian = None if found.jacobian is None else self._free(found.jacobian)
-        return Prediction(self.measured_part(white), white, cost, jacobian, found.spread)
-
-    def slope(self, cause: ElasticCause, theta: FloatArray) -> FloatArray:
-        """Whitened derivative by one cause alone, less what a placement makes, shape (n, 3, p)."""
-        return self._free(super().slope(cause, theta))
-
-    def bent(self) -> Self | None:
-        """The same with finite joint angles, where these differ from first order by more than the noise."""
-        if not self.curved:
-            return None
-        return type(self)(self.data, True, self.sight, self.configuration, self.allowed, self.placement)

@@ -19,12 +19,14 @@ class Setup:
         joint_offset: Added to the commanded angles, shape (6,) [rad].
         wrench_angle: Added to the stated sensor rotation [rad].
         wrench_gain: Factor on the recorded wrench.
+        process_angle: Turn of the process wrench about the tool [rad].
         reflector_offset: Added to the position of a reflector, by name, shape (3,) [m].
     """
 
     joint_offset: FloatArray = field(default_factory=lambda: np.zeros(6))
     wrench_angle: float = 0.0
     wrench_gain: float = 1.0
+    process_angle: float = 0.0
     reflector_offset: dict[str, FloatArray] = field(default_factory=dict)
 
 

@@ -13,8 +13,10 @@ from doormill_ros.robot_model.elastic.causes.joint_hardening import JointHardeni
 from doormill_ros.robot_model.elastic.causes.joint_offset import JointOffset
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.link_bending import LinkBending
+from doormill_ros.robot_model.elastic.causes.process_force import ProcessForce, ProcessForceDirection
 from doormill_ros.robot_model.elastic.causes.reflector_position import ReflectorPosition
 from doormill_ros.robot_model.elastic.causes.thermal_drift import DisplacementDrift
+from doormill_ros.robot_model.elastic.causes.tool_bending import ToolBending
 from doormill_ros.robot_model.elastic.causes.tool_compliance import ToolCompliance
 from doormill_ros.robot_model.elastic.causes.tracker_frame_rotation import TrackerFrameRotation
 from doormill_ros.robot_model.elastic.causes.tracker_scale import TrackerScale
@@ -43,6 +45,13 @@ LIBRARY: tuple[tuple[type[ElasticCause], tuple[str, ...] | None, tuple[str, ...]
     (JointOffset, JOINTS, ("",)),
 )
 
+#: The same of what a process alone can show; no loading test does.
+CUTTING: tuple[tuple[type[ElasticCause], tuple[str, ...] | None, tuple[str, ...]], ...] = (
+    (ProcessForce, ("tool",), ("",)),
+    (ProcessForceDirection, ("tool",), ("",)),
+    (ToolBending, ("tool",), ("",)),
+)
+
 
 def candidates(reflectors: Iterable[str]) -> list[ElasticCause]:
     """Every cause at every place, for a test with these reflectors."""
@@ -61,7 +70,7 @@ def build_cause(name: str, where: str, variant: str = "") -> ElasticCause:
     Raises:
         KeyError: The library has no such cause.
     """
-    for kind, places, variants in LIBRARY:
+    for kind, places, variants in (*LIBRARY, *CUTTING):
         if kind.name == name and (places is None or where in places) and variant in variants:
             return kind(where, variant) if variant else kind(where)  # type: ignore[call-arg]
     raise KeyError(f"{name} at {where}")

@@ -1,0 +1,139 @@
+"""What began, changed or drifts over the doors of a shift, and since which of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.parts.course import ALWAYS, CHANGES, DRIFTS, InTime
+from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
+
+STEP, DRIFT = "step", "drift"
+_SURE = 0.95
+_HOPELESS = 20.0  #: score behind the best step from which on doors further away are not asked
+_FARTHEST = 12  #: doors from the step that are
+
+
+@dataclass(frozen=True)
+class Change:
+    """One cause whose size is not the same for all doors.
+
+    Attributes:
+        what, where: Cause and place.
+        kind: STEP or DRIFT.
+        door: Number of the first door with the new size; of a drift, the first of all.
+        between: First and last door with which it may have begun, 95 %.
+        before, after: Parameters before the step and after it; of a drift, at the first and at the last door.
+    """
+
+    what: str
+    where: str
+    kind: str
+    door: int
+    between: tuple[int, int]
+    before: Mapping[str, Any]
+    after: Mapping[str, Any]
+
+
+def changes_of(diagnosis: DoorDiagnosis) -> list[Change]:
+    """Every named cause that changed, in the order of the doors."""
+    found = []
+    for finding in diagnosis.findings:
+        cause, doors = finding.cause, diagnosis.problem.doors
+        course = cause.course
+        if course.kind == ALWAYS and cause.effect.lasting:
+            continue
+        effect, theta = cause.effect, diagnosis.extended.theta[diagnosis.extended.part(cause)]
+        parts = theta.reshape(course.sizes, -1)
+        nothing = np.zeros(effect.size)
+        first, last = nothing, parts[-1]
+        if course.kind == CHANGES:
+            first = parts[0]
+        if course.kind == DRIFTS:
+            first, last = parts[0], parts[0] + parts[1]
+        drifts = course.kind == DRIFTS or not effect.lasting
+        door = 0 if drifts else [one.time for one in doors].index(course.at)
+        found.append(
+            Change(
+                cause.name,
+                cause.where,
+                DRIFT if drifts else STEP,
+                door,
+                (0, 0) if drifts else _between(diagnosis, cause, door),
+                {} if first is nothing else _told(cause, diagnosis, first),
+                _told(cause, diagnosis, last),
+            )
+        )
+    return sorted(found, key=lambda change: change.door)
+
+
+def _told(cause: InTime, diagnosis: DoorDiagnosis, theta: Any) -> dict[str, Any]:
+    values = cause.effect.values(theta, diagnosis.problem.case)
+    told, at = {}, 0
+    for parameter in cause.effect.parameters:
+        part = [float(value) for value in values[at : at + parameter.size]]
+        told[parameter.name] = part[0] if parameter.size == 1 else part
+        at += parameter.size
+    return told
+
+
+def _between(diagnosis: DoorDiagnosis, cause: InTime, door: int) -> tuple[int, int]:
+    """First and last door of the smallest range that holds the step with 95 %, all doors alike before the data."""
+    problem, extended = diagnosis.problem, diagnosis.extended
+    score = {door: extended.score}
+    for way in (-1, 1):
+        for number in range(door + way, door + way * (_FARTHEST + 1), way):
+            if not 0 < number < len(problem.doors):
+                break
+            moved = InTime(cause.effect, replace(cause.course, at=problem.doors[number].time))
+            members = [moved if member is cause else member for member in extended.members]
+            score[number] = fit(problem, members, [extended.theta]).score
+            if score[number] > extended.score + _HOPELESS:
+                break
+    numbers = sorted(score)
+    chance = np.exp(-0.5 * (np.array([score[n] for n in numbers]) - min(score.values())))
+    chance /= chance.sum()
+    low = high = int(chance.argmax())
+    while chance[low : high + 1].sum() < _SURE:
+        left = chance[low - 1] if low > 0 else -1.0
+        right = chance[high + 1] if high + 1 < len(numbers) else -1.0
+        low, high = (low - 1, high) if left > right else (low, high + 1)
+    return numbers[low], numbers[high]
+
+
+def changes_document(diagnosis: DoorDiagnosis, changes: Sequence[Change]) -> list[dict[str, Any]]:
+    """As diagnosis.json has them."""
+    doors = diagnosis.problem.doors
+    return [
+        {
+            "what": change.what,
+            "where": change.where,
+            "kind": change.kind,
+            "from_run": doors[change.door].run_id,
+            "from_door": doors[change.door].name,
+            "from_run_ci95": [doors[end].run_id for end in change.between],
+            "from_door_ci95": [doors[end].name for end in change.between],
+            "before": dict(change.before),
+            "after": dict(change.after),
+        }
+        for change in changes
+    ]
+
+
+def change_sentences(diagnosis: DoorDiagnosis, changes: Sequence[Change]) -> list[str]:
+    """One a change."""
+    doors, found = diagnosis.problem.doors, []
+    for change in changes:
+        words = f"{change.what.replace('_', ' ')} at {change.where}"
+        if change.kind == DRIFT:
+            found.append(f"{words} drifts from {doors[0].name} to {doors[-1].name}.")
+            continue
+        low, high = (doors[end].name for end in change.between)
+        sure = f"95 %: {low}" if low == high else f"95 %: {low} to {high}"
+        verb = "changed" if change.before else "began"
+        found.append(f"{words} {verb} with {doors[change.door].name} ({sure}).")
+    return found

@@ -1,0 +1,38 @@
+"""What every effect in milled doors has to say about itself."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.robot_model.candidate import Candidate
+
+_FAR = 1e6
+
+
+class Effect(Candidate[CutCase]):
+    """One way in which milled doors can differ from what was assumed, of a size theta that a `SizeCourse` lets change.
+
+    It moves points along their normals in proportion to theta, or it changes the process wrench.
+
+    Attributes:
+        of_force: Whether theta is what is added to the factor on the wrench (first) and to its angle [rad] (second).
+        lasting: Whether its size may also change from door to door; else its course is its own.
+    """
+
+    of_force = False
+    lasting = True
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """Points along their normals for theta = 1, shape (n, p) [m]."""
+        raise NotImplementedError
+
+    def wrench(self, case: CutCase, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Factor on the wrench and its turn about the tool [rad], shape (n,) each, for thetas of shape (n, p)."""
+        raise NotImplementedError
+
+    def limit(self, scale: FloatArray | list[float], lower: float = -_FAR, upper: float = _FAR) -> None:
+        """Set typical size and bounds of theta, shape (p,)."""
+        self.scale = np.array(scale, dtype=float)
+        self.lower, self.upper = np.full(len(self.scale), lower), np.full(len(self.scale), upper)

@@ -1,0 +1,66 @@
+"""Causes of the elastic library as they act on milled doors."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, LinearTwist
+from doormill_ros.robot_model.elastic.causes.joint_backlash import DisplacementBacklash
+
+
+class ElasticEffect(Effect):
+    """A cause whose twist is in proportion to theta."""
+
+    def __init__(self, cause: LinearTwist) -> None:
+        """Take over name, place, numbers and bounds."""
+        super().__init__(cause.where)
+        self.name, self.variant, self.named = cause.name, cause.variant, cause.named
+        self.parameters, self.generalises = cause.parameters, cause.generalises
+        self.scale, self.lower, self.upper = cause.scale, cause.lower, cause.upper
+        self.cause: ElasticCause = cause
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return self.cause.pattern()
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """Along the normals."""
+        return case.along(self.cause.derivative(case.load, np.ones(self.size))[:, :3])
+
+    def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
+        """As the cause reports them."""
+        return self.cause.values(theta, case.load)
+
+
+class Gap(Effect):
+    """Backlash of one joint that is open from a torque on; theta is the gap over 1e-4 rad.
+
+    Only a few crossing torques are tried: more a door does not tell.
+    """
+
+    name = "joint_backlash"
+    parameters = DisplacementBacklash.parameters
+
+    def __init__(self, where: str, crossing: float) -> None:
+        """Joint, and the torque from which its gap is open [N m]."""
+        super().__init__(where)
+        self.cause, self.crossing, self.variant = DisplacementBacklash(where), crossing, f"{crossing:g} N m"
+        self.limit([3.0], 0.0, 200.0)
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return self.cause.pattern()
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """Of a gap of 1e-4 rad; where the last motion is not known half of it, which is expected."""
+        theta = self.cause.from_values(np.array([1e-4, self.crossing]), case.load)
+        opened = self.cause.twist(case.load, theta)
+        share = self.cause.hidden_state(case.load)
+        return case.along(opened[:, :3] * (1.0 if share is None else share[:, None]))[:, None]
+
+    def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
+        """Gap and crossing torque."""
+        return np.array([1e-4 * theta[0], self.crossing])

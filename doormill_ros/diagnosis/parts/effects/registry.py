@@ -1,0 +1,62 @@
+"""What is looked for in inspected doors: one line an effect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
+from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.diagnosis.parts.effects.elastic import ElasticEffect, Gap
+from doormill_ros.diagnosis.parts.effects.force import TOOL, ForceScale, ForceTurn
+from doormill_ros.diagnosis.parts.effects.shift import Place, Warming, shifts
+from doormill_ros.robot_model.elastic.causes.base_compliance import BaseCompliance
+from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
+from doormill_ros.robot_model.elastic.causes.registry import JOINTS
+from doormill_ros.robot_model.elastic.causes.tool_bending import ToolBending
+from doormill_ros.robot_model.elastic.causes.tool_compliance import ToolCompliance
+
+CROSSINGS = (0.0, 5.0, 20.0)  #: torques from which a gap is tried as open [N m]
+REST = (0.5, 1.0, 2.0, 4.0)  #: time constants of warming that are tried [h]
+#: Shapes without a name that doors can show: of a load, not of its time, and not of a tracker. A turn with the last
+#: motion whatever the load is not among them: where the load always comes from one side and a door may have stood
+#: anywhere, it is the same as a gap.
+_SHAPES = (
+    "joint_ripple",
+    "joint_one_sided_spring",
+    "joint_square_law",
+    "joint_cubic_law",
+    "joint_dead_zone",
+    "link_torsion",
+    "bearing_shift",
+    "base_shift",
+    "base_turn",
+)
+
+
+def effects(kinds: Sequence[str], q: FloatArray, warming: bool) -> list[Effect]:
+    """Everything that may be wrong, and the shapes that may not be named.
+
+    Args:
+        kinds: Of the features that were measured.
+        q: Joint angles where the points were cut, shape (n, 6) [rad].
+        warming: Whether the doors are from times far enough apart.
+    """
+    places = (TOOL, *kinds) if len(kinds) > 1 else (TOOL,)
+    none = np.zeros(len(q))
+    shapes = unnamed_patterns(q, none, np.full(len(q), np.nan), none)
+    return [
+        *shifts(),
+        *(Warming(hours) for hours in (REST if warming else ())),
+        *(ForceScale(where) for where in places),
+        *(ForceTurn(where) for where in places),
+        *(ElasticEffect(JointStiffness(where)) for where in JOINTS),
+        *(Gap(where, crossing) for where in JOINTS for crossing in CROSSINGS),
+        ElasticEffect(ToolBending(TOOL)),
+        ElasticEffect(ToolCompliance("flange")),
+        ElasticEffect(BaseCompliance("base")),
+        Place(),
+        *(ElasticEffect(shape) for shape in shapes if shape.name in _SHAPES),
+    ]

@@ -1,0 +1,230 @@
+"""Effects that move points without any load: tool, camera, clamp, heat; and the weight of what nobody balances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.diagnosis.parts.effects.force import TOOL
+from doormill_ros.robot_model.candidate import CauseParameter
+from doormill_ros.units import GRAVITY, UM
+
+_SECONDS_PER_HOUR = 3600.0
+_SLOPE = 1e-4  #: of a shift that changes over the cell, at theta 1
+
+
+class Shift(Effect):
+    """Columns that geometry and load alone decide."""
+
+    def __init__(
+        self,
+        name: str,
+        where: str,
+        parameters: tuple[CauseParameter, ...],
+        columns: Callable[[CutCase], FloatArray],
+        sentence: str,
+        scale: list[float],
+        lower: float = -1e6,
+        report: Callable[[FloatArray], FloatArray] = np.array,
+        of_robot: bool = False,
+    ) -> None:
+        """Keep what it does.
+
+        Args:
+            name: Of the effect.
+            where: Its place.
+            parameters: As they are reported.
+            columns: Along the normals for theta = 1, shape (n, p) [m].
+            sentence: What it leaves.
+            scale: Typical theta.
+            lower: Least theta.
+            report: Parameters of theta.
+            of_robot: Whether the robot is to blame.
+        """
+        super().__init__(where)
+        self.name, self.parameters, self.of_robot = name, parameters, of_robot
+        self._columns, self._sentence, self._report = columns, sentence, report
+        self.limit(scale, lower)
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return self._sentence
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """Computed once for each case."""
+        if self.identity not in case.cache:
+            case.cache[self.identity] = self._columns(case)
+        return case.cache[self.identity]
+
+    def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
+        """Parameters in a row."""
+        return np.asarray(self._report(theta), dtype=float)
+
+
+def _translations(case: CutCase) -> FloatArray:
+    """The door moved along base y and z after it was looked at: the tool is as much on the other side of it."""
+    return -UM * case.normal[:, 1:]
+
+
+def _camera(case: CutCase) -> FloatArray:
+    arm = case.load.point - case.eye
+    turned = -UM * case.along(np.cross(np.eye(3)[0], arm))
+    return np.column_stack([_translations(case), turned])
+
+
+def _weight(case: CutCase, centre: FloatArray, first: int) -> FloatArray:
+    """What a kilogram at points of the arm, shape (n, 3) [m], moves the tool by the springs of the joints before."""
+    load = case.load
+    force = np.array([0.0, 0.0, -GRAVITY])
+    moved = np.zeros((len(case), 3))
+    for k in range(first):
+        torque = np.sum(load.axis(k) * np.cross(centre - load.origin[:, k], force), axis=1)
+        moved += (torque / load.joint_stiffness[k])[:, None] * load.joint_twist(k)[:, :3]
+    return case.along(moved)[:, None]
+
+
+def _of_link(case: CutCase, link: int) -> FloatArray:
+    """A kilogram half way between the joints of a link, 1 to 6."""
+    origin = case.load.origin
+    return _weight(case, 0.5 * (origin[:, link - 1] + origin[:, link]), link)
+
+
+def _of_tool(case: CutCase) -> FloatArray:
+    """A kilogram at the flange's origin, and what a kilogram metre along the spindle adds; shape (n, 2)."""
+    flange, axis = case.load.origin[:, 6], case.load.axes[:, 6, :, 2]
+    at_flange = _weight(case, flange, 6)
+    return np.hstack([at_flange, _weight(case, flange + axis, 6) - at_flange])
+
+
+def _mass_and_centre(theta: FloatArray) -> FloatArray:
+    return np.array([theta[0], theta[1] / max(abs(theta[0]), 1e-9)])
+
+
+def _from_base(case: CutCase) -> FloatArray:
+    """Points pushed away from the robot's base."""
+    away = case.load.point
+    result: FloatArray = UM * case.along(away / np.linalg.norm(away, axis=1, keepdims=True))
+    return result
+
+
+def _place(case: CutCase) -> FloatArray:
+    """A displacement that changes linearly with the place in the cell: what no one cause leaves."""
+    place = case.load.point - case.load.point.mean(axis=0)
+    slopes: FloatArray = _SLOPE * np.einsum("ni,nj->nij", case.normal, place).reshape(len(case), 9)
+    return slopes
+
+
+class Place(Shift):
+    """A displacement that is another one at every place of the cell; no cause, but many together leave it."""
+
+    named = False
+
+    def __init__(self) -> None:
+        """Nine slopes."""
+        super().__init__(
+            "place_dependent_shift", "cell", (), _place, "a shift that changes over the cell", [1.0] * 9
+        )
+
+
+class Warming(Effect):
+    """Growth away from the base that comes to rest with a time constant; theta is its end [um]."""
+
+    name = "thermal_growth"
+    of_robot = False
+    lasting = False
+    parameters = (CauseParameter("growth", "m", 0.0, 1e-2), CauseParameter("hours", "1", 0.0, 100.0))
+
+    def __init__(self, hours: float) -> None:
+        """Time constant [h]."""
+        super().__init__("cell")
+        self.hours, self.variant = hours, f"{hours:g} h"
+        self.limit([50.0], 0.0)
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return "the tool comes further forward from door to door, ever more slowly"
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """Since the first door."""
+        hours = (case.time - case.time.min()) / _SECONDS_PER_HOUR
+        moved: FloatArray = _from_base(case) * (1.0 - np.exp(-hours / self.hours))
+        return moved[:, None]
+
+    def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
+        """Growth in the end, and the hours."""
+        return np.array([UM * theta[0], self.hours])
+
+
+def shifts() -> list[Effect]:
+    """Effects of tool, camera, clamp and weight."""
+    metres, radians = ("m", -0.1, 0.1), ("rad", -0.1, 0.1)
+
+    def scaled(theta: FloatArray) -> FloatArray:
+        return UM * theta
+
+    found: list[Effect] = [
+        Shift(
+            "camera_shift",
+            "camera",
+            (CauseParameter("translation", *metres, 2), CauseParameter("rotation", *radians)),
+            _camera,
+            "all doors are milled displaced and turned in the picture's plane by the same amount",
+            [50.0, 50.0, 50.0],
+            report=scaled,
+        ),
+        Shift(
+            "clamp_shift",
+            "clamp",
+            (CauseParameter("translation", *metres, 3),),
+            lambda case: -UM * case.normal,
+            "all doors are milled displaced by the same amount",
+            [50.0] * 3,
+            report=scaled,
+        ),
+        Shift(
+            "tool_radius",
+            TOOL,
+            (CauseParameter("offset", *metres),),
+            lambda case: UM * case.wall[:, None].astype(float),
+            "all walls are displaced into the wood or out of it by the same amount",
+            [20.0],
+            report=scaled,
+        ),
+        Shift(
+            "tool_length",
+            TOOL,
+            (CauseParameter("offset", *metres),),
+            lambda case: UM * (~case.wall[:, None]).astype(float),
+            "all floors are too deep or too high by the same amount",
+            [20.0],
+            report=scaled,
+        ),
+        Shift(
+            "gravity_sag",
+            TOOL,
+            (CauseParameter("mass", "kg", 0.0, 1e3), CauseParameter("centre", "m", -2.0, 2.0)),
+            _of_tool,
+            "the tool hangs lower than sent, most where the arm reaches far, whether it cuts or not",
+            [5.0, 1.0],
+            report=_mass_and_centre,
+            of_robot=True,
+        ),
+    ]
+    for link in range(2, 7):
+        found.append(
+            Shift(
+                "gravity_sag",
+                f"link {link}",
+                (CauseParameter("mass", "kg", 0.0, 1e4),),
+                lambda case, link=link: _of_link(case, link),  # type: ignore[misc]
+                "the tool hangs lower than sent, most where the arm reaches far, whether it cuts or not",
+                [20.0],
+                0.0,
+                of_robot=True,
+            )
+        )
+    return found

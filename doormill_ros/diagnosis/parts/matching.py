@@ -1,0 +1,282 @@
+"""Finds for every measured point the moment at which the tool cut it.
+
+A mill leaves the envelope of its positions: at a point of a wall the surface lies where the farthest of them reached
+along the normal. What moves that position moves the point by as much along the normal, to first order, so posture,
+last motions and load of that moment are those that the point tells of.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.diagnosis.parts.cut_points import CutPoints
+from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut
+from doormill_ros.frames import apply, inverse
+from doormill_ros.measurements.inspection import CAMERA, FEATURE, Inspection
+from doormill_ros.recipes.features.base import Feature
+from doormill_ros.robot.description import Robot
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
+
+#: Samples of the executed path are divided by this: between two of them, half a millimetre apart, a cutter of 19 mm
+#: reaches 3 um less far than along the way.
+FINER = 4
+#: Positions that reach within this of the farthest one may be the farthest once something is wrong [m].
+RIVALS = 2.5e-4
+#: A joint counts for a point where this turn of it [rad] moves the point by more than that [m].
+TURN, MOVED = 1e-4, 4e-6
+#: By which rivals may differ in what their assumed load moves the point [m].
+LOADS = 2e-5
+#: Positions farther from where the mill belongs reach a wall least: one off by as much as no door may be [m].
+AROUND = 4e-3
+#: Features milled farther beside their place than this are matched again where they are: to first order the envelope
+#: moves as the tool does, but 0.4 mm along an arc of 5 mm are 15 um across it [m].
+DISPLACED = 5e-5
+_ENOUGH = 20  #: points that tell of a feature's place
+_FLAT = 0.2  #: share of the best seen direction from which on another is seen
+_ABOVE = 1e-4  #: by which the tip may end above a point whose wall it cut [m]
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """The way of the tool through one feature, finely; feature axes where `flat`.
+
+    Attributes:
+        flat: Tip, shape (m, 3) [m].
+        axis: Of the spindle, out of the wood to into it, shape (m, 3).
+        moved: How far the springs move the tip under the assumed load, shape (m, 3) [m].
+        q, direction, wrench: As in `CutPoints`, shape (m, 6).
+    """
+
+    flat: FloatArray
+    axis: FloatArray
+    moved: FloatArray
+    q: FloatArray
+    direction: FloatArray
+    wrench: FloatArray
+
+
+def last_motions(q: FloatArray) -> FloatArray:
+    """Direction in which each joint last moved, -1, 0 before it ever did, 1; shape (m, 6) for angles (m, 6)."""
+    step = np.diff(q, axis=0)
+    sign = np.where(np.abs(step) > 1e-9, np.sign(step), 0.0)
+    direction = np.zeros_like(q)
+    for i in range(1, len(q)):
+        direction[i] = np.where(sign[i - 1] == 0.0, direction[i - 1], sign[i - 1])
+    return direction
+
+
+def matched_points(
+    inspection: Inspection, cut: RecordedCut, robot: Robot, T_flange_tool: FloatArray
+) -> CutPoints:
+    """The points of an inspection with the robot's state where each was cut.
+
+    Points are left out where another last motion or load reached nearly as far: such a point belongs to neither.
+
+    Args:
+        inspection: The points.
+        cut: The run that milled the door.
+        robot: That milled it.
+        T_flange_tool: Its tool, shape (4, 4).
+
+    Raises:
+        TrialTableError: A point belongs to no feature of the recipe.
+        SetDescriptionError: No point was cut under one load.
+    """
+    names = {feature.id for feature in cut.recipe.features}
+    datum = inspection.datum.removeprefix(FEATURE)
+    if datum != inspection.datum and datum not in names:
+        raise inspection.refuse("datum", f"is against {datum!r}, the recipe has {', '.join(sorted(names))}")
+    for row, name in enumerate(inspection.feature):
+        if name not in names:
+            raise inspection.refuse_point(
+                row, "feature", f"is {name!r}, the recipe has {', '.join(sorted(names))}"
+            )
+    direction, found = last_motions(cut.q), []
+    for feature in cut.recipe.features:
+        of_feature = np.array(inspection.feature) == feature.id
+        cutting = cut.cutting & (np.array(cut.feature) == feature.id)
+        if not of_feature.any() or not np.any(cutting & np.any(cut.wrench != 0.0, axis=1)):
+            continue
+        T_base_feature = cut.T_base_door @ cut.recipe.T_door_feature(feature)
+        way = _way(cut, direction, cutting, T_base_feature, robot, T_flange_tool)
+        for wall in (True, False):
+            rows = np.flatnonzero(of_feature & (inspection.wall == wall))
+            if len(rows):
+                at = _Place(inspection, rows, feature, T_base_feature, cut.T_base_door, robot, T_flange_tool)
+                points = at.matched(way, np.zeros(2))
+                if wall and datum == CAMERA:
+                    # Against another datum nobody knows whether the tool was beside its place or the gauge.
+                    off = _displaced(points, T_base_feature, robot, T_flange_tool)
+                    points = at.matched(way, off) if np.linalg.norm(off) > DISPLACED else points
+                found.append(points)
+    found = [part for part in found if len(part)]
+    if not found:
+        raise inspection.refuse("run_id", "names a run that cut none of the measured points under one load")
+    return CutPoints.joined(found)
+
+
+def _way(
+    cut: RecordedCut,
+    direction: FloatArray,
+    cutting: BoolArray,
+    T_base_feature: FloatArray,
+    robot: Robot,
+    T_flange_tool: FloatArray,
+) -> _Way:
+    rows = np.flatnonzero(cutting)
+    case = build_load_case(
+        Kinematics(robot),
+        cut.q[rows],
+        cut.wrench[rows],
+        T_flange_tool[:3, 3],
+        joint_stiffness=np.array(robot.stiffness),
+    )
+    first = np.flatnonzero(np.diff(rows) == 1)  # pieces of way between neighbours, not from pass to pass
+    share = np.arange(FINER) / FINER
+    R_feature_base = T_base_feature[:3, :3].T
+
+    def finely(values: FloatArray) -> FloatArray:
+        between = values[first, None] * (1.0 - share[:, None]) + values[first + 1, None] * share[:, None]
+        return np.concatenate([between.reshape(-1, values.shape[1]), values[-1:]])
+
+    return _Way(
+        flat=finely(apply(inverse(T_base_feature), cut.tool[rows, :3, 3])),
+        axis=finely(cut.tool[rows, :3, 2] @ R_feature_base.T),
+        moved=finely(case.springs()[:, :3] @ R_feature_base.T),
+        q=finely(cut.q[rows]),
+        direction=np.concatenate(
+            [np.repeat(direction[rows[first + 1]], FINER, axis=0), direction[rows[-1:]]]
+        ),
+        wrench=finely(cut.wrench[rows]),
+    )
+
+
+def _displaced(
+    points: CutPoints, T_base_feature: FloatArray, robot: Robot, T_flange_tool: FloatArray
+) -> FloatArray:
+    """By how much a whole feature was milled beside its place, in its plane, shape (2,) [m]."""
+    if len(points) < _ENOUGH:
+        return np.zeros(2)
+    flat = (points.normal @ T_base_feature[:3, :3])[:, :2]
+    springs = cut_case(points, robot, T_flange_tool).springs()[:, :3]
+    left = points.deviation - points.sent - np.sum(springs * points.normal, axis=1)
+    result: FloatArray = np.linalg.lstsq(flat, left, rcond=_FLAT)[0]
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Points `rows` of one surface of one feature, and what it takes to match them."""
+
+    inspection: Inspection
+    rows: IntArray
+    feature: Feature
+    T_base_feature: FloatArray
+    T_base_door: FloatArray
+    robot: Robot
+    T_flange_tool: FloatArray
+
+    def matched(self, way: _Way, off: FloatArray) -> CutPoints:
+        """The points, those left out that tell of no single moment.
+
+        Args:
+            way: Of the tool through the feature.
+            off: How far beside it the tool went, to find the moments, shape (2,) [m].
+        """
+        inspection, rows, feature = self.inspection, self.rows, self.feature
+        T_base_feature, T_base_door = self.T_base_feature, self.T_base_door
+        wall = bool(inspection.wall[rows[0]])
+        R_base_feature = T_base_feature[:3, :3]
+        point = apply(T_base_door, inspection.point[rows])
+        normal = inspection.normal[rows] @ T_base_door[:3, :3].T
+        flat = apply(inverse(T_base_feature), point)
+        outward = normal @ R_base_feature
+        tree = cKDTree(way.flat[:, :2] + off)
+        radius = feature.tool.radius
+        centre = flat[:, :2] - radius * outward[:, :2] * wall
+        at = np.zeros(len(rows), dtype=int)
+        sent, spread = np.full(len(rows), -np.inf), np.zeros(len(rows))
+        turned = np.zeros((len(rows), 6), dtype=bool)
+        for i, near in enumerate(tree.query_ball_point(centre, AROUND if wall else radius)):
+            rivals = np.array(near, dtype=int)
+            reach = (
+                _reach(flat[i] - [*off, 0.0], outward[i], way, rivals, radius, wall) - outward[i, :2] @ off
+            )
+            pushed = way.moved[rivals] @ outward[i]
+            if not np.isfinite(reach).any():
+                continue
+            best = int((reach + pushed).argmax())
+            at[i], sent[i] = rivals[best], reach[best]
+            close = reach + pushed > reach[best] + pushed[best] - RIVALS
+            spread[i] = np.ptp(pushed[close])
+            turned[i] = np.any(way.direction[rivals[close]] != way.direction[at[i]], axis=0)
+        points = CutPoints(
+            point=point,
+            normal=normal,
+            deviation=inspection.deviation[rows],
+            sent=sent,
+            behind=np.where(wall, (way.flat[at, 2] - flat[:, 2]) / np.maximum(way.axis[at, 2], 0.1), 0.0),
+            wall=np.full(len(rows), wall),
+            q=way.q[at],
+            direction=way.direction[at],
+            wrench=way.wrench[at],
+            feature=np.full(len(rows), feature.id),
+            kind=np.full(len(rows), feature.kind),
+        )
+        felt = cut_case(points, self.robot, self.T_flange_tool)
+        single = np.isfinite(sent) & (spread < LOADS)
+        for k in range(6):
+            counts = np.abs(np.sum(felt.joint_twist(k)[:, :3] * normal, axis=1)) * TURN > MOVED
+            single &= ~(counts & turned[:, k])
+        return points[single]
+
+
+def _reach(
+    flat: FloatArray, outward: FloatArray, way: _Way, at: IntArray, radius: float, wall: bool
+) -> FloatArray:
+    """How far along its normal a point would be cut by positions of the tool, shape (m,) [m]; -inf for not.
+
+    Args:
+        flat: The point, feature axes, shape (3,) [m].
+        outward: Its normal, shape (3,).
+        way: Positions of the tool.
+        at: Which of them, shape (m,).
+        radius: Of the mill [m].
+        wall: Whether the point lies on a wall.
+    """
+    up = flat[2] - way.flat[at, 2]
+    if not wall:
+        high: FloatArray = -up
+        return high
+    axis = way.axis[at]
+    away = way.flat[at, :2] + (up / axis[:, 2])[:, None] * axis[:, :2] - flat[:2]
+    along = away @ outward[:2]
+    across = away[:, 0] * outward[1] - away[:, 1] * outward[0]
+    inside = (np.abs(across) < radius) & (up < _ABOVE)
+    return np.where(inside, along + np.sqrt(np.maximum(radius**2 - across**2, 0.0)), -np.inf)
+
+
+def cut_case(points: CutPoints, robot: Robot, T_flange_tool: FloatArray) -> LoadCase:
+    """Loads and geometry of the robot where each point was cut; its points are those of the mill that cut them.
+
+    Args:
+        points: n of them.
+        robot: That milled.
+        T_flange_tool: Its tool, shape (4, 4).
+    """
+    tip = T_flange_tool[:3, 3] - points.behind[:, None] * T_flange_tool[:3, 2]
+    return build_load_case(
+        Kinematics(robot),
+        points.q,
+        points.wrench,
+        T_flange_tool[:3, 3],
+        points=tip,
+        links=np.full(len(points), 6),
+        direction=points.direction,
+        joint_stiffness=np.array(robot.stiffness),
+    )

@@ -1,0 +1,289 @@
+"""Inspected doors made ready for fitting: what any set of effects makes of every measured point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.diagnosis.core.diagnosis import Diagnosis
+from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds, split
+from doormill_ros.diagnosis.core.wording import METRES
+from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.course import ALWAYS, BEGINS, CHANGES, DRIFTS, InTime, SizeCourse
+from doormill_ros.diagnosis.parts.cut_points import CutPoints
+from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.diagnosis.parts.effects.registry import effects
+from doormill_ros.diagnosis.parts.matching import cut_case
+from doormill_ros.diagnosis.parts.placement import (
+    DoorPlaces,
+    block_columns,
+    free_columns,
+    scatter_between,
+    seen_columns,
+)
+from doormill_ros.robot.description import Robot
+
+STRETCH = 0.02  #: points of one stretch of wall of this length are left out together [m]
+FEW = 3  #: doors from which on whole features are left out together instead
+MANY = 120  #: such groups; from there on whole doors
+ROWS = 3000  #: points that are fitted; of more, every second, third, ... counts
+DOORS_OVER_TIME = 5  #: from which on something may change
+#: Standard deviations to which the surfaces of a mill are known, each common to all doors: its end face, which tilts
+#: with the robot so that its lower edge cuts, and its flank [m].
+FACE, FLANK = 5e-6, 2e-6
+_STEP = 1e-4  #: of theta, to derive what a force does
+
+
+@dataclass(frozen=True, eq=False)
+class GaugedDoor:
+    """One inspected door.
+
+    Attributes:
+        name: Of the inspection.
+        run_id: Of the run that milled it.
+        recipe: What it is.
+        time: When it was measured [s since the epoch].
+        points: Measured, and matched with the run.
+        noise: Standard deviation of a deviation [m].
+        placing: Covariance of y, z and rotation of its pose, shape (3, 3); None where it is not known where it stood.
+        corner: Origin of the door, base frame, shape (3,) [m].
+        eye: Where the camera stood, base frame, shape (3,) [m].
+    """
+
+    name: str
+    run_id: str
+    recipe: str
+    time: float
+    points: CutPoints
+    noise: float
+    placing: FloatArray | None
+    corner: FloatArray
+    eye: FloatArray
+
+
+class DoorProblem(Examined[InTime]):
+    """Deviations of all doors along their normals.
+
+    Attributes:
+        robot: That milled.
+        tool: Its tool, shape (4, 4).
+        doors: In the order in which they were measured.
+        door: Number of the door of each point, shape (n,).
+        points: All of them.
+        steps: Doors from which on something may have changed.
+    """
+
+    unit = METRES
+    components = 1
+
+    def __init__(self, doors: Sequence[GaugedDoor], robot: Robot, T_flange_tool: FloatArray) -> None:
+        """Work out loads and geometry, and what the places of the doors can make.
+
+        Args:
+            doors: Any number.
+            robot: That milled them.
+            T_flange_tool: Its tool, shape (4, 4).
+        """
+        self.robot, self.tool = robot, np.array(T_flange_tool)
+        self.doors = sorted(doors, key=lambda door: (door.time, door.name))
+        every = max(1, -(-sum(len(door.points) for door in doors) // ROWS))
+        parts = [door.points[slice(number % every, None, every)] for number, door in enumerate(self.doors)]
+        self.points = CutPoints.joined(parts)
+        self.door = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
+        self._case = CutCase(
+            load=cut_case(self.points, robot, T_flange_tool),
+            normal=self.points.normal,
+            wall=self.points.wall,
+            kind=self.points.kind,
+            time=self._of_door([door.time for door in self.doors]),
+            eye=self._of_door([door.eye for door in self.doors]),
+            tip=T_flange_tool[:3, 3],
+        )
+        self.noise = self._of_door([door.noise for door in self.doors])
+        self.noise_floor = float(np.sqrt(np.mean(self.noise**2)))
+        self.measured = self.points.deviation - self.points.sent
+        self.configuration = self._groups()
+        self.folds = make_folds(self.configuration)
+        self.placement = self._placement()
+        self.steps: tuple[int, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @property
+    def case(self) -> CutCase:
+        """What the effects look at."""
+        return self._case
+
+    def _of_door(self, values: Sequence[float | FloatArray]) -> FloatArray:
+        return np.array(values, dtype=float)[self.door]
+
+    def _groups(self) -> IntArray:
+        """What is left out together, shape (n,): neighbours know too much of each other."""
+        if len(self.doors) < FEW:
+            return self._stretches()
+        labels = np.char.add(np.char.add(self.door.astype(str), " "), self.points.feature)
+        groups = np.unique(labels, return_inverse=True)[1].ravel()
+        return groups if groups.max() < MANY else self.door
+
+    def _stretches(self) -> IntArray:
+        step = np.linalg.norm(np.diff(self.points.point, axis=0), axis=1)
+        other = (self.points.feature[1:] != self.points.feature[:-1]) | (np.diff(self.door) != 0)
+        other |= self.points.wall[1:] != self.points.wall[:-1]
+        way = np.concatenate([[0.0], np.cumsum(np.where(other, 10.0 * STRETCH, step))])
+        return np.unique((way / STRETCH).astype(int), return_inverse=True)[1].ravel()
+
+    def _placement(self) -> DoorPlaces:
+        n, free = len(self), [np.zeros((0, 0))] * len(self.doors)
+        known = [np.zeros((0, 0))] * len(self.doors)
+        place, recipe = [], []
+        left = (self.measured - self.case.springs()) / self.noise
+        for number, door in enumerate(self.doors):
+            rows = self.door == number
+            point, normal = self.points.point[rows], self.points.normal[rows]
+            scale = 1.0 / self.noise[rows, None]
+            if door.placing is None:
+                free[number], known[number] = free_columns(point, normal) * scale, np.zeros((rows.sum(), 0))
+                continue
+            columns = seen_columns(point, normal, door.corner) * scale
+            free[number], known[number] = np.zeros((rows.sum(), 0)), columns
+            place.append(np.linalg.lstsq(columns, left[rows], rcond=None)[0])
+            recipe.append(door.recipe)
+        columns = np.zeros((n, 0))
+        placings = [door.placing for door in self.doors if door.placing is not None]
+        if placings:
+            stated = np.mean(placings, axis=0)
+            own = scatter_between(np.array(place), recipe, np.diag(stated))
+            common = stated - np.diag(own)
+            value, vector = np.linalg.eigh(common)
+            shared = vector * np.sqrt(np.maximum(value, 0.0))
+            each = [block * np.sqrt(own) if block.shape[1] else block for block in known]
+            together = np.zeros((n, 3))
+            for number, block in enumerate(known):
+                if block.shape[1]:
+                    together[self.door == number] = block @ shared
+            columns = np.hstack([block_columns(self.door, each, n), together])
+        wall = self.points.wall
+        mill = np.column_stack([FLANK * wall, FACE * ~wall]) / self.noise[:, None]
+        return DoorPlaces(np.hstack([columns, mill]), block_columns(self.door, free, n))
+
+    def effects(self) -> list[Effect]:
+        """Everything that may be wrong, whatever its course."""
+        warming = len(self.doors) >= DOORS_OVER_TIME and bool(np.ptp(self.case.time) > 0.0)
+        return effects(list(dict.fromkeys(self.points.kind.tolist())), self.points.q, warming)
+
+    def courses(self) -> list[SizeCourse]:
+        """How sizes may go over the doors, given the steps that are in question."""
+        times = [door.time for door in self.doors]
+        found = [SizeCourse()]
+        if len(self.doors) < DOORS_OVER_TIME or times[-1] <= times[0]:
+            return found
+        for step in self.steps:
+            for kind, word in ((BEGINS, "from"), (CHANGES, "changed from")):
+                found.append(SizeCourse(kind, times[step], words=f"{word} {self.doors[step].name} on"))
+        return [*found, SizeCourse(DRIFTS, times[0], times[-1], "drifting")]
+
+    def candidates(self) -> list[InTime]:
+        """Every effect with every course."""
+        courses = self.courses()
+        return [
+            InTime(effect, course)
+            for effect in self.effects()
+            for course in courses
+            if course.kind == ALWAYS or (effect.lasting and effect.named)
+        ]
+
+    def _moved(self, members: Sequence[InTime], theta: FloatArray) -> tuple[FloatArray, CutCase]:
+        """What a model moves the points along their normals, shape (n,) [m], and the loads that it has."""
+        parts = split(members, theta)
+        case, time = self.case, self.case.time
+        gain, angle = np.ones(len(self)), np.zeros(len(self))
+        for member, part in parts:
+            if member.effect.of_force:
+                factor, turn = member.effect.wrench(case, member.rows(part, time))
+                gain, angle = gain * factor, angle + turn
+        if any(member.effect.of_force for member in members):
+            case = case.felt(gain, angle)
+        moved = case.springs()
+        for member, part in parts:
+            if not member.effect.of_force:
+                moved = moved + np.sum(member.effect.columns(case) * member.rows(part, time), axis=1)
+        return moved, case
+
+    def predict(self, members: Sequence[InTime], theta: FloatArray, derivative: bool = False) -> Prediction:
+        """Residuals, likelihood and derivatives of a model, as `Problem.predict`."""
+        moved, case = self._moved(members, theta)
+        white = self.placement.take(((self.measured - moved) / self.noise)[:, None])
+        cost = np.sum(white**2, axis=1)
+        residual = self.measured_part(white)
+        if not derivative:
+            return Prediction(residual, white, cost)
+        blocks, at = [np.zeros((len(self), 0))], 0
+        for member in members:
+            if member.effect.of_force:
+                for i in range(at, at + member.size):
+                    other = theta.copy()
+                    other[i] += _STEP
+                    blocks.append(((self._moved(members, other)[0] - moved) / _STEP)[:, None])
+            else:
+                blocks.append(member.derivative(case))
+            at += member.size
+        columns = self.placement.take(np.hstack(blocks) / self.noise[:, None])
+        return Prediction(residual, white, cost, columns[:, None])
+
+    def derivative_alone(self, cause: InTime) -> FloatArray:
+        """Derivative by one effect alone in standard deviations, places not yet taken from it, shape (n, p)."""
+        if not cause.effect.of_force:
+            return cause.derivative(self.case) / self.noise[:, None]
+        moved = self._moved((), np.zeros(0))[0]
+        steps = _STEP * np.eye(cause.size)
+        found = [(self._moved([cause], step)[0] - moved) / _STEP / self.noise for step in steps]
+        return np.stack(found, axis=1)
+
+    def slope(self, cause: InTime, theta: FloatArray) -> FloatArray:
+        """Whitened derivative by one effect alone, shape (n, 1, p)."""
+        return self.predict([cause], theta, derivative=True).derived
+
+    def measured_part(self, white: FloatArray) -> FloatArray:
+        """Residual along the normals, shape (n, 1) [m], of a whitened one."""
+        return white * self.noise[:, None]
+
+    def bent(self) -> Self | None:
+        """Process forces are too small for that."""
+        return None
+
+    def cuts(self) -> dict[str, BoolArray]:
+        """Early and late doors, small and large loads, walls and floors, ways of the normal, heights; shape (n,)."""
+        force = np.linalg.norm(self.case.load.force, axis=1)
+        height, time = self.points.point[:, 2], self.case.time
+        cuts = {
+            "time": time > np.median(time),
+            "load": force > np.median(force),
+            "surface": self.points.wall,
+            "normal left or right": self.points.normal[:, 1] > 0.0,
+            "normal up or down": self.points.normal[:, 2] > 0.0,
+            "height": height > np.median(height),
+        }
+        for kind in np.unique(self.points.kind):
+            cuts[f"kind {kind}"] = self.points.kind == kind
+        return {name: half for name, half in cuts.items() if 0.1 <= half.mean() <= 0.9}
+
+    def groupings(self) -> Sequence[IntArray]:
+        """What is left out together, and doors; shape (n,)."""
+        return self.configuration, self.door
+
+    def turning(self, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:
+        """Along one normal nothing points anywhere."""
+        return "", 1.0
+
+    def labels(self) -> IntArray:
+        """Points, counted from 1 in the order of the doors, shape (n,)."""
+        return np.arange(1, len(self) + 1)
+
+
+#: What is known of milled doors.
+DoorDiagnosis = Diagnosis[DoorProblem, InTime]

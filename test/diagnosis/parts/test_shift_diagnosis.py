@@ -1,0 +1,108 @@
+"""Shifts of gauged doors: what is hidden in their worlds has to be named, with its size and since which door."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from doormill_ros.diagnosis.core.kind import Progress
+from doormill_ros.diagnosis.parts.kind import Inspections
+from doormill_ros.diagnosis.parts.matching import cut_case
+from support.gauged_shift import HINGE_DOORS, gauged_shift
+from support.shift_worlds import Hidden, inspected, judged
+
+KIND = Inspections()
+TURNS = tuple(itertools.islice(itertools.cycle(HINGE_DOORS), 9))
+GAP = {"gap": [1.2e-4, 0.0, 0.0, 0.0, 0.0, 0.0]}
+QUIET: Progress = lambda line: None  # noqa: E731
+
+
+def diagnosed(folder, world, doors):
+    return KIND.diagnose(inspected(gauged_shift(folder, {"seed": 5, **world}, doors, 5)), QUIET)
+
+
+def document(diagnosis, folder):
+    return KIND.account(diagnosis, inspected(folder), [], QUIET).sections
+
+
+def test_a_world_as_assumed_leaves_the_noise_of_the_gauge_at_every_point(tmp_path):
+    doors = inspected(gauged_shift(tmp_path, {"seed": 1}, HINGE_DOORS[:2], 1))
+    problem = KIND.problem(doors)
+    left = (problem.measured - problem.case.springs()) / problem.noise
+    assert len(left) > 300
+    # 10 um of the gauge, 8 um of the localizations; nothing of the path, the envelope or the springs.
+    assert 0.9 < np.sqrt(np.mean(left**2)) < 1.5
+    assert np.abs(left).max() < 6.0
+    found = KIND.diagnose(doors, QUIET)
+    assert (found.verdict, found.findings) == ("consistent", ())
+
+
+def test_a_gap_that_opens_and_a_force_that_is_off_are_told_apart_with_the_door(tmp_path):
+    world = {"force": {"factor": 1.3}, "change": [{"from_door": 5, "robot": GAP}]}
+    diagnosis = diagnosed(tmp_path, world, TURNS)
+    hidden = (Hidden("process_force", "tool"), Hidden("joint_backlash", "joint 1", 5))
+    found = judged(diagnosis, hidden)
+    assert (found.verdict, found.missed, found.wrong, found.late) == ("explained", (), (), ())
+    values = {finding.cause.name: finding.values[0] for finding in diagnosis.findings}
+    assert values["process_force"] == pytest.approx(1.3, abs=0.02)
+    assert values["joint_backlash"] == pytest.approx(1.2e-4, rel=0.05)
+    [change] = document(diagnosis, tmp_path)["changes"]
+    assert (change["what"], change["where"], change["kind"]) == ("joint_backlash", "joint 1", "step")
+    assert change["from_door"] == "door_005"
+    assert change["from_door_ci95"][0] <= "door_005" <= change["from_door_ci95"][1]
+    assert change["after"]["gap"] == pytest.approx(1.2e-4, rel=0.05)
+
+
+def test_wear_is_a_drift_and_no_step(tmp_path):
+    diagnosis = diagnosed(tmp_path, {"force": {"wear_per_door": 0.04}}, TURNS)
+    [change] = document(diagnosis, tmp_path)["changes"]
+    assert (change["what"], change["kind"]) == ("process_force", "drift")
+    assert change["before"]["factor"] == pytest.approx(1.0, abs=0.03)
+    assert change["after"]["factor"] == pytest.approx(1.0 + 8 * 0.04, abs=0.03)
+
+
+def test_another_recipe_is_no_change(tmp_path):
+    doors = (HINGE_DOORS[0],) * 4 + (HINGE_DOORS[1],) * 4
+    diagnosis = diagnosed(tmp_path, {"robot": GAP}, doors)
+    assert diagnosis.problem.steps == ()
+    assert document(diagnosis, tmp_path)["changes"] == []
+    assert [finding.cause.key for finding in diagnosis.findings] == [("joint_backlash", "joint 1")]
+
+
+def test_a_clamp_that_slips_is_found_with_its_door_and_the_camera_stands_beside_it(tmp_path):
+    slip = [0.0, 1e-4, -1.5e-4]
+    diagnosis = diagnosed(tmp_path, {"clamp": {"shift": slip, "from_door": 6}}, TURNS)
+    found = judged(diagnosis, (Hidden("clamp_shift", "clamp", 6),))
+    assert (found.missed, found.wrong, found.late) == ((), (), ())
+    [finding] = diagnosis.findings
+    either = {finding.cause.name, *(cause.name for cause in finding.confusable)}
+    assert {"camera_shift", "clamp_shift"} <= either
+
+
+def test_points_of_one_moment_tell_the_load_of_that_moment(tmp_path):
+    world = {"seed": 2, "force": {"factor": 1.5}}
+    [one] = inspected(gauged_shift(tmp_path, world, HINGE_DOORS[:1], 2, (0.0, 0.0, 0.0)))
+    points = one.door.points
+    problem = KIND.problem([one])
+    springs = cut_case(points, problem.robot, np.array(problem.tool)).springs()[:, :3]
+    along = np.sum(springs * points.normal, axis=1)
+    left = points.deviation - points.sent
+    wall = points.wall
+    assert np.polyfit(along[wall], left[wall], 1)[0] == pytest.approx(1.5, abs=0.02)
+    assert np.std(left[wall] - 1.5 * along[wall]) == pytest.approx(1e-5, rel=0.25)
+
+
+def test_charts_have_limits_with_their_origin_and_name_the_doors_beyond(tmp_path):
+    diagnosis = diagnosed(tmp_path, {"change": [{"from_door": 5, "robot": GAP}]}, TURNS)
+    charts = document(diagnosis, tmp_path)["charts"]
+    assert charts["individuals"]["limits_origin"] == "mean moving range of door_000 to door_004"
+    assert set(charts["individuals"]["beyond"]) >= {f"door_00{k}" for k in range(5, 9)}
+    assert max(charts["cusum"]["above"][:5]) < charts["cusum"]["alarm"] < charts["cusum"]["above"][-1]
+    extended = [row["residual_extended"] for row in charts["doors"]]
+    assert max(extended) < 2e-5
+    assert {row["recipe"] for row in charts["capability"]} == {
+        "thesis_190_0deg",
+        "thesis_1350_0deg",
+        "thesis_190_2deg",
+    }
+    assert all(row["cpk"] > 0.0 for row in charts["capability"])

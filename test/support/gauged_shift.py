@@ -1,0 +1,100 @@
+"""Shifts of inspected doors without a cell: recorded commands, executed and gauged by the worlds of world files.
+
+The controller's commands come from recorded runs, so every door of a kind was sent to the same place; where it really
+stood scatters, and a moved camera puts it elsewhere, as a localizer that trusts its camera would.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.frames import inverse, rotation_from_vector, transform
+from doormill_ros.localization.camera import load_camera
+from doormill_ros.measurements.inspection_writer import write_inspection
+from doormill_ros.messages.from_message import recipe_of, transform_of, transforms_of, wrench_of
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.robot.description import load_robot
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.world.door_truth import GAUGE, TAKT, DoorTruth
+from doormill_ros.simulation.world.gauge import NOISE, gauge
+from doormill_ros.simulation.world.world_file import load_world
+from support.source_tree import ROOT
+
+HINGE_DOORS = ("thesis_190_0deg", "thesis_1350_0deg", "thesis_190_2deg")
+BEGAN = datetime(2026, 11, 22, 6, 0, tzinfo=UTC)
+#: From one localization to the next [m, m, rad].
+SCATTER = (8e-6, 8e-6, 1e-5)
+
+
+@dataclass(frozen=True, eq=False)
+class Commanded:
+    """A recorded run: its door, where the localizer put it, and what the controller commanded."""
+
+    bag: Path
+    run_id: str
+    recipe: Recipe
+    T_base_door: np.ndarray
+    path: ExecutedPath
+
+
+@lru_cache
+def commanded(name: str) -> Commanded:
+    """The run in a bag of the repository."""
+    topics = ("/door/recipe", "/door/localization", "/simulation/executed_path")
+    found = {item.topic: item.message for item in read_bag(ROOT / "bags" / name, topics)}
+    recipe, located, executed = (found[topic] for topic in topics)
+    tool = transforms_of(executed.commanded)
+    path = ExecutedPath(
+        time=np.array(executed.time),
+        T_base_tool=tool,
+        T_base_tool_commanded=tool,
+        q=np.reshape(executed.joint_positions, (-1, 6)),
+        motion=np.array(executed.motion),
+        cutting=np.array(executed.cutting, dtype=bool),
+        feature=np.array(executed.feature),
+        wrench=np.array([wrench_of(wrench) for wrench in executed.wrench]),
+    )
+    return Commanded(
+        ROOT / "bags" / name, executed.run_id, recipe_of(recipe), transform_of(located.pose.pose), path
+    )
+
+
+def gauged_shift(
+    folder: Path, world: dict, doors: tuple[str, ...], seed: int, scatter: tuple[float, ...] = SCATTER
+) -> Path:
+    """Write the inspections of a shift below a folder.
+
+    Args:
+        folder: Gets a folder a door.
+        world: Content of a world file without its schema.
+        doors: Names of bags, in order.
+        seed: Of where the doors stood.
+        scatter: Of these places along y and z [m], and of their angles [rad].
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "world.yaml"
+    file.write_text(yaml.safe_dump({"schema": "doormill/world/1", **world}), encoding="utf-8")
+    shift, layout, rng = load_world(file), load_layout(), np.random.default_rng([seed, 16])
+    dh, eye = load_robot(layout.robot).dh, load_camera().position
+    for number, name in enumerate(doors):
+        run, truth = commanded(name), DoorTruth(shift, number, dh, layout.T_flange_tool)
+        y, z, angle = rng.normal(0.0, scatter)
+        moved, turned = truth.camera_moved
+        about = transform(translation=eye - [0.0, run.recipe.width / 2.0, 0.0])
+        camera = transform(turned)
+        seen = transform(translation=[0.0, moved[1] + y, moved[2] + z]) @ about @ camera @ inverse(about)
+        corner = transform(rotation_from_vector(np.array([angle, 0.0, 0.0])))
+        T_base_door = truth.T_base_door(seen @ run.T_base_door @ corner)
+        executed = truth.executed(run.recipe, T_base_door, run.path)
+        points = gauge(run.recipe, T_base_door, executed, truth.drawn(GAUGE))
+        at = BEGAN + timedelta(seconds=(number + 1) * TAKT)
+        write_inspection(folder / f"door_{number:03d}", run.bag, run.run_id, at, NOISE, points)
+    return folder
