@@ -35,14 +35,17 @@ def test_a_larger_force_deflects_in_proportion(tmp_path):
 def test_a_turned_force_is_turned_about_the_spindle(tmp_path):
     angle = 0.4
     turned = model(tmp_path, ("process_force_direction", "angle", angle)).deflection(Q, WRENCH, TIP)
-    for q, wrench, got in zip(Q, WRENCH, turned, strict=True):
-        x, y, z = Kinematics(ROBOT).forward(q[None])[0, :3, :3].T
-        # Written out in the axes of the flange: what lay along x lies along x turned by the angle.
-        new_x, new_y = np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
-        other = np.concatenate(
-            [(v @ x) * new_x + (v @ y) * new_y + (v @ z) * z for v in (wrench[:3], wrench[3:])]
-        )
-        assert got == pytest.approx(model(tmp_path).deflection(q[None], other, TIP)[0], rel=1e-9)
+    x, y, z = np.moveaxis(Kinematics(ROBOT).forward(Q)[:, :3, :3], 2, 0)
+    # Written out in the axes of the flange: what lay along x lies along x turned by the angle.
+    new_x, new_y = np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
+
+    def rewritten(vector):
+        sizes = [np.sum(vector * axis, axis=1, keepdims=True) for axis in (x, y, z)]
+        return sizes[0] * new_x + sizes[1] * new_y + sizes[2] * z
+
+    other = np.hstack([rewritten(WRENCH[:, :3]), rewritten(WRENCH[:, 3:])])
+    assert turned == pytest.approx(model(tmp_path).deflection(Q, other, TIP), rel=1e-9)
+    assert np.abs(turned - model(tmp_path).deflection(Q, WRENCH, TIP)).max() > 1e-5
 
 
 def test_a_bending_mill_gives_way_across_itself_only(tmp_path):
