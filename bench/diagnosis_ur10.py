@@ -20,9 +20,9 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 # ruff: noqa: E402
+from doormill_ros.diagnosis.pose.check import check_set
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
 from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.kind import check_set
 from doormill_ros.diagnosis.pose.placement import fit_placement
 from doormill_ros.measurements.pose_set import PoseSet, read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag

@@ -29,21 +29,27 @@ def main() -> int:
         default=9.0,
         help="most tools of a program; default: 9, so that it refuses no door",
     )
+    parser.add_argument(
+        "--robots", type=int, choices=(1, 2), default=1, help="2: a share of the door to each"
+    )
     parser.add_argument("--search", action="store_true", help="look for postures and ways of what is refused")
     options = parser.parse_args()
     outcomes, looked = [], Counter[str]()
-    for number, outcome in enumerate(judge_doors(options.doors, options.seed, options.tools)):
+    for number, outcome in enumerate(judge_doors(options.doors, options.seed, options.tools, options.robots)):
         outcomes.append(outcome)
         if outcome.verdict is not None and outcome.verdict.error is not None:
             print(f"door {number}: {outcome.verdict.sentence}", flush=True)
         if options.search and outcome.refusal is not None:
             found = search(outcome)
             looked[f"{type(outcome.refusal).__name__}: {found}"] += 1
-            print(f"door {number}: refused, search: {found}: {outcome.refusal.message}", flush=True)
+            print(
+                f"{number} ({outcome.robot} robot): refused, search: {found}: {outcome.refusal.message}",
+                flush=True,
+            )
     refused = [o.refusal for o in outcomes if o.refusal is not None]
     judged = [o for o in outcomes if o.verdict is not None]
     touching = [o.verdict for o in judged if o.verdict is not None and o.verdict.error is not None]
-    print(f"\ndoors                     {len(outcomes):6d}")
+    print(f"\n{'doors ' if options.robots == 1 else 'shares'}                    {len(outcomes):6d}")
     print(f"accepted                  {len(judged):6d}")
     print(f"  without a touch         {len(judged) - len(touching):6d}")
     print(f"  touching                {len(touching):6d}")

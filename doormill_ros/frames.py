@@ -138,7 +138,7 @@ def rotation_z(angle: float) -> FloatArray:
 
 def rotation_from_vector(vector: FloatArray) -> FloatArray:
     """R_a_b, shape (..., 3, 3), for turns of b by vectors in the axes of a, shape (..., 3) [rad]."""
-    vector = np.asarray(vector, dtype=float)
+    vector = np.array(vector, dtype=float)  # SciPy reads no array that is locked
     R_a_b: FloatArray = Rotation.from_rotvec(vector.reshape(-1, 3)).as_matrix().reshape(*vector.shape, 3)
     return R_a_b
 

@@ -171,3 +171,83 @@ def test_the_architecture_page_lists_the_rooms_from_the_ground_up() -> None:
     assert sorted(listed) == sorted(rooms)
     for place, room in enumerate(listed):
         assert rooms[room] <= set(listed[:place]), f"{room} stands too low in docs/architecture.md"
+
+
+#: Called by others than the package's own lines.
+CALLED_FROM_OUTSIDE = {
+    # rclpy calls the states of a managed node, alembic the steps of a migration.
+    *("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown", "downgrade"),
+    # What a person does at the simulated controller, who is somebody else in every test.
+    *("reload_modules", "set_mode", "emergency_stop", "release_emergency_stop", "open_guard", "close_guard"),
+    *("fail_power", "restore_power", "warm_start", "expire_sessions"),
+    # Reads what a diagnosis of moving joints leaves; no part of the cell corrects motions by it.
+    "load_motion_model",
+    # Says in the registry of sensors what one is blind for.
+    "cannot_see",
+}
+#: Decorators that hand a function to nobody.
+PLAIN = {"property", "cached_property", "staticmethod", "classmethod", "abstractmethod", "cache", "dataclass"}
+
+
+def names_in(tree: ast.AST) -> set[str]:
+    """What a file mentions: names, attributes, keywords and strings that could be one of them."""
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name):
+            found.add(node.id)
+        elif isinstance(node, ast.Attribute):
+            found.add(node.attr)
+        elif isinstance(node, ast.keyword) and node.arg:
+            found.add(node.arg)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and len(node.value) < 60:
+            found.update(re.findall(r"\w+", node.value))
+    return found
+
+
+def defined_in(tree: ast.Module) -> set[str]:
+    """Functions and methods that somebody has to call: none that a decorator registers or a library calls by name."""
+    registered = {
+        child
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef) and any("Transformer" in ast.unparse(base) for base in node.bases)
+        for child in node.body
+    }
+    return {
+        node.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        and node not in registered
+        and not (node.name.startswith("__") and node.name.endswith("__"))
+        and {re.split(r"\W", ast.unparse(one).split(".")[-1])[0] for one in node.decorator_list} <= PLAIN
+    }
+
+
+def uncalled(sources: Mapping[str, str], others: Iterable[str] = ()) -> dict[str, list[str]]:
+    """Functions of some files that no file mentions, nor any of the others, by file."""
+    trees = {name: ast.parse(text) for name, text in sources.items()}
+    mentioned: set[str] = set().union(
+        *map(names_in, trees.values()), *(names_in(ast.parse(t)) for t in others)
+    )
+    found = {name: sorted(defined_in(tree) - mentioned) for name, tree in trees.items()}
+    return {name: functions for name, functions in found.items() if functions}
+
+
+def test_a_function_that_nobody_calls_is_seen() -> None:
+    sources = {
+        "a.py": "def used(): ...\nclass A:\n    def lost(self): ...\n    @route('x')\n    def served(self): ...\n",
+        "b.py": "from a import used\nused()\n@cache\ndef kept(): ...\ndef alone(): ...\n",
+    }
+    assert uncalled(sources) == {"a.py": ["lost"], "b.py": ["alone", "kept"]}
+    assert uncalled(sources, ["kept()"]) == {"a.py": ["lost"], "b.py": ["alone"]}
+
+
+def test_every_function_is_called_by_the_product() -> None:
+    """What only tests or benches call stands with them."""
+    sources = {
+        str(path.relative_to(ROOT)): path.read_text(encoding="utf-8")
+        for path in SOURCES
+        if "migrations" not in path.parts
+    }
+    makers = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "scripts").glob("*.py"))]
+    found = uncalled(sources, makers)
+    assert {one for functions in found.values() for one in functions} <= CALLED_FROM_OUTSIDE, found

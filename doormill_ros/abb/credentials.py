@@ -19,22 +19,28 @@ from doormill_ros.yaml_text import parse
 
 USER_VARIABLE = "DOORMILL_CONTROLLER_USER"
 PASSWORD_VARIABLE = "DOORMILL_CONTROLLER_PASSWORD"
+PIN_VARIABLE = "DOORMILL_CONTROLLER_PIN"
 FILE_VARIABLE = "DOORMILL_CONTROLLER_CREDENTIALS"
 _MAX_SIZE = 10_000
 
 
 class Credentials:
-    """A user and a password that shows in no text made of it and cannot be pickled."""
+    """A user, a password and a PIN that show in no text made of them and cannot be pickled."""
 
-    __slots__ = ("_password", "user")
+    __slots__ = ("_password", "_pin", "user")
 
-    def __init__(self, user: str, password: str) -> None:
+    def __init__(self, user: str, password: str, pin: str = "") -> None:
         self.user = user
         self._password = password
+        self._pin = pin
 
     def reveal(self) -> str:
         """The password, for the login alone."""
         return self._password
+
+    def reveal_pin(self) -> str:
+        """The PIN of this PC's control station, which RobotWare 8 alone wants; empty without one."""
+        return self._pin
 
     def __repr__(self) -> str:
         return f"Credentials({self.user!r}, ***)"
@@ -46,8 +52,9 @@ class Credentials:
 def load_credentials(environment: Mapping[str, str] = os.environ, file: Path | None = None) -> Credentials:
     """Find the credentials.
 
-    The variables DOORMILL_CONTROLLER_USER and DOORMILL_CONTROLLER_PASSWORD win; then the file, given or
-    named by DOORMILL_CONTROLLER_CREDENTIALS, YAML with `user:` and `password:`, mode 600.
+    The variables DOORMILL_CONTROLLER_USER and DOORMILL_CONTROLLER_PASSWORD, for RobotWare 8 with
+    DOORMILL_CONTROLLER_PIN, win; then the file, given or named by DOORMILL_CONTROLLER_CREDENTIALS, YAML with `user:`,
+    `password:` and perhaps `pin:`, mode 600.
 
     Args:
         environment: Where the variables are looked up.
@@ -63,7 +70,7 @@ def load_credentials(environment: Mapping[str, str] = os.environ, file: Path | N
     """
     user, password = environment.get(USER_VARIABLE), environment.get(PASSWORD_VARIABLE)
     if user and password:
-        return Credentials(user, password)
+        return Credentials(user, password, environment.get(PIN_VARIABLE, ""))
     named = environment.get(FILE_VARIABLE)
     path = file if file is not None else Path(named) if named else None
     if path is None:
@@ -118,10 +125,11 @@ def _parse(path: Path, data: bytes) -> Credentials:
             problem = "is not YAML in UTF-8"
     if problem is None:
         entries = document if isinstance(document, dict) else {}
-        texts = [entry for entry in (entries.get("user"), entries.get("password")) if isinstance(entry, str)]
-        if len(entries) == 2 and len(texts) == 2 and all(texts):
+        texts = [entries[key] for key in ("user", "password", "pin") if isinstance(entries.get(key), str)]
+        named = {"user", "password"} <= set(entries) <= {"user", "password", "pin"}
+        if named and len(texts) == len(entries) and all(texts):
             return Credentials(*texts)
-        problem = "does not hold exactly the texts 'user' and 'password' (quote digits)"
+        problem = "does not hold exactly the texts 'user' and 'password', and perhaps 'pin' (quote digits)"
     raise CredentialsFormatError(
         f'credentials file {path} {problem}; write two lines, user: "..." and password: "..."', path=str(path)
     )

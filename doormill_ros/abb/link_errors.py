@@ -101,6 +101,7 @@ SignalReadError = _row(
 )
 SignalWriteError = _row("SignalWriteError", 458, "A signal's value cannot be written.")
 SignalAccessError = _row("SignalAccessError", 459, "The signal's access level does not allow the write.")
+WriteAccessError = _row("WriteAccessError", 479, "RobotWare 8 does not let this PC write.")
 ReadySignalError = _row("ReadySignalError", 461, "The ready signal does not have the value that was written.")
 
 # Files.

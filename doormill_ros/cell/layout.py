@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +10,7 @@ from pydantic import StrictBool
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.errors import BadCellFile
+from doormill_ros.cell.gravity import Gravity
 from doormill_ros.config import read
 from doormill_ros.frames import inverse, rotation_x, transform
 from doormill_ros.resources import resource
@@ -59,6 +60,7 @@ class CellLayout:
         spindle: What is bolted to the flange, flange frame.
         obstacles: What stands in the cell beside robot and door, base frame.
         clearance: Kept between any two bodies that must not touch, outside the cut [m].
+        gravity: Whose weight moves the targets.
     """
 
     robot: str
@@ -71,6 +73,7 @@ class CellLayout:
     spindle: tuple[Body, ...]
     obstacles: tuple[Body, ...]
     clearance: float
+    gravity: Gravity = field(default_factory=Gravity)
 
     def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> FloatArray:
         """Door frame in the base frame, shape (4, 4).
@@ -145,6 +148,7 @@ class _CellFile(Section):
     spindle: _Spindle
     obstacles: tuple[Body, ...]
     clearance: Positive
+    gravity: Gravity = field(default_factory=Gravity)
 
 
 def load_layout(path: Path | None = None) -> CellLayout:
@@ -167,4 +171,5 @@ def load_layout(path: Path | None = None) -> CellLayout:
         spindle=content.spindle.bodies,
         obstacles=content.obstacles,
         clearance=content.clearance,
+        gravity=content.gravity,
     )

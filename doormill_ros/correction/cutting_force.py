@@ -5,9 +5,19 @@ direction of feed t. Per length of edge it meets k h + k_e along its motion (woo
 and the share `radial` of that towards the axis. The mean over a turn, for the directions at which there is wood, is the
 force that bends the robot; it turns with the feed and vanishes with the wood.
 
-Sources: particleboard 32.0 (slow) and 37.6 N/mm2 (fast) in Palubicki, Materials 14 (2021) 2208; MDF takes more power
-than spruce in edge milling (Sedlecky and Gasparik, BioResources 12 (2017) 7413). All other figures, the edge forces
-and the radial shares are assumptions of that order, and their spreads are wide accordingly.
+One figure is sourced: the specific force of chipboard, 32.0 N/mm2 (40 m/s) to 37.6 N/mm2 (60 m/s) in Palubicki,
+Materials 14 (2021) 2208. All others, every edge force and every radial share are assumptions of that order, held by
+what papers say without a number that was at hand here:
+- MDF takes more power than spruce in edge milling (Sedlecky and Gasparik, BioResources 12 (2017) 7413); its constants
+  follow its density, which changes through the board (Engin et al., Forest Products Journal, 2000), while the
+  cutting speed hardly matters (Coatings 14 (2024) 1085).
+- Pine: cutting along the grain takes 33 % more force in mature than in juvenile wood, across it 12 % (Pinus taeda,
+  Scientia Agricola). How to predict a force is "far from solved" (Porankiewicz et al., BioResources 6 (2011)), density
+  alone is a rough measure (Chuchala et al., BioResources 9 (2014) 5349), and woods of one density can differ
+  completely (Eyma et al., Annals of Forest Science 62 (2005) 441). Hence half of the force as the spread of solid wood.
+- Oak takes more than beech (Moradpour et al., Drvna industrija 67 (2016)); no figure stood beside it.
+- Plywood and honeycomb: nothing was found. A hollow core has no force at all, so the spread is the whole of it.
+Wear is not in the spread.
 """
 
 from __future__ import annotations
@@ -43,9 +53,9 @@ class CuttingCoefficients:
 COEFFICIENTS = {
     Material.SOFTWOOD: CuttingCoefficients(30e6, 2.0e3, 0.3, 0.5),  # along and across the grain
     Material.HARDWOOD: CuttingCoefficients(50e6, 3.0e3, 0.3, 0.5),
-    Material.PLYWOOD: CuttingCoefficients(40e6, 3.0e3, 0.4, 0.5),
-    Material.CHIPBOARD: CuttingCoefficients(35e6, 3.0e3, 0.4, 0.4),
-    Material.MDF: CuttingCoefficients(40e6, 3.0e3, 0.4, 0.4),
+    Material.PLYWOOD: CuttingCoefficients(40e6, 3.0e3, 0.4, 0.7),  # nothing found
+    Material.CHIPBOARD: CuttingCoefficients(35e6, 3.0e3, 0.4, 0.4),  # specific: sourced
+    Material.MDF: CuttingCoefficients(40e6, 3.0e3, 0.4, 0.6),  # by its density, too
     Material.HONEYCOMB: CuttingCoefficients(
         35e6, 3.0e3, 0.4, 1.0
     ),  # of a skin: nothing where the core is hollow

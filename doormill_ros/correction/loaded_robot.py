@@ -8,9 +8,9 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.correction.compensate import Compensation, compensate
-from doormill_ros.correction.worth import Worth
+from doormill_ros.correction.worth import Worth, standing_share
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.compliance import ComplianceModel
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingModel, StandingSpread
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +62,20 @@ class LoadedRobot:
         """Twist of the loaded tool, base axes; shapes (n, 6) each [rad], [N, N m], [-] -> [m, rad]."""
         return self.model.deflection(q, wrench, self.load_point, direction)
 
+    def standing(self, q: FloatArray, direction: FloatArray) -> FloatArray:
+        """Twist of the unloaded tool, base axes; shapes (n, 6) each [rad], [-] -> [m, rad]."""
+        if isinstance(self.model, StandingModel):
+            return self.model.standing(q, self.load_point, direction)
+        return np.zeros((len(q), 6))
+
+    def standing_spread(self, q: FloatArray) -> StandingSpread | None:
+        """What is left to chance of it, joint angles of shape (n, 6) [rad]; None where there is nothing."""
+        if self.worth is None or not isinstance(self.model, StandingModel):
+            return None
+        return self.model.standing_spread(q, self.load_point, self.worth.relative)
+
     def share(self, q: FloatArray, loads: Loads) -> FloatArray:
-        """Share of each component of the deflections that is corrected, shape (n, 6).
+        """Share of each component of the deflections by the loads that is corrected, shape (n, 6).
 
         Args:
             q: Joint angles, shape (n, 6) [rad].
@@ -72,7 +84,8 @@ class LoadedRobot:
         if self.worth is None:
             return np.ones((len(q), 6))
         spread = self.worth.spread(q, loads.wrench, loads.spread, self.load_point)
-        return self.worth.share(self.deflection(q, loads.wrench, loads.direction), spread, loads.bounded)
+        by_force = self.deflection(q, loads.wrench, loads.direction) - self.standing(q, loads.direction)
+        return self.worth.share(by_force, spread, loads.bounded)
 
     def posture(self, T_base_tool: FloatArray, q: FloatArray) -> FloatArray:
         """Joint angles that reach nominal poses unloaded, from angles near them.
@@ -112,12 +125,23 @@ class LoadedRobot:
             owner: Target to which each load belongs, every target at least once, shape (e,).
             loads: e loads.
         """
-        share = self.share(q[owner], loads) / np.bincount(owner, minlength=len(q))[owner, None]
+        share = self.share(q[owner], loads)
+        own = self._standing_share(q[owner], loads.direction)
+        weight = 1.0 / np.bincount(owner, minlength=len(q))[owner, None]
 
         def deflect(angles: FloatArray) -> FloatArray:
             each = self.deflection(angles[owner], loads.wrench, loads.direction) * share
+            if isinstance(self.model, StandingModel):
+                each = each + self.standing(angles[owner], loads.direction) * (own - share)
             mean = np.zeros((len(angles), 6))
-            np.add.at(mean, owner, each)
+            np.add.at(mean, owner, each * weight)
             return mean
 
         return compensate(T_base_tool, q, deflect, self.kinematics, self.T_flange_tool, self.tolerance)
+
+    def _standing_share(self, q: FloatArray, direction: FloatArray) -> FloatArray:
+        """Share of the twists of the unloaded tool that is corrected, shape (n, 1)."""
+        spread = self.standing_spread(q)
+        if spread is None:
+            return np.ones((len(q), 1))
+        return standing_share(self.standing(q, direction), spread)[:, None]

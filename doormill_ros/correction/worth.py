@@ -20,6 +20,7 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.compliance import StandingSpread
 
 UNSTATED = (
     0.3  #: standard deviation of a spring of which the robot's description states none, as a share of it
@@ -33,15 +34,17 @@ class DeflectionSpread:
     Attributes:
         joints: By the spring of each joint, shape (n, 6) [m].
         force: By the force, shape (n,) [m].
+        weights: By the masses that the arm sags under, shape (n,) [m].
     """
 
     joints: FloatArray
     force: FloatArray
+    weights: FloatArray
 
     @property
     def total(self) -> FloatArray:
         """Standard deviation of the displacement's length, shape (n,) [m]."""
-        variance: FloatArray = np.sum(self.joints**2, axis=1) + self.force**2
+        variance: FloatArray = np.sum(self.joints**2, axis=1) + self.force**2 + self.weights**2
         return np.sqrt(variance)
 
 
@@ -62,7 +65,12 @@ class Worth:
     bound: float
 
     def spread(
-        self, q: FloatArray, wrench: FloatArray, components: FloatArray, load_point: FloatArray
+        self,
+        q: FloatArray,
+        wrench: FloatArray,
+        components: FloatArray,
+        load_point: FloatArray,
+        standing: StandingSpread | None = None,
     ) -> DeflectionSpread:
         """First-order spread of the displacement of the load point.
 
@@ -71,13 +79,18 @@ class Worth:
             wrench: At the load point, base axes, shape (n, 6) [N, N m].
             components: Standard deviations of the wrench as independent wrenches, base axes, shape (n, 6, 6) [N, N m].
             load_point: In the flange frame, shape (3,) [m].
+            standing: Of the unloaded tool, whose springs are the same; None for a force by itself.
         """
         J = self.kinematics.jacobian(q, load_point)  # (n, 6, 6)
         turn = np.einsum("nij,ni->nj", J, wrench) / self.stiffness  # (n, 6) [rad]
-        by_joint = np.linalg.norm(J[:, :3], axis=1) * np.abs(turn) * self.relative
+        by_spring = np.einsum("nij,nj->nji", J[:, :3], turn * self.relative)  # (n, 6 joints, 3) [m]
+        if standing is not None:
+            by_spring = by_spring + standing.joints
+        by_joint = np.linalg.norm(by_spring, axis=2)
         turns = np.einsum("nij,nci->ncj", J, components) / self.stiffness
         moved = np.einsum("nij,ncj->nci", J[:, :3], turns)  # (n, 6 components, 3) [m]
-        return DeflectionSpread(by_joint, np.sqrt(np.sum(moved**2, axis=(1, 2))))
+        rest = np.zeros(len(q)) if standing is None else standing.rest
+        return DeflectionSpread(by_joint, np.sqrt(np.sum(moved**2, axis=(1, 2))), rest)
 
     def share(self, deflection: FloatArray, spread: DeflectionSpread, bounded: BoolArray) -> FloatArray:
         """Share of the deflection's six components that is corrected, shape (n, 6).
@@ -87,13 +100,32 @@ class Worth:
             spread: Of their displacements.
             bounded: Where nobody measured the force, shape (n,).
         """
-        size = np.maximum(np.linalg.norm(deflection[:, :3], axis=1), 1e-12)
+        size = _size(deflection)
         share = 1.0 / (1.0 + (spread.total / size) ** 2)
         share = np.where(bounded, np.minimum(share, self.bound / size), share)
         turn = np.where(bounded, 0.0, share)
         return np.concatenate(
             [np.repeat(share[:, None], 3, axis=1), np.repeat(turn[:, None], 3, axis=1)], axis=1
         )
+
+
+def standing_share(standing: FloatArray, spread: StandingSpread) -> FloatArray:
+    """Share of the twists of unloaded tools that is corrected, shape (n,).
+
+    They are there whatever is milled, so no bound holds for them.
+
+    Args:
+        standing: Predicted twists, shape (n, 6) [m, rad].
+        spread: Of their displacements.
+    """
+    variance = np.sum(spread.joints**2, axis=(1, 2)) + spread.rest**2
+    share: FloatArray = 1.0 / (1.0 + variance / _size(standing) ** 2)
+    return share
+
+
+def _size(twist: FloatArray) -> FloatArray:
+    size: FloatArray = np.maximum(np.linalg.norm(twist[:, :3], axis=1), 1e-12)
+    return size
 
 
 def worth_of(robot: Robot, bound: float) -> Worth:

@@ -1,9 +1,10 @@
 """The kinds of data that can be diagnosed: one line a kind, each in a folder of its own.
 
-A kind says what its residual is and which causes can act there; search, examination, verdict, words, document and page
-are those of `core`. To add one: a folder with a problem that robust least squares can fit (see `core.problem.Examined`)
-and a `core.kind.SearchedKind`, and a line here. Where models are fitted and compared in another way, the folder has a
-`core.judgement.Question` with a `core.search.Search` instead, which say just that.
+A kind says what its residual is and which causes can act there; search, examination, doubles, margins, verdict, words,
+document and page are those of `core`. To add one: a folder with a problem that robust least squares can fit (see
+`core.problem.Examined`) and a `core.kind.SearchedKind`, and a line here. Where models are fitted and compared in
+another way, the folder says just that: a `core.search.Search`, a `core.examination.Examiner` of what the members of its
+models have to stand, and a `core.judgement.Question`.
 """
 
 from __future__ import annotations

@@ -9,11 +9,10 @@ from typing import Annotated, Any
 import cv2
 import numpy as np
 from pydantic import StrictBool
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read
-from doormill_ros.frames import transform
+from doormill_ros.frames import rotation_from_vector, transform
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.resources import resource
 from doormill_ros.values import Array, Count, Finite, Section, Vector3
@@ -92,7 +91,7 @@ class CameraModel:
 
     def T_base_camera(self, width: float) -> FloatArray:
         """Camera frame in base for a door of `width` [m], shape (4, 4): the slider follows the hinge edge."""
-        rotation = R_BASE_CAMERA_NOMINAL @ Rotation.from_rotvec(self.rotation_vector.copy()).as_matrix()
+        rotation = R_BASE_CAMERA_NOMINAL @ rotation_from_vector(self.rotation_vector)
         return transform(rotation, self.position - [0.0, width / 2.0, 0.0])
 
     def distort(self, rays: FloatArray) -> FloatArray:

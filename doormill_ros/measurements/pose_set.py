@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,10 +20,13 @@ from doormill_ros.robot_model.pose.link_masses import LinkMass, published_masses
 from doormill_ros.robot_model.pose.view import SetView
 
 SCHEMA = "doormill/pose-set/1"
-JOINT_COLUMNS = tuple(f"q{k}" for k in range(1, 7))
+#: Numbers of joints that a robot may have.
+JOINTS = (6, 7)
 POSITION_COLUMNS = ("x", "y", "z")
 QUATERNION_COLUMNS = ("qw", "qx", "qy", "qz")
-COLUMNS = ("row", "t", "temperature", *JOINT_COLUMNS, *POSITION_COLUMNS, *QUATERNION_COLUMNS, "placement")
+COLUMNS = ("row", "t", "temperature", *POSITION_COLUMNS, "placement")
+#: What a set says whose placement is that of another.
+SAME = "same as "
 
 #: Noise that is assumed where a set does not state it [m], [rad].
 DEFAULT_NOISE = (1.5e-5, 6.0e-5)
@@ -38,15 +42,16 @@ class PoseSet:
         path: Folder the set was read from.
         robot: Name of the robot.
         source: Where the data come from.
-        dh: Nominal table, shape (6, 4): theta_offset, d, a, alpha.
+        dh: Nominal table, shape (J, 4) of 6 or 7 joints: theta_offset, d, a, alpha.
         links: Masses of the links, empty where not known.
         noise: Standard deviation per axis, position [m] and rotation [rad].
+        same_as: Name of the set whose placement this one has; empty where it has its own.
         row: Row numbers in the order of recording, shape (n,).
         time: Since the start of the set, shape (n,) [s], NaN where not recorded.
         temperature: Shape (n,) [deg C], NaN where not recorded.
-        q: Recorded joint angles, shape (n, 6) [rad].
+        q: Recorded joint angles, shape (n, J) [rad].
         position: Target in the tracker frame, shape (n, 3) [m].
-        rotation: R_tracker_target, shape (n, 3, 3).
+        rotation: R_tracker_target, shape (n, 3, 3), or None where positions alone were measured.
         placement: Rows that may place the set when it is only checked, shape (n,) bool.
     """
 
@@ -56,16 +61,27 @@ class PoseSet:
     dh: FloatArray
     links: tuple[LinkMass, ...]
     noise: tuple[float, float]
+    same_as: str
     row: IntArray
     time: FloatArray
     temperature: FloatArray
     q: FloatArray
     position: FloatArray
-    rotation: FloatArray
+    rotation: FloatArray | None
     placement: BoolArray
 
     def __len__(self) -> int:
         return len(self.row)
+
+    @property
+    def joints(self) -> int:
+        """Number of joints J."""
+        return len(self.dh)
+
+    @property
+    def oriented(self) -> bool:
+        """Whether the target's orientation was measured."""
+        return self.rotation is not None
 
     @property
     def name(self) -> str:
@@ -75,7 +91,7 @@ class PoseSet:
     @cached_property
     def view(self) -> SetView:
         """The postures, with published masses where the set states none."""
-        links = self.links or published_masses(self.robot)
+        links = self.links or published_masses(self.robot, self.joints)
         return SetView(self.name, self.dh, links, self.q, self.row)
 
 
@@ -88,14 +104,14 @@ def read_pose_set(folder: Path) -> PoseSet:
     document = SetDocument(folder / "set.yaml")
     if document.get("schema") != SCHEMA:
         raise document.fail(("schema",), f"is {document.get('schema')!r}, allowed is {SCHEMA}")
-    placement = document.data.get("placement", "fitted")
-    if placement != "fitted":
-        raise document.fail(("placement",), f"is {placement!r}, allowed is fitted")
-    table = TrialTable(folder / "poses.csv", COLUMNS)
-    quaternion = table.block(QUATERNION_COLUMNS)
-    norm = np.linalg.norm(quaternion, axis=1)
-    for index in np.flatnonzero(np.abs(norm - 1.0) > NORM_TOLERANCE):
-        raise _fail(table, int(index), "qw", f"the quaternion has norm {norm[index]:.4f}, allowed is 1")
+    same_as = _same_as(document)
+    dh = _dh(document)
+    joints = tuple(f"q{k}" for k in range(1, len(dh) + 1))
+    table = TrialTable(folder / "poses.csv", (*COLUMNS, *joints))
+    beyond = f"q{len(dh) + 1}"
+    if beyond in table.columns:
+        raise _fail(table, 0, beyond, f"model.dh has {len(dh)} rows, one for each of {', '.join(joints)}")
+    rotation = _rotation(table)
     row = table.integers("row")
     for index in np.flatnonzero(np.diff(row) <= 0):
         raise _fail(
@@ -108,20 +124,23 @@ def read_pose_set(folder: Path) -> PoseSet:
         "row": row,
         "time": table.numbers("t", may_be_empty=True),
         "temperature": table.numbers("temperature", may_be_empty=True),
-        "q": table.block(JOINT_COLUMNS),
+        "q": table.block(joints),
         "position": table.block(POSITION_COLUMNS),
-        "rotation": Rotation.from_quat(quaternion[:, [1, 2, 3, 0]]).as_matrix(),
         "placement": flag == 1,
     }
     for array in arrays.values():
         array.setflags(write=False)
+    if rotation is not None:
+        rotation.setflags(write=False)
     return PoseSet(
         path=folder,
         robot=str(document.get("robot")),
         source=str(document.data.get("source", "")),
-        dh=_dh(document),
-        links=_links(document),
+        dh=dh,
+        links=_links(document, len(dh)),
         noise=_noise(document),
+        same_as=same_as,
+        rotation=rotation,
         **arrays,
     )
 
@@ -136,27 +155,76 @@ def _fail(table: TrialTable, index: int, column: str, problem: str) -> DataSetEr
     )
 
 
+def _same_as(document: SetDocument) -> str:
+    placement = document.data.get("placement", "fitted")
+    if placement == "fitted":
+        return ""
+    name = placement.removeprefix(SAME).strip() if isinstance(placement, str) else ""
+    if not name or name == placement:
+        raise document.fail(
+            ("placement",),
+            f"is {placement!r}, allowed are fitted and '{SAME}NAME', NAME a set given together",
+        )
+    return name
+
+
+def _rotation(table: TrialTable) -> FloatArray | None:
+    """R_tracker_target, shape (n, 3, 3); None where the table has no column of orientation."""
+    if not set(QUATERNION_COLUMNS) & set(table.columns):
+        return None
+    table.require(QUATERNION_COLUMNS)
+    quaternion = table.block(QUATERNION_COLUMNS)
+    norm = np.linalg.norm(quaternion, axis=1)
+    for index in np.flatnonzero(np.abs(norm - 1.0) > NORM_TOLERANCE):
+        raise _fail(table, int(index), "qw", f"the quaternion has norm {norm[index]:.4f}, allowed is 1")
+    result: FloatArray = Rotation.from_quat(quaternion[:, [1, 2, 3, 0]]).as_matrix()
+    return result
+
+
+def placement_owners(sets: Sequence[PoseSet]) -> tuple[int, ...]:
+    """For every set the index of the first one that has the same placement; its own where it is that one.
+
+    Raises:
+        SetDescriptionError: A set names another that is not given, that is itself, or of which there are several.
+    """
+    owner = list(range(len(sets)))
+    for index, data in enumerate(sets):
+        if not data.same_as:
+            continue
+        found = [i for i, other in enumerate(sets) if other.name == data.same_as and i != index]
+        if len(found) != 1:
+            given = ", ".join(dict.fromkeys(other.name for i, other in enumerate(sets) if i != index))
+            raise SetDocument(data.path / "set.yaml").fail(
+                ("placement",),
+                f"is the same as {data.same_as!r}, of which {len(found)} are given together with it, allowed is 1; "
+                f"the others given are {given or 'none'}: give that set too, or write fitted",
+            )
+        one, two = sorted((owner[index], owner[found[0]]))
+        owner = [one if at == two else at for at in owner]
+    return tuple(owner)
+
+
 def _dh(document: SetDocument) -> FloatArray:
     rows = document.get("model", "dh")
     try:
         dh = np.array(rows, dtype=float)
     except (TypeError, ValueError):
         dh = np.zeros(0)
-    if dh.shape != (6, 4) or not np.all(np.isfinite(dh)):
+    if dh.shape not in [(count, 4) for count in JOINTS] or not np.all(np.isfinite(dh)):
         raise document.fail(
-            ("model", "dh"), "is no table of 6 rows [theta_offset, d, a, alpha] of finite numbers"
+            ("model", "dh"), "is no table of 6 or 7 rows [theta_offset, d, a, alpha] of finite numbers"
         )
     dh.setflags(write=False)
     return dh
 
 
-def _links(document: SetDocument) -> tuple[LinkMass, ...]:
+def _links(document: SetDocument, joints: int) -> tuple[LinkMass, ...]:
     links: Any = document.get("model").get("links")
     if links is None:
         return ()
     try:
         found = tuple(LinkMass(float(link["mass"]), np.array(link["com"], dtype=float)) for link in links)
-        good = len(found) == 6 and all(
+        good = len(found) == joints and all(
             link.mass >= 0.0
             and np.isfinite(link.mass)
             and link.com.shape == (3,)
@@ -166,7 +234,7 @@ def _links(document: SetDocument) -> tuple[LinkMass, ...]:
     except (TypeError, ValueError, KeyError):
         good = False
     if not good:
-        raise document.fail(("model", "links"), "needs 6 entries {mass: kg, com: [x, y, z] m}")
+        raise document.fail(("model", "links"), f"needs {joints} entries {{mass: kg, com: [x, y, z] m}}")
     return found
 
 

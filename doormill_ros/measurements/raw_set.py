@@ -25,10 +25,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import rotate_wrench, rotation_z
+from doormill_ros.frames import rotate_wrench, rotation_from_vector, rotation_z
 from doormill_ros.measurements.loading import Loadings
 from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
 from doormill_ros.measurements.set_document import SetDocument
@@ -124,7 +123,7 @@ class _Reader:
         tracker = np.zeros(3)
         if "tracker_rotation" in self.document.data:
             tracker = self.document.vector(3, "tracker_rotation")
-        self.R_base_tracker = Rotation.from_rotvec(tracker).as_matrix()
+        self.R_base_tracker = rotation_from_vector(tracker)
         self.noise = {}
         for name in ("displacement", "force", "torque"):
             self.noise[name] = self.document.number("noise", name)

@@ -60,6 +60,19 @@ class TrialTable:
     def __len__(self) -> int:
         return len(self.lines)
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """All columns of the file, in its order."""
+        return tuple(self._cells)
+
+    def require(self, columns: Sequence[str]) -> None:
+        """Check that further columns are there.
+
+        Raises:
+            TrialTableError: One is missing.
+        """
+        self._check_header(list(self._cells), columns, 1)
+
     def _check_header(self, header: list[str], columns: Sequence[str], line: int) -> None:
         for name in columns:
             if header.count(name) != 1:

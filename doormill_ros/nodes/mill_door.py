@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, fields
@@ -14,7 +15,10 @@ from rclpy.callback_groups import CallbackGroup
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import RunResult, StageTimes
 from doormill_interfaces.srv import GetRecipe
+from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError
+from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.run import RunDesk, StageLimits
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.errors import DoormillError
@@ -54,6 +58,8 @@ class MillDoorServer:
         self._recipes: _Recipes | None = None
         self._inspections: DoorInspections | None = None
         self._attendance: Attendance | None = None
+        self._cut_off: RunEnd | None = None
+        self._ending = threading.Lock()
         self._result = node.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
         )
@@ -84,21 +90,33 @@ class MillDoorServer:
         """
         self._attendance = attendance
         self._note = RunNote(Path(self._node.value("archive")))
-        self._end_what_was_cut_off()
         self._recipes = _Recipes(self._node, self._group)
         self._inspections = DoorInspections(self._node, self.notify)
+        cut_off = self._note.read()
+        self._cut_off = None if cut_off is None else RunEnd(*cut_off)
+        self._end_what_was_cut_off()
 
     def _end_what_was_cut_off(self) -> None:
-        """Tell how the run ended that a former process of this bridge had in hand."""
-        cut_off = self._note.read()
-        if cut_off is None:
-            return
-        end = RunEnd(*cut_off)
-        end.refuse(
-            RunCutOffError.code,
-            "the bridge ended in the middle of the run and was started again; see that the robot stands still, look "
-            "at the door, start again",
-        )
+        """Tell how the run ended that a former process of this bridge had in hand, as soon as that is known."""
+        with self._ending:
+            end, handshake, inspections = self._cut_off, self._handover.handshake, self._inspections
+            if end is None or handshake.snapshot.state is HandshakeState.CLEARING:
+                return
+            outcome = handshake.outcome(end.run_id)
+            if outcome is not None and outcome.milled is None:
+                return  # the robot mills it still
+            self._cut_off = None
+        if outcome is None:
+            end.refuse(
+                RunCutOffError.code,
+                "the bridge ended in the middle of the run and was started again; see that the robot stands still, "
+                "look at the door, start again",
+            )
+        elif outcome.milled:
+            found = None if inspections is None else inspections.found(end.run_id)
+            end.mill_unseen(found or MeasuredDoor())
+        else:
+            end.refuse(MillingFaultError.code, outcome.reason)
         self._tell(end)
         self._note.clear()
 
@@ -120,6 +138,7 @@ class MillDoorServer:
     def notify(self) -> None:
         """The handshake changed."""
         self._desk.notify()
+        self._end_what_was_cut_off()
 
     def cancel(self) -> None:
         """End the run in hand, if any."""

@@ -28,6 +28,7 @@ from doormill_ros.nodes.run import run_nodes
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
+from doormill_ros.robot_model.extended_model import unknown_on_path
 from doormill_ros.toolpath.program import MillingProgram
 
 
@@ -70,6 +71,8 @@ class PathGenerator(ManagedNode):
         """Describe the robot to who draws it."""
         self._description.publish(String(data=self._setup.robot.urdf.read_text(encoding="utf-8")))
         self._bodies.publish(body_markers(self._setup.robot, self._setup.layout))
+        for sentence in unknown_on_path(self._setup.model):
+            self.get_logger().info(f"robot model {self._setup.model_name}: {sentence}")
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         if self._recipe is not None and self._recipe.run_id != recipe.run_id:

@@ -154,6 +154,12 @@ class Course:
     def _wait_for_request(self) -> int:
         """Number of the controller's request; from its beginning on pictures count."""
         run, handshake = self._run, self._handover.handshake
+        if handshake.snapshot.state is HandshakeState.MILLING:  # a file of a bridge that was killed
+            run.wait_until(
+                lambda: handshake.snapshot.state is not HandshakeState.MILLING,
+                self._limits.milling,
+                "the robot still mills the door before; look at its pendant",
+            )
         run.wait_until(
             lambda: handshake.snapshot.accepts_submission,
             self._limits.request,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.correction.gravity import with_gravity
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
@@ -25,7 +26,7 @@ class MillingSetup:
     Attributes:
         layout: Tool and fixture of the cell.
         robot: Which robot mills.
-        model: How it gives way under the process wrench.
+        model: How it gives way under the process wrench, and sags under the weights that the cell tells of.
         model_name: What the model is called where programs are written down.
         settings: Values of config/toolpath.yaml.
     """
@@ -53,6 +54,7 @@ def load_setup(robot: str = "", model: str = "") -> MillingSetup:
         model: Robot or model.yaml of a diagnosis that the correction takes; empty: the robot's joint springs.
 
     Raises:
+        BadCellFile: The cell tells weights that the robot cannot have.
         RobotError: There is no such robot, or its file is not of its form.
         ExtendedModelError: There is no such model, or it is of another robot.
         PoseModelError: The model's part from poses is not of its form.
@@ -60,7 +62,8 @@ def load_setup(robot: str = "", model: str = "") -> MillingSetup:
     layout = load_layout()
     arm = load_robot(robot or layout.robot)
     name = model or arm.name
-    return MillingSetup(layout, arm, load_model_of(arm, name), name, load_settings())
+    sagging = with_gravity(load_model_of(arm, name), arm, layout.gravity)
+    return MillingSetup(layout, arm, sagging, name, load_settings())
 
 
 def plan(

@@ -60,17 +60,28 @@ class RunEnd:
             path: Its copy.
             inspection: How the door came out.
         """
-        self.milled = True
-        self.inspection = inspection
         self.target_file = str(path)
         self.sha256 = hashlib.sha256(data).hexdigest()
+        self._mill(
+            inspection,
+            f"{targets} targets, largest correction {m_to_mm(self.largest_correction):.3f} mm, ready "
+            f"{s_to_ms(self.times.request_to_ready):.0f} ms after the request",
+        )
+
+    def mill_unseen(self, inspection: MeasuredDoor) -> None:
+        """The same of a run whose bridge was started again while the robot milled.
+
+        Args:
+            inspection: How the door came out.
+        """
+        self._mill(inspection, "the bridge ended in the middle of the run, the robot did not")
+
+    def _mill(self, inspection: MeasuredDoor, how: str) -> None:
+        self.milled = True
+        self.inspection = inspection
         self.success = not inspection.out_of_tolerance
         if self.success:
-            self.message = (
-                f"door {self.door_id} milled: {targets} targets, largest correction "
-                f"{m_to_mm(self.largest_correction):.3f} mm, ready {s_to_ms(self.times.request_to_ready):.0f} ms "
-                f"after the request; {inspection.sentence}"
-            )
+            self.message = f"door {self.door_id} milled: {how}; {inspection.sentence}"
         else:
             self.error_code = OutOfToleranceError.code
             self.message = (

@@ -11,11 +11,17 @@ from doormill_ros.recipes.quantities import Choice
 
 @dataclass(frozen=True)
 class DoorSize:
-    """Extents of a door along z, y and x of the door frame: height, width, thickness [m]."""
+    """Extents of a door along z, y and x of the door frame: height, width, thickness [m].
+
+    Attributes:
+        height, width, thickness: Extents [m].
+        head_down: True for a door that stands on its head in the clamp.
+    """
 
     height: float
     width: float
     thickness: float
+    head_down: bool = False
 
 
 # Thesis sections 1.3 and 3.7 disagree on the lower limits; the wider ones are taken.
@@ -29,8 +35,8 @@ DENSITY = (60.0, 1400.0)  #: kg/m^3 of a whole door, from a honeycomb core to th
 class HingeSide(str, Choice):
     """Where the hinges are, seen from the side to which the door opens.
 
-    The door frame has its hinge edge at y = 0 whatever the side. A right-hung door stands with
-    the side it opens to before the robot, a left-hung door with the other.
+    The clamp holds every door by its hinge edge, y = 0 of the door frame, with the side it opens to
+    before the robot. A right-hung door stands upright there, a left-hung door on its head.
     """
 
     LEFT = "left"

@@ -232,7 +232,8 @@ class DoorDrawing:
             MARGIN, 24, f"{recipe.door_id}, version {recipe.version}, bar code {recipe.bar_code}", css="title"
         )
         facts = (
-            f"{recipe.material.value}, {recipe.mass:g} kg, hinges {recipe.hinge_side.value}, "
+            f"{recipe.material.value}, {recipe.mass:g} kg, hinges {recipe.hinge_side.value}"
+            f"{', stands on its head' if recipe.size.head_down else ''}, "
             f"{len(recipe.features)} features; millimetres"
         )
         self._text(MARGIN, 42, facts)

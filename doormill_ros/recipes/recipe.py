@@ -92,8 +92,8 @@ class Recipe(Section):
 
     @property
     def size(self) -> DoorSize:
-        """Height, width and thickness [m]."""
-        return DoorSize(self.height, self.width, self.thickness)
+        """Height, width and thickness [m], and which way up the door stands."""
+        return DoorSize(self.height, self.width, self.thickness, self.hinge_side is HingeSide.LEFT)
 
     @property
     def tools(self) -> dict[str, Tool]:

@@ -46,7 +46,7 @@ class Prism:
         """Extent along x, y and z of the door frame [m]."""
         shape, centre = self.feature.shape, self.feature.across(self.door)
         across = (centre - shape.width / 2.0, centre + shape.width / 2.0)
-        height = self.feature.centre_height(self.door)
+        height = float(self.feature.T_door_feature(self.door)[2, 3])
         along = (self.low, self.high)
         first = (along, across) if self.axis == 0 else (across, along)
         return (*first, (height - shape.length / 2.0, height + shape.length / 2.0))

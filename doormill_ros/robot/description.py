@@ -17,6 +17,7 @@ from doormill_ros.resources import resource
 from doormill_ros.robot.denavit_hartenberg import table_of_chain
 from doormill_ros.robot.errors import RobotDescriptionError
 from doormill_ros.robot.urdf import JOINTS, read_chain
+from doormill_ros.robot.weights import LinkWeights
 from doormill_ros.units import deg_to_rad, rad_to_deg
 from doormill_ros.values import Array, Exactly, Positive, Section, contradiction
 
@@ -51,6 +52,7 @@ class Robot:
         stiffness_std: Its standard deviation, shape (6,) [N m/rad]; NaN where nobody stated it, None: nowhere.
         payload: Largest mass at the flange [kg].
         reach: Distance of the stretched wrist centre from axis 1 [m].
+        links: What its links weigh; None where nobody stated it.
         provenance: Source of reach, payload, limits, max_velocity and stiffness.
     """
 
@@ -67,6 +69,7 @@ class Robot:
     reach: float
     provenance: dict[str, Provenance]
     stiffness_std: FloatArray | None = None
+    links: LinkWeights | None = None
 
     def unmeasured(self) -> list[str]:
         """Names of the figures that nobody measured."""
@@ -116,6 +119,7 @@ class _RobotFile(Section):
     stiffness: _OfJoints
     label: str = ""
     urdf: str = "robot.urdf"
+    links: LinkWeights | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -184,6 +188,7 @@ def _load(path: Path) -> Robot:
         reach=content.reach.value,
         provenance={name: getattr(content, name).provenance for name in _FIGURES},
         stiffness_std=None if content.stiffness.std is None else np.array(content.stiffness.std, dtype=float),
+        links=content.links,
     )
     if robot.unmeasured():
         _log.warning("%s: nobody measured %s; see %s", robot.label, ", ".join(robot.unmeasured()), path)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import transform
+from doormill_ros.frames import rotation_from_vector, transform
 from doormill_ros.robot.errors import RobotDescriptionError
 
 JOINTS = 6
@@ -76,7 +76,7 @@ def link_poses(path: Path, q: FloatArray) -> list[LinkPose]:
     for joint in steps:
         T_parent_child = _origin(path, joint)
         if joint.get("type") != "fixed":
-            turn = Rotation.from_rotvec(next(angles) * _axis(path, joint)).as_matrix()
+            turn = rotation_from_vector(next(angles) * _axis(path, joint))
             T_parent_child = T_parent_child @ transform(turn)
         poses.append(LinkPose(_link(path, joint, "parent"), _link(path, joint, "child"), T_parent_child))
     return poses

@@ -15,9 +15,12 @@ from doormill_ros.frames import rotate_wrench, rotation_from_vector
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup, index
+from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
+from doormill_ros.robot_model.elastic.law.drivers import driver
+from doormill_ros.robot_model.elastic.law.term import LawTerm, term_of
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.model_file import MODEL_FILE, read_model, schema_of
@@ -36,22 +39,37 @@ class SizedCause:
 
 
 class ExtendedComplianceModel:
-    """Joint springs and established causes as a `ComplianceModel`.
+    """Joint springs, established causes and laws without a name as a `ComplianceModel`.
 
     Attributes:
         robot: Name of the robot.
         joint_stiffness: Springs of the model that was questioned, shape (6,) [N m / rad].
         causes: What was established; those that are not of the robot are kept for the record only.
+        laws: What no cause names, likewise.
     """
 
     def __init__(
-        self, robot: str, dh: FloatArray, joint_stiffness: FloatArray, causes: Sequence[SizedCause]
+        self,
+        robot: str,
+        dh: FloatArray,
+        joint_stiffness: FloatArray,
+        causes: Sequence[SizedCause],
+        laws: Sequence[SizedCause] = (),
     ) -> None:
-        """Keep robot, springs and causes."""
+        """Keep robot, springs, causes and laws."""
         self.robot = robot
         self.joint_stiffness = np.array(joint_stiffness, dtype=float)
         self.causes = tuple(causes)
+        self.laws = tuple(laws)
         self._kinematics = Kinematics(dh)
+
+    def springs_of_joints(self) -> FloatArray:
+        """Springs with what causes established of them, shape (6,) [N m / rad]."""
+        springs = self.joint_stiffness.copy()
+        for sized in self.causes:
+            if isinstance(sized.cause, JointStiffness):
+                springs[index(sized.cause.where)] = sized.values[0]
+        return springs
 
     def deflection(
         self,
@@ -62,12 +80,13 @@ class ExtendedComplianceModel:
     ) -> FloatArray:
         """Twist of the loaded tool, as `ComplianceModel.deflection`.
 
-        A joint whose last motion is unknown (0) gets half of its backlash: the expected value.
+        A joint whose last motion is unknown (0) gets half of its backlash: the expected value. A law whose driver
+        is unknown gets its mean over the test it comes from.
         """
         q = np.atleast_2d(np.asarray(q, dtype=float))
         wrench = np.broadcast_to(np.asarray(wrench, dtype=float), (len(q), 6))
         setup = Setup()
-        acting = [sized for sized in self.causes if sized.cause.of_robot]
+        acting = [sized for sized in (*self.causes, *self.laws) if sized.cause.of_robot]
         for sized in acting:
             if sized.cause.stage == "setup":
                 sized.cause.setup(setup, _theta(sized))
@@ -98,7 +117,12 @@ def _theta(sized: SizedCause) -> FloatArray:
 
 
 def model_document(
-    robot: str, joint_stiffness: FloatArray, causes: Sequence[SizedCause], source: str, unchanged: str = ""
+    robot: str,
+    joint_stiffness: FloatArray,
+    causes: Sequence[SizedCause],
+    source: str,
+    unchanged: str = "",
+    laws: Sequence[SizedCause] = (),
 ) -> dict[str, Any]:
     """The content of model.yaml.
 
@@ -108,6 +132,7 @@ def model_document(
         causes: What was established.
         source: Where the model comes from.
         unchanged: Why no cause is in it although some are in question; empty when that is not so.
+        laws: What no cause names.
     """
     return {
         "schema": SCHEMA,
@@ -115,16 +140,25 @@ def model_document(
         "source": source,
         **({"unchanged": unchanged} if unchanged else {}),
         "joint_stiffness": [float(k) for k in joint_stiffness],
-        "causes": [
-            {
-                "cause": sized.cause.name,
-                "where": sized.cause.where,
-                **({"variant": sized.cause.variant} if sized.cause.variant else {}),
-                "parameters": _named(sized),
-            }
-            for sized in causes
-        ],
+        "causes": [_entry(sized) for sized in causes],
+        **({"laws": [_law_entry(sized) for sized in laws]} if laws else {}),
     }
+
+
+def _entry(sized: SizedCause) -> dict[str, Any]:
+    return {
+        "cause": sized.cause.name,
+        "where": sized.cause.where,
+        **({"variant": sized.cause.variant} if sized.cause.variant else {}),
+        "parameters": _named(sized),
+    }
+
+
+def _law_entry(sized: SizedCause) -> dict[str, Any]:
+    """A term of a law, or a cause that is not believed and is a part of one all the same."""
+    if not isinstance(sized.cause, LawTerm):
+        return _entry(sized)
+    return sized.cause.document(sized.values) | {"known_on_path": driver(sized.cause.driver).of_path}
 
 
 def _named(sized: SizedCause) -> dict[str, float | list[float]]:
@@ -170,12 +204,25 @@ def _model(document: dict[str, Any], path: Path) -> ExtendedComplianceModel:
     robot = load_robot(str(document["robot"]))
     stiffness = np.array(document["joint_stiffness"], dtype=float)
     causes = [_sized(entry) for entry in document["causes"]]
+    laws = [_sized_law(entry) for entry in document.get("laws", ())]
     if stiffness.shape != (6,) or not np.all(stiffness > 0.0):
         raise ExtendedModelError(
             f"{path} has joint_stiffness {document['joint_stiffness']}, allowed are 6 positive numbers [N m / rad]",
             path=str(path),
         )
-    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes)
+    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes, laws)
+
+
+def unknown_on_path(model: ComplianceModel) -> tuple[str, ...]:
+    """Where a path does not know what drives a law of the robot, one sentence each."""
+    if not isinstance(model, ExtendedComplianceModel):
+        return ()
+    laws = [law.cause for law in model.laws if isinstance(law.cause, LawTerm) and law.cause.of_robot]
+    return tuple(
+        f"{law.where} hangs on {law.driver}, which no path knows: its mean over the test stands for it"
+        for law in laws
+        if not driver(law.driver).of_path
+    )
 
 
 def load_model_of(robot: Robot, path_or_name: str | Path = "") -> ComplianceModel:
@@ -204,6 +251,10 @@ def load_model_of(robot: Robot, path_or_name: str | Path = "") -> ComplianceMode
 def _own_springs(robot: Robot) -> ExtendedComplianceModel:
     """What a robot's description says of it, nothing added."""
     return ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, ())
+
+
+def _sized_law(entry: dict[str, Any]) -> SizedCause:
+    return _sized(entry) if "cause" in entry else SizedCause(*term_of(entry))
 
 
 def _sized(entry: dict[str, Any]) -> SizedCause:

@@ -6,8 +6,8 @@ them and must predict the others. What the printed data cannot decide is said so
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -15,13 +15,13 @@ from scipy.optimize import least_squares
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.ranking import ranked
 from doormill_ros.diagnosis.loading.path_shift import DOOR, paths_apart
-from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import candidates
-from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
+from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.extended_model import SizedCause
-from doormill_ros.thesis.loading_tests import ThesisData, ThesisTest
+from doormill_ros.thesis.loading_tests import ThesisData
+from doormill_ros.thesis.predicted_lengths import cases_of, load_point, own_joint_length, predicted_lengths
 from doormill_ros.thesis.recovery import recover, repeatability
 from doormill_ros.units import m_to_mm
 
@@ -116,13 +116,13 @@ class ThesisDiagnosis:
 def diagnose_thesis(data: ThesisData) -> ThesisDiagnosis:
     """Question the simulation of table 4.2."""
     stiffness = recover(data).stiffness
-    cases = {side: _cases(data, stiffness, side) for side in (1, -1)}
+    cases = {side: cases_of(data, stiffness, side) for side in (1, -1)}
     std = float(np.hypot(TRACKER, repeatability(data)))
     measured = np.array([test.measured for test in data.tests])
     use = np.array([test.joint in DECIDABLE for test in data.tests])
 
     def misfit(cause: ElasticCause | None, theta: FloatArray, rows: BoolArray) -> FloatArray:
-        off: FloatArray = _lengths(data, cases[1], cause, theta)[rows] - measured[rows]
+        off: FloatArray = predicted_lengths(data, cases[1], cause, theta)[rows] - measured[rows]
         return off / std
 
     def only(*joints: int) -> BoolArray:
@@ -133,8 +133,8 @@ def diagnose_thesis(data: ThesisData) -> ThesisDiagnosis:
     good = [fit for fit in fits if fit[2] < fits[0][2] + AS_GOOD]
     found = tuple(_candidate(*fit, cases[1][0]) for fit in good)
     cause, theta, _, slope = good[0]
-    plain = _lengths(data, cases[1], None, np.zeros(0))
-    full = _lengths(data, cases[1], cause, theta)
+    plain = predicted_lengths(data, cases[1], None, np.zeros(0))
+    full = predicted_lengths(data, cases[1], cause, theta)
     rows = []
     for i, test in enumerate(data.tests):
         held = np.nan
@@ -143,13 +143,13 @@ def diagnose_thesis(data: ThesisData) -> ThesisDiagnosis:
         left, _, strength = _fit(misfit, cause, others)
         # A fit that hardly knows its parameter predicts nothing.
         if use[i] and strength > 0.5 * slope / len(others):
-            held = float(_lengths(data, cases[1], cause, left)[i])
+            held = float(predicted_lengths(data, cases[1], cause, left)[i])
         rows.append(
             ThesisRow(
                 test.joint,
                 test.measured,
                 test.simulated,
-                _own(data, cases[1][i], test, stiffness),
+                own_joint_length(data, cases[1][i], test, stiffness),
                 float(plain[i]),
                 float(full[i]),
                 held,
@@ -161,7 +161,7 @@ def diagnose_thesis(data: ThesisData) -> ThesisDiagnosis:
         float(spring.values(_fit(misfit, spring, only(*joints))[0], cases[1][0])[0] / stiffness[0])
         for joints in ((3,), (3, 5))
     ]
-    sides = [float(_lengths(data, cases[side], cause, theta)[5]) for side in (1, -1)]
+    sides = [float(predicted_lengths(data, cases[side], cause, theta)[5]) for side in (1, -1)]
     models = {repr(c.cause): [SizedCause(c.cause, np.array([c.value]))] for c in found}
     return ThesisDiagnosis(
         candidates=found,
@@ -198,20 +198,13 @@ def _plain_ratio(data: ThesisData, case: LoadCase, stiffness: FloatArray) -> flo
     moved = []
     for k in (1, 2):
         torque = float(
-            case.axis(k)[0] @ np.cross(_load_point(data, test) - case.origin[0, k], [0.0, 0.0, -weight])
+            case.axis(k)[0] @ np.cross(load_point(data, test) - case.origin[0, k], [0.0, 0.0, -weight])
         )
         moved.append(torque / stiffness[k] * case.joint_twist(k)[0, :3])
     # |moved by joint 2 + s moved by joint 3| is what was measured: a quadratic equation for s.
     a, b = float(moved[1] @ moved[1]), float(moved[0] @ moved[1])
     c = float(moved[0] @ moved[0]) - test.measured**2
     return float(stiffness[2] / stiffness[0] * a / (-b + np.sqrt(b * b - a * c)))
-
-
-def _load_point(data: ThesisData, test: ThesisTest) -> FloatArray:
-    """Where the load of a test acts, base frame, shape (3,) [m]."""
-    frame = Kinematics(data.robot).link_frames(test.q)[test.load_link]
-    point: FloatArray = frame[:3, :3] @ test.load_point + frame[:3, 3]
-    return point
 
 
 LEFT_OUT = (
@@ -225,71 +218,6 @@ LEFT_OUT = (
     "joint 5, which bends under the same rope; how much of it shows depends on the side of the reflector, which is "
     "not printed, so the deviation cannot be assigned",
 )
-
-
-def _cases(data: ThesisData, stiffness: FloatArray, side: int) -> list[LoadCase]:
-    """All tests, laws scaled by the largest torque of each joint in any of them: one friction torque for all."""
-    cases = [_case(data, test, stiffness, side) for test in data.tests]
-    largest = np.max([np.abs(case.torque[0]) for case in cases], axis=0)
-    return [replace(case, largest_torque=largest) for case in cases]
-
-
-def _case(data: ThesisData, test: ThesisTest, stiffness: FloatArray, side: int) -> LoadCase:
-    kinematics = Kinematics(data.robot)
-    reflector = test.reflector.copy()
-    if test.joint == 6:
-        reflector[1] *= side
-    wrench = np.concatenate([test.force_base, test.moment_base])[None]
-    case = build_load_case(
-        kinematics,
-        test.q[None],
-        wrench,
-        test.load_point if test.load_link == 6 else np.zeros(3),
-        points=reflector[None],
-        links=np.array([test.reflector_link]),
-        direction=-np.ones((1, 6)),
-        joint_stiffness=stiffness,
-    )
-    if test.load_link < 6:
-        # A load on an inner link is felt by the joints before it only.
-        moment = np.cross(_load_point(data, test) - case.origin[0], test.force_base)[None]
-        moment[0, test.load_link :] = 0.0
-        case = replace(
-            case, moment=moment, torque=np.einsum("nki,nki->nk", case.axes[:, :6, :, 2], moment[:, :6])
-        )
-    # All joints were pre-loaded: their last motion went against the load.
-    return replace(case, direction=-np.sign(case.torque))
-
-
-def _lengths(
-    data: ThesisData, cases: Sequence[LoadCase], cause: ElasticCause | None, theta: FloatArray
-) -> FloatArray:
-    """Predicted length of each test, shape (6,) [m]; test 4 is the rotation of joint 4 times its radius."""
-    lengths = []
-    for case, test in zip(cases, data.tests, strict=True):
-        twist = case.springs()[0]
-        if cause is not None:
-            twist = twist + cause.twist(case, theta)[0]
-        if test.joint == 4:
-            angle = case.torque[0, 3] / case.joint_stiffness[3]
-            if (
-                cause is not None
-                and cause.where == "joint 4"
-                and cause.name in ("joint_stiffness", "joint_friction")
-            ):
-                unit = case.joint_twist(3)[0]
-                angle += float(cause.twist(case, theta)[0] @ unit / (unit @ unit))
-            lengths.append(abs(angle) * test.extra["radius"])
-        else:
-            lengths.append(float(np.linalg.norm(twist[:3])))
-    return np.array(lengths)
-
-
-def _own(data: ThesisData, case: LoadCase, test: ThesisTest, stiffness: FloatArray) -> float:
-    k = test.joint - 1
-    angle = float(case.torque[0, k] / stiffness[k])
-    lever = test.extra["radius"] if test.joint == 4 else float(np.linalg.norm(case.joint_twist(k)[0, :3]))
-    return abs(angle) * lever
 
 
 def _fit(

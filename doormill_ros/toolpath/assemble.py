@@ -173,14 +173,15 @@ def assembled(
         before, turning = turning, directions(sent)[step, station]
         if np.array_equal(before, turning):
             break
-    _check_correction(route, found.T_base_tool, nominal, found.residual, settings)
     share = 1.0 / np.bincount(owner)[owner]
     each = loaded.deflection(found.q[owner], loads.wrench, loads.direction)
-    mean_wrench, deflection = np.zeros((2, len(route.stops), 6))
+    mean_wrench, deflection, standing = np.zeros((3, len(route.stops), 6))
     np.add.at(mean_wrench, owner, loads.wrench * share[:, None])
     np.add.at(deflection, owner, each * share[:, None])
+    np.add.at(standing, owner, loaded.standing(found.q[owner], loads.direction) * share[:, None])
     wall = np.array([plan.steps[i].wall for i in step])
     moved = (found.T_base_tool - nominal)[:, :3, 3]
+    _check_correction(route, moved, standing[:, :3], found.residual, settings)
     expected = expected_errors(loaded, found.q, moved, owner, loads, each, wall)
     check_expected(expected, [(stop.feature, stop.name) for stop in route.stops], settings.checks)
     conf = configurations(robot, found.q)
@@ -267,9 +268,23 @@ def _motion(step: Step, end: int, via: int, wrench: FloatArray) -> Motion:
 
 
 def _check_correction(
-    route: Itinerary, corrected: FloatArray, nominal: FloatArray, residual: FloatArray, settings: PathSettings
+    route: Itinerary, moved: FloatArray, standing: FloatArray, residual: FloatArray, settings: PathSettings
 ) -> None:
-    size = np.linalg.norm((corrected - nominal)[:, :3, 3], axis=1)
+    """Refuse what no sound model asks for; displacements of shape (n, 3) [m], residuals of shape (n,) [m]."""
+    own = np.linalg.norm(standing, axis=1)
+    worst, limit = int(own.argmax()), settings.correction.standing
+    if own[worst] > limit:
+        stop = route.stops[worst]
+        raise CorrectionLimitError(
+            f"{stop.feature or 'air'}, target {stop.name}: the unloaded tool stands {m_to_mm(own[worst]):.2f} mm off, "
+            f"allowed are {m_to_mm(limit):.2f} mm; check the masses of tool and links, where the cell was taught, and "
+            "the robot model",
+            feature=stop.feature,
+            target=stop.name,
+            found=float(own[worst]),
+            allowed=limit,
+        )
+    size = np.maximum(np.linalg.norm(moved, axis=1) - own, 0.0)
     worst, limit = int(size.argmax()), settings.correction.limit
     if size[worst] > limit:
         stop = route.stops[worst]

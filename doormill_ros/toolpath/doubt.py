@@ -23,6 +23,7 @@ class ExpectedErrors:
         left: What the correction leaves of the predicted deflection, shape (n,) [m].
         joints: What the spring of each joint leaves to chance, shape (n, 6) [m].
         force: What the force leaves to chance, shape (n,) [m].
+        weights: What the masses of tool and links leave to chance, shape (n,) [m].
         bounded: Where nobody measured the force, shape (n,).
     """
 
@@ -30,6 +31,7 @@ class ExpectedErrors:
     left: FloatArray
     joints: FloatArray
     force: FloatArray
+    weights: FloatArray
     bounded: BoolArray
 
 
@@ -55,15 +57,20 @@ def expected_errors(
     """
     n = len(q)
     left = np.linalg.norm(deflection[:, :3] + moved[owner], axis=1) * wall
-    joints, force = np.zeros((len(owner), 6)), np.zeros(len(owner))
+    joints = np.zeros((len(owner), 6))
+    force: FloatArray = np.zeros(len(owner))
+    weights: FloatArray = np.zeros(len(owner))
     if loaded.worth is not None:
-        spread = loaded.worth.spread(q[owner], loads.wrench, loads.spread, loaded.load_point)
-        joints, force = spread.joints * wall[:, None], spread.force * wall
-    total = np.sqrt(left**2 + np.sum(joints**2, axis=1) + force**2)
+        at, standing = q[owner], loaded.standing_spread(q[owner])
+        spread = loaded.worth.spread(at, loads.wrench, loads.spread, loaded.load_point, standing)
+        joints, force, weights = spread.joints * wall[:, None], spread.force * wall, spread.weights * wall
+    total = np.sqrt(left**2 + np.sum(joints**2, axis=1) + force**2 + weights**2)
     order = np.argsort(total, kind="stable")
     worst = np.zeros(n, dtype=int)
     worst[owner[order]] = order  # the last written is the largest
-    return ExpectedErrors(total[worst], left[worst], joints[worst], force[worst], loads.bounded[worst])
+    return ExpectedErrors(
+        total[worst], left[worst], joints[worst], force[worst], weights[worst], loads.bounded[worst]
+    )
 
 
 def check_expected(found: ExpectedErrors, names: Sequence[tuple[str, str]], checks: Checks) -> None:
@@ -85,8 +92,10 @@ def check_expected(found: ExpectedErrors, names: Sequence[tuple[str, str]], chec
     # What a bounded correction leaves is left because nobody measured the force.
     left = found.left[worst] if found.bounded[worst] else 0.0
     by_force = float(np.hypot(found.force[worst], left))
-    by_joint = float(found.joints[worst, joint])
-    if by_force >= by_joint:
+    by_joint, by_weights = float(found.joints[worst, joint]), float(found.weights[worst])
+    if by_weights > max(by_force, by_joint):
+        help_ = f"the masses of tool and links ({m_to_mm(by_weights):.2f} mm; weigh them, or teach nearer to the door)"
+    elif by_force >= by_joint:
         help_ = f"the process force of {feature} ({m_to_mm(by_force):.2f} mm; identify --milling)"
     else:
         help_ = f"the stiffness of joint {joint + 1} ({m_to_mm(by_joint):.2f} mm; identify)"

@@ -15,6 +15,7 @@ from doormill_ros.recipes.errors import UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.toolpath.arcs import circle
 from doormill_ros.toolpath.curve import arc_about
 from doormill_ros.toolpath.program import MillingProgram, MotionKind
 from doormill_ros.units import m_to_mm
@@ -154,13 +155,10 @@ def _ways(
 
 def _arc(start: FloatArray, via: FloatArray, end: FloatArray) -> FloatArray:
     """Points on the circle through three points, shape (n, 3)."""
-    a, b = via - start, end - start
-    normal = np.cross(a, b)
-    square = normal @ normal
-    if square < 1e-24:
+    length, radius, begin, _ = circle(start, via, end)
+    if not np.isfinite(radius):
         return np.array([start, via, end])
-    centre = start + (np.cross(normal, a) * (b @ b) + np.cross(b, normal) * (a @ a)) / (2.0 * square)
-    normal = normal / np.sqrt(square)
-    arm, last = start - centre, end - centre
-    sweep = float(np.arctan2(np.cross(arm, last) @ normal, arm @ last) % (2.0 * np.pi))
-    return arc_about(start, centre, normal, sweep).points(np.linspace(0.0, 1.0, ARC_POINTS))
+    normal = np.cross(begin, via - start)
+    normal = normal / np.linalg.norm(normal)
+    centre = start + radius * np.cross(normal, begin)
+    return arc_about(start, centre, normal, length / radius).points(np.linspace(0.0, 1.0, ARC_POINTS))

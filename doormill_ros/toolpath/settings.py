@@ -48,7 +48,8 @@ class Correction(Section):
     """Limits of the process force correction.
 
     Attributes:
-        limit: Largest translation between nominal and corrected pose [m].
+        limit: Largest translation between nominal and corrected pose, for the process force [m].
+        standing: The same for what the unloaded tool is off by, where the model knows of it [m].
         unmeasured: The same where nobody measured the force [m].
         tolerance: Accepted distance of the loaded tool from the nominal pose [m].
         bend: A segment is divided where it would leave its exact path by more [m].
@@ -58,6 +59,7 @@ class Correction(Section):
     """
 
     limit: Positive
+    standing: Positive
     unmeasured: Positive
     tolerance: Positive
     bend: Positive

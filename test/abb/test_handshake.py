@@ -183,9 +183,10 @@ def test_a_whole_run_in_the_order_that_keeps_the_robot_safe(cell: Cell) -> None:
     ]
     order = [entry for entry in cell.transport.log if entry != "request?"]
     clear = ["number=0", "ready=0", "remove", "read", "remove", "read"]
+    former = ["read", "read"]  # the runs that the robot accepted and milled last
     mark = ["read"]
     handover = ["write", "read", "write", "read", *mark, "ready=1", *mark]
-    assert order == [*clear, *mark, *clear, *handover, *clear]
+    assert order == [*clear, *former, *mark, *clear, *handover, *clear]
     assert announced == [f"{run_id}\n".encode()]
 
 
@@ -207,6 +208,86 @@ def test_a_request_raised_before_the_start_is_answered() -> None:
     handshake.on_start()
     assert handshake.step().state is State.REQUESTED
     assert handshake.snapshot.request_number == 1
+
+
+class TestRobotThatMillsWhenTheBridgeStarts:
+    """A former process handed run-7 over for request 17 and was killed."""
+
+    @pytest.fixture
+    def robot(self) -> MemoryTransport:
+        transport = MemoryTransport()
+        transport.set_signal(signals.BUSY, True)
+        transport.write_file(signals.ACCEPTED_FILE, b"run-7\n17\n")
+        return transport
+
+    @pytest.fixture
+    def handshake(self, robot: MemoryTransport) -> Handshake:
+        return Handshake(robot, Clock(), LIMITS)
+
+    def test_is_waited_for(self, robot: MemoryTransport, handshake: Handshake) -> None:
+        assert handshake.on_start().state is State.MILLING
+        assert handshake.snapshot.run_id == "run-7"
+        assert handshake.outcome("run-7").milled is None
+        assert handshake.step().state is State.MILLING
+        robot.set_signal(signals.DONE, True)
+        robot.set_signal(signals.BUSY, False)
+        assert handshake.step().state is State.DONE
+        assert handshake.outcome("run-7").milled is True
+
+    def test_tells_its_fault(self, robot: MemoryTransport, handshake: Handshake) -> None:
+        robot.set_signal(signals.FAULT, True)
+        robot.write_file(signals.REFUSED_FILE, b"17\nThe spindle lost its speed.\n")
+        handshake.on_start()
+        assert handshake.step().state is State.FAILED
+        assert "The spindle lost its speed." in handshake.snapshot.reason
+        assert handshake.outcome("run-7").milled is False
+
+    @pytest.mark.parametrize("noted", [True, False])
+    def test_ends_unseen(self, robot: MemoryTransport, handshake: Handshake, noted: bool) -> None:
+        handshake.on_start()
+        if noted:
+            robot.write_file(signals.MILLED_FILE, b"run-7\n")
+        robot.set_signal(signals.BUSY, False)
+        robot.set_signal(signals.REQUEST, True)
+        assert handshake.step().state is State.REQUESTED
+        assert handshake.outcome("run-7").milled is noted
+
+    def test_ended_while_there_was_no_bridge(self, robot: MemoryTransport, handshake: Handshake) -> None:
+        robot.write_file(signals.MILLED_FILE, b"run-7\n")
+        robot.set_signal(signals.BUSY, False)
+        assert handshake.on_start().state is State.IDLE
+        assert handshake.outcome("run-7").milled is True
+
+    def test_came_to_nothing_while_there_was_no_bridge(
+        self, robot: MemoryTransport, handshake: Handshake
+    ) -> None:
+        robot.write_file(signals.MILLED_FILE, b"run-6\n")
+        robot.set_signal(signals.BUSY, False)
+        assert handshake.on_start().state is State.IDLE
+        assert handshake.outcome("run-7") is None
+
+    def test_takes_the_file_in_the_moment_of_the_start(
+        self, robot: MemoryTransport, handshake: Handshake
+    ) -> None:
+        robot.set_signal(signals.REQUEST, True)
+        handshake.on_start()
+        assert handshake.step().state is State.REQUESTED
+        robot.set_signal(signals.REQUEST, False)
+        assert handshake.step().state is State.MILLING
+        assert handshake.snapshot.run_id == "run-7"
+
+    def test_is_no_matter_once_this_process_handed_over_a_file(
+        self, robot: MemoryTransport, handshake: Handshake
+    ) -> None:
+        robot.set_signal(signals.REQUEST, True)
+        handshake.on_start()
+        handshake.step()
+        handshake.submit("run-8", "door", FILE)
+        assert handshake.step().state is State.READY
+        handshake.abort("given up")
+        robot.set_signal(signals.REQUEST, False)
+        assert handshake.step().state is not State.MILLING
+        assert handshake.outcome("run-8").handed_over is False
 
 
 def test_no_request_no_file(cell: Cell) -> None:
@@ -473,6 +554,37 @@ def test_a_failed_request_may_be_answered_again_until_it_falls(cell: Cell) -> No
     cell.request(False)
     assert cell.step() is State.IDLE
     assert not cell.handshake.snapshot.accepts_submission
+
+
+@pytest.mark.parametrize("before", [State.IDLE, State.DONE, State.FAILED])
+def test_a_request_that_rises_while_its_signal_cannot_be_read_is_answered(
+    cell: Cell, before: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Refused by a controller that is there: nothing was missed, and still this request is a new one."""
+    if before is not State.IDLE:
+        cell.to_ready()
+        cell.request(False)
+        cell.step()
+        cell.transport.set_signal(signals.DONE if before is State.DONE else signals.FAULT, True)
+        assert cell.step() is before
+    number = cell.handshake.snapshot.request_number
+    cell.request(True)
+    refusals = [SignalAccessError("no")]
+    read = cell.transport.read_signal
+
+    def refuse_once(name: str) -> bool:
+        if refusals:
+            raise refusals.pop()
+        return read(name)
+
+    monkeypatch.setattr(cell.transport, "read_signal", refuse_once)
+    cell.step()
+    assert not refusals
+    for _ in range(3):
+        cell.clock.now += 1.0
+        cell.step()
+    assert cell.handshake.snapshot.state is State.REQUESTED
+    assert cell.handshake.snapshot.request_number == number + 1
 
 
 def test_an_abort_with_nothing_to_abort_does_not_hit_the_next_run(cell: Cell) -> None:

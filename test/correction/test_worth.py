@@ -52,7 +52,7 @@ def test_no_other_share_of_a_noisy_figure_leaves_less(worth):
     figures = true + s / np.sqrt(3.0) * rng.normal(size=(100_000, 3))
     deflection = np.zeros((1, 6))
     deflection[0, :3] = true
-    spread = DeflectionSpread(np.zeros((1, 6)), np.array([s]))
+    spread = DeflectionSpread(np.zeros((1, 6)), np.array([s]), np.zeros(1))
     share = worth.share(deflection, spread, np.array([False]))[0]
 
     def left(rho):
@@ -67,7 +67,7 @@ def test_no_other_share_of_a_noisy_figure_leaves_less(worth):
 def test_a_force_that_nobody_measured_moves_the_tool_by_the_bound_and_turns_it_never(worth):
     rng = np.random.default_rng(4)
     deflection = 1e-3 * rng.normal(size=(50, 6))
-    spread = DeflectionSpread(np.zeros((50, 6)), np.full(50, 1e-5))
+    spread = DeflectionSpread(np.zeros((50, 6)), np.full(50, 1e-5), np.zeros(50))
     share = worth.share(deflection, spread, np.ones(50, dtype=bool))
     corrected = share * deflection
     assert np.linalg.norm(corrected[:, :3], axis=1) == pytest.approx(np.full(50, 4e-5), rel=1e-6)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from doormill_ros.measurements.pose_set import read_pose_set
+from doormill_ros.measurements.errors import PoseTableError, TrialTableError
+from doormill_ros.measurements.pose_set import placement_owners, read_pose_set
 from doormill_ros.tools.diagnose import main
 
 
@@ -95,3 +96,53 @@ def test_a_set_to_check_without_marked_rows_is_refused(folder, tmp_path, write_p
     assert code == 2
     assert "placement 1" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+class TestPositionsAlone:
+    @pytest.fixture
+    def points(self, tmp_path, write_arm_sets, arm):
+        return write_arm_sets(tmp_path / "points", arm(names=("one", "two"), same={"two": "one"}), 12, 1)
+
+    def test_they_are_read_with_seven_joints(self, points):
+        one, two = (read_pose_set(folder) for folder in points)
+        assert (one.joints, one.oriented, one.same_as, two.same_as) == (7, False, "", "one")
+        assert one.q.shape == (12, 7)
+        assert one.dh.shape == (7, 4)
+        assert len(one.links) == 7
+        assert placement_owners([one, two]) == (0, 0)
+        assert placement_owners([two, one]) == (0, 0)
+
+    @pytest.mark.parametrize(
+        ("file", "old", "new", "wanted"),
+        [
+            ("poses.csv", "q7", "q8", "column q7: the column is missing"),
+            ("poses.csv", "placement", "qw", "column placement: the column is missing"),
+            ("poses.csv", "temperature", "temperature,qx", "row has"),
+            ("set.yaml", "placement: fitted", "placement: same", "allowed are fitted and 'same as NAME'"),
+            ("set.yaml", "placement: fitted", "placement: same as three", "'three', of which 0 are given"),
+            ("set.yaml", "placement: fitted", "placement: same as one", "'one', of which 0 are given"),
+            ("set.yaml", "placement: fitted", "placement: [1]", "allowed are fitted"),
+        ],
+    )
+    def test_what_is_wrong_is_said_in_a_sentence(self, points, tmp_path, capsys, file, old, new, wanted):
+        edit(points[0] / file, old, new)
+        code = main(["--data", str(points[0]), "--out", str(tmp_path / "out")])
+        message = capsys.readouterr().err.strip().splitlines()[-1]
+        assert code == 2
+        assert wanted in message
+        assert f"{file}: line " in message
+        assert not (tmp_path / "out").exists()
+
+    def test_a_part_of_an_orientation_is_none(self, folder):
+        edit(folder / "poses.csv", "qx", "qq")
+        with pytest.raises(TrialTableError, match="column qx: the column is missing"):
+            read_pose_set(folder)
+
+    def test_more_joints_than_the_model_has_are_refused(self, folder):
+        edit(folder / "poses.csv", "temperature", "q7")
+        edit(folder / "poses.csv", ",t,", ",temperature,")
+        lines = (folder / "poses.csv").read_text().splitlines()
+        table = [line + (",t" if i == 0 else ",") for i, line in enumerate(lines)]
+        (folder / "poses.csv").write_text("\n".join(table) + "\n")
+        with pytest.raises(PoseTableError, match=r"column q7: model\.dh has 6 rows"):
+            read_pose_set(folder)

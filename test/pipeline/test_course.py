@@ -90,6 +90,7 @@ class World:
         self.inspected_after = 3  # looks
         self.dead: set[str] = set()
         self.unsettled = 0  # looks
+        self.busy_until = 0.0
 
     def mill(self) -> RunEnd:
         """Take the door through the course."""
@@ -133,7 +134,9 @@ class World:
     def _controller(self) -> None:
         told = {stage for stage, _ in self.told}
         signal, put = self.transport.signal, self.transport.set_signal
-        if "picture" in told and "request" not in self.absent and not self.read:
+        busy = self.now < self.busy_until
+        put(signals.BUSY, busy)
+        if "picture" in told and "request" not in self.absent and not self.read and not busy:
             put(signals.REQUEST, True)
         if signal(signals.READY) and "read" not in self.absent:
             self.read = self.transport.read_file(signals.TARGET_FILE)
@@ -204,6 +207,21 @@ def test_a_door_goes_through_all_stages(world: World) -> None:
     assert Path(end.target_file).read_bytes() == world.read
     assert end.sha256 == hashlib.sha256(world.read).hexdigest()
     assert f"{len(world.program.targets)} targets, largest correction 2.000 mm" in end.message
+
+
+def test_a_door_waits_while_the_robot_mills_what_a_killed_bridge_handed_over(world: World) -> None:
+    """For as long as a door may take, which is longer than a request may be missing."""
+    world.transport.set_signal(signals.BUSY, True)
+    world.busy_until = world.now + LIMITS.request + 2.0
+    end = world.mill()
+    assert end.success, end.message
+    assert world.now > world.busy_until
+
+
+def test_a_robot_that_never_ends_that_is_named(world: World) -> None:
+    world.transport.set_signal(signals.BUSY, True)
+    world.busy_until = float("inf")
+    assert_refused(world.mill(), 801, "still mills the door before")
 
 
 def test_the_stages_times_are_those_at_which_they_were_heard_of(world: World) -> None:

@@ -50,7 +50,7 @@ def document():
             "height_mm": 2000,
             "width_mm": 800,
             "thickness_mm": 40,
-            "hinge_side": "left",
+            "hinge_side": "right",
             "material": "softwood",
             "mass_kg": 30,
             "placement": {"y_mm": 1.5},

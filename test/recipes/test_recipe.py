@@ -2,13 +2,15 @@ import math
 
 import numpy as np
 import pytest
+import shapely.affinity
 import yaml
 
 from doormill_ros.recipes import door
 from doormill_ros.recipes.documents import load_recipe, parse_yaml, shipped_recipes
-from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, DoorSize, Side
+from doormill_ros.recipes.door import R_DOOR_FEATURE, R_FEATURE_TOOL, DoorSize, HingeSide, Side
 from doormill_ros.recipes.errors import DuplicateField, FieldError, UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.solid import prism
 from support.source_tree import DATA
 from support.tool_poses import T_door_tool
 
@@ -166,3 +168,42 @@ def test_file_name_stands_before_the_field(tmp_path, document):
 def test_unknown_shipped_recipe():
     with pytest.raises(UnreadableFile, match="no such recipe"):
         load_recipe("nothing_like_it")
+
+
+def test_a_left_hung_door_is_the_upright_one_turned_in_its_plane(document):
+    """Seen from the side it opens to, its hinges are on the left: the side of +y, looking along +x with z up.
+
+    Half a turn about the middle of its face brings them to the edge that the clamp holds, and the top down.
+    """
+    left = Recipe.from_document({**document, "hinge_side": "left"})
+    width, height = 0.8, 2.0
+    upright = {  # x into the wood, y towards the viewer's left, z up
+        "hinge_1": [0.0, width - 0.025, 0.2],
+        "hinge_2": [0.0, width - 0.025, 1.8],
+        "case": [0.02, 0.0, 1.0],  # on the lock edge, now on the viewer's right
+        "plate": [0.02, 0.0, 1.0],
+        "hole": [0.0, 0.05, 1.04],
+    }
+    half_turn = np.diag([1.0, -1.0, -1.0])
+    stands = {name: half_turn @ at + [0.0, width, height] for name, at in upright.items()}
+    found = {feature.id: left.T_door_feature(feature)[:3, 3] for feature in left.features}
+    assert found.keys() == stands.keys()
+    for name, at in stands.items():
+        np.testing.assert_allclose(found[name], at, atol=1e-12, err_msg=name)
+    right = Recipe.from_document({**document, "hinge_side": "right"})
+    for feature in left.features:
+        body, upright_body = prism(feature, left.size), prism(feature, right.size)
+        turned = shapely.affinity.scale(upright_body.polygon, 1.0, -1.0, origin=(0.0, height / 2.0))
+        assert body.polygon.symmetric_difference(turned).area < 1e-12
+        assert (body.low, body.high) == (upright_body.low, upright_body.high)
+
+
+def test_the_hinges_of_every_shipped_door_lie_on_the_side_it_opens_to():
+    """The clamp shows that side, the front, to the robot, whatever the hand of the door."""
+    hands = set()
+    for recipe in shipped_recipes().values():
+        hands.add(recipe.hinge_side)
+        hinges = [feature for feature in recipe.features if feature.kind.startswith("hinge")]
+        assert hinges
+        assert {feature.side for feature in hinges} == {Side.FRONT}
+    assert hands == set(HingeSide)

@@ -4,20 +4,24 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.errors import DoormillError
+from doormill_ros.frames import inverse
 from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot_model.extended_model import ExtendedComplianceModel
 from doormill_ros.simulation.judge.bodies import JudgedCell, load_cell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.judge.verdict import Verdict
+from doormill_ros.toolpath.settings import load_settings
+from doormill_ros.toolpath.split import Share, split
 from support import doors
 from support.file_run import run_file
-from support.way_search import WaySearch
+from support.way_search import WaySearch, seen_from
 
 RUN_ID = "20260101T000000000000Z"
 #: Region of operation of the thesis: widths and heights that the cell shall mill [m].
@@ -34,6 +38,7 @@ class Outcome:
     verdict: Verdict | None = None
     planning: float = 0.0
     judging: float = 0.0
+    robot: str = "first"
 
 
 def draw(count: int, number: int) -> list[tuple[Recipe, DoorOffset]]:
@@ -72,38 +77,77 @@ def rigid(setup: MillingSetup) -> MillingSetup:
     return replace(setup, model=stiff)
 
 
-def judge_door(recipe: Recipe, offset: DoorOffset, setup: MillingSetup, cell: JudgedCell) -> Outcome:
-    """Plan, run and judge one door."""
+def judge_door(
+    recipe: Recipe, offset: DoorOffset, setup: MillingSetup, cell: JudgedCell, share: Share | None = None
+) -> Outcome:
+    """Plan, run and judge one door, or one robot's share of it."""
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
+    name, operations = "first", None
+    if share is not None:
+        name, T_base_door, operations = share.robot, share.T_base_door, share.operations
     begun = time.perf_counter()
     try:
-        program = plan(recipe, T_base_door, setup).program
+        program = plan(recipe, T_base_door, setup, operations).program
         text = render_target_file(program, RUN_ID).decode("ascii")
     except DoormillError as refusal:
-        return Outcome(recipe, offset, refusal, planning=time.perf_counter() - begun)
+        return Outcome(recipe, offset, refusal, planning=time.perf_counter() - begun, robot=name)
     planned = time.perf_counter()
     executed, turned = run_file(text, setup.robot.name)
     run = time.perf_counter()
     verdict = judge(recipe, T_base_door, executed, cell, turned)
-    return Outcome(recipe, offset, None, verdict, planned - begun, time.perf_counter() - run)
+    return Outcome(recipe, offset, None, verdict, planned - begun, time.perf_counter() - run, name)
 
 
-def judge_doors(count: int, number: int, tools: int | None = None) -> Iterator[Outcome]:
-    """Outcomes of drawn doors; `tools` for a cell that has more than the usual number of them at hand."""
+def judge_doors(count: int, number: int, tools: int | None = None, robots: int = 1) -> Iterator[Outcome]:
+    """Outcomes of drawn doors.
+
+    Args:
+        count: How many doors.
+        number: Seed.
+        tools: For a cell that has more than the usual number of them at hand.
+        robots: 2 for a share of each door to either robot, one outcome a share; they are judged one by one, so that the
+            arms of the two might meet is not seen.
+    """
     setup, cell = rigid(load_setup()), load_cell()
     if tools is not None:
         checks = replace(setup.settings.checks, tools=tools)
         setup = replace(setup, settings=replace(setup.settings, checks=checks))
+    T_first_second = setup.settings.second_robot.T_base_second
+    places = {
+        "first": (setup, cell),
+        "second": (
+            replace(setup, layout=setup.layout.seen_from(T_first_second)),
+            seen_from(cell, T_first_second),
+        ),
+    }
     for recipe, offset in draw(count, number):
-        yield judge_door(recipe, offset, setup, cell)
+        if robots == 1:
+            yield judge_door(recipe, offset, setup, cell)
+            continue
+        T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
+        for share in split(recipe, T_base_door, setup.settings):
+            if share.operations:
+                yield judge_door(recipe, offset, *places[share.robot], share)
 
 
 def search(outcome: Outcome, tries: int = 100) -> str:
-    """What an independent search says of a refused feature: "way", "posture", "no posture", or that none was named."""
+    """What an independent search says of a refused feature: "way", "posture", "no posture", or that none was named.
+
+    Of a way that is refused it asks for the feature where it begins, too.
+    """
     named = outcome.refusal.data.get("feature") if outcome.refusal is not None else None
-    by_id = {feature.id: feature for feature in outcome.recipe.features}
-    if named not in by_id:
+    ids = [feature.id for feature in outcome.recipe.features]
+    if named not in ids:
         return "no feature named"
+    at = ids.index(named)
+    before = outcome.refusal is not None and outcome.refusal.message.startswith("the way to") and at > 0
+    features = outcome.recipe.features[at - before : at + 1]
     recipe = outcome.recipe
     T_base_door = load_layout().T_base_door(recipe.width, recipe.thickness, outcome.offset)
-    return WaySearch(recipe, T_base_door).serves(by_id[named], tries=tries).split(":")[0]
+    T_cell_robot = np.eye(4)
+    if outcome.robot == "second":
+        T_cell_robot = load_settings().second_robot.T_base_second
+        T_base_door = inverse(T_cell_robot) @ T_base_door
+    asked = WaySearch(recipe, T_base_door, T_cell_robot=T_cell_robot)
+    found = [asked.serves(feature, tries=tries).split(":")[0] for feature in features]
+    return min(found, key=("no posture", "posture", "way").index)

@@ -10,16 +10,21 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from doormill_ros.abb.target_file.target_file import render_target_file
+from doormill_ros.frames import inverse
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.simulation.truth.robot import TruthRobot
+from doormill_ros.simulation.world.robot import WorldRobot
+from doormill_ros.simulation.world.world_file import LinksOfWorld, RobotOfWorld, ToolOfWorld
 from support.file_run import read_file
 from support.ideal_controller import run_file_ideally
 
 RUN_ID = "20260101T000000000000Z"
 STANDARD_GRAVITY = 9.80665  # m/s^2
+TOOL_CENTRE = np.array([0.0, 0.0, 0.1])  #: of mass, flange frame [m]
 #: Springs that ship with the robot, typed in again from the table of docs/thesis.md [N m / rad].
 SPRINGS = np.array([2.442e6, 2.167e6, 1.683e6, 3.443e5, 1.172e5, 4.567e4])
 #: Wrench at the tool centre point, base axes, shape (n, 6), from the believed one and the executed path.
@@ -72,12 +77,16 @@ class World:
         springs: Factor on each joint's spring, shape (6,).
         gap: Play of every joint [rad].
         mass: At the flange, its centre 0.1 m in front [kg].
+        links: Masses of the links, each half way between its ends, or none [kg].
+        taught: Postures at which the tool tip touched the points that door and camera are placed by [rad].
         force: What acts on the tool.
     """
 
     springs: tuple[float, ...] = (1.0,) * 6
     gap: float = 0.0
     mass: float = 0.0
+    links: tuple[float, ...] = ()
+    taught: tuple[tuple[float, ...], ...] = ()
     force: Force = as_believed
 
     def robot(self, dh) -> TruthRobot:
@@ -119,6 +128,15 @@ def soft_and_stiff(seeds) -> dict[str, World]:
     return worlds
 
 
+#: Masses of the links of no robot in particular [kg].
+LINKS = (500.0, 120.0, 115.0, 130.0, 12.0, 4.0)
+#: The tool along x before the lowest door, at three points 0.3 to 0.8 m apart, and 1.5 m higher.
+LOW = (
+    (-0.2, 0.962, 0.333, -0.25, -1.292, 0.07),
+    (0.2, 0.962, 0.333, 0.25, -1.292, -0.07),
+    (0.0, 0.6, 0.3, 0.0, -0.9, 0.0),
+)
+HIGH = (0.0, 0.3, -0.8, 0.0, 0.5, 0.0)
 WORLDS = {
     "as believed": World(),
     **soft_and_stiff(range(4)),
@@ -130,8 +148,25 @@ WORLDS = {
     "force turned by 180": World(force=turned(180.0)),
     "gap of 1e-4 rad": World(gap=1e-4),
     "25 kg not told": World(mass=25.0),
+    "25 kg not told, taught low": World(mass=25.0, taught=LOW),
+    "25 kg and links not told, taught low": World(mass=25.0, links=LINKS, taught=LOW),
     "150 N beside the feed": World(force=beside_the_feed(150.0)),
     "150 N from the other side": World(force=beside_the_feed(-150.0)),
+}
+
+
+#: Worlds with a weight that the maker of the file was told of: mass, its deviation [kg], where he taught, the world.
+TOLD = {
+    "25 kg told": (25.0, 0.0, (), World(mass=25.0)),
+    "25 kg told, taught low": (25.0, 0.0, LOW, World(mass=25.0, taught=LOW)),
+    "25 kg told, taught at one posture": (25.0, 0.0, (HIGH,), World(mass=25.0, taught=(HIGH,))),
+    "25 kg told, taught low and high": (25.0, 0.0, (*LOW, HIGH), World(mass=25.0, taught=(*LOW, HIGH))),
+    "25 kg told, springs soft": (25.0, 0.0, (), World(mass=25.0, springs=(0.7,) * 6)),
+    "25 kg told, springs stiff": (25.0, 0.0, (), World(mass=25.0, springs=(1.3,) * 6)),
+    "25 kg told, 15 hang there": (25.0, 10.0, (), World(mass=15.0)),
+    "25 kg told, 35 hang there": (25.0, 10.0, (), World(mass=35.0)),
+    "25 kg and links told": (25.0, 0.0, (), World(mass=25.0, links=LINKS)),
+    "25 kg and links told, taught low": (25.0, 0.0, LOW, World(mass=25.0, links=LINKS, taught=LOW)),
 }
 
 
@@ -156,17 +191,10 @@ class MilledFile:
         """Where the tool really went while it was at its features."""
         path, keep = self.path, self.keep
         force = np.where(path.cutting[:, None], world.force(self.believed, path), 0.0)[keep]
-        tip = self.T_flange_tool[:3, 3]
-        if world.mass:
-            weight = np.array([0.0, 0.0, -world.mass * STANDARD_GRAVITY])
-            R_flange = (path.T_base_tool[keep] @ np.linalg.inv(self.T_flange_tool))[:, :3, :3]
-            arm = R_flange @ (np.array([0.0, 0.0, 0.1]) - tip)
-            force = force + np.concatenate(
-                [np.broadcast_to(weight, arm.shape), np.cross(arm, weight)], axis=1
-            )
-        robot = world.robot(self.dh)
         direction = np.array([flanks(q, world.gap) for q in path.q.T]).T
-        T = robot.deflected(path.q[keep], force, tip, direction[keep]) @ self.T_flange_tool
+        T = self._bent(world, path.q[keep], force, direction[keep])
+        if world.taught:
+            T = inverse(self._taken_up(world)) @ T
         return ExecutedPath(
             path.time[keep],
             T,
@@ -177,6 +205,40 @@ class MilledFile:
             path.feature[keep],
             force,
         )
+
+    def _bent(self, world: World, q: np.ndarray, force: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """T_base_tool under forces on the tool and under weight, shape (n, 4, 4)."""
+        tip = self.T_flange_tool[:3, 3]
+        if world.links:
+            robot = WorldRobot(
+                self.dh,
+                RobotOfWorld(stiffness_factor=world.springs, gap=(world.gap,) * 6),
+                ToolOfWorld(mass=world.mass, com=TOOL_CENTRE),
+                LinksOfWorld(masses=world.links),
+            )
+            return robot.flange(q, force, tip, direction) @ self.T_flange_tool
+        robot = world.robot(self.dh)
+        if world.mass:
+            weight = np.array([0.0, 0.0, -world.mass * STANDARD_GRAVITY])
+            arm = robot.forward(q)[:, :3, :3] @ (TOOL_CENTRE - tip)
+            force = force + np.concatenate(
+                [np.broadcast_to(weight, arm.shape), np.cross(arm, weight)], axis=1
+            )
+        return robot.deflected(q, force, tip, direction) @ self.T_flange_tool
+
+    def _taken_up(self, world: World) -> np.ndarray:
+        """The frame that teaching found, in the one that it would have found with a rigid arm, shape (4, 4)."""
+        q = np.array(world.taught)
+        still = np.zeros_like(q)
+        believed = (TruthRobot(self.dh).forward(q) @ self.T_flange_tool)[:, :3, 3]
+        touched = self._bent(world, q, still, still)[:, :3, 3]
+        middle = believed.mean(axis=0)
+        R = np.eye(3)
+        if len(q) > 2:
+            R = Rotation.align_vectors(touched - touched.mean(axis=0), believed - middle)[0].as_matrix()
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = R, touched.mean(axis=0) - R @ middle
+        return T
 
 
 def both_files(program, dh, T_flange_tool) -> tuple[MilledFile, ...]:

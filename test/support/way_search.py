@@ -4,7 +4,7 @@ Postures come from the controller's own closed-form kinematics at every turn abo
 branch, ways from a bidirectional random tree in joint space (Kuffner and LaValle 2000), shapes from the judge.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -26,6 +26,13 @@ FRONT = 0.030  # m before the surface, where a feature's way begins
 REACH = 0.6  # rad of one step of the tree
 
 
+def seen_from(cell, T_cell_robot):
+    """The judged cell with its obstacles in the base frame of a robot that stands elsewhere, shape (4, 4)."""
+    T_robot_cell = inverse(T_cell_robot)
+    boxes = tuple(replace(box, at=T_robot_cell @ box.at) for box in cell.obstacles)
+    return replace(cell, obstacles=boxes)
+
+
 @dataclass
 class WaySearch:
     """Robot and door in the cell."""
@@ -34,43 +41,54 @@ class WaySearch:
     T_base_door: np.ndarray
     robot: str = "irb6600_175_255"
     clearance: float = CLEARANCE
+    T_cell_robot: np.ndarray = field(default_factory=lambda: np.eye(4))  # of a robot beside the cell's first
 
     def __post_init__(self):
         robot = load_robot(self.robot)
         self.arm = ControllerArm(robot.dh, robot.lower, robot.upper, robot.max_velocity)
         self.low, self.high = robot.lower + MARGIN, robot.upper - MARGIN
-        self.cell = load_cell(self.robot)
+        self.cell = seen_from(load_cell(self.robot), self.T_cell_robot)
         size = np.array([self.recipe.thickness, self.recipe.width, self.recipe.height])
         self.door = Box("door", BASE, self.T_base_door @ transform(translation=size / 2.0), size / 2.0)
         self.home = np.radians(HOME)
 
-    def gap(self, q, mill_radius=None):
-        """Smallest gap of arm and spindle, and of the mill where a radius is given, at q (n, 6); shape (n,)."""
+    def gap(self, q, mill_radius=None, cuts=False):
+        """Smallest gap of arm and spindle, and of the mill where a radius is given, at q (n, 6); shape (n,).
+
+        A mill that `cuts` may be in the door.
+        """
         frames = self.cell.links.frames(q)
         least = np.full(len(q), np.inf)
         for box in (self.door, *self.cell.obstacles):
             T = inverse(box.at)
             for body in self.cell.bodies:
                 least = np.minimum(least, body.gap(T @ frames[body.link], box.half))
-            if mill_radius is not None:
+            if mill_radius is not None and not (cuts and box is self.door):
                 tool = T @ frames[FLANGE] @ self.cell.T_flange_tool
                 back = tool[:, :3, 3] - self.cell.nose * tool[:, :3, 2]
                 radius = np.full(len(q), mill_radius)
                 least = np.minimum(least, cylinder_gap(tool[:, :3, 3], back, radius, box.half))
         return least
 
-    def postures(self, feature):
+    def postures(self, feature, turns=TURNS, front=FRONT, mill_radius=None):
         """Joint angles in front of a feature, (k, 6), from which all of it is served on one branch and turn.
 
         Second, why the others are none: how many (turn, branch) fail by reach and limits, by wrist, by touch.
+
+        Args:
+            feature: What is to be milled.
+            turns: Turns about the tool axis that are allowed [rad].
+            front: How far before the surface its way begins [m].
+            mill_radius: Of the mill that must touch nothing but the door; None: of the feature's tool [m].
         """
         inset = min(feature.tool.radius, feature.shape.width / 2 - 1e-6, feature.shape.length / 2 - 1e-6)
         ring = feature.outline(inset=inset).points(step=0.02)
-        depths = [-FRONT, 0.0, feature.cut_depth(self.recipe.size)]
+        depths = [-front, 0.0, feature.cut_depth(self.recipe.size)]
         points = np.concatenate([np.column_stack([ring, np.full(len(ring), z)]) for z in depths])
         T_feature = self.T_base_door @ self.recipe.T_door_feature(feature)
+        radius = feature.tool.radius if mill_radius is None else mill_radius
         found, why = [], {"reach": 0, "wrist": 0, "touch": 0}
-        for turn in TURNS:
+        for turn in turns:
             c, s = np.cos(turn), np.sin(turn)
             tool = R_FEATURE_TOOL @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
             T = T_feature @ np.stack([transform(tool, point) for point in points])
@@ -91,7 +109,7 @@ class WaySearch:
                     why["reach"] += 1
                 elif np.abs(np.sin(q[:, 4])).min() < WRIST:
                     why["wrist"] += 1
-                elif self.gap(q).min() < self.clearance:
+                elif self.gap(q, radius, cuts=True).min() < self.clearance:
                     why["touch"] += 1
                 else:
                     found.append(q[0])

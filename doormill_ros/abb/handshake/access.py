@@ -287,6 +287,16 @@ class ControllerAccess:
         """
         return self._optional_lines(signals.MILLED_FILE) == [run_id]
 
+    def last_runs(self) -> tuple[str, bytes, str]:
+        """What the robot program noted: the run it accepted last, its request's mark, and the run it milled last.
+
+        Raises:
+            LinkError: Its files cannot be read.
+        """
+        accepted = [*self._optional_lines(signals.ACCEPTED_FILE), "", ""]
+        milled = [*self._optional_lines(signals.MILLED_FILE), ""]
+        return accepted[0], accepted[1].encode("ascii", "replace"), milled[0]
+
     def name_door(self, door_id: str) -> None:
         """Tell the robot program which door is being loaded.
 

@@ -19,6 +19,7 @@ from typing import Any
 from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.backoff import Backoff, Outage
 from doormill_ros.abb.handshake.access import ControllerAccess
+from doormill_ros.abb.handshake.announced import AnnouncedWatch
 from doormill_ros.abb.handshake.inbox import Inbox, RunLedger, Submission
 from doormill_ros.abb.handshake.milling import MillingWatch
 from doormill_ros.abb.handshake.state import CLEARED, HandshakeSnapshot, HandshakeTimeouts, RunOutcome
@@ -59,6 +60,7 @@ class Handshake:
         self._clock = clock
         self._timeouts = timeouts or HandshakeTimeouts()
         self._access = ControllerAccess(transport, clock, file_name, check)
+        self._announced = AnnouncedWatch(self._access, clock, self._timeouts)
         self._milling = MillingWatch(self._access, clock, self._timeouts.milling)
         self._on_change = on_change
         self._inbox = Inbox()
@@ -87,6 +89,7 @@ class Handshake:
         self._begin_clearing(State.IDLE, "started", 0)
         self._access.expect_latecomers()
         self._edges_missed = True
+        self._milling.look_back(True)
         return self.step()
 
     def submit(self, run_id: str, door_id: str, data: bytes, request_number: int | None = None) -> None:
@@ -159,6 +162,7 @@ class Handshake:
         try:
             self._access.clear()
             high = self._access.request_is_high()
+            former = None if high else self._milling.recall(self._runs)
         except LinkError as error:
             self._edges_missed = True
             self._retry.failed()
@@ -171,12 +175,18 @@ class Handshake:
             return
         self._inbox.forget_abort()
         self._watch_at = self._clock() + self._timeouts.watch
+        if not high:
+            self._milling.look_back(False)
+        if former is not None:
+            after, reason, code = State.MILLING, self._milling.TAKEN_UP, 0
+            run_id, self._request_mark = former
+            self._update(run_id=run_id, door_id="")
         if after is State.MILLING:
             self._milling.begin()
-        # A request that could not be read for a while may have fallen and risen, and has for a robot that mills:
-        # a high one counts as new, and a file that was made before is not taken for it.
-        same = not self._edges_missed and after is not State.MILLING
-        self._enter(after, reason, code, request=high and same)
+        # A request that could not be read for a while may have fallen and risen: a high one counts as new, and a file
+        # that was made before is not taken for it. Known is one alone that came to nothing.
+        known = not self._edges_missed and self._snapshot.request and after is State.FAILED
+        self._enter(after, reason, code, request=high and known)
         self._edges_missed = False
 
     def _step_cleared(self) -> None:
@@ -217,10 +227,6 @@ class Handshake:
         self._access.clear()
         self._edges_missed = False
 
-    def _end_milling(self, state: State, reason: str) -> None:
-        self._runs.end_milling(self._snapshot.run_id, state is State.DONE, reason)
-        self._enter(state, reason, 0)
-
     def _step_requested(self, high: bool) -> None:
         if not high:
             raise link_errors.RequestWithdrawnError(
@@ -249,6 +255,7 @@ class Handshake:
             self._inbox.forget_abort()
 
     def _hand_over(self, submission: Submission) -> None:
+        self._milling.look_back(False)
         self._runs.begin(submission)
         submission.check_request(self._snapshot.request_number)
         self._update(run_id=submission.run_id, door_id=submission.door_id)
@@ -261,8 +268,7 @@ class Handshake:
         self._inbox.raise_if_aborted()
         self._enter(State.RAISING, f"{name} verified, setting {signals.READY}", 0)
         self._access.announce(submission, self._request_mark)
-        self._deadline = self._clock() + self._timeouts.acknowledge
-        self._watch_at = self._clock() + self._timeouts.watch
+        self._announced.begin()
         self._unreadable.over()
         self._enter(State.READY, f"{name} verified and announced; the controller may read it", 0)
 
@@ -279,19 +285,8 @@ class Handshake:
         self._unreadable.over()
         if not high:
             self._acknowledged()
-        elif not reported:
-            raise link_errors.RequestWithdrawnError(
-                "the request fell and rose again before ready was lowered; request again"
-            )
-        elif self._clock() >= self._deadline:
-            raise link_errors.AcknowledgeTimeoutError(
-                f"the controller did not take the file within {self._timeouts.acknowledge:g} s; "
-                "check that the milling program runs in automatic mode",
-                timeout=self._timeouts.acknowledge,
-            )
-        elif self._clock() >= self._watch_at:
-            self._watch_at = self._clock() + self._timeouts.watch
-            self._access.require_announced()
+        else:
+            self._announced.require(reported)
 
     def _acknowledged(self) -> None:
         self._update(request=False)
@@ -303,7 +298,9 @@ class Handshake:
 
     def _step_milling(self) -> None:
         if (end := self._milling.end(self._request_mark)) is not None:
-            self._end_milling(*end)
+            state, reason = end
+            self._runs.end_milling(self._snapshot.run_id, state is State.DONE, reason)
+            self._enter(state, reason, 0)
 
     def _fail(self, error: LinkError) -> None:
         state = self._snapshot.state

@@ -178,6 +178,11 @@ class RunLedger:
             del self._outcomes[next(iter(self._outcomes))]
         return outcome
 
+    def recall(self, run_id: str, milled: bool | None, reason: str) -> None:
+        """A run that was handed over before this process began; how far the robot is with it."""
+        if run_id:
+            self._outcomes.setdefault(run_id, RunOutcome(run_id, "", True, 0, reason, milled))
+
     def end_milling(self, run_id: str, milled: bool, reason: str) -> None:
         """Say how the milling of a run that was handed over ended; without effect for another."""
         outcome = self._outcomes.get(run_id)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from doormill_ros.abb import link_errors, signals
 from doormill_ros.abb.handshake.access import FAULT_WHILE_MILLING, NO_REASON, ControllerAccess
+from doormill_ros.abb.handshake.inbox import RunLedger
 from doormill_ros.abb.handshake.state import HandshakeState
 
 
@@ -18,15 +19,41 @@ class MillingWatch:
         limit: Longest milling [s].
     """
 
+    TAKEN_UP = "the robot is busy with a file that was handed over before this start"
+
     def __init__(self, access: ControllerAccess, clock: Callable[[], float], limit: float) -> None:
         self._access = access
         self._clock = clock
         self._limit = limit
         self._deadline = float("inf")
+        self._looks_back = False
+
+    def look_back(self, wanted: bool) -> None:
+        """Take up what a former process of this PC began, or nothing any more."""
+        self._looks_back = wanted
 
     def begin(self) -> None:
         """The robot mills from now on."""
         self._deadline = self._clock() + self._limit
+
+    def recall(self, runs: RunLedger) -> tuple[str, bytes] | None:
+        """The run that the robot mills since before this process began, and its request's mark; to be asked once.
+
+        The robot tells by its busy signal, which stays high after a fault until it is home, and by its notes. Of a run
+        that it has milled meanwhile it tells the end. None where it mills nothing, or nobody looks back.
+
+        Raises:
+            LinkError: The controller cannot be asked.
+        """
+        if not self._looks_back:
+            return None
+        busy = self._access.optional_signal(signals.BUSY)
+        accepted, mark, milled = self._access.last_runs()
+        runs.recall(milled, True, "the robot noted the end of milling while nobody looked")
+        if not busy:
+            return None
+        runs.recall(accepted, None, self.TAKEN_UP)
+        return accepted, mark
 
     def end(self, request_mark: bytes) -> tuple[HandshakeState, str] | None:
         """State and reason of the end, None while the robot mills.

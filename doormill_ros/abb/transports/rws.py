@@ -23,8 +23,10 @@ from doormill_ros.abb.link_errors import (
     SignalWriteError,
     UnknownSignalError,
     UploadError,
+    WriteAccessError,
 )
 from doormill_ros.abb.transport import check_file_name
+from doormill_ros.abb.transports.control_station import ControlStation
 from doormill_ros.abb.transports.rws_address import tls_context
 from doormill_ros.abb.transports.rws_controller import RwsController
 from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2, Dialect
@@ -36,8 +38,6 @@ from doormill_ros.abb.transports.rws_http import LinkTimeouts, RwsHttp
 REJECTED = (-1073445881, -1073414145)
 #: Codes of "held by somebody else" and "mastership is needed", from the same captures.
 MASTERSHIP = (-1073445862, -1073445859)
-#: Codes of RobotWare 8's refusals to write without the control station's write access, from the same captures.
-WRITE_ACCESS = (-1073435873, -1073435871, -1073435870)
 
 
 class RwsTransport:
@@ -56,6 +56,7 @@ class RwsTransport:
         signal_paths: Mapping[str, str] | None = None,
         poll_interval: float = 0.25,
         subscribe: bool = True,
+        station: ControlStation | None = None,
     ) -> None:
         """Begin to subscribe in the background; the controller need not be reachable yet.
 
@@ -66,8 +67,10 @@ class RwsTransport:
             signal_paths: `{network}/{device}/{name}` by signal name where the plain name does not do.
             poll_interval: How long the request's last value is good without an event [s].
             subscribe: Listen to events; without them the request is polled alone.
+            station: Takes the write access where a controller wants it.
         """
         self._http = http
+        self._station = station
         self._dialect = dialect
         # Nothing documented bounds how long a controller may sit on a request whose connection broke;
         # once more the limit of an operation has to do, and the robot program checks what it reads.
@@ -127,7 +130,7 @@ class RwsTransport:
 
     def write_file(self, name: str, data: bytes) -> None:
         """Upload; the controller writes in place, so the file is half there for a moment."""
-        response = self._http.request(
+        response = self._change(
             "PUT",
             self._dialect.file(check_file_name(name)),
             content=data,
@@ -159,7 +162,7 @@ class RwsTransport:
 
     def remove_file(self, name: str) -> None:
         """Delete; a missing file is no error."""
-        response = self._http.request(
+        response = self._change(
             "DELETE",
             self._dialect.file(check_file_name(name)),
             headers=self._dialect.change_headers,
@@ -194,7 +197,41 @@ class RwsTransport:
         """Unsubscribe, log out and close."""
         if self.events is not None:
             self.events.close()
-        self._http.close(logout=lambda: self._http.request("GET", "/logout"))
+        self._http.close(logout=self._log_out)
+
+    def _log_out(self) -> None:
+        if self._station is not None:
+            self._station.give_back()
+        self._http.request("GET", "/logout")
+
+    def _change(
+        self,
+        method: str,
+        path: str,
+        content: bytes | str | None = None,
+        headers: dict[str, str] | None = None,
+        repeat: bool = False,
+        once: bool = False,
+    ) -> httpx.Response:
+        """Send a change; one that was refused for want of write access is sent again once this PC has that.
+
+        Raises:
+            WriteAccessError: There is none to be had, or the change was to be sent `once`: the access is here now, and
+                whoever wants the change has to look again first.
+            LinkError: The leaf of the phase that failed.
+        """
+        response = self._http.request(
+            method, path, content=content, headers=headers, repeat=repeat, once=once
+        )
+        if self._station is None or not self._station.misses_access(response):
+            return response
+        self._station.take()
+        if once:
+            raise WriteAccessError(
+                "the controller's write access had gone to another control station, and is here again; take a new "
+                "picture of the door"
+            )
+        return self._http.request(method, path, content=content, headers=headers, repeat=repeat)
 
     def _read_value(self, name: str) -> int:
         response = self._http.request("GET", self._dialect.signal(self._path(name)), repeat=True)
@@ -209,7 +246,7 @@ class RwsTransport:
         )
 
     def _write_value(self, name: str, value: int) -> None:
-        response = self._http.request(
+        response = self._change(
             "POST",
             self._dialect.set_signal(self._path(name)),
             content=f"lvalue={value}",
@@ -235,7 +272,7 @@ class RwsTransport:
                 signal=name,
                 controller_code=code,
             )
-        if code in MASTERSHIP or code in WRITE_ACCESS:
+        if code in MASTERSHIP:
             raise SignalAccessError(
                 f"signal {name} cannot be {doing} (code {code}): somebody else may write on this controller now; "
                 "release the write access of RobotStudio or of the other client",
@@ -276,7 +313,7 @@ def connect_rws(
         dialect: RWS1 for IRC5 with RobotWare 6.08 and later: http with digest login. RWS2 for OmniCore with
             RobotWare 7 and later: https with basic login.
         url: For example "http://192.168.125.1", the WAN port's address.
-        credentials: A user with the grants to write HOME and I/O.
+        credentials: A user with the grants to write HOME and I/O; for RobotWare 8 with a PIN.
         certificate: Of RWS2: the controller's own certificate as PEM; no other is trusted.
         insecure: Of RWS2: trust any certificate instead.
         timeouts: Limits of an operation.
@@ -291,7 +328,8 @@ def connect_rws(
     timeouts = timeouts or LinkTimeouts()
     tls = tls_context(certificate, insecure) if dialect.encrypted else None
     http = RwsHttp(url, credentials, timeouts, not dialect.encrypted, dialect.headers, tls)
-    return RwsTransport(http, dialect, timeouts.total, signal_paths, poll_interval, subscribe)
+    station = ControlStation(http, dialect, credentials) if dialect.version == 2 else None
+    return RwsTransport(http, dialect, timeouts.total, signal_paths, poll_interval, subscribe, station)
 
 
 connect_rws1 = partial(connect_rws, RWS1)

@@ -59,7 +59,12 @@ class RwsController:
 
     def _has_privilege(self) -> bool:
         """Ask the operator unless that is done; whether he said yes. Each look keeps the privilege alive."""
-        status = self._value("/users/rmmp/poll", "status")
+        try:
+            status = self._value("/users/rmmp/poll", "status")
+        except ControllerReplyError as error:
+            if error.data.get("status") != 500:
+                raise
+            return False  # RobotWare 8.1.1 has no answer but this to any question for it
         if status not in ("GRANTED", "PENDING"):
             self._http.request(
                 "POST",

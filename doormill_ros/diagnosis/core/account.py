@@ -8,30 +8,14 @@ from typing import Any
 
 from doormill_ros.diagnosis.core.candidates import candidates_table
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis
+from doormill_ros.diagnosis.core.examination import Double
 from doormill_ros.diagnosis.core.finding import Finding
 from doormill_ros.diagnosis.core.judgement import Judgement
 from doormill_ros.diagnosis.core.margin import Margin
-from doormill_ros.diagnosis.core.margins import margins
-from doormill_ros.diagnosis.core.ranking import QUANTUM
 from doormill_ros.diagnosis.core.verdict import CONSISTENT, UNEXPLAINED
 from doormill_ros.diagnosis.core.wording import Unit, Words, spoken, spoken_findings
 from doormill_ros.pages.page import Block, PageSection
 from doormill_ros.robot_model.candidate import Cause
-
-
-@dataclass(frozen=True)
-class Double:
-    """Another cause that would do as well as a named one.
-
-    Attributes:
-        cause: The cause.
-        behind: By how much the score of a model with it is larger; None where only the effects overlap.
-        tied: Whether the data say nothing at all between the two.
-    """
-
-    cause: Cause
-    behind: float | None = None
-    tied: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +36,7 @@ class NamedCause:
     words: str
     parameters: Mapping[str, Mapping[str, Any]]
     without: float
-    doubles: Sequence[Double] = ()
+    doubles: Sequence[Double[Any, Any]] = ()
     more: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -144,6 +128,7 @@ def told(
         noise_floor=noise_floor,
         ratio=judgement.ratio,
         ratio_ci=judgement.ratio_ci,
+        margins=judgement.margins,
         causes=causes,
         **common | more,
     )
@@ -179,7 +164,6 @@ def account_of(
         headline=spoken_findings(findings),
         outliers=diagnosis.outliers,
         remarks=diagnosis.remarks,
-        margins=margins(diagnosis),
         next_measurement=next_measurement,
         checks=checks,
         candidates=candidates_table(diagnosis, words),
@@ -194,15 +178,7 @@ def _named(finding: Finding[Any], more: Mapping[str, Any]) -> NamedCause:
         words=spoken(finding.cause),
         parameters=parameters_of(finding),
         without=finding.without,
-        doubles=[
-            # In whole quanta of a score: less than that is not told apart.
-            Double(
-                equal.cause,
-                QUANTUM * round(equal.behind / QUANTUM) if equal.tied else equal.behind,
-                equal.tied,
-            )
-            for equal in finding.equals
-        ],
+        doubles=finding.equals,
         more=more,
     )
 

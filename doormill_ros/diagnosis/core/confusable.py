@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Generic
-
 import numpy as np
 
 from doormill_ros.diagnosis.core.beam import EQUAL, BeamSearch
+from doormill_ros.diagnosis.core.examination import Double
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.kinks import score_without
 from doormill_ros.diagnosis.core.problem import C
@@ -20,27 +18,7 @@ _NEAR = 40.0  #: score within which a model is worth another look at its kinked 
 _TRIED = 6  #: pairs of causes that are fitted in place of one
 
 
-@dataclass(frozen=True, eq=False)
-class Equal(Generic[C]):
-    """A cause that does as well as one that is named.
-
-    Attributes:
-        cause: The cause.
-        model: The model that holds it in the place of the named one.
-        behind: By how much the score of that model is larger.
-    """
-
-    cause: C
-    model: Fit[C]
-    behind: float
-
-    @property
-    def tied(self) -> bool:
-        """Whether the data say nothing at all between the two: a fixed order chose the name."""
-        return abs(self.behind) <= QUANTUM
-
-
-def equals(search: BeamSearch[C], best: Fit[C], cause: C, structure: bool) -> list[Equal[C]]:
+def equals(search: BeamSearch[C], best: Fit[C], cause: C, structure: bool) -> list[Double[C, Fit[C]]]:
     """Causes that do as well in the place of one member; the best first.
 
     Args:
@@ -72,7 +50,12 @@ def equals(search: BeamSearch[C], best: Fit[C], cause: C, structure: bool) -> li
             if all(other is not member for member in best.members):
                 found.setdefault(other.key, (other, model))
     total = search.total(best)
-    return [Equal(other, model, search.total(model) - total) for other, model in found.values()]
+    return [_double(other, model, search.total(model) - total) for other, model in found.values()]
+
+
+def _double(cause: C, model: Fit[C], behind: float) -> Double[C, Fit[C]]:
+    tied = abs(behind) <= QUANTUM  # told in whole quanta: less than that is not told apart
+    return Double(cause, QUANTUM * round(behind / QUANTUM) if tied else behind, tied, model)
 
 
 def _instead(search: BeamSearch[C], best: Fit[C], model: Fit[C], other: C) -> bool:

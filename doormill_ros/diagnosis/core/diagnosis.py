@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.beam import BeamSearch
-from doormill_ros.diagnosis.core.examination import established, gross_errors, has_structure, reason_against
+from doormill_ros.diagnosis.core.characterised import Characterised
+from doormill_ros.diagnosis.core.examination import Examination
 from doormill_ros.diagnosis.core.finding import Finding, make_findings
 from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.judgement import (
-    MOST_REMAINS,
-    Examination,
-    Judgement,
-    Question,
-    judge_question,
-)
+from doormill_ros.diagnosis.core.fit_examiner import FitExaminer
+from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
 from doormill_ros.diagnosis.core.problem import C, Examined
+from doormill_ros.diagnosis.core.robust import gross_errors
 from doormill_ros.diagnosis.core.stability import clustered, turned_joint
 from doormill_ros.diagnosis.core.verdict import rmse
 
@@ -37,6 +34,7 @@ class Diagnosis(Judgement[C, Fit[C]], Generic[P, C]):
         findings: Established causes.
         outliers: Trial numbers.
         remarks: Sentences for the reader.
+        characterised: Laws without a name for what the findings leave, where any was found.
     """
 
     problem: P
@@ -44,6 +42,7 @@ class Diagnosis(Judgement[C, Fit[C]], Generic[P, C]):
     findings: tuple[Finding[C], ...]
     outliers: tuple[int, ...]
     remarks: tuple[str, ...]
+    characterised: Characterised[C] | None = None
 
     @property
     def kept(self) -> BoolArray:
@@ -64,7 +63,7 @@ def diagnose_problem(problem: P, progress: Callable[[str], None] = lambda line: 
         **vars(found),
         problem=problem,
         search=question.models,
-        findings=make_findings(question.models, examination, question.structure),
+        findings=make_findings(question.models, examination, not question.at_noise(examination.best)),
         outliers=tuple(int(t) for t in problem.labels()[~examination.kept]),
         remarks=_remarks(problem, examination),
     )
@@ -76,13 +75,12 @@ class _Fitted(Question[C, Fit[C]], Generic[P, C]):
     Attributes:
         problem: The set, of a finer model where that was found better.
         models: All that were tried.
-        structure: Whether the best of them leaves more than noise.
     """
 
     main_part = 0.0  # every cause has explained its own part
 
     def __init__(self, problem: P) -> None:
-        self.problem, self.noise_floor, self.structure = problem, problem.noise_floor, False
+        self.problem, self.noise_floor = problem, problem.noise_floor
 
     def search(self, progress: Callable[[str], None]) -> Fit[C]:
         """The best model, by finite joint angles where these matter."""
@@ -96,30 +94,12 @@ class _Fitted(Question[C, Fit[C]], Generic[P, C]):
             found = other.run()
             if other.total(found) < self.models.total(best):
                 self.models, best, self.problem = other, found, bent
+        self.examiner = FitExaminer(self.problem, self.models)
         return best
 
-    def examine(self, best: Fit[C]) -> Examination[C, Fit[C]]:
-        """Gross errors set aside, then every member by itself."""
-        problem, models = self.problem, self.models
-        outliers = gross_errors(best, problem.components)
-        self.structure = has_structure(problem, best, outliers)
-        named = established(problem, models, best, self.structure)
-        theta = np.concatenate([np.zeros(0)] + [best.theta[best.part(cause)] for cause in named])
-        refused = tuple(
-            (cause, reason_against(problem, best, cause))
-            for cause in best.members
-            if cause.named and cause not in named
-        )
-        return Examination(best, models.fit(()), models.fit(named, [theta]), named, refused, ~outliers)
-
-    def withdrawn(self, examination: Examination[C, Fit[C]]) -> Examination[C, Fit[C]]:
-        """The same with nothing named."""
-        refused = [*examination.refused, *((cause, MOST_REMAINS) for cause in examination.named)]
-        return replace(examination, extended=examination.baseline, named=(), refused=tuple(refused))
-
-    def at_noise(self, model: Fit[C], kept: BoolArray) -> bool:
-        """Whether chance alone can leave what the best model does."""
-        return not self.structure
+    def kept(self, best: Fit[C]) -> BoolArray:
+        """Gross errors set aside, shape (n,)."""
+        return ~gross_errors(best.prediction.cost, self.problem.components)
 
     def train_rmse(self, model: Fit[C], kept: BoolArray) -> float:
         """Of fitted trials."""

@@ -1,110 +1,186 @@
-"""Which members of a model may be named, and what speaks against the others: for fits by robust least squares."""
+"""Which members of a model may be named, what would do as well, and how far every decision was from its threshold.
+
+The course is the same for every kind of fit; what a member has to stand there is the business of its `Examiner`, see
+`fit_examiner` for the one that most kinds share.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Generic, Self, TypeVar
+
 import numpy as np
-from scipy.stats import chi2
 
-from doormill_ros.arrays import BoolArray
-from doormill_ros.diagnosis.core.beam import ENTRY, BeamSearch
-from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.problem import C, Examined
-from doormill_ros.diagnosis.core.stability import beaten, clustered, instability, turned_joint, unevenness
-from doormill_ros.statistics import CHI_SQUARE_MEDIAN, GROSS_SHARE
+from doormill_ros.diagnosis.core.margin import Check, Margin
+from doormill_ros.diagnosis.core.search import K, M, Search
 
-#: Chance of an innocent residual below which structure remains.
-STRUCTURE = 1e-4
-#: Chance of a stable cause below which it is not believed when structure remains.
-UNSTABLE = 1e-3
-#: The same when nothing else is left over.
-WILD = 1e-4
-#: Share of a cause by which the halves may differ when its effect is so strong that everything shows.
-WILD_APART = 0.1
-#: Share of the excess over the noise that a cause must explain when structure remains.
-MAIN_PART = 0.3
+#: Why a cause is not named that explains too little.
+MOST_REMAINS = "most of what is wrong remains"
 
 
-def excess_probability(found: Fit[C], components: int = 3) -> float:
-    """Chance that noise alone leaves a residual as large as this."""
-    kept = found.weights > 0.0
-    freedom = max(components * int(kept.sum()) - int(found.free.sum()), 1)
-    return float(chi2.sf(np.sum(found.prediction.white[kept] ** 2), freedom))
+@dataclass(frozen=True, eq=False)
+class Double(Generic[K, M]):
+    """Another cause that would do as well as a named one.
+
+    Attributes:
+        cause: The cause.
+        behind: By how much the score of a model with it is larger; None where only the effects overlap.
+        tied: Whether the data say nothing at all between the two: a fixed order chose the name.
+        model: The model that holds it in the place of the named one, where there is one.
+    """
+
+    cause: K
+    behind: float | None = None
+    tied: bool = False
+    model: M | None = None
 
 
-def has_structure(problem: Examined[C], best: Fit[C], outliers: BoolArray) -> bool:
-    """Whether the residual is larger than noise can be, or what looks like gross errors, marks (n,), is an effect."""
-    return (
-        excess_probability(best, problem.components) < STRUCTURE
-        or clustered(problem, outliers)
-        or turned_joint(problem, best.prediction.white, outliers) != ""
+@dataclass(frozen=True, eq=False)
+class Examination(Generic[K, M]):
+    """What may be named of the best model.
+
+    Attributes:
+        best: The best model found, shapes without a name included.
+        asked: The model whose members were weighed: the best one, or that of named causes.
+        baseline: The model in question.
+        extended: The model of what may be named.
+        named: What may be.
+        refused: The other named members of the best model, each with the reason.
+        kept: Rows that count, in a form of the question's own.
+        margins: How far every decision was from its threshold.
+        doubles: What would do as well as each that is named.
+    """
+
+    best: M
+    asked: M
+    baseline: M
+    extended: M
+    named: tuple[K, ...]
+    refused: tuple[tuple[K, str], ...]
+    kept: Any
+    margins: tuple[Margin, ...]
+    doubles: tuple[tuple[Double[K, Any], ...], ...] = ()
+
+    def withdrawn(self) -> Self:
+        """The same with nothing named."""
+        refused = (*self.refused, *((cause, MOST_REMAINS) for cause in self.named))
+        return replace(self, extended=self.baseline, named=(), refused=refused, doubles=())
+
+
+#: Of some kind of cause and model.
+E = TypeVar("E", bound=Examination[Any, Any])
+
+
+class Examiner(ABC, Generic[K, M]):
+    """What a kind of fit says for and against the members of its models.
+
+    Attributes:
+        models: All that were tried.
+        equal: Score within which two models are equally good.
+    """
+
+    models: Search[K, M]
+    equal: ClassVar[float]
+
+    @abstractmethod
+    def baseline(self) -> M:
+        """The model in question."""
+
+    @abstractmethod
+    def noise(self, model: M) -> Sequence[Check]:
+        """What shows that a model leaves more than noise: one check that fails is enough."""
+
+    @abstractmethod
+    def checks(self, best: M, cause: K, remains: bool) -> Sequence[Check]:
+        """What a named member of the best model has to stand; `remains` tells that the model leaves more than noise."""
+
+    @abstractmethod
+    def settled(
+        self, best: M, named: Sequence[K], refused: Sequence[tuple[K, str]], remains: bool
+    ) -> tuple[M, M, Sequence[tuple[K, str]]]:
+        """The model of what may be named.
+
+        Args:
+            best: The best model.
+            named: Its members that stood every check.
+            refused: The others that have a name, with what is said of them.
+            remains: Whether the best model leaves more than noise.
+
+        Returns:
+            The model whose members are to be weighed, the extended model, and what is refused only now.
+        """
+
+    @abstractmethod
+    def worth(self, asked: M) -> Sequence[Margin]:
+        """What each member of a model brings, and what a further one would."""
+
+    @abstractmethod
+    def behind(self, model: M, rival: M) -> float:
+        """By how much the score of a rival is larger."""
+
+    @abstractmethod
+    def doubles(self, asked: M, cause: K) -> Sequence[Double[K, M]]:
+        """What would do as well in the place of a member."""
+
+    def remains(self, model: M) -> bool:
+        """Whether a model leaves more than noise."""
+        return any(check.fails for check in self.noise(model))
+
+
+def examined(examiner: Examiner[K, M], best: M, kept: Any = None) -> Examination[K, M]:
+    """Ask every member of the best model; `kept` are the rows that count, in a form of the question's own."""
+    remains, baseline = examiner.remains(best), examiner.baseline()
+    stood: list[K] = []
+    refused: list[tuple[K, str]] = []
+    margins: list[Margin] = []
+    for cause in best.members:
+        if not cause.named:
+            continue
+        checks = examiner.checks(best, cause, remains)
+        margins += [margin for check in checks for margin in check.margins]
+        against = [check.against for check in checks if check.fails]
+        if against:
+            refused.append((cause, against[0]))
+        else:
+            stood.append(cause)
+    asked, extended, later = examiner.settled(best, stood, refused, remains)
+    refused += later
+    gone = {id(cause) for cause, _ in refused}
+    # Of the model in question only what is not said of the other as well.
+    noise = {
+        margin.decision: margin
+        for model in (baseline, asked)
+        for check in examiner.noise(model)
+        for margin in check.margins
+    }
+    return Examination(
+        best=best,
+        asked=asked,
+        baseline=baseline,
+        extended=extended,
+        named=tuple(cause for cause in asked.members if cause.named and id(cause) not in gone),
+        refused=tuple(refused),
+        kept=kept,
+        margins=(*noise.values(), *margins),
     )
 
 
-def established(problem: Examined[C], search: BeamSearch[C], best: Fit[C], structure: bool) -> tuple[C, ...]:
-    """Members that may be named."""
-    named = tuple(
-        cause
-        for cause in best.members
-        if cause.named
-        and not implausible(best, cause)
-        and not any(other.spoils(cause) for other in best.members if not other.named)
-    )
-    if not structure and len(named) == len(best.members):
-        return tuple(c for c in named if not _wild(problem, best, c))
-    empty = search.fit(())
-    floor = float(problem.components * len(problem))
-    excess = max(empty.held_out_score - floor, 1.0)
-    kept = []
-    for cause in named:
-        without = search.without(best, cause)
-        share = (without.held_out_score - best.held_out_score) / excess
-        steady = min(
-            instability(problem, best, cause)[0],
-            unevenness(problem, best, cause, best.weights)[0],
-        )
-        rivals = [
-            other
-            for other, found in search.rivals(best, cause)
-            if not other.named
-            and (search.total(found) < search.total(best) + ENTRY or not beaten(problem, best, found))
+def compared(examiner: Examiner[Any, Any], found: E) -> E:
+    """With what would do as well in the place of every cause that is named, and how far the others are."""
+    doubles = tuple(tuple(examiner.doubles(found.asked, cause)) for cause in found.named)
+    margins = [*examiner.worth(found.asked)]
+    for cause, equal in zip(found.named, doubles, strict=True):
+        keys = {cause.key, *(double.cause.key for double in equal)}
+        behind = [
+            examiner.behind(found.asked, rival)
+            for other, rival in examiner.models.rivals(found.asked, cause)
+            if other.key not in keys
         ]
-        if share > MAIN_PART and steady > UNSTABLE and not rivals:
-            kept.append(cause)
-    return tuple(kept)
-
-
-def _wild(problem: Examined[C], best: Fit[C], cause: C) -> bool:
-    """Whether the parts of the data disagree about a cause, by more than a strong effect's small print."""
-    probability, _, apart = instability(problem, best, cause)
-    uneven, scatter = unevenness(problem, best, cause, best.weights)
-    return (probability < WILD and apart > WILD_APART) or (uneven < WILD and scatter > WILD_APART)
-
-
-def implausible(found: Fit[C], cause: C) -> bool:
-    """Whether a cause was pushed to the end of its range, where it only imitates something else."""
-    theta = found.theta[found.part(cause)]
-    low = (theta < 0.98 * cause.lower) & (cause.lower < 0.0)
-    high = theta > 0.98 * cause.upper
-    return bool(np.any(low | high))
-
-
-def reason_against(problem: Examined[C], best: Fit[C], cause: C) -> str:
-    """Why a member of the best model is not believed."""
-    probability, where, _ = instability(problem, best, cause)
-    if probability < UNSTABLE:
-        return f"it has another size in the halves by {where}"
-    if unevenness(problem, best, cause, best.weights)[0] < UNSTABLE:
-        return "its size changes from configuration to configuration"
-    return "others would do as well"
-
-
-def gross_errors(best: Fit[C], components: int) -> BoolArray:
-    """Gross errors, at most one in ten, shape (n,)."""
-    cost = best.prediction.cost
-    n = len(cost)
-    scale = max(1.0, float(np.median(cost)) / CHI_SQUARE_MEDIAN[components])
-    limit = chi2.isf(0.01 / n, components) * scale
-    worst = np.argsort(-cost, kind="stable")[: int(GROSS_SHARE * n)]
-    mask = np.zeros(n, dtype=bool)
-    mask[worst[cost[worst] > limit]] = True
-    return mask
+        if behind:
+            margins.append(
+                Margin(f"another cause in place of {cause!r}", min(behind), examiner.equal, "score")
+            )
+    finite = [margin for margin in (*margins, *found.margins) if np.isfinite(margin.value)]
+    return replace(found, doubles=doubles, margins=tuple(finite))

@@ -10,9 +10,8 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.beam import BeamSearch
-from doormill_ros.diagnosis.core.confusable import Equal, equals
+from doormill_ros.diagnosis.core.examination import Double, Examination
 from doormill_ros.diagnosis.core.fit import Fit, bounds, normal_equations
-from doormill_ros.diagnosis.core.judgement import Examination
 from doormill_ros.diagnosis.core.problem import C, Problem
 from doormill_ros.diagnosis.core.verdict import rmse
 
@@ -34,7 +33,7 @@ class Finding(Generic[C]):
     cause: C
     values: FloatArray
     std: FloatArray
-    equals: tuple[Equal[C], ...]
+    equals: tuple[Double[C, Fit[C]], ...]
     without: float
     rivals: tuple[tuple[C, float], ...]
 
@@ -59,15 +58,14 @@ def make_findings(
         examination: The best of them, and what is named.
         structure: Whether something remains unexplained; uncertainties then grow with it.
     """
-    best, established = examination.best, examination.named
-    doubles = [equals(search, best, cause, structure) for cause in established]
+    established, doubles = examination.named, examination.doubles
     findings = []
     for i, cause in enumerate(established):
         alternatives = [
             equal.model
             for j, others in enumerate(doubles)
             for equal in others
-            if j != i and any(member is cause for member in equal.model.members)
+            if j != i and equal.model is not None and any(member is cause for member in equal.model.members)
         ]
         findings.append(_make_finding(search, examination, cause, structure, doubles[i], alternatives))
     return tuple(findings)
@@ -78,7 +76,7 @@ def _make_finding(
     examination: Examination[C, Fit[C]],
     cause: C,
     structure: bool,
-    same: Sequence[Equal[C]],
+    same: Sequence[Double[C, Fit[C]]],
     alternatives: Sequence[Fit[C]],
 ) -> Finding[C]:
     """Size a cause of the best model, its uncertainty and what could stand in its place.

@@ -2,69 +2,65 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.examination import Examination, Examiner, compared, examined
+from doormill_ros.diagnosis.core.margin import Margin
 from doormill_ros.diagnosis.core.search import K, M
 from doormill_ros.diagnosis.core.verdict import CONSISTENT, UNEXPLAINED, judge
 from doormill_ros.statistics import bootstrap_ratio
 
-#: Why a cause is not named that explains too little.
-MOST_REMAINS = "most of what is wrong remains"
 
-
-@dataclass(frozen=True, eq=False)
-class Examination(Generic[K, M]):
-    """What may be named of the best model.
-
-    Attributes:
-        best: The best model found, shapes without a name included.
-        baseline: The model in question.
-        extended: The model of what may be named.
-        named: What may be.
-        refused: The other named members of the best model, each with the reason.
-        kept: Rows that count, in a form of the question's own.
-    """
-
-    best: M
-    baseline: M
-    extended: M
-    named: tuple[K, ...]
-    refused: tuple[tuple[K, str], ...]
-    kept: Any
-
-
-class Question(Protocol[K, M]):
+class Question(ABC, Generic[K, M]):
     """Data that question a model, with what is particular to them.
 
     Attributes:
         noise_floor: What noise alone leaves.
         main_part: Share of the excess over the noise that causes explain to be named where something remains.
+        examiner: What the members of its models have to stand, as soon as it was searched; where parts of the data are
+            searched by themselves there is one for each, and `examine`, `compared` and `at_noise` join what they say.
     """
 
     noise_floor: float
-    main_part: float
+    main_part: ClassVar[float]
+    examiner: Examiner[K, M]
 
+    @abstractmethod
     def search(self, progress: Callable[[str], None]) -> M:
         """The best model."""
 
+    def kept(self, best: M) -> Any:
+        """Rows that count, in a form of the question's own."""
+
     def examine(self, best: M) -> Examination[K, M]:
         """What may be named of it."""
+        return examined(self.examiner, best, self.kept(best))
 
     def withdrawn(self, examination: Examination[K, M]) -> Examination[K, M]:
         """The same with nothing named."""
+        return examination.withdrawn()
 
-    def at_noise(self, model: M, kept: Any) -> bool:
+    def compared(self, examination: Examination[K, M]) -> Examination[K, M]:
+        """With what would do as well as every cause that is named."""
+        return compared(self.examiner, examination)
+
+    def at_noise(self, model: M) -> bool:
         """Whether a model leaves no more than noise."""
+        return not self.examiner.remains(model)
 
+    @abstractmethod
     def train_rmse(self, model: M, kept: Any) -> float:
         """Root mean square of what a model leaves of the rows that count."""
 
+    @abstractmethod
     def holdout_rmse(self, model: M, kept: Any) -> float:
         """The same of rows predicted by the others."""
 
+    @abstractmethod
     def holdout_squares(self, model: M, kept: Any) -> FloatArray:
         """Their sums of squares by what was left out together, shape (groups,)."""
 
@@ -82,6 +78,7 @@ class Judgement(Generic[K, M]):
         examination: What was searched, and what of it is named.
         train_rmse, holdout_rmse: Of baseline and extended model.
         ratio, ratio_ci: Held-out RMSE extended over baseline, and its 95 % interval.
+        margins: How far every decision was from its threshold.
     """
 
     verdict: str
@@ -90,6 +87,7 @@ class Judgement(Generic[K, M]):
     holdout_rmse: tuple[float, float]
     ratio: float
     ratio_ci: tuple[float, float]
+    margins: tuple[Margin, ...]
 
     @property
     def baseline(self) -> M:
@@ -114,18 +112,30 @@ def judge_question(
     found = question.examine(question.search(progress))
     before, after = (question.holdout_rmse(one, found.kept) for one in (found.baseline, found.extended))
     complete = all(cause.named for cause in found.best.members) and not found.refused
+    beyond = before**2 - question.noise_floor**2
+    share = (before**2 - after**2) / max(beyond, 1e-30)
     word = judge(
         found=bool(found.named),
-        silent=not found.best.members and question.at_noise(found.baseline, found.kept),
-        quiet=complete and question.at_noise(found.extended, found.kept),
-        share=(before**2 - after**2) / max(before**2 - question.noise_floor**2, 1e-30),
+        silent=not found.best.members and question.at_noise(found.baseline),
+        quiet=complete and question.at_noise(found.extended),
+        share=share,
         main_part=question.main_part,
     )
+    most = Margin("the causes explain most of what is beyond the noise", share, question.main_part, "share")
     if word in (UNEXPLAINED, CONSISTENT):
         found = question.withdrawn(found)
+    found = question.compared(found)
     pair, kept = (found.baseline, found.extended), found.kept
     train, unseen = ([of(one, kept) for one in pair] for of in (question.train_rmse, question.holdout_rmse))
     ratio, interval = bootstrap_ratio(
         question.holdout_squares(found.baseline, kept), question.holdout_squares(found.extended, kept)
     )
-    return Judgement(word, found, (train[0], train[1]), (unseen[0], unseen[1]), ratio, interval)
+    return Judgement(
+        verdict=word,
+        examination=found,
+        train_rmse=(train[0], train[1]),
+        holdout_rmse=(unseen[0], unseen[1]),
+        ratio=ratio,
+        ratio_ci=interval,
+        margins=(*found.margins, *([most] if question.main_part and beyond > 0.0 else ())),
+    )

@@ -61,6 +61,10 @@ class Kind(ABC, Generic[S, D]):
     def check(self, diagnosis: D, other: S) -> dict[str, Any]:
         """Predict a set that no fit has seen: `set`, `rows`, and `rmse` of `baseline` and `extended`."""
 
+    def check_all(self, diagnosis: D, others: Sequence[S]) -> list[dict[str, Any]]:
+        """Predict several, each for itself unless they have something in common."""
+        return [self.check(diagnosis, other) for other in others]
+
     @abstractmethod
     def account(
         self, diagnosis: D, sets: Sequence[S], checks: Sequence[Mapping[str, Any]], progress: Progress
@@ -95,9 +99,9 @@ class SearchedKind(Kind[S, Diagnosis[P, C]], Generic[S, P, C]):
         return diagnose_problem(self.problem(sets), progress)
 
     def check(self, diagnosis: Diagnosis[P, C], other: S) -> dict[str, Any]:
-        """Predict by the model in question and by the extended one."""
+        """Predict by the model in question, by the extended one, and with laws where there are any."""
         problem = self.problem([other])
-        extended = diagnosis.extended
+        extended, laws = diagnosis.extended, diagnosis.characterised
         everything = np.ones(len(problem), dtype=bool)
 
         def off(members: Sequence[C], theta: Any) -> float:
@@ -109,6 +113,7 @@ class SearchedKind(Kind[S, Diagnosis[P, C]], Generic[S, P, C]):
             "rows": len(problem),
             "baseline": {"rmse": off((), np.zeros(0))},
             "extended": {"rmse": off(extended.members, extended.theta)},
+            **({"characterised": {"rmse": off(laws.fit.members, laws.fit.theta)}} if laws else {}),
         }
 
     def account(
@@ -150,7 +155,7 @@ def run(
     diagnosis = kind.diagnose(sets, progress)
     if others:
         progress("predicting the sets to check")
-    checks = [kind.check(diagnosis, other) for other in others]
+    checks = kind.check_all(diagnosis, others)
     account = kind.account(diagnosis, sets, checks, progress)
     progress("writing the report")
     write_diagnosis(out, diagnosis_document(account), account.model, render_report(account))

@@ -30,6 +30,21 @@ class Margin:
         return asdict(self)
 
 
+@dataclass(frozen=True)
+class Check:
+    """One thing that a model or one of its members has to stand, and what came of it.
+
+    Attributes:
+        fails: Whether it does not stand it.
+        against: What is said of a member then.
+        margins: What that was decided by.
+    """
+
+    fails: bool
+    against: str = ""
+    margins: tuple[Margin, ...] = ()
+
+
 def margins_table(entries: Sequence[Margin]) -> Table:
     """The margins as a table of a page."""
     rows = [

@@ -13,6 +13,7 @@ from scipy.linalg.lapack import dpotrf, dpotri
 
 from doormill_ros.arrays import FloatArray, IntArray
 
+_LEANING = 0.1  #: of the variance, that is left of it when another cause is known
 _LEAST = 1e-6  #: of a typical size squared, what is left of one that the data do not call for
 
 
@@ -136,3 +137,19 @@ def without(solution: Solution, ids: IntArray) -> Solution:
     covariance[ids] = 0.0
     covariance[:, ids] = 0.0
     return Solution(x, covariance, solution.variance)
+
+
+def leans(x: FloatArray, covariance: FloatArray, own: slice, other: slice) -> bool:
+    """Whether some coefficients would be known far better if others were: their effects overlap.
+
+    Args:
+        x: Coefficients, shape (m,).
+        covariance: Of them, shape (m, m) or larger.
+        own: Those that may lean.
+        other: Those they may lean on.
+    """
+    C, size = covariance, x[own]
+    cross = C[own, other]
+    known = C[own, own] - cross @ np.linalg.lstsq(C[other, other], cross.T, rcond=1e-12)[0]
+    now, then = float(size @ C[own, own] @ size), float(size @ known @ size)
+    return now > 0.0 and then < _LEANING * now

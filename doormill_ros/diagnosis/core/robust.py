@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import chi2
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.statistics import CHI_SQUARE_MEDIAN, GROSS_SHARE, huber_weights
 
 GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
+_ONE = 0.01  #: chance of one trial that noise alone puts beyond the limit
 _HUBER = 4.0  #: standard deviations up to which a trial keeps its full weight
 
 
@@ -20,7 +22,7 @@ def robust_sum(cost: FloatArray) -> float:
 
 def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> FloatArray:
     """Huber weights of squared distances, shape (n,); with `reject` gross errors get zero."""
-    scale2 = max(1.0, float(np.median(distance)) / CHI_SQUARE_MEDIAN[components])
+    scale2 = _usual(distance, components)
     size = np.sqrt(np.maximum(distance / scale2, 1e-12))
     weights = huber_weights(size, _HUBER)
     spared = int(GROSS_SHARE * len(distance))
@@ -28,3 +30,18 @@ def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> Fl
         worst = np.argsort(-distance, kind="stable")[:spared]
         weights[worst[distance[worst] > GROSS * scale2]] = 0.0
     return weights
+
+
+def gross_errors(distance: FloatArray, components: int) -> BoolArray:
+    """Trials farther off than chance brings one of them, at most one in ten; of squared distances, shape (n,)."""
+    count = len(distance)
+    limit = chi2.isf(_ONE / count, components) * _usual(distance, components)
+    worst = np.argsort(-distance, kind="stable")[: int(GROSS_SHARE * count)]
+    gross = np.zeros(count, dtype=bool)
+    gross[worst[distance[worst] > limit]] = True
+    return gross
+
+
+def _usual(distance: FloatArray, components: int) -> float:
+    """How much larger squared distances, shape (n,), are than noise alone makes them, by their median; at least 1."""
+    return max(1.0, float(np.median(distance)) / CHI_SQUARE_MEDIAN[components])

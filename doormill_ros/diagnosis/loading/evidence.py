@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from doormill_ros.diagnosis.core.wording import micrometres
 from doormill_ros.diagnosis.loading import pictures
+from doormill_ros.diagnosis.loading.law_page import law_page
 from doormill_ros.diagnosis.loading.next_measurement import DECIDED, NextMeasurement
 from doormill_ros.diagnosis.loading.path_shift import PathShift
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
@@ -13,12 +14,14 @@ from doormill_ros.units import m_to_mm, rad_to_deg
 
 def evidence(diagnosis: LoadingDiagnosis, shift: PathShift | None) -> list[PageSection]:
     """Sections between the causes and the candidates; `shift` is what the causes change on a part."""
-    sections = []
+    sections = law_page(diagnosis)
     if diagnosis.findings:
         sections += [
             PageSection("The pattern that gave it away", _patterns(diagnosis)),
             PageSection("What it changes on a part", _part(shift)),
         ]
+    elif shift is not None:
+        sections.append(PageSection("What the laws change on a part", _part(shift)))
     sections.append(
         PageSection(
             "Measured against simulated",

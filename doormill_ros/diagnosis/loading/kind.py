@@ -11,6 +11,7 @@ from doormill_ros.diagnosis.core.account import Account, account_of
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
 from doormill_ros.diagnosis.core.wording import Words
 from doormill_ros.diagnosis.loading.evidence import evidence, next_trials_table
+from doormill_ros.diagnosis.loading.laws import law_sections, sized_laws, with_laws
 from doormill_ros.diagnosis.loading.next_measurement import NextMeasurement, plan_next
 from doormill_ros.diagnosis.loading.path_shift import doubt, path_shift
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
@@ -52,6 +53,10 @@ class LoadingTests(SearchedKind[MeasurementSet, LoadingProblem, ElasticCause]):
         """Its folder."""
         return one.path.name
 
+    def diagnose(self, sets: Sequence[MeasurementSet], progress: Progress) -> LoadingDiagnosis:
+        """With laws for what no cause names."""
+        return with_laws(super().diagnose(sets, progress), progress)
+
     def account(
         self,
         diagnosis: LoadingDiagnosis,
@@ -68,6 +73,7 @@ class LoadingTests(SearchedKind[MeasurementSet, LoadingProblem, ElasticCause]):
         sections: dict[str, Any] = {"next_trials": _trials(plan)}
         if shift is not None:
             sections["path_shift"] = {"door": shift.door, "largest": shift.largest, "unit": "m"}
+        sections |= law_sections(diagnosis.characterised)
         if unchanged:
             diagnosis = replace(diagnosis, remarks=(*diagnosis.remarks, unchanged))
             sections["model_unchanged"] = unchanged
@@ -89,6 +95,7 @@ def extended_model_document(diagnosis: LoadingDiagnosis, source: str, unchanged:
         [] if unchanged else [SizedCause(finding.cause, finding.values) for finding in diagnosis.findings],
         f"diagnosis of {source}, verdict {diagnosis.verdict}",
         unchanged,
+        [] if unchanged else sized_laws(diagnosis),
     )
 
 

@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.loading.laws import sized_laws
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.errors import DoormillError
 from doormill_ros.pipeline.plan import load_setup, plan
@@ -39,8 +40,9 @@ class PathShift:
 
 
 def path_shift(diagnosis: LoadingDiagnosis) -> PathShift | None:
-    """Send both models through the path generator; None where no cause acts in the robot."""
+    """Send both models through the path generator; None where neither cause nor law acts in the robot."""
     causes = [SizedCause(f.cause, f.values) for f in diagnosis.findings if f.cause.of_robot]
+    causes += [law for law in sized_laws(diagnosis) if law.cause.of_robot]
     if not causes:
         return None
     data = diagnosis.problem.data
@@ -78,15 +80,16 @@ def choices(diagnosis: LoadingDiagnosis) -> dict[str, list[SizedCause]]:
             SizedCause(f.cause, f.values) for f in diagnosis.findings if f.cause.of_robot
         ]
     }
-    for equal in (equal for finding in diagnosis.findings for equal in finding.equals):
+    equals = [equal.model for finding in diagnosis.findings for equal in finding.equals]
+    for model in (model for model in equals if model is not None):
         # Of a model with an equal in it: what stands in no other model for anything unnamed or not believed.
         members = [
             cause
-            for cause in equal.model.members
+            for cause in model.members
             if cause.named and (cause in named or cause not in diagnosis.best.members)
         ]
         found[" and ".join(map(repr, members))] = [
-            SizedCause(cause, cause.values(equal.model.theta[equal.model.part(cause)], case))
+            SizedCause(cause, cause.values(model.theta[model.part(cause)], case))
             for cause in members
             if cause.of_robot
         ]

@@ -31,6 +31,7 @@ from doormill_ros.measurements.trials import Trials
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup
 from doormill_ros.robot_model.elastic.causes.registry import candidates
+from doormill_ros.robot_model.elastic.circumstances import Circumstances
 from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
 
 #: Difference between first-order and finite joint angles, in noise floors, from which both are tried.
@@ -135,6 +136,7 @@ class LoadingProblem:
             joint_stiffness=data.joint_stiffness,
             noise=(data.noise.force, data.noise.torque),
             largest_torque=largest_torque,
+            circumstances=Circumstances(data.time, data.dt, data.temperature, data.reflector),
         )
 
     def measured_part(self, white: FloatArray) -> FloatArray:

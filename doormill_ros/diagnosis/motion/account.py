@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.account import Double, NamedCause
-from doormill_ros.diagnosis.core.margin import Margin
-from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.core.account import NamedCause
+from doormill_ros.diagnosis.core.examination import Double
 from doormill_ros.diagnosis.core.wording import spoken
 from doormill_ros.diagnosis.motion.diagnosis import ENCODERS, MotionDiagnosis, mean_square
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.model import JointFit, coefficients, stiffness_of
 from doormill_ros.diagnosis.motion.patterns import MotionPattern
-from doormill_ros.diagnosis.motion.search import ENTRY
 from doormill_ros.measurements.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
@@ -86,12 +84,12 @@ def named_causes(diagnosis: MotionDiagnosis) -> list[NamedCause]:
 def _named(finding: JointFinding, indices: Sequence[int], total: float, joints: int) -> NamedCause:
     extended, problem = finding.extended, finding.problem
     first = extended.members[indices[0]]
-    doubles: dict[tuple[str, str], Double] = {}
+    doubles: dict[tuple[str, str], Double[Any, Any]] = {}
     parameters: Figures = {}
     for index in indices:
         parameters |= _parameters(finding, index)
-        for cause, behind in finding.doubles[index]:
-            doubles.setdefault(cause.key, Double(cause, max(behind, 0.0)))
+        for double in finding.doubles[index]:
+            doubles.setdefault(double.cause.key, double)
     rest = [cause for i, cause in enumerate(extended.members) if i not in indices]
     delay = finding.search.delay if isinstance(first, TimeSkew) else extended.delay
     without = problem.rmse(problem.settled(rest, delay).held_out)
@@ -186,18 +184,3 @@ def remarks(diagnosis: MotionDiagnosis) -> list[str]:
                 f"{slips} samples of {finding.problem.where} are slips of the reading and count in no figure."
             )
     return lines
-
-
-def margins(diagnosis: MotionDiagnosis) -> list[Margin]:
-    """Every decision with what it was taken by."""
-    found = []
-    for finding in diagnosis.joints:
-        problem = finding.problem
-        left = problem.rmse(finding.extended.held_out) / problem.floor
-        found.append(
-            Margin(f"{problem.where} is at the noise, which leaves a share", left, AT_NOISE, "share")
-        )
-        for cause in finding.extended.members:
-            gain = finding.search.gain(finding.search.without(finding.extended, cause), finding.extended)
-            found.append(Margin(f"{cause!r} stays", gain.score, ENTRY, "score"))
-    return found

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.diagnosis.core.judgement import Examination, Judgement, Question, judge_question
-from doormill_ros.diagnosis.core.verdict import AT_NOISE, MAIN_PART
-from doormill_ros.diagnosis.motion.examination import JointFinding, examined
+from doormill_ros.diagnosis.core.examination import Double, Examination, compared, examined
+from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
+from doormill_ros.diagnosis.core.verdict import MAIN_PART
+from doormill_ros.diagnosis.motion.examination import JointExaminer, JointFinding
 from doormill_ros.diagnosis.motion.model import JointFit, model_of
 from doormill_ros.diagnosis.motion.patterns import unnamed_patterns
 from doormill_ros.diagnosis.motion.problem import JointProblem
@@ -96,7 +98,10 @@ class MotionQuestion(Question[MotionCause, MotionFit]):
 
     def examine(self, best: MotionFit) -> Examination[MotionCause, MotionFit]:
         """Each joint by itself."""
-        self.joints = tuple(map(examined, self._searches, best.joints))
+        self.joints = tuple(
+            JointFinding(**vars(examined(examiner, fit)), examiner=examiner)
+            for examiner, fit in zip(map(JointExaminer, self._searches), best.joints, strict=True)
+        )
         return self._examination(best, best.skew)
 
     def withdrawn(
@@ -106,22 +111,36 @@ class MotionQuestion(Question[MotionCause, MotionFit]):
         self.joints = tuple(finding.withdrawn() for finding in self.joints)
         return self._examination(examination.best, 0.0)
 
+    def compared(
+        self, examination: Examination[MotionCause, MotionFit]
+    ) -> Examination[MotionCause, MotionFit]:
+        """Each joint by itself; what all encoders have in common has no double."""
+        self.joints = tuple(compared(finding.examiner, finding) for finding in self.joints)
+        return self._examination(examination.best, examination.extended.skew)
+
     def _examination(self, best: MotionFit, skew: float) -> Examination[MotionCause, MotionFit]:
-        extended = MotionFit(tuple(finding.extended for finding in self.joints), skew, best.skew_std)
+        asked, baseline, extended = (
+            MotionFit(tuple(getattr(finding, name) for finding in self.joints))
+            for name in ("asked", "baseline", "extended")
+        )
+        extended = replace(extended, skew=skew, skew_std=best.skew_std)
+        common: tuple[tuple[Double[MotionCause, Any], ...], ...] = ((),) if skew else ()
         return Examination(
             best=best,
-            baseline=MotionFit(tuple(finding.baseline for finding in self.joints)),
+            asked=asked,
+            baseline=baseline,
             extended=extended,
             named=extended.members,
             refused=tuple(entry for finding in self.joints for entry in finding.refused),
             kept=None,
+            margins=tuple(margin for finding in self.joints for margin in finding.margins),
+            doubles=(*common, *(doubles for finding in self.joints for doubles in finding.doubles)),
         )
 
-    def at_noise(self, model: MotionFit, kept: None) -> bool:
+    def at_noise(self, model: MotionFit) -> bool:
         """Whether every joint is."""
-        return all(
-            problem.rmse(fit.held_out) <= AT_NOISE * problem.floor
-            for problem, fit in zip(self.problems, model.joints, strict=True)
+        return not any(
+            finding.examiner.remains(fit) for finding, fit in zip(self.joints, model.joints, strict=True)
         )
 
     def train_rmse(self, model: MotionFit, kept: None = None) -> float:

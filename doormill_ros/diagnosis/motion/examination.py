@@ -1,15 +1,17 @@
-"""Which causes of a joint may be named, and what would do as well."""
+"""What the causes of a joint have to stand, and what was found of them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-from doormill_ros.diagnosis.core.judgement import MOST_REMAINS
+from doormill_ros.diagnosis.core.examination import MOST_REMAINS, Double, Examination, Examiner
+from doormill_ros.diagnosis.core.margin import Check, Margin
 from doormill_ros.diagnosis.core.verdict import AT_NOISE
 from doormill_ros.diagnosis.motion.model import JointFit
 from doormill_ros.diagnosis.motion.patterns import MotionPattern
 from doormill_ros.diagnosis.motion.problem import JointProblem
-from doormill_ros.diagnosis.motion.search import ENTRY, EQUAL, JointSearch, slow
+from doormill_ros.diagnosis.motion.search import CLEAR, ENTRY, EQUAL, JointSearch, slow
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
@@ -20,104 +22,132 @@ OWN_TORQUE = ("own torque", "torque sign")
 JOINT_PART = 0.8
 
 
-@dataclass(frozen=True, eq=False)
-class JointFinding:
+class JointExaminer(Examiner[MotionCause, JointFit]):
+    """All models of one joint, held against the scatter of its blocks and against shapes without a name."""
+
+    models: JointSearch
+    equal = EQUAL
+
+    def __init__(self, models: JointSearch) -> None:
+        """Keep the search."""
+        self.models, self.problem = models, models.problem
+
+    def baseline(self) -> JointFit:
+        """The offsets alone."""
+        return self.problem.fit(())
+
+    def noise(self, model: JointFit) -> Sequence[Check]:
+        """The held-out residual over the noise."""
+        left = self.problem.rmse(model.held_out)
+        decision = f"{self.problem.where} is at the noise, which leaves a share"
+        margin = Margin(decision, left / self.problem.floor, AT_NOISE, "share")
+        return [Check(left > AT_NOISE * self.problem.floor, margins=(margin,))]
+
+    def checks(self, best: JointFit, cause: MotionCause, remains: bool) -> Sequence[Check]:
+        """Clear of zero, and no shape without a name explains more in its place or says that its law is another."""
+        found = [self._clear(best, cause)]
+        if not found[0].fails and (rival := self._shape_instead(best, cause)) is not None:
+            found.append(Check(True, f"{rival!r} explains more"))
+        if not remains:
+            spoiled = any(shape.spoils(cause) for shape in self._shapes(best))
+            found.append(Check(spoiled, "a shape without a name beside it says that its law is another"))
+        return found
+
+    def _clear(self, model: JointFit, cause: MotionCause) -> Check:
+        strength = self.models.strength(model, cause)
+        margin = Margin(f"{cause!r} is clear of zero", strength, CLEAR, "standard errors")
+        return Check(not strength > CLEAR, "its size changes too much between the blocks", (margin,))
+
+    def _shapes(self, best: JointFit) -> list[MotionPattern]:
+        """Those in a model, and those that take the place of one of its causes."""
+        own = [shape for shape in best.members if isinstance(shape, MotionPattern)]
+        clear = [cause for cause in best.members if cause.named and not self._clear(best, cause).fails]
+        others = [self._shape_instead(best, cause) for cause in clear]
+        return [*own, *(shape for shape in others if shape is not None)]
+
+    def _shape_instead(self, best: JointFit, cause: MotionCause) -> MotionPattern | None:
+        """A shape without a name that explains clearly more in the place of a cause.
+
+        In the place of a slow wave it is enough that a law of the joint's torque, which gravity ties to its angle, does
+        as well.
+        """
+        for other, fit in self.models.rivals(best, cause):
+            if not isinstance(other, MotionPattern):
+                continue
+            least = -EQUAL if slow(cause) and other.driver in OWN_TORQUE else ENTRY
+            if self.models.gain(best, fit).score > least:
+                return other
+        return None
+
+    def settled(
+        self,
+        best: JointFit,
+        named: Sequence[MotionCause],
+        refused: Sequence[tuple[MotionCause, str]],
+        remains: bool,
+    ) -> tuple[JointFit, JointFit, Sequence[tuple[MotionCause, str]]]:
+        """Less what makes a recording worse that was left out as a whole; nothing where most remains."""
+        search, problem = self.models, self.problem
+        # Where a shape without a name brings a joint to its noise, causes that would imitate it are not asked for.
+        if remains and len(named) < len(best.members):
+            wrong = {cause.slot for cause, _ in refused}
+            found = search.named_only(named)
+            named = [
+                cause
+                for cause in found.members
+                if cause.slot not in wrong and not self._clear(found, cause).fails
+            ]
+        extended, dropped = search.transferred(problem.settled(named, search.delay))
+        later = [(cause, "it makes a recording worse that was left out") for cause in dropped]
+        before, after = (problem.rmse(model.held_out) for model in (self.baseline(), extended))
+        share = (before**2 - after**2) / max(before**2 - problem.floor**2, 1e-30)
+        if extended.members and self.remains(extended) and share < JOINT_PART:
+            later += [(cause, MOST_REMAINS) for cause in extended.members]
+            extended = problem.settled((), search.delay)
+        return extended, extended, later
+
+    def worth(self, asked: JointFit) -> Sequence[Margin]:
+        """Fall of the held-out error by each member, in independent squares."""
+        gains = [
+            (cause, self.models.gain(self.models.without(asked, cause), asked).score)
+            for cause in asked.members
+        ]
+        return [Margin(f"{cause!r} stays", gain, ENTRY, "score") for cause, gain in gains]
+
+    def behind(self, model: JointFit, rival: JointFit) -> float:
+        """By the held-out error, in independent squares."""
+        return self.models.gain(rival, model).score
+
+    def doubles(self, asked: JointFit, cause: MotionCause) -> Sequence[Double[MotionCause, JointFit]]:
+        """Other causes that would do as well in the place of one, each at its best."""
+        found: dict[tuple[str, str], Double[MotionCause, JointFit]] = {}
+        for other, fit in self.models.rivals(asked, cause):
+            behind = self.behind(asked, fit)
+            if other.named and other.key != cause.key and behind < EQUAL:
+                found.setdefault(other.key, Double(other, max(behind, 0.0), model=fit))
+        if isinstance(cause, JointDamping):
+            # A lone encoder that is read early: the same but for the acceleration's share, which no recording shows.
+            early = TimeSkew(cause.where)
+            found.setdefault(early.key, Double(early, 0.0))
+        return tuple(found.values())
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointFinding(Examination[MotionCause, JointFit]):
     """What was found in one joint.
 
     Attributes:
-        search: All that was tried, and the problem.
-        baseline: Fit of the offsets alone.
-        best: The best model, shapes without a name included.
-        extended: The model of established causes.
-        doubles: Of each member of `extended`, what would do as well, with the score by which it is behind.
-        refused: Members of `best` that are not named, with the reason.
+        examiner: All that was tried, and the problem.
     """
 
-    search: JointSearch
-    baseline: JointFit
-    best: JointFit
-    extended: JointFit
-    doubles: tuple[tuple[tuple[MotionCause, float], ...], ...]
-    refused: tuple[tuple[MotionCause, str], ...]
+    examiner: JointExaminer
+
+    @property
+    def search(self) -> JointSearch:
+        """All that was tried."""
+        return self.examiner.models
 
     @property
     def problem(self) -> JointProblem:
         """The joint made ready."""
-        return self.search.problem
-
-    def withdrawn(self) -> JointFinding:
-        """The same with no cause named."""
-        refused = [*self.refused, *((cause, MOST_REMAINS) for cause in self.extended.members)]
-        return replace(self, extended=self.baseline, doubles=(), refused=tuple(refused))
-
-
-def examined(search: JointSearch, best: JointFit) -> JointFinding:
-    """Which members may be named, and what would do as well."""
-    problem = search.problem
-    baseline = problem.fit(())
-    refused: list[tuple[MotionCause, str]] = []
-    structure = problem.rmse(best.held_out) > AT_NOISE * problem.floor
-    shapes = [other for other in best.members if isinstance(other, MotionPattern)]
-    for cause in best.members:
-        if not cause.named:
-            continue
-        if not search.clear(best, cause):
-            refused.append((cause, "its size changes too much between the blocks"))
-        elif (rival := _shape_instead(search, best, cause)) is not None:
-            refused.append((cause, f"{rival!r} explains more"))
-            shapes.append(rival)
-    if not structure:
-        gone = {id(cause) for cause, _ in refused}
-        refused += [
-            (cause, "a shape without a name beside it says that its law is another")
-            for cause in best.members
-            if id(cause) not in gone and any(shape.spoils(cause) for shape in shapes)
-        ]
-    left = {id(cause) for cause, _ in refused}
-    named = [cause for cause in best.members if cause.named and id(cause) not in left]
-    # Where a shape without a name brings a joint to its noise, causes that would imitate it are not asked for.
-    if structure and len(named) < len(best.members):
-        wrong = {cause.slot for cause, _ in refused}
-        found = search.named_only(named)
-        named = [cause for cause in found.members if cause.slot not in wrong and search.clear(found, cause)]
-    extended, dropped = search.transferred(problem.settled(named, search.delay))
-    refused += [(cause, "it makes a recording worse that was left out") for cause in dropped]
-    named = list(extended.members)
-    excess = problem.rmse(baseline.held_out) ** 2 - problem.floor**2
-    share = (problem.rmse(baseline.held_out) ** 2 - problem.rmse(extended.held_out) ** 2) / max(excess, 1e-30)
-    if named and problem.rmse(extended.held_out) > AT_NOISE * problem.floor and share < JOINT_PART:
-        refused += [(cause, MOST_REMAINS) for cause in named]
-        extended = problem.settled((), search.delay)
-    doubles = tuple(_doubles(search, extended, cause) for cause in extended.members)
-    return JointFinding(search, baseline, best, extended, doubles, tuple(refused))
-
-
-def _shape_instead(search: JointSearch, best: JointFit, cause: MotionCause) -> MotionPattern | None:
-    """A shape without a name that explains clearly more in the place of a cause.
-
-    In the place of a slow wave it is enough that a law of the joint's torque, which gravity ties to its angle, does as
-    well.
-    """
-    for other, fit in search.rivals(best, cause):
-        if not isinstance(other, MotionPattern):
-            continue
-        least = -EQUAL if slow(cause) and other.driver in OWN_TORQUE else ENTRY
-        if search.gain(best, fit).score > least:
-            return other
-    return None
-
-
-def _doubles(
-    search: JointSearch, found: JointFit, cause: MotionCause
-) -> tuple[tuple[MotionCause, float], ...]:
-    """Other causes that would do as well in the place of one, each at its best."""
-    doubles: dict[tuple[str, str], tuple[MotionCause, float]] = {}
-    for other, fit in search.rivals(found, cause):
-        behind = search.gain(fit, found).score
-        if other.named and other.key != cause.key and behind < EQUAL:
-            doubles.setdefault(other.key, (other, behind))
-    if isinstance(cause, JointDamping):
-        # A lone encoder that is read early: the same but for the acceleration's share, which no recording shows.
-        early = TimeSkew(cause.where)
-        doubles.setdefault(early.key, (early, 0.0))
-    return tuple(doubles.values())
+        return self.examiner.problem

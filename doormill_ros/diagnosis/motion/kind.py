@@ -14,7 +14,6 @@ from doormill_ros.diagnosis.motion.account import (
     by_joint,
     characterised,
     check_set,
-    margins,
     named_causes,
     remarks,
     unnamed,
@@ -83,7 +82,6 @@ class Motions(Kind[MotionSet, MotionDiagnosis]):
             rows=sum(map(len, sets)),
             outliers=_slips(diagnosis),
             remarks=remarks(diagnosis),
-            margins=margins(diagnosis),
             next_measurement=_next_measurement(diagnosis, laws),
             checks=checks,
             sections=sections,
@@ -107,10 +105,10 @@ def _slips(diagnosis: MotionDiagnosis) -> list[int]:
 def _next_measurement(diagnosis: MotionDiagnosis, laws: Sequence[Mapping[str, Any]]) -> str:
     """One sentence."""
     doubtful = [
-        (cause, double)
+        (cause, double.cause)
         for finding in diagnosis.joints
         for cause, doubles in zip(finding.extended.members, finding.doubles, strict=True)
-        for double, _ in doubles
+        for double in doubles
     ]
     if doubtful:
         cause, double = doubtful[0]

@@ -229,18 +229,18 @@ class JointSearch(Search[MotionCause, JointFit]):
             self._rivals[key] = (model, super().rivals(model, cause))
         return self._rivals[key][1]
 
-    def clear(self, found: JointFit, cause: MotionCause) -> bool:
-        """Whether the scatter of the blocks lets a member's size be zero."""
+    def strength(self, found: JointFit, cause: MotionCause) -> float:
+        """Least size of a member's coefficients in their standard deviations, by the scatter of the blocks."""
         index = found.members.index(cause)
         if isinstance(cause, TimeSkew):
-            return _strength(found.x[index] + found.delay - self.delay, found.std[index]) > CLEAR
+            return _strength(found.x[index] + found.delay - self.delay, found.std[index])
         pairs = [
             (found.x[index], found.std[index]),
             *zip(found.own[index], found.own_std[index], strict=True),
         ]
         if len(found.x[index]):
             pairs = pairs[:1]
-        return all(_strength(x, std) > CLEAR for x, std in pairs if len(x))
+        return min((_strength(x, std) for x, std in pairs if len(x)), default=float("inf"))
 
 
 def _strength(x: FloatArray, std: FloatArray) -> float:

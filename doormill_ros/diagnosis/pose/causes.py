@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.account import Double, NamedCause
+from doormill_ros.diagnosis.core.account import NamedCause
 from doormill_ros.diagnosis.core.wording import spoken
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.model import distinct_share, rmse
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
+from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
 
@@ -30,8 +32,7 @@ def place_name(diagnosis: PoseDiagnosis, where: str) -> str:
 def causes_of(diagnosis: PoseDiagnosis) -> list[NamedCause]:
     """Established causes with parameters, and the gross errors."""
     found = []
-    confusable = confusions(diagnosis)
-    for score in diagnosis.established:
+    for score, doubles in zip(diagnosis.established, diagnosis.examination.doubles, strict=True):
         found.append(
             NamedCause(
                 cause=score.cause.name,
@@ -39,7 +40,7 @@ def causes_of(diagnosis: PoseDiagnosis) -> list[NamedCause]:
                 words=spoken(score.cause),
                 parameters=parameters_of(diagnosis, score),
                 without=score.rmse_without,
-                doubles=confusable.get(score.cause.key, []),
+                doubles=doubles,
                 more={
                     "gain_by_series": [float(v) for v in score.gain],
                     "gain_with_series_left_out": [float(v) for v in score.transfer],
@@ -124,29 +125,6 @@ def _amplitudes(
     return found
 
 
-def confusions(diagnosis: PoseDiagnosis) -> dict[tuple[str, str], list[Double]]:
-    """Other causes that leave, for a small loss, the same pattern: by the overlap of their effects."""
-    fitted = diagnosis.extended
-    layout = fitted.problem.layout
-    C = fitted.solution.covariance
-    x = fitted.problem.x
-    found: dict[tuple[str, str], list[Double]] = {}
-    for i, cause in enumerate(layout.causes):
-        a = layout.part(i)
-        for j, other in enumerate(layout.causes):
-            if i == j:
-                continue
-            b = layout.part(j)
-            # How much surer the cause would be if the other were known.
-            Cab = C[a, b]
-            known = C[a, a] - Cab @ np.linalg.lstsq(C[b, b], Cab.T, rcond=1e-12)[0]
-            now = float(x[a] @ C[a, a] @ x[a])
-            then = float(x[a] @ known @ x[a])
-            if now > 0.0 and then < 0.1 * now:
-                found.setdefault(cause.key, []).append(Double(other))
-    return found
-
-
 def rejected_entry(score: Score) -> dict[str, Any]:
     """A cause that did not earn its place, for diagnosis.json."""
     return {
@@ -160,6 +138,20 @@ def rejected_entry(score: Score) -> dict[str, Any]:
     }
 
 
+def not_determined(sets: Sequence[PoseSet]) -> list[dict[str, Any]]:
+    """What no row of a placement tells, of every series whose target was seen as a point."""
+    owners = placement_owners(sets)
+    return [
+        {
+            "what": "orientation of the target on the flange",
+            "where": f"set {data.name}",
+            "why": "positions alone were measured",
+        }
+        for data, own in zip(sets, owners, strict=True)
+        if not any(one.oriented for one, other in zip(sets, owners, strict=True) if other == own)
+    ]
+
+
 def indistinguishable(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
     """Parameters that a shifted robot or target would imitate."""
     found: list[dict[str, Any]] = [
@@ -171,7 +163,7 @@ def indistinguishable(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
         },
         {
             "cause": "link_geometry",
-            "where": "link 6",
+            "where": f"link {diagnosis.sets[0].joints}",
             "parameters": ["theta", "d", "a", "alpha"],
             "imitated_by": "target on flange",
         },

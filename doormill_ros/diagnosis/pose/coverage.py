@@ -15,7 +15,7 @@ BINS = 72  #: of a turn
 def coverage(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
     """Joint angles that were visited: turns of 360 deg / 72 with at least five rows, as ranges."""
     found = []
-    for k in range(6):
+    for k in range(diagnosis.sets[0].joints):
         visited = covered(np.concatenate([data.q[:, k] for data in diagnosis.sets]))
         edges = np.flatnonzero(np.diff(np.concatenate([[False], visited, [False]]).astype(int)))
         ranges = [

@@ -9,13 +9,15 @@ from functools import cached_property
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.diagnosis.core.judgement import Examination, Judgement, Question, judge_question
-from doormill_ros.diagnosis.core.verdict import AT_NOISE, MAIN_PART
+from doormill_ros.diagnosis.core.examination import Examination
+from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
+from doormill_ros.diagnosis.core.verdict import MAIN_PART
+from doormill_ros.diagnosis.pose.examination import PoseExaminer
 from doormill_ros.diagnosis.pose.fit import deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.model import Errors, SeriesFit, rmse, standard_deviations
 from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import Score
-from doormill_ros.diagnosis.pose.validation import Validation, by_block
+from doormill_ros.diagnosis.pose.validation import by_block
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
@@ -68,31 +70,26 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
         """What is left of everything that may act."""
         rows = sum(len(data) for data in self.sets)
         progress(f"{rows} poses in {len(self.sets)} series; placing them under the nominal model")
-        self._nominal = fit_causes(self.sets, (), place_nominally(self.sets), passes=2)
-        search = PoseSearch(self.sets, self._nominal, progress)
+        nominal = fit_causes(self.sets, (), place_nominally(self.sets), passes=2)
+        search = PoseSearch(self.sets, nominal, progress)
         best = search.run()
         self.scores, self.gone = search.scores, search.gone
+        self.examiner = PoseExaminer(search, nominal, self.kept(best), self.noise_floor)
         return best
 
-    def examine(self, best: SeriesFit) -> Examination[PoseCause, SeriesFit]:
-        """All that was left has proved itself on rows left out."""
-        kept = [weight > 0.0 for weight in best.problem.weights]
-        baseline = SeriesFit((), self._nominal, Validation(self._nominal))
-        return Examination(best, baseline, best, best.members, (), kept)
+    def kept(self, best: SeriesFit) -> list[BoolArray]:
+        """Rows of every series that are no gross errors, shape (n,) each."""
+        return [weight > 0.0 for weight in best.problem.weights]
 
     def withdrawn(self, examination: Examination[PoseCause, SeriesFit]) -> Examination[PoseCause, SeriesFit]:
         """Nothing named: gross errors are those that the nominal model does not explain either."""
         baseline = examination.baseline
         kept = [
-            good | (deviation(error, baseline.problem.sigma) <= GROSS)
-            for good, error in zip(examination.kept, baseline.errors.train, strict=True)
+            good | (deviation(error, baseline.problem.sigma, data.oriented) <= GROSS)
+            for good, error, data in zip(examination.kept, baseline.errors.train, self.sets, strict=True)
         ]
         self.gone = [*examination.named, *self.gone]
-        return replace(examination, extended=baseline, named=(), kept=kept)
-
-    def at_noise(self, model: SeriesFit, kept: Sequence[BoolArray]) -> bool:
-        """Whether blocks left out are predicted to the noise; `kept` are marks, shape (n,), of each series."""
-        return self.holdout_rmse(model, kept) <= AT_NOISE * self.noise_floor
+        return replace(examination.withdrawn(), kept=kept)
 
     def train_rmse(self, model: SeriesFit, kept: Sequence[BoolArray]) -> float:
         """Length of the position error of fitted rows, marks of shape (n,) for each series [m]."""

@@ -12,6 +12,7 @@ from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.pages.page import Block, Charts, PageSection, Paragraphs, Table
 from doormill_ros.units import m_to_um, rad_to_deg
 
+_ROTATION = "Rotation before / after [urad]"
 _CURVES = """Residual joint angle over the recorded angle, by series. Left with the nominal model and the causes other
 than the joint's own periodic error, right on rows that the fit has not seen."""
 
@@ -51,6 +52,13 @@ def closing(
     sections = [
         PageSection("What no pose can tell from the placement", [_gauge(document)]),
         PageSection("Joint angles that were visited", [_coverage(document)]),
+        PageSection(
+            "How sure: what was expected of rows that no fit had seen",
+            [
+                Charts(pictures.calibration(document["certainty"]), "halves"),
+                _certainty(document["certainty"]),
+            ],
+        ),
     ]
     if checks:
         sections.append(PageSection("Checked series in detail", [_checks(checks)]))
@@ -82,9 +90,15 @@ def _series(series: Sequence[Mapping[str, Any]]) -> Table:
         )
     head = (
         "Series", "Poses", "Gross errors", "Nominal [um]", "Extended, fitted rows", "Blocks left out",
-        "Series left out", "Rotation before / after [urad]",
+        "Series left out", _ROTATION,
     )  # fmt: skip
-    return Table(head, rows)
+    return _table(head, rows, any("rotation_rmse" in one["baseline"] for one in series))
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]], oriented: bool) -> Table:
+    """A table, without its column of rotations where none was measured."""
+    shown = [i for i, name in enumerate(head) if oriented or name != _ROTATION]
+    return Table(tuple(head[i] for i in shown), [[row[i] for i in shown] for row in rows])
 
 
 def _rejected(entries: Sequence[Mapping[str, Any]], diagnosis: PoseDiagnosis) -> Table:
@@ -107,7 +121,23 @@ def _gauge(document: Mapping[str, Any]) -> Table:
         [e["cause"], e["where"], ", ".join(e["parameters"]), e["imitated_by"]]
         for e in document["not_distinguishable_from_placement"]
     ]
+    rows += [[e["what"], e["where"], "-", e["why"]] for e in document["not_determined"]]
     return Table(("Cause", "Where", "Parameters", "Imitated by"), rows)
+
+
+def _certainty(parts: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
+    rows = [
+        [
+            part.replace("_", " "),
+            one["set"],
+            _um(one, "expected_rmse"),
+            _um(one, "rmse"),
+            f"{100 * one['within_95']:.0f} %",
+        ]
+        for part, entries in parts.items()
+        for one in entries
+    ]
+    return Table(("Left out", "Series", "Expected [um]", "Came [um]", "Inside intervals of 95 %"), rows)
 
 
 def _coverage(document: Mapping[str, Any]) -> Table:
@@ -151,7 +181,7 @@ def _checks(checks: Sequence[Mapping[str, Any]]) -> Table:
         for c in checks
     ]
     head = (
-        "Set", "Rows", "Nominal [um]", "Extended [um]", "Rotation before / after [urad]", "Gross errors",
+        "Set", "Rows", "Nominal [um]", "Extended [um]", _ROTATION, "Gross errors",
         "Rows at angles never visited",
     )  # fmt: skip
-    return Table(head, rows)
+    return _table(head, rows, any("rotation_rmse" in c["baseline"] for c in checks))

@@ -9,11 +9,11 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.ridge import Block, Solution, add_up, learn
-from doormill_ros.diagnosis.pose.placement import fit_placement
+from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.diagnosis.pose.problem import PoseProblem
-from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.chain import Placement, frames
+from doormill_ros.robot_model.pose.chain import Placement, frames, per_axis
 from doormill_ros.statistics import GROSS_SHARE, median_length
 from doormill_ros.units import m_to_um
 
@@ -49,11 +49,13 @@ def contiguous(count: int) -> list[IntArray]:
 
 def place_nominally(sets: Sequence[PoseSet]) -> list[Placement]:
     """Placement of every series under the nominal model."""
-    found = []
-    for data in sets:
-        view = data.view
-        found.append(fit_placement(frames(view.transforms), data.position, data.rotation, (3e-4, 5e-4)))
-    return found
+    owner = placement_owners(sets)
+    seen = [Seen(frames(data.view.transforms), data.position, data.rotation) for data in sets]
+    found = {
+        own: place_together([seen[i] for i, at in enumerate(owner) if at == own], (3e-4, 5e-4))
+        for own in dict.fromkeys(owner)
+    }
+    return [found[own] for own in owner]
 
 
 def fit_causes(
@@ -91,10 +93,13 @@ def fit_causes(
         _move(problem, solution)
         errors = [problem.residual(series) for series in range(len(sets))]
         problem.sigma = noise_of(errors, problem.weights, sets)
-        problem.weights = [weigh(error, problem.sigma) for error in errors]
+        problem.weights = [
+            weigh(error, problem.sigma, one.oriented) for error, one in zip(errors, sets, strict=True)
+        ]
+        turned = f" and {m_to_um(problem.sigma[1]):.0f} urad" if any(one.oriented for one in sets) else ""
         progress(
             f"pass {turn + 1} of {passes}: {problem.layout.size} coefficients, "
-            f"{m_to_um(problem.sigma[0]):.0f} um and {m_to_um(problem.sigma[1]):.0f} urad per axis left"
+            f"{m_to_um(problem.sigma[0]):.0f} um{turned} per axis left"
         )
     blocks = problem.blocks(rows)
     H, g = add_up(blocks, problem.size)
@@ -124,39 +129,33 @@ def independent_share(blocks: Sequence[Block], solution: Solution, share: float)
 
 def _move(problem: PoseProblem, solution: Solution) -> None:
     problem.x = solution.x[: problem.layout.size].copy()
-    for series in range(len(problem.sets)):
-        step = solution.x[problem.placement_ids(series)]
-        problem.placements[series] = problem.placements[series].moved(step[:6], step[6:])
+    problem.move(solution.x)
 
 
 def noise_of(
     errors: Sequence[FloatArray], weights: Sequence[FloatArray], sets: Sequence[PoseSet]
 ) -> tuple[float, float]:
     """Standard deviation per axis of errors, shape (n, 6), position [m] and rotation [rad]; at least the tracker's."""
-    every = np.concatenate(errors)
     floor = np.array([data.noise for data in sets]).min(axis=0)
-    found = []
-    for part, low in ((every[:, :3], floor[0]), (every[:, 3:], floor[1])):
-        length = float(np.median(np.linalg.norm(part, axis=1)))
-        found.append(max(length / median_length(3), float(low)))
+    found = [float(low) for low in floor]
+    turned = [error[:, 3:] for error, data in zip(errors, sets, strict=True) if data.oriented]
+    for axis, parts in enumerate(([error[:, :3] for error in errors], turned)):
+        if parts:
+            length = float(np.median(np.linalg.norm(np.concatenate(parts), axis=1)))
+            found[axis] = max(length / median_length(3), found[axis])
     return found[0], found[1]
 
 
-def deviation(error: FloatArray, sigma: tuple[float, float]) -> FloatArray:
-    """Root mean square of the six components in standard deviations, shape (n,)."""
-    result: FloatArray = np.sqrt(
-        (
-            np.sum(error[:, :3] ** 2, axis=1) / sigma[0] ** 2
-            + np.sum(error[:, 3:] ** 2, axis=1) / sigma[1] ** 2
-        )
-        / 6.0
-    )
+def deviation(error: FloatArray, sigma: tuple[float, float], oriented: bool) -> FloatArray:
+    """Root mean square of the components measured, of six, in standard deviations, shape (n,)."""
+    scale = per_axis(sigma, oriented)
+    result: FloatArray = np.sqrt(np.sum((error * scale) ** 2, axis=1) / np.count_nonzero(scale))
     return result
 
 
-def weigh(error: FloatArray, sigma: tuple[float, float]) -> FloatArray:
+def weigh(error: FloatArray, sigma: tuple[float, float], oriented: bool) -> FloatArray:
     """Weights of rows: 1 for ordinary ones, less for doubtful ones, 0 for gross errors, shape (n,)."""
-    size = deviation(error, sigma)
+    size = deviation(error, sigma, oriented)
     limit = max(GROSS, float(np.quantile(size, 1.0 - GROSS_SHARE)))
     weight = 1.0 / np.maximum(1.0, size / DOUBT) ** 2
     weight[size > limit] = 0.0

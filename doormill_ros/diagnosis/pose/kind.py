@@ -6,14 +6,21 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.account import Account, told
 from doormill_ros.diagnosis.core.document import cause_entry
 from doormill_ros.diagnosis.core.kind import Kind, Progress
 from doormill_ros.diagnosis.core.wording import Unit, Words
-from doormill_ros.diagnosis.pose.causes import WITHIN, causes_of, indistinguishable, rejected_entry
-from doormill_ros.diagnosis.pose.coverage import BINS, bin_of, coverage, covered
+from doormill_ros.diagnosis.pose.causes import (
+    WITHIN,
+    causes_of,
+    indistinguishable,
+    not_determined,
+    rejected_entry,
+)
+from doormill_ros.diagnosis.pose.certainty import certainty_section
+from doormill_ros.diagnosis.pose.check import check_set
+from doormill_ros.diagnosis.pose.coverage import coverage
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, check_together, diagnose_poses
 from doormill_ros.diagnosis.pose.evidence import (
     candidates_blocks,
@@ -21,17 +28,11 @@ from doormill_ros.diagnosis.pose.evidence import (
     evidence,
     next_poses_table,
 )
-from doormill_ros.diagnosis.pose.fit import deviation
-from doormill_ros.diagnosis.pose.margins import margins
-from doormill_ros.diagnosis.pose.model import Errors, rmse
+from doormill_ros.diagnosis.pose.model import Errors, figures
 from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
-from doormill_ros.diagnosis.pose.placement import fit_placement
-from doormill_ros.measurements.pose_set import SCHEMA, PoseSet, read_pose_set
-from doormill_ros.robot_model.pose.chain import frames, residual
+from doormill_ros.measurements.pose_set import SCHEMA, PoseSet, placement_owners, read_pose_set
 from doormill_ros.robot_model.pose.model import model_document
 
-#: A checked row this many expected deviations off counts as a gross error.
-_GROSS = 7.0
 #: Position errors are three-dimensional lengths, far above a tenth of a micrometre.
 UNIT = Unit("m", "um", digits=0)
 
@@ -58,8 +59,10 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
         return [read_pose_set(folder)]
 
     def check_together(self, sets: Sequence[PoseSet], others: Sequence[PoseSet]) -> None:
-        """One robot and one nominal table."""
+        """One robot, one nominal table, and every placement that a set names."""
         check_together([*sets, *others])
+        placement_owners(sets)
+        placement_owners([*sets, *others])
 
     def diagnose(self, sets: Sequence[PoseSet], progress: Progress) -> PoseDiagnosis:
         """Fit everything that may act, and keep what earns its place on rows left out."""
@@ -68,6 +71,10 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
     def check(self, diagnosis: PoseDiagnosis, other: PoseSet) -> dict[str, Any]:
         """Placed by its marked rows, the others are predicted."""
         return check_set(diagnosis, other)
+
+    def check_all(self, diagnosis: PoseDiagnosis, others: Sequence[PoseSet]) -> list[dict[str, Any]]:
+        """The same of several, which may have one placement in common."""
+        return [check_set(diagnosis, other, others) for other in others]
 
     def account(
         self,
@@ -100,7 +107,6 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
                 for row in data.row[bad]
             ],
             remarks=_remarks(diagnosis),
-            margins=margins(diagnosis),
             next_measurement=plan_next(diagnosis, poses),
             checks=checks,
             sections=sections,
@@ -122,9 +128,18 @@ def _figures(diagnosis: PoseDiagnosis, errors: Errors) -> dict[str, float]:
         ("series_out", errors.series),
     ):
         if residuals:
-            found[f"{part}_rmse"] = rmse(residuals, kept)
-            found[f"{part}_rotation_rmse"] = rmse(residuals, kept, rotation=True)
-    return found | {"rotation_rmse": found["holdout_rotation_rmse"]}
+            found |= _both(diagnosis.sets, residuals, kept, f"{part}_")
+    turned = found.get("holdout_rotation_rmse")
+    return found if turned is None else found | {"rotation_rmse": turned}
+
+
+def _both(
+    sets: Sequence[PoseSet], errors: Sequence[FloatArray], kept: Sequence[BoolArray], part: str = ""
+) -> dict[str, float]:
+    """`rmse` and, where an orientation was measured, `rotation_rmse`, behind the name of a part."""
+    position, rotation = figures(sets, errors, kept)
+    found = {f"{part}rmse": position}
+    return found if rotation is None else found | {f"{part}rotation_rmse": rotation}
 
 
 def _sections(diagnosis: PoseDiagnosis) -> dict[str, Any]:
@@ -141,7 +156,9 @@ def _sections(diagnosis: PoseDiagnosis) -> dict[str, Any]:
         ],
         "rejected": [rejected_entry(score) for score in diagnosis.rejected if score.status not in WITHIN],
         "not_distinguishable_from_placement": indistinguishable(diagnosis),
+        "not_determined": not_determined(diagnosis.sets),
         "coverage": coverage(diagnosis),
+        "certainty": certainty_section(diagnosis),
     }
 
 
@@ -153,14 +170,14 @@ def _series(diagnosis: PoseDiagnosis, index: int) -> dict[str, Any]:
         "gross_errors": int(diagnosis.gross[index].sum()),
     }
     for name, errors in (("baseline", diagnosis.before), ("extended", diagnosis.after)):
+        held = _both([data], [errors.blocks[index]], kept)
         entry[name] = {
-            "train_rmse": rmse([errors.train[index]], kept),
-            "holdout_rmse": rmse([errors.blocks[index]], kept),
-            "rotation_rmse": rmse([errors.blocks[index]], kept, rotation=True),
+            "train_rmse": figures([data], [errors.train[index]], kept)[0],
+            "holdout_rmse": held.pop("rmse"),
+            **held,
         }
         if errors.series:
-            entry[name]["series_out_rmse"] = rmse([errors.series[index]], kept)
-            entry[name]["series_out_rotation_rmse"] = rmse([errors.series[index]], kept, rotation=True)
+            entry[name] |= _both([data], [errors.series[index]], kept, "series_out_")
     return entry
 
 
@@ -174,41 +191,11 @@ def _remarks(diagnosis: PoseDiagnosis) -> list[str]:
         lines.append("The sets state no masses; gravity torques use the maker's published ones.")
     if not diagnosis.extended.problem.views[0].links:
         lines.append("No masses are known: sag under gravity could not be asked for.")
+    if not_determined(diagnosis.sets):
+        lines.append(
+            "Positions alone were measured: the target is a point, its orientation on the flange is not determined, "
+            "and nothing is said about rotations."
+        )
     if len(diagnosis.sets) == 1:
         lines.append("With a single series nothing shows whether a cause holds beyond it.")
     return lines
-
-
-def check_set(diagnosis: PoseDiagnosis, other: PoseSet) -> dict[str, Any]:
-    """Predict a set that no fit has seen; its marked rows place it, the others are predicted.
-
-    Raises:
-        PosePlacementError: Too few marked rows.
-    """
-    view = other.view
-    sigma = diagnosis.extended.problem.sigma
-    marked, rest = other.placement, ~other.placement
-    rest = rest if rest.any() else np.ones(len(other), dtype=bool)
-    errors = {}
-    for name, T, spread in (
-        ("baseline", frames(view.transforms), diagnosis.baseline.problem.sigma),
-        ("extended", diagnosis.model.frames(view), sigma),
-    ):
-        placement = fit_placement(T[marked], other.position[marked], other.rotation[marked], spread)
-        errors[name] = residual(T, placement, other.position, other.rotation)
-    visited = [covered(np.concatenate([data.q[:, k] for data in diagnosis.sets])) for k in range(6)]
-    outside = [float(np.mean(~visited[k][bin_of(other.q[:, k])])) for k in range(6)]
-    size = deviation(errors["extended"], sigma)
-    scale = max(1.0, float(np.median(size)))
-    gross = rest & (size > _GROSS * scale)
-    entry: dict[str, Any] = {"set": other.name, "rows": int(rest.sum()), "placement_rows": int(marked.sum())}
-    for name, error in errors.items():
-        entry[name] = {"rmse": rmse([error], [rest]), "rotation_rmse": rmse([error], [rest], rotation=True)}
-    entry["gross_errors"] = [int(row) for row in other.row[gross]]
-    entry["extended_without_gross_errors"] = {
-        "rmse": rmse([errors["extended"]], [rest & ~gross]),
-        "rotation_rmse": rmse([errors["extended"]], [rest & ~gross], rotation=True),
-    }
-    entry["outside_coverage"] = {f"joint {k + 1}": outside[k] for k in range(6)}
-    entry["bins_of_a_turn"] = BINS
-    return entry

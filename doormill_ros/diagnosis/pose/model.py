@@ -15,6 +15,7 @@ from doormill_ros.diagnosis.core.ridge import Solution, add_up
 from doormill_ros.diagnosis.pose.fit import Fitted
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.diagnosis.pose.validation import Validation
+from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 
 
@@ -72,6 +73,16 @@ def rmse(errors: Sequence[FloatArray], kept: Sequence[BoolArray], rotation: bool
     """Root mean square length of the position [m] or rotation [rad] error, shape (n, 6), over the rows that count."""
     part = slice(3, 6) if rotation else slice(0, 3)
     return verdict.rmse(np.concatenate(errors)[:, part], np.concatenate(kept), 1)
+
+
+def figures(
+    sets: Sequence[PoseSet], errors: Sequence[FloatArray], kept: Sequence[BoolArray]
+) -> tuple[float, float | None]:
+    """Root mean square of the position error [m] and of the rotation [rad], None where no set has an orientation."""
+    turned = [i for i, data in enumerate(sets) if data.oriented]
+    return rmse(errors, kept), (
+        rmse([errors[i] for i in turned], [kept[i] for i in turned], rotation=True) if turned else None
+    )
 
 
 def standard_deviations(fitted: Fitted) -> FloatArray:

@@ -11,7 +11,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.ranking import first_largest
 from doormill_ros.diagnosis.pose.coverage import BINS, covered
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
-from doormill_ros.robot_model.pose.chain import derivatives, direction, frames
+from doormill_ros.robot_model.pose.chain import derivatives, frames
 from doormill_ros.robot_model.pose.layout import design, frame_twists
 from doormill_ros.statistics import uniform
 from doormill_ros.units import m_to_um, rad_to_deg
@@ -31,7 +31,7 @@ class NextPoses:
     """Poses to measure before the tracker of the last series is moved.
 
     Attributes:
-        q: Joint angles, shape (n, 6) [rad].
+        q: Joint angles, shape (n, J) [rad].
         information: What each adds to the ones before it, shape (n,) [nat].
         before, after: Expected position error from what is uncertain in the model, root mean square over all
             possible poses, now and with these poses measured [m].
@@ -51,10 +51,10 @@ def propose(diagnosis: PoseDiagnosis, seed: int = 0) -> NextPoses | None:
     """
     fitted = diagnosis.extended
     problem, C = fitted.problem, fitted.solution.covariance
-    q = possible_poses(diagnosis, seed) if problem.layout.size else np.zeros((0, 6))
+    q = possible_poses(diagnosis, seed) if problem.layout.size else np.zeros((0, problem.joints))
     if not len(q):
         return None
-    A = effect_on_pose(diagnosis, q) / np.repeat(problem.sigma, 3)[:, None]
+    A = effect_on_pose(diagnosis, q) * problem.scale(len(problem.sets) - 1)[:, None]
     flat = A.reshape(-1, A.shape[2])
     spread = flat @ C @ flat.T  # covariance of all predicted poses, (6 n, 6 n)
     before = _position_error(spread, problem.sigma[0])
@@ -86,12 +86,12 @@ def _position_error(spread: FloatArray, sigma: float) -> float:
 
 
 def possible_poses(diagnosis: PoseDiagnosis, seed: int) -> FloatArray:
-    """Random postures, every joint through its whole turn, with the target where targets have been: (n, 6) [rad].
+    """Random postures, every joint through its whole turn, with the target where targets have been: (n, J) [rad].
 
     Neither lower nor nearer to the axis of joint 1 nor farther out than any measured one.
     """
     problem = diagnosis.extended.problem
-    q = np.pi * (2.0 * uniform((_TRIED, 6), seed) - 1.0)
+    q = np.pi * (2.0 * uniform((_TRIED, problem.joints), seed) - 1.0)
     offset = problem.placements[-1].T_flange_target[:, 3]
     target = frames(diagnosis.model.view(q).transforms)[:, -1] @ offset
     seen = []
@@ -111,20 +111,21 @@ def effect_on_pose(diagnosis: PoseDiagnosis, q: FloatArray) -> FloatArray:
     view = diagnosis.model.view(q)
     bases = design(view, problem.layout)
     placement = problem.placements[-1]
-    D = derivatives(frames(view.transforms, frame_twists(bases, problem.x, len(q))), placement)
+    D = derivatives(
+        frames(view.transforms, frame_twists(bases, problem.x, len(q), problem.joints)), placement
+    )
     A = np.zeros((len(q), 6, problem.size))
     for key, (ids, basis) in bases.items():
         A[:, :, ids] += D[:, key, :, None] * basis[:, None, :]
     own = problem.placement_ids(len(problem.sets) - 1)
-    A[:, :, own[:6]] = np.swapaxes(D[:, :6], 1, 2)
-    A[:, :, own[6:]] = np.swapaxes(D[:, direction(6, 0) :], 1, 2)
+    A[:, :, own] = np.swapaxes(D[:, problem.free[-1]], 1, 2)
     return A
 
 
 def plan_next(diagnosis: PoseDiagnosis, poses: NextPoses | None) -> str:
     """One sentence, computed from the expected information, the coverage and the standard deviations."""
     wanted = []
-    for k in range(6):
+    for k in range(diagnosis.sets[0].joints):
         visited = covered(np.concatenate([data.q[:, k] for data in diagnosis.sets]))
         edges = np.flatnonzero(np.diff(np.concatenate([[False], ~visited, [False]]).astype(int))).reshape(
             -1, 2

@@ -21,9 +21,9 @@ _CHUNK = 2000
 def order_scores(fitted: Fitted, joint: int, orders: IntArray) -> FloatArray:
     """Fall of the sum of squares when an order alone is added to a fit, shape (len(orders),)."""
     problem = fitted.problem
-    scale = np.repeat(1.0 / np.array(problem.sigma), 3)
     top, bottom = np.zeros(len(orders), dtype=complex), 0.0
     for series, data in enumerate(problem.sets):
+        scale = problem.scale(series)
         error = problem.residual(series) * scale
         turn = derivatives(problem.frames(series), problem.placements[series])[:, joint_turn(joint)] * scale
         weight = problem.weights[series]

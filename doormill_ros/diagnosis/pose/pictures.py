@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
@@ -36,14 +39,15 @@ def before_and_after(diagnosis: PoseDiagnosis) -> list[str]:
 
 
 def joint_angle(diagnosis: PoseDiagnosis, series: int, errors: FloatArray) -> FloatArray:
-    """Residual turn of every joint that explains a pose error best, shape (n, 6) [rad]."""
+    """Residual turn of every joint that explains a pose error best, shape (n, J) [rad]."""
     problem = diagnosis.extended.problem
-    scale = np.repeat(1.0 / np.array(problem.sigma), 3)
-    turns = [joint_turn(k) for k in range(1, 7)]
+    scale = problem.scale(series)
+    turns = [joint_turn(k) for k in range(1, problem.joints + 1)]
     D = derivatives(problem.frames(series), problem.placements[series])[:, turns] * scale
     H = np.einsum("nac,nbc->nab", D, D)
-    size: FloatArray = np.sqrt(np.einsum("naa->na", H))
-    H = H / (size[:, :, None] * size[:, None, :]) + 1e-2 * np.eye(6)
+    # A target on the axis of a joint does not show its turn.
+    size: FloatArray = np.maximum(np.sqrt(np.einsum("naa->na", H)), 1e-12)
+    H = H / (size[:, :, None] * size[:, None, :]) + 1e-2 * np.eye(problem.joints)
     g = np.einsum("nac,nc->na", D, errors * scale) / size
     return np.linalg.solve(H, g[:, :, None])[:, :, 0] / size
 
@@ -61,7 +65,7 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
         return []
     residual = [joint_angle(diagnosis, i, errors) for i, errors in enumerate(diagnosis.after.blocks)]
     charts = []
-    for k in range(1, 7):
+    for k in range(1, problem.joints + 1):
         if f"joint {k}" not in own:
             continue
         cause, part = own[f"joint {k}"]
@@ -102,6 +106,22 @@ def spectra(diagnosis: PoseDiagnosis) -> list[str]:
             pairs = diagnosis.extended.problem.x[layout.part(index)].reshape(-1, 2)
             x, y = np.array(cause.orders, dtype=float), m_to_um(np.hypot(pairs[:, 0], pairs[:, 1]))
             charts.append(scatter(cause.where, "order", "amplitude [urad]", [Curve("", BLUE, x, y)]))
+    return charts
+
+
+def calibration(parts: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
+    """Position error that was expected of rows no fit had seen against what came, as under `certainty`."""
+    charts = []
+    for part, entries in parts.items():
+        clouds, most = [], 0.0
+        for index, one in enumerate(entries):
+            x = m_to_um(np.array([group["expected_rmse"] for group in one["groups"]]))
+            y = m_to_um(np.array([group["rmse"] for group in one["groups"]]))
+            clouds.append(Curve(one["set"], _COLOURS[index % len(_COLOURS)], x, y))
+            most = max(most, float(x.max()), float(y.max()))
+        line = Curve("as expected", GREY, np.array([0.0, most]), np.array([0.0, most]))
+        title = part.replace("_", " ")
+        charts.append(scatter(title, "expected [um]", "came [um]", clouds, lines=[line], width=HALF))
     return charts
 
 

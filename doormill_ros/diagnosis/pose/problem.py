@@ -12,19 +12,17 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.ridge import Block
-from doormill_ros.measurements.pose_set import PoseSet
+from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import (
     Placement,
     derivatives,
-    direction,
     frames,
+    free_directions,
+    per_axis,
     residual,
 )
 from doormill_ros.robot_model.pose.layout import design, frame_twists, lay_out
-
-#: Numbers of a placement: twist of the base, twist of the flange.
-PLACEMENT = 12
 
 
 class PoseProblem:
@@ -37,6 +35,8 @@ class PoseProblem:
         placements: Current placement of every series.
         sigma: Current standard deviation per axis, position [m] and rotation [rad].
         weights: Of the rows of every series, 0 for gross errors.
+        owner: Index of the first series with the same placement, of every series.
+        free: Directions of its placement, of every series; a point on the flange where nobody measured orientation.
         share: Part of the rows that count: what is left of neighbouring rows has common causes, and a thousand
             poses that err alike tell no more than a hundred that err by chance.
     """
@@ -54,22 +54,46 @@ class PoseProblem:
         self.sigma = (1e-4, 2e-4)
         self.weights = [np.ones(len(one)) for one in sets]
         self.share = 1.0
+        self.owner = placement_owners(self.sets)
+        self.joints = self.sets[0].joints
+        oriented = [
+            any(one.oriented for one, other in zip(self.sets, self.owner, strict=True) if other == mine)
+            for mine in self.owner
+        ]
+        self.free = [free_directions(self.joints, seen) for seen in oriented]
+        self.placements = [self.placements[own] for own in self.owner]
+        sizes = [len(free) if self.owner[i] == i else 0 for i, free in enumerate(self.free)]
+        self._start = self.layout.size + np.concatenate([[0], np.cumsum(sizes, dtype=int)])
 
     @property
     def size(self) -> int:
-        """All unknowns: causes, and a placement for every series."""
-        return self.layout.size + PLACEMENT * len(self.sets)
+        """All unknowns: causes, and a placement for every series that has its own."""
+        return int(self._start[-1])
 
     def placement_ids(self, series: int) -> IntArray:
-        """Indices of the placement of a series, shape (12,)."""
-        return self.layout.size + PLACEMENT * series + np.arange(PLACEMENT)
+        """Indices of the placement of a series, in the order of its `free`, shape (9,) or (12,)."""
+        return int(self._start[self.owner[series]]) + np.arange(len(self.free[series]))
+
+    def scale(self, series: int) -> FloatArray:
+        """One over the standard deviation of every component of a series' residual, shape (6,)."""
+        return per_axis(self.sigma, self.sets[series].oriented)
+
+    def move(self, step: FloatArray) -> None:
+        """Shift every placement by its part of a solution of all unknowns, shape (size,)."""
+        for series, own in enumerate(self.owner):
+            if own == series:
+                twist = np.zeros(12)
+                twist[: len(self.free[series])] = step[self.placement_ids(series)]
+                self.placements[series] = self.placements[series].moved(twist[:6], twist[6:])
+            else:
+                self.placements[series] = self.placements[own]
 
     def frames(self, series: int, x: FloatArray | None = None, rows: IntArray | None = None) -> FloatArray:
-        """Displaced frames of a series or some rows of it, shape (n, 7, 4, 4)."""
+        """Displaced frames of a series or some rows of it, shape (n, J + 1, 4, 4)."""
         x = self.x if x is None else x
         rows = np.arange(len(self.sets[series])) if rows is None else rows
         bases = {key: (ids, basis[rows]) for key, (ids, basis) in self.bases[series].items()}
-        return frames(self.views[series].transforms[rows], frame_twists(bases, x, len(rows)))
+        return frames(self.views[series].transforms[rows], frame_twists(bases, x, len(rows), self.joints))
 
     def residual(self, series: int, x: FloatArray | None = None) -> FloatArray:
         """Residual with the current placement, base axes, shape (n, 6)."""
@@ -92,15 +116,14 @@ class PoseProblem:
 
     def _block(self, series: int, rows: IntArray, T: FloatArray, error: FloatArray) -> Block:
         weight = self.share * self.weights[series][rows]
-        scale = np.repeat(1.0 / np.array(self.sigma), 3) * np.sqrt(weight)[:, None]
+        scale = self.scale(series) * np.sqrt(weight)[:, None]
         D = derivatives(T, self.placements[series]) * scale[:, None, :]
         bases = {key: (ids, basis[rows]) for key, (ids, basis) in self.bases[series].items()}
         own = self.placement_ids(series)
         one = np.ones((len(rows), 1))
-        for i in range(6):
-            for key, column in ((i, own[i]), (direction(6, i), own[6 + i])):
-                ids, basis = bases.get(key, (np.zeros(0, dtype=int), np.zeros((len(rows), 0))))
-                bases[key] = (np.append(ids, column), np.concatenate([basis, one], axis=1))
+        for key, column in zip(self.free[series], own, strict=True):
+            ids, basis = bases.get(key, (np.zeros(0, dtype=int), np.zeros((len(rows), 0))))
+            bases[key] = (np.append(ids, column), np.concatenate([basis, one], axis=1))
         keys = sorted(bases)
         S = np.einsum("nac,nbc->abn", D[:, keys], D[:, keys])
         order = np.concatenate([bases[key][0] for key in keys])
@@ -116,6 +139,6 @@ class PoseProblem:
                 there = slice(at[b], at[b + 1])
                 H[here, there] = left.T @ (S[a, b][:, None] * bases[keys[b]][1])
                 H[there, here] = H[here, there].T
-        x = np.concatenate([self.x, np.zeros(PLACEMENT * len(self.sets))])[order]
+        x = np.concatenate([self.x, np.zeros(self.size - self.layout.size)])[order]
         c = float(np.sum((error * scale) ** 2)) + float(x @ (2.0 * g + H @ x))
         return Block(series, rows, order, H, g + H @ x, c, float(weight.sum()))

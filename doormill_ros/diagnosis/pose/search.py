@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-import numpy as np
-
 from doormill_ros.diagnosis.core.search import Search
 from doormill_ros.diagnosis.pose.fit import Fitted, fit_causes
-from doormill_ros.diagnosis.pose.model import SeriesFit
+from doormill_ros.diagnosis.pose.model import SeriesFit, rmse
 from doormill_ros.diagnosis.pose.orders import find_orders
 from doormill_ros.diagnosis.pose.selection import REAL, Score, scores
 from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
+from doormill_ros.robot_model.pose.causes.hints import Hints, places_of_joints
 from doormill_ros.robot_model.pose.causes.joint_periodic_error import dense_orders
 from doormill_ros.robot_model.pose.causes.registry import candidates
 from doormill_ros.robot_model.pose.causes.session_step import find_step
 
+#: A whole spectrum has to leave this much less of rows left out than a few orders do.
+SPECTRUM = 0.95
 #: Fall of the sum of squares that makes a step worth a trial.
 STEP = 60.0
 
@@ -41,22 +41,33 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         self.gone: list[PoseCause] = []
 
     def starts(self) -> list[SeriesFit]:
-        """Everything that may act: first without, then with hints from the residual."""
+        """Everything that may act, with a whole spectrum of waves where that predicts better than a few."""
+        few, *spectrum = [self._start(dense) for dense in dense_orders([data.view for data in self.sets])]
+        for other in spectrum:
+            kept = [
+                (a > 0.0) & (b > 0.0) for a, b in zip(few.problem.weights, other.problem.weights, strict=True)
+            ]
+            if rmse(other.errors.blocks, kept) < SPECTRUM * rmse(few.errors.blocks, kept):
+                return [other]
+        return [few]
+
+    def _start(self, dense: tuple[int, ...]) -> SeriesFit:
+        """Everything that may act with waves of some orders: first without, then with hints from the residual."""
         sets, views = self.sets, [data.view for data in self.sets]
-        dense = dense_orders(views)
-        library = candidates(Hints(views, dict.fromkeys(JOINTS, dense), drift=False))
+        joints = places_of_joints(sets[0].joints)
+        library = candidates(Hints(views, dict.fromkeys(joints, dense), drift=False))
         self.progress(f"{len(library)} causes to try")
         first = fit_causes(sets, library, self.baseline.problem.placements, 2, self.progress)
-        orders = {where: dense + find_orders(first, number(where), dense[-1]) for where in JOINTS}
+        orders = {where: dense + find_orders(first, number(where), dense[-1]) for where in joints}
         extra = sum(len(o) - len(dense) for o in orders.values())
         self.progress(f"the residual asks for {extra} orders beyond {dense[-1]}")
         steps = {}
-        scale = np.repeat(1.0 / np.array(first.problem.sigma), 3)
         for index, data in enumerate(sets):
-            at, fall = find_step(first.problem.residual(index), scale, first.problem.weights[index])
+            problem = first.problem
+            at, fall = find_step(problem.residual(index), problem.scale(index), problem.weights[index])
             if fall > STEP:
                 steps[index] = int(data.row[at])
-        return [self._fit(candidates(Hints(views, orders, steps)), first)]
+        return self._fit(candidates(Hints(views, orders, steps)), first)
 
     def _fit(self, causes: Sequence[PoseCause], start: Fitted) -> SeriesFit:
         fitted = fit_causes(self.sets, causes, start.problem.placements, 2, self.progress, start)
@@ -79,12 +90,16 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         self.progress(f"{len(self.gone)} causes do not earn their place")
         return SeriesFit(rest, model.fitted, model.validation.less(model.ids(causes)))
 
+    def rivals(self, model: SeriesFit, cause: PoseCause) -> list[tuple[PoseCause, SeriesFit]]:
+        """None: everything that may act was in from the start."""
+        return []
+
     def useless(
         self, model: SeriesFit, asked: Sequence[PoseCause], strictly: bool
     ) -> list[tuple[PoseCause, float]]:
         """Causes that rows left out do not miss; in the end only those that are laid on the robot."""
         causes = model.fitted.problem.layout.causes
-        found = scores(model.validation, [causes.index(cause) for cause in asked], model.validation.explained)
+        found = scores(model.validation, [causes.index(cause) for cause in asked], model.validation.left)
         self.scores |= {id(score.cause): score for score in found}
         weak = [score for score in found if score.status != REAL]
         return [(score.cause, score.total) for score in weak if score.cause.of_robot or not strictly]

@@ -13,15 +13,15 @@ from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.held_out import left_out
 from doormill_ros.diagnosis.core.ridge import Block, Solution, add_up, learn, without
 from doormill_ros.diagnosis.pose.fit import BLOCKS, Fitted
-from doormill_ros.diagnosis.pose.problem import PLACEMENT
-from doormill_ros.robot_model.pose.chain import DIRECTIONS, derivatives, direction
+from doormill_ros.diagnosis.pose.placement import rows_needed
+from doormill_ros.robot_model.pose.chain import derivatives
 
 #: Every so many-th block of each series is left out together.
 FOLDS = 5
 #: Rounds in which the typical sizes are learnt anew without the part left out.
 ROUNDS = 1
-#: Rows that place a series left out when the set marks fewer than three: every so many-th.
-_EVERY = 25
+#: Rows that place a series left out when the set marks too few: every so many-th, yet at least so many.
+_EVERY, _LEAST = 25, 12
 #: Damping of a placement: directions that the poses leave open stay where they are.
 _WHISPER = 3e-5
 ALL_AXES, AXES_OF_POSITION = slice(0, 6), slice(0, 3)
@@ -88,12 +88,10 @@ class Validation:
         return smaller
 
     @cached_property
-    def explained(self) -> float:
-        """How much of the held-out cost all causes together take away."""
-        every = np.arange(self.fitted.problem.layout.size)
-        full = self.cost(self.residuals(self.blocks, every[:0]))
-        empty = self.cost(self.residuals(self.blocks, every))
-        return max(sum(float(np.sum(a - b)) for a, b in zip(empty, full, strict=True)), 1.0)
+    def left(self) -> float:
+        """The held-out cost that all causes together leave."""
+        full = self.cost(self.residuals(self.blocks, np.zeros(0, dtype=int)))
+        return sum(float(np.sum(part)) for part in full)
 
     def residuals(self, splits: Sequence[Split], removed: IntArray) -> list[FloatArray]:
         """Residual of every row by the split that left it out, base axes, shape (n, 6), with coefficients removed."""
@@ -104,17 +102,20 @@ class Validation:
             for series, rows in enumerate(split.rows):
                 if len(rows):
                     linear = self._linear[series]
-                    placed = linear.place(x) if split.series is not None else x
+                    placed = linear.place(x) if split.series is not None and not linear.shared else x
                     out[series][rows] = linear.residual(placed, rows)
         return out
+
+    def variance(self, split: Split, series: int, rows: IntArray) -> FloatArray:
+        """Variance of predicted positions of rows from what is uncertain in a split's solution, shape (n, 3) [m^2]."""
+        return self._linear[series].variance(split.solution, rows, split.series is not None)
 
     def cost(self, errors: Sequence[FloatArray], axes: slice = ALL_AXES) -> list[FloatArray]:
         """Weighted squares of every row in noise units, shape (n,) each; of some of its six components."""
         problem = self.fitted.problem
-        scale = np.repeat(1.0 / np.array(problem.sigma), 3)
         return [
-            weight * np.sum((error * scale)[:, axes] ** 2, axis=1)
-            for error, weight in zip(errors, problem.weights, strict=True)
+            weight * np.sum((error * problem.scale(series))[:, axes] ** 2, axis=1)
+            for series, (error, weight) in enumerate(zip(errors, problem.weights, strict=True))
         ]
 
 
@@ -129,22 +130,56 @@ class _Linear:
         self.D = derivatives(problem.frames(series), problem.placements[series])
         self.bases = problem.bases[series]
         self.x = problem.x
-        self.scale = np.repeat(1.0 / np.array(problem.sigma), 3)
+        self.scale = problem.scale(series)
+        self.free = problem.free[series]
+        self.shared = problem.owner.count(problem.owner[series]) > 1
         marked = np.flatnonzero(problem.sets[series].placement & (problem.weights[series] > 0.0))
-        self.placing = marked if len(marked) >= 3 else np.arange(0, len(self.error), _EVERY)
+        every = max(1, min(_EVERY, len(self.error) // _LEAST))
+        enough = len(marked) >= rows_needed(problem.sets[series].oriented)
+        self.placing = marked if enough else np.arange(0, len(self.error), every)
         self.weight = problem.weights[series]
 
     def residual(self, x: FloatArray, rows: IntArray) -> FloatArray:
         """Residual with all coefficients and the placement in x, shape (len(rows), 6)."""
         step = x[: self.size] - self.x
-        twists = np.zeros((len(rows), DIRECTIONS))
+        twists = np.zeros((len(rows), self.D.shape[1]))
         for key, (ids, basis) in self.bases.items():
             part = step[ids]
             if np.any(part):
                 twists[:, key] = basis @ part if len(rows) == len(basis) else basis[rows] @ part
-        twists[:, :6] += x[self.own[:6]]
-        twists[:, direction(6, 0) :] += x[self.own[6:]]
+        twists[:, self.free] += x[self.own]
         result: FloatArray = self.error[rows] - np.einsum("na,nac->nc", twists, self.D[rows])
+        return result
+
+    def effect(self, rows: IntArray, count: int, axes: int) -> FloatArray:
+        """Derivatives of the first axes of the poses of rows by all unknowns, shape (len(rows), axes, count)."""
+        A = np.zeros((len(rows), axes, count))
+        for key, (ids, basis) in self.bases.items():
+            A[:, :, ids] += self.D[rows, key, :axes, None] * basis[rows][:, None, :]
+        A[:, :, self.own] = np.swapaxes(self.D[rows][:, self.free, :axes], 1, 2)
+        return A
+
+    def variance(self, solution: Solution, rows: IntArray, placed: bool) -> FloatArray:
+        """Of predicted positions of rows, shape (len(rows), 3) [m^2]; `placed` if marked rows alone place the series.
+
+        Then the placement takes up a part of what is wrong in the coefficients, and adds the noise of those rows.
+        """
+        A, C = self.effect(rows, len(solution.x), 3), solution.covariance
+        noise = np.zeros((len(rows), 3))
+        if placed and not self.shared:
+            marked = self.effect(self.placing, len(solution.x), 6) * self.scale[:, None]
+            marked = marked.reshape(-1, len(solution.x))
+            P = marked[:, self.own]
+            unit = 1.0 / np.linalg.norm(P, axis=0)
+            inverse = np.linalg.inv((P * unit).T @ (P * unit) + _WHISPER**2 * np.eye(len(unit)))
+            inverse *= np.outer(unit, unit)
+            own = A[:, :, self.own]
+            noise = np.sum((own @ inverse) * own, axis=2)
+            A = A - own @ (inverse @ (P.T @ marked))
+            A[:, :, self.own] = 0.0
+        used = np.flatnonzero(np.any(A, axis=(0, 1)))
+        A = A[:, :, used]
+        result: FloatArray = np.sum((A @ C[np.ix_(used, used)]) * A, axis=2) + noise
         return result
 
     def place(self, x: FloatArray) -> FloatArray:
@@ -152,16 +187,16 @@ class _Linear:
         x = x.copy()
         x[self.own] = 0.0
         rows = self.placing
-        J = self.D[rows][:, [*range(6), *range(direction(6, 0), DIRECTIONS)]] * self.scale
+        J = self.D[rows][:, self.free] * self.scale
         for _ in range(3):
             error = self.residual(x, rows) * self.scale
             size = np.linalg.norm(error, axis=1)
             root = np.sqrt(self.weight[rows] / np.maximum(1.0, size / (2.5 * np.median(size))))
             # Base and target hardly differ in few poses: by orthogonal steps, which lose half the digits of a sum.
-            A = (J * root[:, None, None]).transpose(0, 2, 1).reshape(-1, PLACEMENT)
+            A = (J * root[:, None, None]).transpose(0, 2, 1).reshape(-1, len(self.own))
             unit = 1.0 / np.linalg.norm(A, axis=0)
-            whole = np.vstack([A * unit, _WHISPER * np.eye(PLACEMENT)])
-            right = np.concatenate([(error * root[:, None]).ravel(), np.zeros(PLACEMENT)])
+            whole = np.vstack([A * unit, _WHISPER * np.eye(len(self.own))])
+            right = np.concatenate([(error * root[:, None]).ravel(), np.zeros(len(self.own))])
             x[self.own] += unit * np.linalg.lstsq(whole, right, rcond=None)[0]
         return x
 

@@ -10,11 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout
-from doormill_ros.frames import transform
+from doormill_ros.frames import transform, vector_from_rotation
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
 from doormill_ros.localization.camera import R_BASE_CAMERA_NOMINAL, CameraModel
 from doormill_ros.localization.sensors.corner_edges import EdgeRays, PictureQuality, find_corner_edges
@@ -181,7 +180,7 @@ def _slide(T_base_camera: FloatArray, width: float) -> FloatArray:
 
 
 def _mounted(camera: CameraModel, T_base_camera: FloatArray) -> CameraModel:
-    turn = Rotation.from_matrix(R_BASE_CAMERA_NOMINAL.T @ T_base_camera[:3, :3]).as_rotvec()
+    turn = vector_from_rotation(R_BASE_CAMERA_NOMINAL.T @ T_base_camera[:3, :3])
     return replace(camera, position=T_base_camera[:3, 3], rotation_vector=turn)
 
 

@@ -138,12 +138,13 @@ class Feature(Section):
         return self.shape.inset(inset).rounded(corner).outline(self.split_lines)
 
     def centre_height(self, door: DoorSize) -> float:
-        """Height of the centre above the bottom edge [m]."""
+        """Height of the centre above the bottom edge of the door as it will hang [m]."""
         return self.height if self.height_from is HeightFrom.BOTTOM else door.height - self.height
 
     def T_door_feature(self, door: DoorSize) -> FloatArray:
         """Feature frame in the door frame, shape (4, 4)."""
-        z = self.centre_height(door)
+        height = self.centre_height(door)
+        z = door.height - height if door.head_down else height
         across = self.across(door)
         origin = {
             Side.FRONT: [0.0, across, z],

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 from doormill_ros.arrays import FloatArray
 
@@ -27,5 +28,39 @@ class ComplianceModel(Protocol):
 
         Returns:
             Displacement of the load point and rotation of the flange, base axes, shape (n, 6) [m, rad].
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class StandingSpread:
+    """What is left to chance of where n unloaded tools stand.
+
+    Attributes:
+        joints: Displacement by one standard deviation of each joint's spring, shape (n, 6, 3) [m].
+        rest: Standard deviation of what does not come from the springs, shape (n,) [m].
+    """
+
+    joints: FloatArray
+    rest: FloatArray
+
+
+@runtime_checkable
+class StandingModel(ComplianceModel, Protocol):
+    """A model whose tool is off without any load, too; `deflection` includes that."""
+
+    def standing(
+        self, q: FloatArray, load_point: FloatArray, direction: FloatArray | None = None
+    ) -> FloatArray:
+        """Twist of the unloaded tool; arguments and shapes as `ComplianceModel.deflection`."""
+        ...
+
+    def standing_spread(self, q: FloatArray, load_point: FloatArray, relative: FloatArray) -> StandingSpread:
+        """How well that is known.
+
+        Args:
+            q: Joint angles, shape (n, 6) [rad].
+            load_point: Flange frame, shape (3,) [m].
+            relative: Standard deviation of each spring as a share of it, shape (6,).
         """
         ...

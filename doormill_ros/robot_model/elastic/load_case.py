@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.frames import rotate_wrench, rotation_z
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.circumstances import NOTHING_KNOWN, Circumstances
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +28,10 @@ class LoadCase:
         joint_stiffness: Springs of the model in question, shape (6,) [N m / rad].
         torque_noise: Standard deviation of each joint torque, shape (n, 6) [N m].
         largest_torque: Largest torque of each joint over the whole test, shape (6,) [N m].
+        q: Joint angles, shape (n, 6) [rad].
+        load: Where the wrench acts, shape (n, 3) [m].
+        sensor: R_base_sensor of the force sensor, that of the flange where there is none, shape (n, 3, 3).
+        circumstances: What else is known of each loading.
         cache: Unit twists of causes that have been asked for.
     """
 
@@ -41,6 +46,10 @@ class LoadCase:
     joint_stiffness: FloatArray
     torque_noise: FloatArray
     largest_torque: FloatArray
+    q: FloatArray
+    load: FloatArray
+    sensor: FloatArray
+    circumstances: Circumstances = NOTHING_KNOWN
     cache: dict[object, FloatArray] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -113,6 +122,7 @@ def build_load_case(
     joint_stiffness: FloatArray,
     noise: tuple[float, float] = (0.0, 0.0),
     largest_torque: FloatArray | None = None,
+    circumstances: Circumstances = NOTHING_KNOWN,
 ) -> LoadCase:
     """Work out where everything is and how the load acts on it.
 
@@ -129,13 +139,16 @@ def build_load_case(
         joint_stiffness: Shape (6,) [N m / rad].
         noise: Standard deviation of force [N] and torque [N m].
         largest_torque: To scale laws with; default from these loadings.
+        circumstances: What else is known of each loading.
     """
     q = np.asarray(q, dtype=float)
     n = len(q)
     frames = kinematics.link_frames(q)
     axes, origin = frames[..., :3, :3], frames[..., :3, 3]
+    sensor = axes[:, 6]
     if wrench_rotation is not None:
-        wrench = rotate_wrench(axes[:, 6] @ rotation_z(wrench_rotation), wrench)
+        sensor = axes[:, 6] @ rotation_z(wrench_rotation)
+        wrench = rotate_wrench(sensor, wrench)
     force, couple = wrench[:, :3], wrench[:, 3:]
     load = origin[:, 6] + axes[:, 6] @ np.asarray(load_point, dtype=float)
     moment = couple[:, None] + np.cross(load[:, None] - origin, force[:, None])
@@ -159,4 +172,8 @@ def build_load_case(
         joint_stiffness=np.asarray(joint_stiffness, dtype=float),
         torque_noise=torque_noise,
         largest_torque=np.abs(torque).max(axis=0) if largest_torque is None else largest_torque,
+        q=q,
+        load=load,
+        sensor=sensor,
+        circumstances=circumstances,
     )

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import vector_from_rotation
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.errors import RobotError
-from doormill_ros.robot_model.elastic.compliance import ComplianceModel
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.robot_model.errors import PoseModelError
 from doormill_ros.robot_model.pose.chain import frames, link_transforms
@@ -44,15 +44,25 @@ class PoseErrorCompliance:
         direction: FloatArray | None = None,
     ) -> FloatArray:
         """Twist of the loaded tool against the nominal pose, as `ComplianceModel.deflection`."""
+        return self.standing(q, load_point, direction) + self.springs.deflection(
+            q, wrench, load_point, direction
+        )
+
+    def standing(
+        self, q: FloatArray, load_point: FloatArray, direction: FloatArray | None = None
+    ) -> FloatArray:
+        """Twist of the unloaded tool against the nominal pose, as `StandingModel.standing`."""
         q = np.atleast_2d(np.asarray(q, dtype=float))
         nominal = frames(link_transforms(self.pose_model.dh, q))[:, -1]
         actual = self.pose_model.flange(q, direction)
         point = np.append(np.asarray(load_point, dtype=float), 1.0)
         shift = ((actual - nominal) @ point)[:, :3]
-        turn = Rotation.from_matrix(actual[:, :3, :3] @ np.swapaxes(nominal[:, :3, :3], 1, 2)).as_rotvec()
-        return np.concatenate([shift, turn], axis=1) + self.springs.deflection(
-            q, wrench, load_point, direction
-        )
+        turn = vector_from_rotation(actual[:, :3, :3] @ np.swapaxes(nominal[:, :3, :3], 1, 2))
+        return np.concatenate([shift, turn], axis=1)
+
+    def standing_spread(self, q: FloatArray, load_point: FloatArray, relative: FloatArray) -> StandingSpread:
+        """None: the diagnosis states no spread of what it leaves; shapes as `StandingModel.standing_spread`."""
+        return StandingSpread(np.zeros((len(q), 6, 3)), np.zeros(len(q)))
 
 
 def load_pose_compliance(path: Path) -> PoseErrorCompliance:
@@ -70,4 +80,10 @@ def load_pose_compliance(path: Path) -> PoseErrorCompliance:
             f"add config/robots/{model.robot}, or use load_pose_model to predict poses without load",
             path=str(path),
         ) from error
+    if len(model.dh) != len(robot.dh):
+        raise PoseModelError(
+            f"{path} describes {len(model.dh)} joints, robot {model.robot!r} has {len(robot.dh)}; "
+            "give the model of this robot",
+            path=str(path),
+        )
     return PoseErrorCompliance(model, JointSpringModel(robot))

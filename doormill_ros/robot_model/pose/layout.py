@@ -9,7 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.chain import DIRECTIONS, FRAMES
+from doormill_ros.robot_model.pose.chain import AXES
 from doormill_ros.robot_model.pose.view import SetView
 
 
@@ -66,9 +66,11 @@ def design(view: SetView, layout: Layout) -> dict[int, tuple[FloatArray, FloatAr
     }
 
 
-def frame_twists(bases: dict[int, tuple[FloatArray, FloatArray]], x: FloatArray, n: int) -> FloatArray:
-    """Twists of all frames, shape (n, 7, 6)."""
-    twists = np.zeros((n, DIRECTIONS))
+def frame_twists(
+    bases: dict[int, tuple[FloatArray, FloatArray]], x: FloatArray, n: int, joints: int
+) -> FloatArray:
+    """Twists of all frames of a robot of J joints, shape (n, J + 1, 6)."""
+    twists = np.zeros((n, AXES * (joints + 1)))
     for key, (ids, basis) in bases.items():
         twists[:, key] = basis @ x[ids]
-    return twists.reshape(n, FRAMES, 6)
+    return twists.reshape(n, joints + 1, AXES)

@@ -20,7 +20,6 @@ from doormill_ros.values import Array, Exactly, Positive, Section
 
 SCHEMA = "doormill/link-masses/1"
 FOLDER = "config/link_masses"
-LINKS = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +40,11 @@ class _Link(Section):
 class _MassFile(Section):
     schema: Annotated[str, Exactly(SCHEMA)]
     source: str
-    links: Annotated[tuple[_Link, ...], Field(min_length=LINKS, max_length=LINKS)]
+    links: Annotated[tuple[_Link, ...], Field(min_length=6, max_length=7)]
 
 
 def read_masses(path: Path) -> tuple[LinkMass, ...]:
-    """Masses of the links 1 to 6 of a file of published masses.
+    """Masses of the links, base to flange, of a file of published masses.
 
     Raises:
         LinkMassError: It cannot be read.
@@ -54,30 +53,31 @@ def read_masses(path: Path) -> tuple[LinkMass, ...]:
 
 
 @functools.cache
-def published_masses(robot: str) -> tuple[LinkMass, ...]:
-    """Masses of the links 1 to 6 of a robot as its maker publishes them; empty where no file has them.
+def published_masses(robot: str, joints: int = 6) -> tuple[LinkMass, ...]:
+    """Masses of the links of a robot as its maker publishes them; empty where no file has them for so many joints.
 
     Raises:
         LinkMassError: The robot's file cannot be read.
     """
     files = {path.stem: path for path in resource(FOLDER).glob("*.yaml")}
-    return read_masses(files[robot]) if robot in files else ()
+    found = read_masses(files[robot]) if robot in files else ()
+    return found if len(found) == joints else ()
 
 
 def gravity_moment(T_base_frames: FloatArray, links: Sequence[LinkMass]) -> FloatArray:
-    """Moment about the origins of frames 0..5 of the weight of the links beyond, in frame axes.
+    """Moment about the origins of frames 0..J-1 of the weight of the links beyond, in frame axes.
 
     Args:
-        T_base_frames: Frames 0 to 6, shape (n, 7, 4, 4).
-        links: Masses of the links 1 to 6; none for no weight.
+        T_base_frames: Frames 0 to J, shape (n, J + 1, 4, 4).
+        links: Masses of the links 1 to J; none for no weight.
 
     Returns:
-        Shape (n, 6, 3) [N m].
+        Shape (n, J, 3) [N m].
     """
-    n = len(T_base_frames)
-    out = np.zeros((n, 6, 3))
+    n, joints = len(T_base_frames), T_base_frames.shape[1] - 1
+    out = np.zeros((n, joints, 3))
     weight_moment, mass = np.zeros((n, 3)), 0.0
-    for k in range(5, -1, -1):
+    for k in range(joints - 1, -1, -1):
         if links:
             link, T = links[k], T_base_frames[:, k + 1]
             weight_moment = weight_moment + link.mass * (T[:, :3, 3] + T[:, :3, :3] @ link.com)

@@ -28,7 +28,7 @@ class PoseModel:
 
     Attributes:
         robot: Name of the robot.
-        dh: Nominal table, shape (6, 4).
+        dh: Nominal table, shape (J, 4).
         links: Masses, empty where not known.
         causes: Established causes that transfer.
         x: Their coefficients in a row.
@@ -41,23 +41,24 @@ class PoseModel:
     x: FloatArray
 
     def frames(self, view: SetView) -> FloatArray:
-        """T_base_k of the displaced frames for a series, shape (n, 7, 4, 4)."""
-        return frames(view.transforms, frame_twists(design(view, lay_out(self.causes)), self.x, len(view.q)))
+        """T_base_k of the displaced frames for a series, shape (n, J + 1, 4, 4)."""
+        bases = design(view, lay_out(self.causes))
+        return frames(view.transforms, frame_twists(bases, self.x, len(view.q), view.joints))
 
     def flange(self, q: FloatArray, motion: FloatArray | None = None) -> FloatArray:
         """T_base_flange, shape (n, 4, 4).
 
         Args:
-            q: Recorded or commanded joint angles, shape (n, 6) [rad].
-            motion: Direction of each joint's last motion, -1, 0 (unknown) or +1, shape (n, 6); None: unknown.
+            q: Recorded or commanded joint angles, shape (n, J) [rad].
+            motion: Direction of each joint's last motion, -1, 0 (unknown) or +1, shape (n, J); None: unknown.
         """
         return self.frames(self.view(q, motion))[:, -1]
 
     def view(self, q: FloatArray, motion: FloatArray | None = None) -> SetView:
-        """Joint angles, shape (n, 6) [rad], as causes look at a series; `motion` as for `flange`."""
+        """Joint angles, shape (n, J) [rad], as causes look at a series; `motion` as for `flange`."""
         q = np.atleast_2d(np.asarray(q, dtype=float))
         known = np.zeros(q.shape) if motion is None else np.broadcast_to(np.asarray(motion, float), q.shape)
-        links = self.links or published_masses(self.robot)
+        links = self.links or published_masses(self.robot, len(self.dh))
         return SetView("", self.dh, links, q, np.arange(len(q)), known)
 
 
@@ -98,6 +99,6 @@ def _model(document: dict[str, Any]) -> PoseModel:
     x = np.concatenate(
         [np.zeros(0)] + [np.array(entry["coefficients"], dtype=float) for entry in document["causes"]]
     )
-    if dh.shape != (6, 4) or len(x) != lay_out(causes).size or not np.all(np.isfinite(x)):
+    if dh.ndim != 2 or dh.shape[1] != 4 or len(x) != lay_out(causes).size or not np.all(np.isfinite(x)):
         raise ValueError("the table or the coefficients have the wrong size")
     return PoseModel(str(document["robot"]), dh, links, causes, x)

@@ -21,11 +21,11 @@ class SetView:
 
     Attributes:
         name: Name of the series; empty for postures that nobody measured.
-        dh: Nominal table, shape (6, 4): theta_offset, d, a, alpha.
+        dh: Nominal table, shape (J, 4): theta_offset, d, a, alpha.
         links: Masses of the links, empty where not known.
-        q: Joint angles, shape (n, 6) [rad].
+        q: Joint angles, shape (n, J) [rad].
         row: Row numbers in the order of recording, shape (n,).
-        motion: Last motion of every joint, -1 ... +1, where it is known better than from the rows, shape (n, 6).
+        motion: Last motion of every joint, -1 ... +1, where it is known better than from the rows, shape (n, J).
     """
 
     name: str
@@ -38,6 +38,11 @@ class SetView:
     def __len__(self) -> int:
         return len(self.q)
 
+    @property
+    def joints(self) -> int:
+        """Number of joints J."""
+        return len(self.dh)
+
     @cached_property
     def order(self) -> FloatArray:
         """Place of every row in the recording, 0 at its start and 1 at its end, shape (n,)."""
@@ -46,17 +51,17 @@ class SetView:
 
     @cached_property
     def transforms(self) -> FloatArray:
-        """Nominal A_1 ... A_6, shape (n, 6, 4, 4)."""
+        """Nominal A_1 ... A_J, shape (n, J, 4, 4)."""
         return link_transforms(self.dh, self.q)
 
     @cached_property
     def last_motion(self) -> FloatArray:
-        """Flank on which every joint arrived, -1 ... +1, 0 where the row before is missing, shape (n, 6)."""
+        """Flank on which every joint arrived, -1 ... +1, 0 where the row before is missing, shape (n, J)."""
         return last_motion(self.q, self.row) if self.motion is None else self.motion
 
     @cached_property
     def gravity_moment(self) -> FloatArray:
-        """Moment of the weight of all links beyond frame k about its origin, frame axes, (n, 6, 3) [N m]."""
+        """Moment of the weight of all links beyond frame k about its origin, frame axes, (n, J, 3) [N m]."""
         return gravity_moment(frames(self.transforms), self.links)
 
 
@@ -64,7 +69,7 @@ def last_motion(q: FloatArray, row: IntArray, crossing: float = CROSSING) -> Flo
     """State of a play in every joint: follows the motion between rows and stops at the flanks.
 
     Args:
-        q: Joint angles in the order of recording, shape (n, 6) [rad].
+        q: Joint angles in the order of recording, shape (n, J) [rad].
         row: Row numbers; after a gap nothing is known until the joint has moved enough.
         crossing: Motion from one flank to the other [rad].
     """

@@ -41,7 +41,6 @@ OWN_MODULES = tuple(
     f"rapid/Door{name}.mod" for name in ("Text", "Cell", "Stop", "Link", "Path", "Line", "File", "Mill")
 )
 IO_CONFIGURATION = "rapid/EIO.cfg"
-SYSTEM_PARAMETERS = "rapid/SYS.cfg"
 #: PERS of DoorLink.mod that names the door in the cell.
 EXPECTED_DOOR = "expectedDoor"
 #: Where the robot stands when the controller is switched on: the home position of DoorCell.mod.

@@ -7,64 +7,27 @@ from dataclasses import dataclass
 from doormill_ros.arrays import FloatArray
 from doormill_ros.errors import DoormillError
 from doormill_ros.simulation.errors import BodyTouched, WoodOutsideFeatures
-from doormill_ros.units import m_to_mm
+from doormill_ros.units import MM, m_to_mm
 
-MM3 = 1e9  #: cubic millimetres in a cubic metre
 NO_TOUCH = "nothing was touched but the wood to be cut"
 
 
-@dataclass(frozen=True, eq=False)
-class Touch:
-    """A body met an obstacle during one motion.
-
-    Attributes:
-        body: The body, "mill" for a mill that stands still.
-        obstacle: What it met, "door" for the door.
-        motion: Number of the motion in the target file, from 1; 0 before the first.
-        feature: Feature of the motion, empty between features.
-        time: When it first did, since the start of the run [s].
-        depth: How far the body would have to be shifted to come free, at its worst [m].
-        place: The body's point nearest to the obstacle's middle then, door frame, shape (3,) [m].
-        samples: Executed samples in which they met.
-    """
-
-    body: str
-    obstacle: str
-    motion: int
-    feature: str
-    time: float
-    depth: float
-    place: FloatArray
-    samples: frozenset[int]
-
-    @property
-    def sentence(self) -> str:
-        """What happened, in one clause."""
-        return (
-            f"{self.body} touched the {self.obstacle} in motion {self.motion}{_of(self.feature)} after "
-            f"{self.time:.2f} s, {m_to_mm(self.depth):.1f} mm deep at {_place(self.place)}"
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class WoodGone:
-    """The turning mill took wood outside the features during one motion.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Harm:
+    """What one motion did that it must not.
 
     Attributes:
         motion: Number of the motion in the target file, from 1; 0 before the first.
         feature: Feature of the motion, empty between features.
         time: When it first did, since the start of the run [s].
-        volume: Of the wood that this motion was the first to take [m^3].
-        depth: Farthest from where wood may be taken: from the outline or floor of the motion's feature, or below
-            the surface through which the mill came, whichever is less [m].
-        place: Where it is deepest, door frame, shape (3,) [m].
+        depth: How bad it was at its worst [m].
+        place: Where, door frame, shape (3,) [m].
         samples: Executed samples in which it did.
     """
 
     motion: int
     feature: str
     time: float
-    volume: float
     depth: float
     place: FloatArray
     samples: frozenset[int]
@@ -72,10 +35,49 @@ class WoodGone:
     @property
     def sentence(self) -> str:
         """What happened, in one clause."""
-        return (
-            f"the mill took {self.volume * MM3:.0f} mm^3 of wood outside the features in motion {self.motion}"
-            f"{_of(self.feature)} after {self.time:.2f} s, {m_to_mm(self.depth):.1f} mm deep at {_place(self.place)}"
-        )
+        where = f"{m_to_mm(self.depth):.1f} mm deep at {_place(self.place)}"
+        return f"{self._what} in motion {self.motion}{_of(self.feature)} after {self.time:.2f} s, {where}"
+
+    @property
+    def _what(self) -> str:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Touch(Harm):
+    """A body met an obstacle; it would have to be shifted by `depth` to come free, `place` is its point there.
+
+    Of its points that is the one nearest to the obstacle's middle.
+
+    Attributes:
+        body: The body, "mill" for a mill that stands still.
+        obstacle: What it met, "door" for the door.
+    """
+
+    body: str
+    obstacle: str
+
+    @property
+    def _what(self) -> str:
+        return f"{self.body} touched the {self.obstacle}"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WoodGone(Harm):
+    """The turning mill took wood outside the features, deepest at `place`.
+
+    The depth is the distance from where wood may be taken: from the outline or floor of the motion's feature, or below
+    the surface through which the mill came, whichever is less.
+
+    Attributes:
+        volume: Of the wood that this motion was the first to take [m^3].
+    """
+
+    volume: float
+
+    @property
+    def _what(self) -> str:
+        return f"the mill took {self.volume / MM**3:.0f} mm^3 of wood outside the features"
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +97,7 @@ class Verdict:
     @property
     def touched_samples(self) -> int:
         """Executed samples in which anything was touched that must not be."""
-        found: tuple[Touch | WoodGone, ...] = (*self.touches, *self.gone)
-        return len(frozenset[int]().union(*(item.samples for item in found)))
+        return len(frozenset[int]().union(*(harm.samples for harm in (*self.touches, *self.gone))))
 
     @property
     def volume(self) -> float:
@@ -109,7 +110,7 @@ class Verdict:
         if not self.touches and not self.gone:
             return None
         said = []
-        kinds: tuple[tuple[Touch | WoodGone, ...], ...] = (self.touches, self.gone)
+        kinds: tuple[tuple[Harm, ...], ...] = (self.touches, self.gone)
         for kind in kinds:
             if kind:
                 worst = max(kind, key=lambda item: item.depth)

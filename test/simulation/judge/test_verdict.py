@@ -17,8 +17,25 @@ from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import BodyTouched, WoodOutsideFeatures
 from doormill_ros.simulation.judge.verdict import Touch, Verdict, WoodGone
 
-ELBOW = Touch("elbow", "door", 5, "hinge_1", 14.5, 0.164, np.array([-0.2, 0.05, 1.35]), frozenset({3, 4, 5}))
-WOOD = WoodGone(1, "", 10.1, 2.1479e-4, 0.040, np.array([0.04, 0.003, 1.778]), frozenset({1, 2, 3}))
+ELBOW = Touch(
+    body="elbow",
+    obstacle="door",
+    motion=5,
+    feature="hinge_1",
+    time=14.5,
+    depth=0.164,
+    place=np.array([-0.2, 0.05, 1.35]),
+    samples=frozenset({3, 4, 5}),
+)
+WOOD = WoodGone(
+    motion=1,
+    feature="",
+    time=10.1,
+    volume=2.1479e-4,
+    depth=0.040,
+    place=np.array([0.04, 0.003, 1.778]),
+    samples=frozenset({1, 2, 3}),
+)
 CLEAN, BOTH, WOOD_ONLY = Verdict(100), Verdict(100, (ELBOW,), (WOOD,)), Verdict(100, (), (WOOD,))
 
 

@@ -145,7 +145,7 @@ class Bridge:
             if now.accepts_submission and (now.request_number != answered or self.chance.random() < 0.02):
                 answered = now.request_number
                 self._answer(now.request_number)
-            time.sleep(0.003)
+            time.sleep(0.01)
         self.world.log("faults", what=f"bridge ended: {loop.failure!r}")
 
     def _struck(self) -> None:
@@ -220,7 +220,7 @@ def open_link(world: World, scenario: Scenario, link: dict[str, str]) -> Transpo
         try:
             if scenario.transport == "folder":
                 return SimulatedFolderTransport(world.home, timeout=TOTAL)
-            credentials = Credentials("Default User", "robotics")
+            credentials = Credentials("Default User", "robotics", "4711")
             timeouts = LinkTimeouts(connect=0.3, read=0.25, write=0.25, total=TOTAL)
             if scenario.transport == "rws1":
                 return connect_rws1(link["url"], credentials, timeouts=timeouts, poll_interval=0.05)

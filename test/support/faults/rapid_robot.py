@@ -107,7 +107,7 @@ class RapidRobot:
         doubled = "duplicate" in self.scenario.kind and self.chance.random() < 0.5
         restarted = "restarts of the controller" in self.scenario.kind and self.chance.random() < 0.4
         while True:
-            time.sleep(0.004)
+            time.sleep(0.01)
             if self.io.read(signals.DONE) and self._done == placement:
                 time.sleep(_HOLD)
                 return

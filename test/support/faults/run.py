@@ -9,10 +9,12 @@ import random
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import forkserver
 from pathlib import Path
 
 from doormill_ros.simulation.controller.rws_server.cabinet import Cabinet
@@ -26,11 +28,25 @@ from support.faults.scenario import Scenario
 from support.faults.world import World
 
 _FAULT_TIME = 4.0  # how long network and server misbehave after the first request
+_LOOK = 0.03
 _START_LIMIT = 120.0
 _RUN_LIMIT = 240.0
 _DOORS_AFTER = 2  # that a run has to mill once all is calm
 _context = multiprocessing.get_context("forkserver")
-_context.set_forkserver_preload(["support.faults.bridge", "support.faults.rapid_robot"])
+_context.set_forkserver_preload(["__main__", "support.faults.prepared"])
+
+
+def start_fork_server() -> None:
+    """Start what forks the processes of all runs, with this process' path: it would find no module otherwise."""
+    before = os.environ.get("PYTHONPATH")
+    os.environ["PYTHONPATH"] = os.pathsep.join(path for path in sys.path if path)
+    try:
+        forkserver.ensure_running()
+    finally:
+        if before is None:
+            del os.environ["PYTHONPATH"]
+        else:
+            os.environ["PYTHONPATH"] = before
 
 
 class Process:
@@ -64,6 +80,7 @@ class Process:
 
 def run(scenario: Scenario) -> Verdict:
     """Play one scenario."""
+    start_fork_server()
     with contextlib.ExitStack() as stack:
         root = Path(stack.enter_context(_folder(scenario)))
         world = World.create(root / "run")
@@ -72,7 +89,11 @@ def run(scenario: Scenario) -> Verdict:
         link, server, relay = {}, None, None
         if scenario.transport != "folder":
             server = stack.enter_context(
-                RwsServer(Cabinet.create(world.home), 1 if scenario.transport == "rws1" else 2)
+                RwsServer(
+                    Cabinet.create(world.home),
+                    1 if scenario.transport == "rws1" else 2,
+                    robotware=8 if scenario.transport == "rws2 of 8" else 0,
+                )
             )
             relay = Relay(server.port, scenario)
             stack.callback(relay.close)
@@ -123,13 +144,18 @@ def _play(
     _await_request(world, bridge, robot)
     begin = time.monotonic()
     pending = _harness_faults(scenario, chance)
+    restarts = 0
     calm_since = None
     while time.monotonic() - begin < _RUN_LIMIT:
-        time.sleep(0.01)
+        time.sleep(_LOOK)
         elapsed = time.monotonic() - begin
         while pending and elapsed >= pending[0]:
             pending.pop(0)
             _strike(scenario, world, bridge, robot, server)
+        if server is not None and "restarts" in scenario.kind and restarts < len(world.entries("faults")):
+            restarts = len(world.entries("faults"))
+            server.expire_sessions()
+            server.drop_streams()
         if relay is not None and elapsed > _FAULT_TIME:
             relay.active = False
         if "full disk" in scenario.kind:

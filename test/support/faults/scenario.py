@@ -67,7 +67,7 @@ class Scenario:
     Attributes:
         seed: Where all chance of the run comes from.
         kind: What goes wrong.
-        transport: "folder", "rws1" or "rws2".
+        transport: "folder", "rws1", "rws2", or "rws2 of 8" with RobotWare 8's control stations.
         robot: "rapid" (the project's RAPID modules) or "blind" (mills whatever is there when ready is high).
         faults: How often it goes wrong before the run may end well.
         sabotage: Part of the handshake that is left out, to see the judge notice; "" for none.
@@ -86,7 +86,7 @@ def draw(seed: int, index: int) -> Scenario:
     """The run of that index: kinds take turns, the rest is chance."""
     kind = KINDS[index % len(KINDS)]
     chance = random.Random(f"{seed}/{index}")
-    transports = ["rws1", "rws2"] if kind in RWS_KINDS else ["folder", "rws1", "rws2"]
+    transports = [*([] if kind in RWS_KINDS else ["folder"]), "rws1", "rws2", "rws2 of 8"]
     options = {
         "operation": chance.randint(1, OPERATIONS),
         "when": chance.uniform(0.0, 1.2),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import rotation_from_vector
 from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.load_case import LoadCase
@@ -28,7 +28,7 @@ class TrackerFrameRotation(ElasticCause):
 
     def observe(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Turn."""
-        result: FloatArray = displacement @ Rotation.from_rotvec(theta).as_matrix().T
+        result: FloatArray = displacement @ rotation_from_vector(theta).T
         return result
 
     def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:

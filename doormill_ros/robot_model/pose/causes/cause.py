@@ -8,7 +8,7 @@ from typing import Any
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Cause
-from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
+from doormill_ros.robot_model.pose.causes.hints import Hints
 from doormill_ros.robot_model.pose.view import SetView
 
 
@@ -53,7 +53,7 @@ class PoseCause(Cause):
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
         """This cause wherever it may act; a joint each unless a cause says otherwise."""
-        return [cls(where) for where in JOINTS]
+        return [cls(where) for where in hints.joints]
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -67,7 +67,7 @@ class PoseCause(Cause):
         Args:
             where: Place.
             settings: Holds at least those of `settings`.
-            dh: The model's table, shape (6, 4).
+            dh: The model's table, shape (J, 4).
 
         Raises:
             KeyError: A setting is missing.

@@ -7,7 +7,10 @@ from dataclasses import dataclass, field
 
 from doormill_ros.robot_model.pose.view import SetView
 
-JOINTS = tuple(f"joint {k}" for k in range(1, 7))
+
+def places_of_joints(count: int) -> tuple[str, ...]:
+    """'joint 1' to the last."""
+    return tuple(f"joint {k}" for k in range(1, count + 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,3 +28,8 @@ class Hints:
     orders: Mapping[str, Sequence[int]]
     steps: Mapping[int, int] = field(default_factory=dict)
     drift: bool = True
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Places of the joints."""
+        return places_of_joints(self.sets[0].joints)

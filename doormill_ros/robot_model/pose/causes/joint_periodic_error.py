@@ -6,22 +6,24 @@ from collections.abc import Sequence
 
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
-from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
+from doormill_ros.robot_model.pose.causes.hints import Hints
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
 from doormill_ros.robot_model.pose.chain import joint_turn
 from doormill_ros.robot_model.pose.view import SetView
 
-#: Orders that are tried for a joint's own angle without a hint where rows are few.
+#: Orders that are tried for a joint's own angle without a hint where rows are few. From so many rows on a whole
+#: spectrum is tried as well, and from so many more nothing else.
 SPARSE = 16
-MANY_ROWS = 2500
+SOME_ROWS, MANY_ROWS = 300, 2500
 #: Orders up to here make a spectrum where all of them are fitted.
 BROAD = 60
 
 
-def dense_orders(sets: Sequence[SetView]) -> tuple[int, ...]:
-    """Orders that are tried without any hint."""
+def dense_orders(sets: Sequence[SetView]) -> list[tuple[int, ...]]:
+    """Orders that are tried without any hint, in the ways that the number of rows leaves open; few orders first."""
     rows = sum(len(data) for data in sets)
-    return tuple(range(1, (BROAD if rows >= MANY_ROWS else SPARSE) + 1))
+    tried = [SPARSE] if rows < SOME_ROWS else [BROAD] if rows >= MANY_ROWS else [SPARSE, BROAD]
+    return [tuple(range(1, highest + 1)) for highest in tried]
 
 
 def size_group(where: str, order: int, orders: Sequence[int]) -> str:
@@ -45,7 +47,7 @@ class JointPeriodicError(JointWaves):
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
         """Every joint, with the orders that are looked for there."""
-        return [cls(where, hints.orders[where]) for where in JOINTS]
+        return [cls(where, hints.orders[where]) for where in hints.joints]
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:

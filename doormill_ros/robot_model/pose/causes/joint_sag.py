@@ -8,7 +8,7 @@ import numpy as np
 
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
-from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
+from doormill_ros.robot_model.pose.causes.hints import Hints
 from doormill_ros.robot_model.pose.chain import joint_turn
 from doormill_ros.robot_model.pose.view import SetView
 
@@ -26,7 +26,7 @@ class JointSag(PoseCause):
         """Joints that carry weight in one series at least."""
         moment = [view.gravity_moment for view in hints.sets]
         most = np.max([np.abs(m[:, :, 2]).max(axis=0) for m in moment], axis=0)
-        return [cls(where) for where, torque in zip(JOINTS, most, strict=True) if torque > LEAST_TORQUE]
+        return [cls(where) for where, torque in zip(hints.joints, most, strict=True) if torque > LEAST_TORQUE]
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from doormill_ros.robot_model.candidate import number
 from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
-from doormill_ros.robot_model.pose.causes.hints import JOINTS, Hints
+from doormill_ros.robot_model.pose.causes.hints import Hints
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
 from doormill_ros.robot_model.pose.chain import direction
 from doormill_ros.robot_model.pose.view import SetView
@@ -23,7 +23,7 @@ class JointWobble(JointWaves):
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
         """Every joint, with few orders."""
-        return [cls(where, ORDERS) for where in JOINTS]
+        return [cls(where, ORDERS) for where in hints.joints]
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:

@@ -22,7 +22,7 @@ _UNITS = {"theta": "rad", "d": "m", "a": "m", "alpha": "rad", "beta": "rad"}
 class LinkGeometry(PoseCause):
     """Errors of theta, d, a, alpha of a link; of theta, a, alpha, beta between parallel axes (Hayati 1983).
 
-    Theta and d of link 1 and everything of link 6 are the same as a displaced robot or target: they belong
+    Theta and d of link 1 and everything of the last link are the same as a displaced robot or target: they belong
     to the placement and are not fitted.
     """
 
@@ -34,13 +34,13 @@ class LinkGeometry(PoseCause):
         k = number(where)
         parallel = k < len(dh) and abs(np.sin(dh[k - 1, 3])) < PARALLEL
         names = ("theta", "a", "alpha", "beta") if parallel else ("theta", "d", "a", "alpha")
-        self.hidden = {1: ("theta", "d"), 6: names}.get(k, ())
+        self.hidden = {1: ("theta", "d"), len(dh): names}.get(k, ())
         self.names = tuple(name for name in names if name not in self.hidden)
 
     @classmethod
     def candidates(cls, hints: Hints) -> Sequence[PoseCause]:
         """Every link but the last, which is the same as a displaced target."""
-        return [cls(f"link {k}", hints.sets[0].dh) for k in range(1, 6)]
+        return [cls(f"link {k}", hints.sets[0].dh) for k in range(1, hints.sets[0].joints)]
 
     @classmethod
     def build(cls, where: str, settings: Mapping[str, Any], dh: FloatArray) -> PoseCause:

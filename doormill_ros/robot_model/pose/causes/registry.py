@@ -33,7 +33,7 @@ def candidates(hints: Hints) -> list[PoseCause]:
 
 
 def build_cause(name: str, where: str, settings: Mapping[str, Any], dh: FloatArray) -> PoseCause:
-    """The cause of a model's file; `dh` is the nominal table, shape (6, 4).
+    """The cause of a model's file; `dh` is the nominal table, shape (J, 4).
 
     Raises:
         KeyError: A setting is missing.

@@ -67,7 +67,9 @@ class Behaviour:
 class WebServices:
     """One controller's web services of version 1 or 2."""
 
-    def __init__(self, cabinet: Cabinet, version: int, base: str, behaviour: Behaviour) -> None:
+    def __init__(
+        self, cabinet: Cabinet, version: int, base: str, behaviour: Behaviour, robotware: int = 0
+    ) -> None:
         """Make the application.
 
         Args:
@@ -75,11 +77,12 @@ class WebServices:
             version: 1 or 2.
             base: Absolute address, for example "http://127.0.0.1:8080/".
             behaviour: How it treats clients; may be changed while running.
+            robotware: Major version of RobotWare; 0 for the one that goes with `version`.
         """
         self.behaviour = behaviour
         self.sessions = SessionTable(behaviour.session_limit, behaviour.idle_expiry)
         self.digest = DigestGate(behaviour.user, behaviour.password, behaviour.idle_expiry)
-        self.operations = Operations(cabinet, version, self._is_alive)
+        self.operations = Operations(cabinet, version, self._is_alive, robotware)
         self.subscriptions = Subscriptions(self.operations, base)
         self.requests: list[tuple[str, str, int]] = []
         self._version = version

@@ -119,7 +119,18 @@ def _get_file(operations: Operations, _: RwsCall, path: str) -> RwsAnswer:
 
 
 def _put_file(operations: Operations, call: RwsCall, path: str) -> RwsAnswer:
+    operations.rights.require_station(call.owner)
     return RwsAnswer(201 if operations.files.write(path, call.body) else 200)
+
+
+def _delete_file(operations: Operations, call: RwsCall, path: str) -> None:
+    operations.rights.require_station(call.owner)
+    operations.files.delete(path)
+
+
+def _make_folder(operations: Operations, call: RwsCall, path: str) -> None:
+    operations.rights.require_station(call.owner)
+    operations.files.make_folder(path.removesuffix("/"), call.form.get("fs-newname", ""))
 
 
 def _log(operations: Operations, call: RwsCall, _: str) -> RwsAnswer:
@@ -142,13 +153,12 @@ def _give(operations: Operations, call: RwsCall, domain: str) -> None:
 _SIGNALS = "/rw/iosystem/signals"
 _EXECUTION = "/rw/rapid/execution"
 _UNIT = "/rw/motionsystem/mechunits/ROB_1"
+_STATION = "/rw/controlstation"
 
 _WRITE_SIGNAL = _done(lambda o, call, path: o.write_signal(path, call.form, call.owner))
 _MOTORS = _done(lambda o, call, _: o.set_motors(call.form, call.owner))
-_DELETE = _done(lambda o, _, path: o.files.delete(path))
-_MAKE_FOLDER = _done(
-    lambda o, call, path: o.files.make_folder(path.removesuffix("/"), call.form.get("fs-newname", "")), 201
-)
+_DELETE = _done(_delete_file)
+_MAKE_FOLDER = _done(_make_folder, 201)
 _SPEED = _done(lambda o, call, _: o.set_speed_ratio(call.form, call.owner))
 _START = _done(lambda o, call, _: o.start(call.owner, call.implicit))
 _STOP = _done(lambda o, call, _: o.stop(call.form, call.owner))
@@ -185,6 +195,7 @@ _BOTH = (
     RwsRoute("GET", "/rw/panel/opmode", _panel("opmode")),
     RwsRoute("GET", "/rw/panel/speedratio", _panel("speedratio")),
     RwsRoute("POST", "/rw/panel/speedratio", _SPEED, "setspeedratio"),
+    RwsRoute("GET", "/rw/system", _show(Operations.system)),
     RwsRoute("GET", "/rw/elog/0", _log),
     RwsRoute("GET", "/rw/elog/0/{number:int}", lambda o, _, number: _ok(o.event_log_entry(int(number)))),
     RwsRoute("GET", f"{_UNIT}/jointtarget", _show(Operations.joint_target)),
@@ -252,4 +263,22 @@ RWS2_ROUTES = (
     RwsRoute("POST", "/rw/mastership/release", _done(_give)),
     RwsRoute("POST", "/rw/mastership/{domain}/release", _done(_give)),
     RwsRoute("POST", "/users/rmmp/cancel", _CANCEL),
+    RwsRoute(
+        "POST",
+        f"{_STATION}/register/remote",
+        _done(lambda o, call, _: o.rights.control_stations().register(call.owner, call.form)),
+    ),
+    RwsRoute(
+        "POST",
+        f"{_STATION}/writeaccess/request",
+        _done(lambda o, call, _: o.rights.control_stations().request(call.owner)),
+    ),
+    RwsRoute(
+        "POST",
+        f"{_STATION}/writeaccess/release",
+        _done(lambda o, call, _: o.rights.control_stations().release(call.owner)),
+    ),
+    RwsRoute(
+        "GET", f"{_STATION}/writeaccess/status", lambda o, _, __: _ok(o.rights.control_stations().status())
+    ),
 )

@@ -29,17 +29,22 @@ Form = dict[str, str]
 TASK = "T_ROB1"
 _MESSAGE_TYPES = {"information": "1", "warning": "2", "error": "3"}
 _OUTPUTS = ("DO", "AO", "GO")
+#: Version that is usual with a version of the web services.
+_ROBOTWARE = {1: 6, 2: 7}
 
 
 class Operations:
     """Reads and changes of one cabinet; raises `RefusalError` as the controller would answer."""
 
-    def __init__(self, cabinet: Cabinet, version: int, alive: Callable[[str], bool]) -> None:
-        """Keep the parts; see `Rights` for `alive`."""
+    def __init__(
+        self, cabinet: Cabinet, version: int, alive: Callable[[str], bool], robotware: int = 0
+    ) -> None:
+        """Keep the parts; see `Rights` for `alive` and `robotware`."""
         self.cabinet = cabinet
         self.version = version
         self.files = Files(cabinet, version)
-        self.rights = Rights(cabinet, version, alive)
+        self.rights = Rights(cabinet, version, alive, robotware)
+        self._robotware = robotware or _ROBOTWARE[version]
         self.queues = Queues()
 
     # Signals -------------------------------------------------------------------------------------
@@ -79,6 +84,10 @@ class Operations:
             self.cabinet.set_value(signal.name, level or 0.0)
         except SignalError as error:
             raise RefusalError(400, CODE_INVALID, error.message) from error
+
+    def system(self) -> Item:
+        """Version of RobotWare."""
+        return Item("sys-system", "system", "", {"name": "simulated", "rwversion": f"{self._robotware}.0.0"})
 
     # Panel and execution -------------------------------------------------------------------------
 

@@ -19,6 +19,11 @@ CODE_NO_FILE = -1073438713  #: 2.0
 CODE_NO_VOLUME = -1073438716  #: 2.0
 CODE_NO_SYMBOL = -1073442816  #: 2.0
 CODE_NO_MODULE = -1073442813  #: 2.0
+CODE_NO_STATION = (
+    -1073435871
+)  #: RobotWare 8, from 8.1.1 in the same place: the session has no control station
+CODE_NO_WRITE_ACCESS = -1073435873  #: its station may not write
+CODE_WRITE_ACCESS_TAKEN = -1073435870  #: another station holds the write access
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ class RwsServer:
         behaviour: Behaviour | None = None,
         ping_interval: float = 30.0,
         certificates: Path | None = None,
+        robotware: int = 0,
     ) -> None:
         """Bind the port; nothing is answered before `start`.
 
@@ -44,6 +45,7 @@ class RwsServer:
             ping_interval: Time between pings on event streams [s].
             certificates: Folder that version 2 writes controller.crt and controller.key to; None for a
                 temporary one.
+            robotware: Major version of RobotWare; 0 for the one that goes with `version`.
         """
         self.certificate: Path | None = None
         key: Path | None = None
@@ -57,7 +59,7 @@ class RwsServer:
         self.port = self._socket.getsockname()[1]
         self.url = f"{'http' if version == 1 else 'https'}://127.0.0.1:{self.port}"
         self.cabinet = cabinet
-        self.services = WebServices(cabinet, version, f"{self.url}/", behaviour or Behaviour())
+        self.services = WebServices(cabinet, version, f"{self.url}/", behaviour or Behaviour(), robotware)
         config = uvicorn.Config(
             self.services,
             log_level="critical",

@@ -1,0 +1,38 @@
+"""Laws without a name in a loading test: the terms that its trials can speak of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from doormill_ros.diagnosis.core.characterised import Characterised
+from doormill_ros.diagnosis.core.kind import Progress
+from doormill_ros.diagnosis.law.characterise import characterise
+from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
+from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
+from doormill_ros.robot_model.elastic.causes.registry import candidates
+from doormill_ros.robot_model.elastic.law.dictionary import dictionary
+from doormill_ros.robot_model.extended_model import SizedCause
+
+
+def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: None) -> LoadingDiagnosis:
+    """The diagnosis with laws for what its causes leave."""
+    problem = diagnosis.problem
+    reflectors = list(dict.fromkeys(problem.data.reflector.tolist()))
+    # A cause that is not believed may still be a part of a law; one with a kink has many valleys, the dictionary none.
+    known = [cause for cause in candidates(reflectors) if problem.allowed(cause) and not cause.kinked]
+    terms = [*known, *dictionary(problem.case, reflectors)]
+    return replace(diagnosis, characterised=characterise(diagnosis, terms, progress))
+
+
+def sized_laws(diagnosis: LoadingDiagnosis) -> list[SizedCause]:
+    """Every term of every law with its weights."""
+    found, case = diagnosis.characterised, diagnosis.problem.case
+    if found is None:
+        return []
+    return [SizedCause(term, found.weights(term, case)) for law in found.laws for term in law.terms]
+
+
+def law_sections(found: Characterised[ElasticCause] | None) -> dict[str, Any]:
+    """What diagnosis.json says of laws; nothing where there are none."""
+    return {} if found is None else found.document()

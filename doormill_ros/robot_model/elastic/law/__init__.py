@@ -1,0 +1,1 @@
+"""Laws without a name: where something acts, what drives it, and by which curve; models can carry them."""

@@ -1,0 +1,215 @@
+"""The dictionary of physical terms: what may act where, driven by what, in which shape; one line an entry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.robot_model.elastic.law.carriers import CARRIERS, number_of
+from doormill_ros.robot_model.elastic.law.drivers import reading
+from doormill_ros.robot_model.elastic.law.term import LawTerm, seen_in
+from doormill_ros.robot_model.elastic.load_case import LoadCase
+
+JOINTS = tuple(f"joint {k}" for k in range(1, 7))
+LINKS = tuple(f"link {k}" for k in range(1, 7))
+WAVES = 30  #: a turn, at most
+OTHER_WAVES = 4  #: the same of another joint's angle: that is no gear
+KNOTS = 5  #: of a curve
+
+#: Shapes of a kind of driver, each with its own numbers in parts of how the driver was spread in the test:
+#: of its largest size, or of quantiles for "past".
+_TORQUE = (
+    ("size", 1.0),
+    ("square", 1.0),
+    ("root", 1.0),
+    *((name, part) for name in ("fading", "saturating") for part in (0.1, 0.3, 1.0)),
+    *((name, part) for name in ("past", "beyond") for part in (0.2, 0.4, 0.6)),
+)
+_STEPS = tuple(("past", float(part)) for part in np.round(np.arange(0.1, 0.95, 0.05), 2))
+_PERIODS = tuple(("periods", float(np.round(1.0 / n, 3))) for n in (0.5, 1.0, 1.5, 2.0, 3.0, 4.0))
+_OVER_TIME = (("slope", 0.0), ("line", 0.5), *_STEPS, ("settling", 0.1), ("settling", 0.3), *_PERIODS)
+_UNDER_LOAD = (
+    ("logarithm", 0.0),
+    ("logarithmic line", 0.0),
+    *(("creeping", part) for part in (0.01, 0.03, 0.1, 0.3)),
+    *(("settling", part) for part in (0.05, 0.1, 0.2, 0.5)),
+    ("root", 1.0),
+    ("slope", 0.0),
+)
+_WARM = (("rise", 0.0), ("rise", 0.5), ("line", 0.5), ("past", 0.5))
+_OTHER_ANGLE = (
+    ("slope", 0.0),
+    ("line", 0.5),
+    ("square", 1.0),
+    *(("waves", float(n)) for n in range(1, OTHER_WAVES + 1)),
+    ("positive", 0.0),
+)
+_OWN_ANGLE = (*_OTHER_ANGLE, *(("waves", float(n)) for n in range(OTHER_WAVES + 1, WAVES + 1)))
+_OTHER_TORQUE = (("slope", 0.0), ("size", 1.0), ("square", 1.0), ("positive", 0.0))
+_AGAINST = (("sign", 0.0), ("positive", 0.0), ("negative", 0.0))
+_LIMITED = (
+    *(("limited", part) for part in (0.05, 0.1, 0.2, 0.4, 0.8)),
+    ("saturating", 0.1),
+    ("saturating", 0.3),
+    ("past", 0.2),
+    ("past", 0.4),
+)
+
+#: What a modulated thing may hang on: driver ("k" stands for every other joint), shapes, whether also a curve.
+_SPRING = (
+    ("own torque", _TORQUE, True),
+    ("torque sign", (("positive", 0.0),), False),
+    ("direction", _AGAINST, False),
+    ("own angle", _OWN_ANGLE, True),
+    ("angle of joint k", _OTHER_ANGLE, True),
+    ("torque of joint k", _OTHER_TORQUE, True),
+    ("time", _OVER_TIME, True),
+    ("time under load", _UNDER_LOAD, True),
+    ("temperature", _WARM, True),
+    ("wrench", (("size", 1.0),), False),
+)
+_LEVEL = (("constant", (("level", 0.0),), False),)
+_PLAIN = (
+    ("time", (("slope", 0.0), ("line", 0.5)), False),
+    ("time under load", (("logarithm", 0.0), ("slope", 0.0)), False),
+    ("temperature", _WARM, False),
+)
+_SENSOR = (*_LEVEL, ("time", _OVER_TIME, False), *_PLAIN[1:])
+_BY_WRENCH = (("wrench", (("level", 0.0), ("size", 1.0)), False), *_PLAIN)
+_MOUNT = (*_BY_WRENCH, ("angle of joint k", _OTHER_ANGLE, False))
+_TURN = (
+    ("torque of joint k", _OTHER_TORQUE, True),
+    *_LEVEL,
+    ("own torque", (("size", 1.0), ("square", 1.0)), False),
+    ("time", _OVER_TIME, False),
+    *_PLAIN[1:],
+)
+_WITH_LOAD = (
+    ("torque sign", (("level", 0.0),), False),
+    ("direction", _AGAINST, False),
+    ("own torque", _LIMITED, False),
+    ("time under load", _UNDER_LOAD, False),
+    ("time", _OVER_TIME, False),
+    ("temperature", _WARM, False),
+    ("own angle", tuple(("waves", float(n)) for n in range(1, 5)), False),
+)
+_TILT = (*_BY_WRENCH, ("direction", (("sign", 0.0),), False), ("own angle", _OTHER_ANGLE, False))
+_SLIP = (("wrench", (("size", 1.0), ("past", 0.3), ("past", 0.5), ("past", 0.7)), False),)
+_DRIFT = (("time", _OVER_TIME, False), ("time under load", _UNDER_LOAD, False), ("temperature", _WARM, False))
+_SPEED = (
+    ("time", (("level", 0.0), ("line", 0.5), ("settling", 0.1), ("settling", 0.3), *_PERIODS), False),
+    ("temperature", (("line", 0.5),), False),
+)
+_DRAWN = (*(("past", part) for part in (0.3, 0.5, 0.7)), ("beyond", 0.3), ("beyond", 0.5))
+
+#: What it acts on, its places (None: the reflectors), what may drive it. Equals go by this order: what sits at an end
+#: of the arm and would look alike inside it comes first.
+DICTIONARY = (
+    ("spring", JOINTS, _SPRING),
+    ("joint angle", JOINTS, _TURN),
+    ("joint angle with the load", JOINTS, _WITH_LOAD),
+    *((mount, ("base",), _MOUNT) for mount in ("base tilt", "base turn", "base shift")),
+    *((mount, ("tool",), _MOUNT) for mount in ("tool tilt", "tool turn", "tool shift")),
+    ("seat", ("tool",), (*_LEVEL, *_DRIFT)),
+    ("straightness", LINKS, _DRIFT),
+    ("length", LINKS, _DRIFT),
+    ("tilt across the axis", JOINTS, _TILT),
+    ("bearing", JOINTS, _BY_WRENCH),
+    ("torsion", LINKS, _BY_WRENCH),
+    ("bending", LINKS, _BY_WRENCH),
+    ("hinge", LINKS, (*_BY_WRENCH, ("torque sign", (("positive", 0.0),), False))),
+    ("force bias", ("sensor",), _SENSOR),
+    ("torque bias", ("sensor",), _SENSOR),
+    ("sensor gain", ("sensor",), (("wrench", _TORQUE, True), ("time", _OVER_TIME, True), *_PLAIN[1:])),
+    *(
+        (name, ("sensor",), (("wrench", (("level", 0.0),), False),))
+        for name in CARRIERS
+        if name.startswith("crosstalk")
+    ),
+    (
+        "reading",
+        ("tracker",),
+        (
+            *_LEVEL,
+            ("time", _OVER_TIME, True),
+            ("time under load", _UNDER_LOAD, False),
+            ("temperature", _WARM, False),
+            ("angle of joint k", (("waves", 1.0), ("slope", 0.0)), False),
+        ),
+    ),
+    *((name, ("tracker",), _DRIFT) for name in ("axes", "place")),
+    *((name, ("tracker",), _SPEED) for name in ("drift", "turning")),
+    *((name, ("tracker",), _LEVEL) for name in CARRIERS if name.startswith("axes ")),
+    ("slip", None, (*_SENSOR, *_SLIP)),
+    (
+        "slip along the load",
+        None,
+        (("wrench", (("level", 0.0), *_DRAWN), False), ("time", _OVER_TIME, False)),
+    ),
+    ("holder", None, (("wrench", (("level", 0.0), ("size", 1.0)), False), *_PLAIN)),
+)
+
+
+def dictionary(case: LoadCase, reflectors: Sequence[str]) -> list[LawTerm]:
+    """Every term that loadings can speak of: its driver was recorded and changed.
+
+    Args:
+        case: The loadings.
+        reflectors: Names of the reflectors.
+    """
+    found: list[LawTerm] = []
+    for acts_on, places, drivers in DICTIONARY:
+        for where in tuple(f"reflector {name}" for name in reflectors) if places is None else places:
+            for driver, shapes, curve in drivers:
+                for name in _named(driver, number_of(where)):
+                    found += _terms(case, where, acts_on, name, shapes, curve)
+    return list({term.identity: term for term in found}.values())
+
+
+def _named(driver: str, own: int) -> list[str]:
+    """A driver, or one for every joint but the own."""
+    if not driver.endswith(" k"):
+        return [driver]
+    return [f"{driver[:-1]}{k + 1}" for k in range(6) if k != own]
+
+
+def _terms(
+    case: LoadCase,
+    where: str,
+    acts_on: str,
+    driver: str,
+    shapes: Sequence[tuple[str, float]],
+    curve: bool,
+) -> Iterator[LawTerm]:
+    values = reading(driver, case, number_of(where))
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return
+    numbers = [(shape, _numbers(shape, part, values)) for shape, part in shapes]
+    knots = np.quantile(values, np.linspace(0.0, 1.0, KNOTS))
+    if curve and np.diff(knots).min() > 0.02 * np.ptp(values):
+        numbers.append(("curve", tuple(map(float, knots))))
+    for shape, own in numbers:
+        seen = seen_in(case, where, driver, shape, own)
+        if seen is not None:
+            yield LawTerm(where, acts_on, driver, shape, own, seen)
+
+
+def _numbers(shape: str, part: float, values: FloatArray) -> tuple[float, ...]:
+    """The own numbers of a shape for a driver that took some values."""
+    largest = max(float(np.abs(values).max()), 1e-9)
+    if shape in ("level", "slope", "positive", "negative", "sign"):
+        return ()
+    if shape == "waves":
+        return (float(part),)
+    if shape in ("rise", "line"):
+        return (float((1.0 - part) * values.min() + part * values.max()),)
+    if shape.startswith("logarithm"):
+        return (max(float(values.min()), 1e-3 * largest),)
+    if shape == "beyond":
+        return (part * largest, largest)
+    if shape == "past":
+        return (float(np.quantile(np.abs(values), part)),)
+    return (float(part * largest),)

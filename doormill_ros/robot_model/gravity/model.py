@@ -1,0 +1,40 @@
+"""Springs and weight together as one model of a robot."""
+
+from __future__ import annotations
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread
+from doormill_ros.robot_model.gravity.sag import GravitySag
+
+
+class SaggingModel:
+    """A robot that gives way under the process and sags under weight (implements StandingModel).
+
+    Weight turns joints by their springs alone; what else a model knows (play, friction) sees the process force.
+
+    Attributes:
+        springs: How the robot gives way under loads.
+        sag: What weight does to it.
+    """
+
+    def __init__(self, springs: ComplianceModel, sag: GravitySag) -> None:
+        """Keep both."""
+        self.springs = springs
+        self.sag = sag
+
+    def deflection(
+        self, q: FloatArray, wrench: FloatArray, load_point: FloatArray, direction: FloatArray | None = None
+    ) -> FloatArray:
+        """Twist of the loaded tool against the taught places, as `ComplianceModel.deflection`."""
+        return self.standing(q, load_point) + self.springs.deflection(q, wrench, load_point, direction)
+
+    def standing(
+        self, q: FloatArray, load_point: FloatArray, direction: FloatArray | None = None
+    ) -> FloatArray:
+        """The sag, as `StandingModel.standing`."""
+        del direction
+        return self.sag.twist(q, load_point)
+
+    def standing_spread(self, q: FloatArray, load_point: FloatArray, relative: FloatArray) -> StandingSpread:
+        """By springs, masses and balances, as `StandingModel.standing_spread`."""
+        return self.sag.spread(q, load_point, relative)

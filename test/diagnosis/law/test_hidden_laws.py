@@ -1,0 +1,72 @@
+"""From a hidden law to diagnosis.json, report and model, on simulated labs that share no code with the dictionary."""
+
+import json
+
+import pytest
+import yaml
+
+from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
+from doormill_ros.diagnosis.loading.laws import with_laws
+from doormill_ros.diagnosis.loading.problem import LoadingProblem
+from doormill_ros.robot_model.extended_model import load_compliance_model
+from doormill_ros.tools.diagnose import main
+from support.law_worlds.world import draw
+
+
+def told(tmp_path, seed):
+    """Truth, diagnosis.json, report and model.yaml of one world."""
+    world = draw(seed)
+    world.write(tmp_path / "set")
+    world.write_unseen(tmp_path / "unseen")
+    out = tmp_path / "out"
+    arguments = ["--data", str(tmp_path / "set"), "--check", str(tmp_path / "unseen"), "--out", str(out)]
+    assert main(arguments) == 0
+    document = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
+    model = yaml.safe_load((out / "model.yaml").read_text(encoding="utf-8"))
+    return world.truth, document, (out / "report.html").read_text(encoding="utf-8"), model, out
+
+
+def test_a_law_of_a_joint_is_placed_told_and_predicts_unseen_postures(tmp_path):
+    truth, document, page, model, out = told(tmp_path, 0)
+    assert truth["where"].startswith("joint")
+    assert truth["named"] is None
+    assert document["verdict"] == "unexplained"
+    assert document["causes"] == []
+    (law,) = document["unnamed"]
+    assert (law["where"], law["driver"]) == (truth["where"], truth["driver"])
+    assert "%" in law["law"]
+    assert law["test"] in page
+    assert "A law without a name" in page
+    # `extended` has the named causes only: none.
+    assert document["extended"]["holdout_rmse"] == document["baseline"]["holdout_rmse"]
+    (check,) = document["checks"]
+    floor = truth["noise"]["floor_unseen"]
+    assert check["extended"]["rmse"] > 1.7 * floor
+    assert check["characterised"]["rmse"] < 1.1 * floor
+    low, high = document["characterised"]["ci95"]
+    assert low < document["characterised"]["holdout_rmse"] < high < law["holdout_rmse_without"]
+    assert [entry["where"] for entry in model["laws"]] == [truth["where"]]
+    assert len(load_compliance_model(out).laws) == 1
+
+
+def test_a_law_of_the_sensor_moves_no_tool(tmp_path):
+    truth, document, _, _, out = told(tmp_path, 2)
+    assert truth["where"] == "sensor"
+    assert {law["where"] for law in document["unnamed"]} == {"sensor"}
+    (check,) = document["checks"]
+    assert check["characterised"]["rmse"] < 1.1 * truth["noise"]["floor_unseen"]
+    assert "path_shift" not in document
+    assert not any(law.cause.of_robot for law in load_compliance_model(out).laws)
+
+
+@pytest.mark.parametrize("effects", [[], "named"])
+def test_where_nothing_remains_nothing_is_said(make_set, effects, monkeypatch):
+    """Neither of noise nor beside a cause that explains everything; nor is anything searched."""
+    if effects:
+        effects = [
+            {"cause": "joint_backlash", "where": "joint 1", "parameters": {"gap": 1e-4, "crossing": 20.0}}
+        ]
+    diagnosis = diagnose_problem(LoadingProblem(make_set(effects, seed=3)))
+    assert diagnosis.verdict == ("explained" if effects else "consistent")
+    monkeypatch.setattr("doormill_ros.diagnosis.law.characterise.LawSearch", None)
+    assert with_laws(diagnosis).characterised is None

@@ -1,0 +1,124 @@
+"""Terms of laws: against springs of the stiffness that a law says, through model.yaml, without a driver."""
+
+import numpy as np
+import pytest
+import yaml
+
+from doormill_ros.robot.description import load_robot
+from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.law.shapes import columns
+from doormill_ros.robot_model.elastic.law.term import LawTerm, Seen
+from doormill_ros.robot_model.elastic.load_case import build_load_case
+from doormill_ros.robot_model.errors import ExtendedModelError
+from doormill_ros.robot_model.extended_model import (
+    ExtendedComplianceModel,
+    SizedCause,
+    load_compliance_model,
+    model_document,
+    unknown_on_path,
+)
+
+ROBOT = load_robot("irb6600_175_255")
+POINT = np.array([0.1, -0.05, 0.3])
+Q = np.array([0.4, 0.2, -0.5, 0.3, 0.7, -0.2])
+WRENCH = np.array([300.0, -150.0, 200.0, 10.0, -20.0, 5.0])
+
+
+def softened(joint, share):
+    """What springs say of which one gives way more by a share."""
+    stiffness = ROBOT.stiffness.copy()
+    stiffness[joint] /= 1.0 + share
+    return ExtendedComplianceModel(ROBOT.name, ROBOT.dh, stiffness, ()).deflection(Q, WRENCH, POINT)
+
+
+def with_law(term, weights):
+    return ExtendedComplianceModel(
+        ROBOT.name, ROBOT.dh, ROBOT.stiffness, (), [SizedCause(term, np.array(weights))]
+    )
+
+
+def spring(driver, shape, numbers, usual, low=-3.0, high=3.0, where="joint 2"):
+    return LawTerm(where, "spring", driver, shape, numbers, Seen(low, high, usual))
+
+
+def test_a_spring_with_waves_is_a_softer_spring_at_that_angle():
+    law = with_law(spring("own angle", "waves", (7.0,), (0.0, 0.0)), [0.3, -0.1])
+    share = 0.3 * np.sin(7.0 * Q[1]) - 0.1 * np.cos(7.0 * Q[1])
+    np.testing.assert_allclose(law.deflection(Q, WRENCH, POINT), softened(1, share), rtol=1e-9)
+
+
+def test_a_spring_may_hang_on_the_angle_of_another_joint():
+    law = with_law(spring("angle of joint 5", "slope", (), (0.0,)), [0.25])
+    np.testing.assert_allclose(law.deflection(Q, WRENCH, POINT), softened(1, 0.25 * Q[4]), rtol=1e-9)
+
+
+def test_beyond_what_was_seen_the_nearest_value_stands():
+    law = with_law(spring("angle of joint 5", "slope", (), (0.0,), high=0.5), [0.25])
+    np.testing.assert_allclose(law.deflection(Q, WRENCH, POINT), softened(1, 0.25 * 0.5), rtol=1e-9)
+
+
+def test_a_driver_that_no_path_knows_acts_with_its_mean_and_is_told():
+    model = with_law(spring("time under load", "logarithm", (15.0,), (1.4,), 15.0, 120.0), [0.1])
+    np.testing.assert_allclose(model.deflection(Q, WRENCH, POINT), softened(1, 0.14), rtol=1e-9)
+    (sentence,) = unknown_on_path(model)
+    assert "joint 2" in sentence
+    assert "time under load" in sentence
+    assert unknown_on_path(with_law(spring("own angle", "waves", (7.0,), (0.0, 0.0)), [0.3, 0.0])) == ()
+
+
+def test_laws_pass_through_the_file(tmp_path):
+    terms = [
+        SizedCause(spring("own angle", "waves", (7.0,), (0.1, 0.2)), np.array([0.3, -0.1])),
+        SizedCause(
+            LawTerm("joint 3", "joint angle", "torque of joint 2", "slope", (), Seen(-900.0, 900.0, (0.0,))),
+            np.array([2e-8]),
+        ),
+    ]
+    document = model_document(ROBOT.name, ROBOT.stiffness, [], "a test", laws=terms)
+    (tmp_path / "model.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    before = ExtendedComplianceModel(ROBOT.name, ROBOT.dh, ROBOT.stiffness, (), terms)
+    after = load_compliance_model(tmp_path)
+    np.testing.assert_allclose(
+        after.deflection(Q, WRENCH, POINT), before.deflection(Q, WRENCH, POINT), rtol=1e-12
+    )
+    assert "7 waves a turn" in document["laws"][0]["law"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"shape": "spiral"},
+        {"acts_on": "mood"},
+        {"driver": "moon"},
+        {"weights": {"value": [0.3], "unit": "1"}},
+    ],
+)
+def test_a_law_of_no_use_is_refused(tmp_path, change):
+    law = SizedCause(spring("own angle", "waves", (7.0,), (0.1, 0.2)), np.array([0.3, -0.1]))
+    document = model_document(ROBOT.name, ROBOT.stiffness, [], "a test", laws=[law])
+    document["laws"][0] |= change
+    (tmp_path / "model.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    with pytest.raises(ExtendedModelError, match="write it anew with diagnose"):
+        load_compliance_model(tmp_path)
+
+
+def test_a_sensor_bias_is_the_springs_under_that_force():
+    """Its three components are what the springs do under 1 N along each sensor axis at the load point."""
+    kinematics, angle = Kinematics(ROBOT.dh), 0.7
+    case = build_load_case(
+        kinematics, Q[None], WRENCH[None], POINT, wrench_rotation=angle, joint_stiffness=ROBOT.stiffness
+    )
+    term = LawTerm("sensor", "force bias", "constant", "level", (), Seen(1.0, 1.0, (1.0,)))
+    for axis in range(3):
+        unit = np.zeros((1, 6))
+        unit[0, axis] = 1.0
+        loaded = build_load_case(
+            kinematics, Q[None], unit, POINT, wrench_rotation=angle, joint_stiffness=ROBOT.stiffness
+        )
+        theta = term.from_values(np.eye(3)[axis], case)
+        np.testing.assert_allclose(term.twist(case, theta), loaded.springs(), rtol=1e-9)
+
+
+def test_a_curve_passes_through_its_weights():
+    knots = (-1.0, -0.2, 0.3, 0.9, 1.4)
+    np.testing.assert_allclose(columns("curve", np.array(knots), knots), np.eye(5), atol=1e-12)
