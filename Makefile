@@ -46,6 +46,7 @@ corpus: setup     ## localization over 300 workshop-like pictures beside two pee
 score: setup      ## diagnosis over 200 seeded sets with hidden effects, as a confusion matrix
 	@$(ENV) python bench/diagnosis_score.py --sets 200
 	@$(ENV) python bench/motions_score.py --sets 200
+	@$(ENV) python bench/shift_score.py --sets 200
 
 clean:            ## remove what setup, run and bench made
 	rm -rf .venv build install log out

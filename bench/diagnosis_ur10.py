@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT))
 from doormill_ros.diagnosis.pose.check import check_set
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
 from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
-from doormill_ros.diagnosis.pose.placement import fit_placement
+from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.measurements.pose_set import PoseSet, read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
@@ -101,7 +101,7 @@ def plain_calibration(sets: list[PoseSet], data: PoseSet) -> float:
     problem = fitted.problem
     model = PoseModel(data.robot, data.dh, problem.views[0].links, problem.layout.causes, problem.x)
     T, marked = model.frames(data.view), data.placement
-    placement = fit_placement(T[marked], data.position[marked], data.rotation[marked], problem.sigma)
+    placement = place_together([Seen(T[marked], data.position[marked], data.rotation[marked])], problem.sigma)
     error = residual(T, placement, data.position, data.rotation)[~marked, :3]
     return float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
 

@@ -42,7 +42,7 @@ class DoormillError(Exception):
 
     def __init__(self, message: str, **data: Any) -> None:
         """Keep the sentence, on one line and no longer than a log takes, and the offending values."""
-        message = _line(message)
+        message = one_line(message)
         super().__init__(message)
         self.message = message
         self.data = data
@@ -68,7 +68,7 @@ class DoormillError(Exception):
         return cast("type[Self]", type(name, (cls,), members))
 
 
-def _line(message: str) -> str:
+def one_line(message: str) -> str:
     """What a file holds, or a library says of it, stands in the sentence: it may be of any length and form."""
     if not message.isprintable():
         message = " ".join("".join(c if c.isprintable() else " " for c in message).split())

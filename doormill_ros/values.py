@@ -143,6 +143,8 @@ class Array:
         kind = Positive if self.positive else Finite
         (entry,) = (part for part in typing.get_args(kind) if isinstance(part, FiniteNumber))
         numbers: list[float] = []
+        if isinstance(value, np.ndarray):  # from Python, where a document has lists
+            value = value.tolist()
         if not self._gather(value, self.shape, entry, numbers):
             raise refused(self.what)
         array = np.array(numbers, dtype=np.float64).reshape(self.shape)

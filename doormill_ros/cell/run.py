@@ -178,7 +178,8 @@ class Run:
 class RunDesk:
     """Keeps the run in hand, one at a time, and passes on to it what is heard; from any thread."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Clock | None = None) -> None:
+        self._clock = clock or Clock()
         self._lock = threading.Lock()
         self._run: Run | None = None
         self._ended: deque[str] = deque(maxlen=REMEMBERED)
@@ -194,7 +195,7 @@ class RunDesk:
                 raise CellBusyError(
                     f"door {door_id} was refused: {self._run.door_id} is being milled; wait until it is done"
                 )
-            self._run = Run(new_run_id(), door_id)
+            self._run = Run(new_run_id(), door_id, self._clock)
             return self._run
 
     def end(self) -> None:

@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
+from doormill_ros.localization.errors import NoEdge
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import column_medians
 
@@ -169,6 +170,10 @@ def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float,
     first = int(np.searchsorted(where.along, free))
     per = max(round(_SEGMENT / where.pitch), 1)
     pieces = (len(where.along) - first) // per
+    if pieces < 1:
+        raise NoEdge(
+            "too little of an edge of the door is in the picture; check the slider and the door's size in the recipe"
+        )
     used = slice(first, first + pieces * per)
     segments = rows[used].reshape(pieces, per, count).mean(axis=1)
     centres = where.along[used].reshape(pieces, per).mean(axis=1)

@@ -9,6 +9,8 @@ from doormill_ros.cell.layout import DoorOffset, PlacementLimits
 from doormill_ros.localization.blur import Spread
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.errors import (
+    BadCameraInfo,
+    BadDoorFace,
     BadPicture,
     Blurred,
     CameraInfoMissing,
@@ -31,6 +33,10 @@ FUTURE = 1.0  # s that a camera's clock may be ahead
 _MOST_WHITE = 0.6  # share of clipped pixels in a picture
 _DARKEST = 16  # grey level that one pixel in two hundred must exceed
 _FEWEST_ROWS = 60
+#: Of a door's face [m]; a recipe has narrower limits, a message may hold anything.
+WIDTHS, THICKNESSES = (0.1, 3.0), (0.005, 0.2)
+#: Of a pixel on the door's face [m]: finer ones ask for more memory than there is, coarser ones show no edge.
+PIXELS = (2e-5, 2e-3)
 _SKEW = 3.0  # standard deviations of the measurement by which an angle may exceed the tolerance
 # Misfit of the mean profile from one blurred step that makes it two edges: as a share of the step, as
 # a multiple of the rows' scatter, and of the streaks of wood grain beside the edge.
@@ -67,6 +73,33 @@ def check_input(
     if not age <= settings.max_age:
         raise StalePicture(
             f"the picture is {age:.2f} s old, allowed are {settings.max_age:.2f} s; take a new one", age=age
+        )
+
+
+def check_face(width: float, thickness: float) -> None:
+    """Whether a face of that size [m] can be a door's.
+
+    Raises:
+        BadDoorFace: It cannot.
+    """
+    for name, value, (low, high) in (("width", width, WIDTHS), ("thickness", thickness, THICKNESSES)):
+        if not low <= value <= high:
+            raise BadDoorFace(
+                f"the door's {name} is {value:g} m, allowed is {low:g} to {high:g} m; correct the recipe"
+            )
+
+
+def check_view(pixel: float) -> None:
+    """Whether a camera with pixels of that size on the face [m] can see an edge.
+
+    Raises:
+        BadCameraInfo: It cannot.
+    """
+    low, high = PIXELS
+    if not low <= pixel <= high:
+        raise BadCameraInfo(
+            f"by the camera info a pixel is {m_to_mm(pixel):g} mm on the door, allowed is {m_to_mm(low):g} to "
+            f"{m_to_mm(high):g} mm; calibrate the camera again"
         )
 
 

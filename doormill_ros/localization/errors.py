@@ -42,4 +42,8 @@ OverExposed = LocalizationError.row("OverExposed", 206, "Too much of the picture
 UnderExposed = LocalizationError.row("UnderExposed", 207, "The picture is too dark to hold an edge.")
 CameraInfoMissing = LocalizationError.row("CameraInfoMissing", 209, "No intrinsics came with the picture.")
 CameraInfoSize = LocalizationError.row("CameraInfoSize", 210, "The intrinsics are of another picture size.")
+BadDoorFace = LocalizationError.row("BadDoorFace", 213, "The door's width or thickness is that of no door.")
+BadCameraInfo = LocalizationError.row(
+    "BadCameraInfo", 214, "The intrinsics that came are none of a usable camera."
+)
 BadCameraFile = LocalizationError.row("BadCameraFile", 212, "A key is missing or a value is out of bounds.")

@@ -46,7 +46,9 @@ def localize(
     settings = settings or shipped_settings()
     checks.check_input(picture, camera, age, settings)
     checks.check_exposure(picture)
+    checks.check_face(width, thickness)
     view = face_view(camera, layout, float(width), float(thickness))
+    checks.check_view(view.pixel)
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness)
     checks.check_square(fit, settings)
@@ -70,8 +72,14 @@ def localize(
 
 
 def prepare(camera: CameraModel, layout: CellLayout, width: float, thickness: float) -> None:
-    """Work out what depends on the door's size only, so that its picture need not wait for it; see `localize`."""
+    """Work out what depends on the door's size only, so that its picture need not wait for it; see `localize`.
+
+    Raises:
+        LocalizationError: BadDoorFace or BadCameraInfo.
+    """
+    checks.check_face(width, thickness)
     view = face_view(camera, layout, float(width), float(thickness))
+    checks.check_view(view.pixel)
     search_bands(view, max(layout.limits.y, layout.limits.z), layout.limits.rotation)
 
 

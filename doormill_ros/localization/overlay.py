@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray, IntArray
-from doormill_ros.localization.errors import LocalizationError
+from doormill_ros.errors import DoormillError
 from doormill_ros.localization.result import Localization
 from doormill_ros.units import m_to_mm, rad_to_deg
 
@@ -82,7 +82,7 @@ def draw_overlay(picture: ByteArray, localization: Localization) -> ByteArray:
     return out
 
 
-def draw_refusal(picture: ByteArray, reason: LocalizationError) -> ByteArray:
+def draw_refusal(picture: ByteArray, reason: DoormillError) -> ByteArray:
     """The picture with the sentence of its refusal and the places that it speaks of.
 
     Args:

@@ -6,7 +6,6 @@ bag is replayed by what a node computes with.
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,22 @@ from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.frames import from_xyzw
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.errors import BadPicture
+from doormill_ros.localization.errors import BadCameraInfo, BadPicture
+from doormill_ros.recipes.documents import parse_json
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.configuration import ConfData
+from doormill_ros.toolpath.errors import DoorPoseError
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
+FARTHEST = 100.0  # m that a door may be away
+UNIT = 1e-3  # by which the length of a quaternion may differ from 1
 CHANNELS = {"mono8": 1, "8UC1": 1, "rgb8": 3, "bgr8": 3}
+#: Names of the lens model with k1, k2, p1, p2, k3; the second one has more, which have to be zero.
+BROWN = ("plumb_bob", "rational_polynomial")
+MOST_DISTORTION = 10.0
+SMALLEST, LARGEST = 16, 32_767  # px, what the picture filters take
+FOCAL = (0.1, 50.0)  # of the picture's longer side
 GREY = {"rgb8": np.array([0.299, 0.587, 0.114]), "bgr8": np.array([0.114, 0.587, 0.299])}
 #: Numbers of doormill_interfaces/Motion.kind.
 KINDS = (MotionKind.JOINT, MotionKind.LINEAR, MotionKind.CIRCULAR, MotionKind.ABSOLUTE)
@@ -41,6 +49,23 @@ def transform_of(pose: Any) -> FloatArray:
     """T_a_b, shape (4, 4), from a geometry_msgs/Pose of b in a."""
     p, q = pose.position, pose.orientation
     return from_xyzw(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
+
+
+def door_pose_of(pose: Any) -> FloatArray:
+    """T_base_door, shape (4, 4), from a geometry_msgs/Pose that came from somebody else.
+
+    Raises:
+        DoorPoseError: It holds values that are not finite, or no rotation.
+    """
+    p, q = pose.position, pose.orientation
+    values = np.array([p.x, p.y, p.z, q.x, q.y, q.z, q.w])
+    near = bool((np.abs(values) < FARTHEST).all())  # false for what is no number
+    if not near or not abs(float(np.linalg.norm(values[3:])) - 1.0) < UNIT:
+        raise DoorPoseError(
+            f"the door's pose is {[float(f'{v:.6g}') for v in values]}, allowed are numbers below {FARTHEST:g} "
+            "and a quaternion of length 1; look at who sends door/pose"
+        )
+    return transform_of(pose)
 
 
 def transforms_of(poses: list[Any]) -> FloatArray:
@@ -78,15 +103,7 @@ def picture_of(message: Any) -> ByteArray:
             "set the camera driver to mono8",
             encoding=message.encoding,
         )
-    data = np.frombuffer(message.data, dtype=np.uint8)
-    if message.step < message.width * channels or data.size < message.height * message.step:
-        raise BadPicture(
-            f"picture of {message.width} x {message.height} pixels came with {data.size} bytes in rows of "
-            f"{message.step}, needed are {message.height * message.width * channels}; check the camera driver",
-            size=int(data.size),
-        )
-    rows = data[: message.height * message.step].reshape(message.height, message.step)
-    rows = rows[:, : message.width * channels]
+    rows = _rows(message, channels)
     if channels == 1:
         return np.ascontiguousarray(rows)
     colour = rows.reshape(message.height, message.width, 3)
@@ -94,21 +111,95 @@ def picture_of(message: Any) -> ByteArray:
     return grey.astype(np.uint8)
 
 
+def colours_of(message: Any) -> ByteArray:
+    """Colour picture, shape (height, width, 3) uint8, from a sensor_msgs/Image in rgb8.
+
+    Raises:
+        BadPicture: Another encoding, or too few bytes.
+    """
+    if message.encoding != "rgb8":
+        raise BadPicture(f"picture has encoding {message.encoding!r}, allowed is rgb8; send it in colours")
+    return _rows(message, 3).reshape(message.height, message.width, 3)
+
+
+def _rows(message: Any, channels: int) -> ByteArray:
+    """Bytes of the pixels, shape (height, width * channels)."""
+    data = np.frombuffer(message.data, dtype=np.uint8)
+    if (
+        not message.width
+        or not message.height
+        or message.step < message.width * channels
+        or data.size < message.height * message.step
+    ):
+        raise BadPicture(
+            f"picture of {message.width} x {message.height} pixels came with {data.size} bytes in rows of "
+            f"{message.step}, needed are {message.height * message.width * channels}; check the camera driver",
+            size=int(data.size),
+        )
+    rows: ByteArray = data[: message.height * message.step].reshape(message.height, message.step)
+    return rows[:, : message.width * channels]
+
+
 def camera_of(message: Any, mounted: CameraModel) -> CameraModel:
-    """The mounted camera with the intrinsics of a sensor_msgs/CameraInfo."""
+    """The mounted camera with the intrinsics of a sensor_msgs/CameraInfo.
+
+    Raises:
+        BadCameraInfo: No calibration, one of another lens model than Brown's, or one that no camera has.
+    """
+    _require_size(message)
+    k = np.array(message.k, dtype=float).reshape(3, 3)
+    _require_matrix(k, message)
     distortion = np.zeros(5)
     distortion[: min(5, len(message.d))] = message.d[:5]
-    k = np.array(message.k, dtype=float).reshape(3, 3)
+    model, beyond = message.distortion_model, np.asarray(message.d[5:], dtype=float)
+    lensless = model == "" and not np.any(message.d)
+    if (model not in BROWN and not lensless) or beyond.any():
+        raise BadCameraInfo(
+            f"the camera info has distortion model {model!r} with {len(message.d)} coefficients, allowed is "
+            f"{BROWN[0]} with five; calibrate the camera with that model"
+        )
+    if not np.abs(distortion).max() <= MOST_DISTORTION:
+        raise BadCameraInfo(
+            f"the camera info has distortion coefficients up to {np.abs(distortion).max():g}, allowed are "
+            f"{MOST_DISTORTION:g}; calibrate the camera again"
+        )
     return mounted.with_intrinsics(k, distortion, (int(message.width), int(message.height)))
+
+
+def _require_size(message: Any) -> None:
+    sizes = (int(message.width), int(message.height))
+    if not all(SMALLEST <= size <= LARGEST for size in sizes):
+        raise BadCameraInfo(
+            f"the camera info is for {sizes[0]} x {sizes[1]} px, allowed are {SMALLEST} to {LARGEST} px; check the "
+            "camera's driver",
+            size=sizes,
+        )
+
+
+def _require_matrix(k: FloatArray, message: Any) -> None:
+    if not k.any():
+        raise BadCameraInfo(
+            "the camera info holds no calibration: K is zero; calibrate the camera and let its driver send that"
+        )
+    size = np.array([message.width, message.height], dtype=float)
+    focal, centre = np.array([k[0, 0], k[1, 1]]), k[:2, 2]
+    whole = np.isfinite(k).all() and np.array_equal(k[[1, 2, 2, 2], [0, 0, 1, 2]], [0.0, 0.0, 0.0, 1.0])
+    near, far = FOCAL[0] * size.max(), FOCAL[1] * size.max()
+    focused = whole and bool(((focal >= near) & (focal <= far)).all()) and abs(k[0, 1]) <= 0.1 * focal[0]
+    if not focused or not bool(((centre >= 0) & (centre <= size)).all()):
+        raise BadCameraInfo(
+            f"the camera info has K = {[float(f'{v:.6g}') for v in k.ravel()]}, allowed are focal lengths of "
+            f"{near:g} to {far:g} px and a centre inside the picture; calibrate the camera again"
+        )
 
 
 def recipe_of(message: Any) -> Recipe:
     """The recipe of a doormill_interfaces/DoorRecipe, checked again.
 
     Raises:
-        RecipeError: The document in the message is not a valid recipe.
+        RecipeError: The document in the message is no JSON or not a valid recipe.
     """
-    return Recipe.from_document(json.loads(message.document))
+    return Recipe.from_document(parse_json(message.document))
 
 
 def _wrench_end(motion: Any) -> FloatArray | None:

@@ -13,11 +13,12 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Bool, String
 
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, TargetArray
-from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
+from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
+from doormill_ros.cell.errors import NodeDoubledError
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.attendance import CellAttendance
@@ -81,7 +82,7 @@ class AbbBridge(ManagedNode):
         ),
     )
 
-    handshake: Handshake
+    handshake: SharedHandshake
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("abb_bridge", **kwargs)
@@ -96,7 +97,7 @@ class AbbBridge(ManagedNode):
         self._file = self.publisher(topics.ABB_TARGET_FILE)
         self._shown: tuple[bool, bool] | None = None
         transport = open_transport(self.value("transport"), self._transport_options())
-        self.handshake = Handshake(
+        self.handshake = SharedHandshake(
             transport,
             timeouts=HandshakeTimeouts(
                 acknowledge=self.value("limit.read"), milling=self.value("limit.milling")
@@ -105,7 +106,7 @@ class AbbBridge(ManagedNode):
             on_change=self._changed,
         )
         self._monitor = ControllerMonitor(self, transport, self.value("manual_mode"))
-        self._loop = HandshakeLoop(self.handshake)
+        self._loop = HandshakeLoop(self.handshake, held=True)
         self._loop.start()
         self._monitor.start()
         self._attendance = CellAttendance(self, self._controller(), self._action.notify)
@@ -113,6 +114,7 @@ class AbbBridge(ManagedNode):
         ExpectDoorServer(self, self.handshake.expect_door, self._group)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
+        self.keep(self.destroy_timer, self.create_timer(0.1, self.guarded(self._look_round)))
         self.every(0.5, self._watch)
 
     def stop(self) -> None:
@@ -207,11 +209,19 @@ class AbbBridge(ManagedNode):
     def _watch(self) -> None:
         if not self._loop.alive:
             raise RuntimeError(f"the handshake ended: {self._loop.failure!r}; restart the bridge")
+
+    def _look_round(self) -> None:
+        """Own the controller and answer goals, unless another bridge does."""
+        self._attendance.look()
         hindrance = self._attendance.hindrance()
-        self._action.offer(not hindrance)
+        if hindrance:
+            self._loop.hold()
+        elif self._attendance.may_touch:
+            self._loop.release()
+        self._action.leave_to_another(self._attendance.silent)
         if hindrance and self._health[1] != hindrance:
             self.get_logger().error(hindrance)
-            self.report(ERROR, hindrance)
+            self.report(ERROR, hindrance, error_code=NodeDoubledError.code)
 
     def _controller(self) -> str:
         """Names the controller on this network: its URL, or the folder that stands for it."""

@@ -20,7 +20,7 @@ from std_msgs.msg import Empty
 
 from doormill_ros.nodes.topics import Topic
 
-LEASE = 1.0  #: s without a sign of life after which a node is dead
+LEASE = 1.5  #: s without a sign of life after which a node is dead; a loaded machine keeps one waiting for over 1 s
 #: A node that is started again stands beside its dead predecessor for so long [s].
 SETTLING = LEASE + 0.5
 QOS = QoSProfile(
@@ -84,15 +84,20 @@ class AliveWatch:
         with self._lock:
             return next((name for name in names if self._seen[name].ever and not self._seen[name].alive), "")
 
-    def doubled(self) -> str:
-        """The name of which more than one node is alive, for longer than a restart takes; else empty."""
+    def alive(self, name: str) -> bool:
+        """A node that offers this name is alive in another process."""
+        with self._lock:
+            return self._seen[name].alive > 0
+
+    def doubled(self, lasting: float = SETTLING) -> str:
+        """The name of which more than one node is alive, for longer than a restart takes [s]; else empty."""
         now = self._clock()
         with self._lock:
             return next(
                 (
                     name
                     for name, seen in self._seen.items()
-                    if seen.alive > self._most and now - seen.since > SETTLING
+                    if seen.alive > self._most and now - seen.since > lasting
                 ),
                 "",
             )

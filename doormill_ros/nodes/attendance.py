@@ -1,7 +1,8 @@
 """Part of /abb_bridge: which nodes of the cell are alive, and whether this bridge is the only one.
 
-A bridge that finds another one in its namespace or at its controller refuses every goal and withdraws the action, for
-as long as the other is there; one that was alone before goes on.
+A bridge that finds another one in its namespace or at its controller refuses every goal and lets the controller be,
+for as long as the other is there; one that was alone before goes on. Of two that began together neither mills. A goal
+in a namespace that has two is answered by the one that goes on.
 """
 
 from __future__ import annotations
@@ -18,6 +19,12 @@ from doormill_ros.pipeline.course import RECIPE
 BRIDGE = "abb_bridge"
 #: After so long a bridge that has met no other is the first; discovery takes seconds on a loaded machine [s].
 ALONE = 20.0
+#: Offered by a bridge that has been alone for so long.
+FIRST = f"{BRIDGE}_first"
+#: So long a bridge listens for others before it touches the controller [s].
+LISTEN = 0.5
+#: After so long without a sign of a first bridge two of one name count as begun together [s]; a goal waits for that.
+TIE = 5.0
 NAMESPACES = "give each cell a namespace (-r __ns:=/cell1) or a ROS_DOMAIN_ID of its own"
 
 
@@ -41,11 +48,24 @@ class CellAttendance:
         self._clock = clock
         self._controller = controller
         self._begun = clock()
+        self._node = node
         self._first = False
         claim = f"/_alive/controller_{zlib.crc32(controller.encode()):08x}"
         node.publisher(alive_topic(claim))
         self._nodes = AliveWatch(node, RECIPE, notify, clock)
         self._bridges = AliveWatch(node, (BRIDGE, claim), notify, clock, own=True)
+        self._firsts = AliveWatch(node, (FIRST,), notify, clock)
+
+    @property
+    def may_touch(self) -> bool:
+        """No other bridge is known that may own the controller."""
+        listened = self._clock() - self._begun > LISTEN
+        return listened and (self._first or not self._bridges.settling())
+
+    @property
+    def silent(self) -> bool:
+        """Another bridge answers the goals of this namespace."""
+        return not self._first and self._firsts.alive(FIRST) and self._bridges.doubled() == BRIDGE
 
     @property
     def settled(self) -> bool:
@@ -66,21 +86,25 @@ class CellAttendance:
                 f"another's; {NAMESPACES}"
             )
         hindrance = self.hindrance()
-        if hindrance:
+        # Refused earlier, the first one's client would take this for its answer.
+        if hindrance and (self._bridges.doubled() != BRIDGE or self.silent or self._bridges.doubled(TIE)):
             raise NodeDoubledError(hindrance)
 
-    def hindrance(self) -> str:
-        """Why this bridge gives way to another one; empty when it does not. To be asked every now and then."""
-        other = self._bridges.doubled()
-        if not self._bridges.settling() and self._clock() - self._begun > ALONE:
+    def look(self) -> None:
+        """Claim to be the first once no other bridge came for long enough; to be called every now and then."""
+        alone = not self._bridges.settling() and self._clock() - self._begun > ALONE
+        if alone and not self._first:
             self._first = True
-        if not other or self._first:
+            self._node.publisher(alive_topic(FIRST))
+
+    def hindrance(self) -> str:
+        """Why this bridge gives way to another one; empty when it does not."""
+        other = "" if self._first else self._bridges.doubled()
+        if not other:
             return ""
         if other == BRIDGE:
-            return (
-                f"another /{BRIDGE} was alive in this namespace before, and this one gives way; {NAMESPACES}"
-            )
+            return f"another /{BRIDGE} is alive in this namespace, and this one gives way; {NAMESPACES}"
         return (
-            f"another bridge went to the controller at {self._controller} before, and this one gives way; end one of "
+            f"another bridge goes to the controller at {self._controller}, and this one gives way; end one of "
             "the two, or set the parameter address"
         )

@@ -5,24 +5,25 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import cv2
 import numpy as np
 from geometry_msgs.msg import PoseStamped
-from rclpy.time import Time
 from sensor_msgs.msg import CameraInfo, Image
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.arrays import ByteArray
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import prepare
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
 from doormill_ros.localization.result import Localization
-from doormill_ros.messages.from_message import camera_of, picture_of
+from doormill_ros.messages.from_message import camera_of, nanoseconds_of, picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import picture_message
@@ -65,6 +66,7 @@ class DoorLocalizer(ManagedNode):
         self._layout = load_layout()
         self._mounted = load_camera()
         self._camera: CameraModel | None = None
+        self._unusable: LocalizationError | None = None  # why the latest camera info is
         self._intrinsics: tuple[Any, ...] = ()
         self._recipe: DoorRecipe | None = None
         self._waiting: tuple[Image, float] | None = None
@@ -84,19 +86,29 @@ class DoorLocalizer(ManagedNode):
     def _prepare(self) -> None:
         """Work out what does not depend on the picture before it comes."""
         if self._camera is not None and self._recipe is not None:
-            prepare(self._camera, self._layout, self._recipe.width, self._recipe.thickness)
+            with suppress(LocalizationError):  # said when the picture comes
+                prepare(self._camera, self._layout, self._recipe.width, self._recipe.thickness)
 
     def _take_camera_info(self, info: CameraInfo) -> None:
-        intrinsics = (info.width, info.height, *info.k, *info.d)
-        if self._camera is None or intrinsics != self._intrinsics:
-            self._camera, self._intrinsics = camera_of(info, self._mounted), intrinsics
-            self._prepare()
+        intrinsics = (info.width, info.height, info.distortion_model, *info.k, *info.d)
+        if intrinsics != self._intrinsics:
+            self._take_intrinsics(info)
+            self._intrinsics = intrinsics
         if self._waiting is not None:
             (picture, _), self._waiting = self._waiting, None
             self._localize(picture)
 
+    def _take_intrinsics(self, info: CameraInfo) -> None:
+        """What came before does not go on where what comes now is of no use."""
+        try:
+            self._camera, self._unusable = camera_of(info, self._mounted), None
+        except LocalizationError as error:
+            self._camera, self._unusable = None, error
+            self.report(WARN, error.message, error_code=error.code)
+        self._prepare()
+
     def _take_picture(self, picture: Image) -> None:
-        if self._camera is None:
+        if self._camera is None and self._unusable is None:
             self._waiting = (picture, time.monotonic() + self.value("camera_info_wait"))
         else:
             self._localize(picture)
@@ -111,17 +123,20 @@ class DoorLocalizer(ManagedNode):
         if recipe is None:
             self.report(WARN, "a picture came while no recipe is in hand; it is left aside")
             return
-        now = self.get_clock().now()
-        age = (now - Time.from_msg(message.header.stamp)).nanoseconds * 1e-9
+        now = self.get_clock().now().nanoseconds
+        age = (now - nanoseconds_of(message.header.stamp)) * 1e-9
         answer = DoorLocalization(run_id=recipe.run_id, door_id=recipe.door_id)
         answer.header.stamp = message.header.stamp
         answer.header.frame_id = BASE_FRAME
         begun = time.perf_counter()
         try:
+            if self._unusable is not None:
+                raise self._unusable
             found = look(
                 message, self._camera, self._layout, recipe, age=age if self.value("check_age") else 0.0
             )
-        except LocalizationError as error:
+        except Exception as unexpected:  # whatever it is, the run waits for an answer
+            error = self.as_refusal(unexpected)
             answer.duration = time.perf_counter() - begun
             answer.error_code = error.code
             answer.reason = error.message
@@ -147,7 +162,7 @@ class DoorLocalizer(ManagedNode):
             )
         self._show_overlay(message, lambda picture: draw_overlay(picture, found))
 
-    def _show_refusal(self, message: Image, reason: LocalizationError) -> None:
+    def _show_refusal(self, message: Image, reason: DoormillError) -> None:
         """Where the picture was refused for what; nothing of a picture that is none."""
         try:
             self._show_overlay(message, lambda picture: draw_refusal(picture, reason))

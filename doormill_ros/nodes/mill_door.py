@@ -9,7 +9,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action import CancelResponse, GoalResponse
 from rclpy.callback_groups import CallbackGroup
 
 from doormill_interfaces.action import MillDoor
@@ -19,11 +19,12 @@ from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError
 from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.run import RunDesk, StageLimits
+from doormill_ros.cell.run import Clock, RunDesk, StageLimits
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.errors import DoormillError
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.action_server import QuietActionServer
 from doormill_ros.nodes.door_inspections import DoorInspections
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.pipeline.course import Course
@@ -54,7 +55,7 @@ class MillDoorServer:
         self._handover = handover
         self._give_up = give_up
         self._group = group
-        self._desk = RunDesk()
+        self._desk = RunDesk(Clock(wall=lambda: node.get_clock().now().nanoseconds * 1e-9))
         self._recipes: _Recipes | None = None
         self._inspections: DoorInspections | None = None
         self._attendance: Attendance | None = None
@@ -63,24 +64,19 @@ class MillDoorServer:
         self._result = node.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
         )
-        self._server: ActionServer | None = None
-        self.offer(True)
+        self._server = QuietActionServer(
+            node,
+            MillDoor,
+            "mill_door",
+            self._execute,
+            callback_group=group,
+            goal_callback=lambda _: GoalResponse.ACCEPT,
+            cancel_callback=self._cancel,
+        )
 
-    def offer(self, wanted: bool) -> None:
-        """Serve the action, or withdraw it."""
-        if wanted and self._server is None:
-            self._server = ActionServer(
-                self._node,
-                MillDoor,
-                "mill_door",
-                self._execute,
-                callback_group=self._group,
-                goal_callback=lambda _: GoalResponse.ACCEPT,
-                cancel_callback=self._cancel,
-            )
-        elif not wanted and self._server is not None:
-            self._server.destroy()
-            self._server = None
+    def leave_to_another(self, silent: bool) -> None:
+        """Let another server of this name answer, or answer again."""
+        self._server.silent = silent
 
     def open(self, attendance: Attendance) -> None:
         """Connect to the recipe database and to who measures milled doors.
@@ -128,8 +124,8 @@ class MillDoorServer:
         self._recipes = None
 
     def destroy(self) -> None:
-        """Withdraw the action for good."""
-        self.offer(False)
+        """Take the action away for good."""
+        self._server.destroy()
 
     def deliver(self, stage: str, message: Any) -> bool:
         """Pass a stage's answer to the run in hand; False when it belongs to no run of this server."""
@@ -187,7 +183,8 @@ class MillDoorServer:
         """Tell everybody how the run ended."""
         if not end.milled:
             self._give_up(end.message)
-        self._tell(end)
+        if not self._server.silent:
+            self._tell(end)
         with suppress(OSError):  # it is told again after a restart, that is all
             self._note.clear()
         result = MillDoor.Result(**_values_of(_document(end), MillDoor.Result))

@@ -8,7 +8,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Image
 
@@ -16,7 +15,7 @@ from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe, RunResult
 from doormill_ros.arrays import ByteArray
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import picture_of, seconds_of
+from doormill_ros.messages.from_message import colours_of, picture_of, seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
@@ -109,8 +108,8 @@ class OperatorPage(ManagedNode):
                     self._show(picture_of(picture), f"Refused picture of door {found.door_id}")
 
     def _take_overlay(self, overlay: Image) -> None:
+        colours = colours_of(overlay)
         taken = time.strftime("%H:%M:%S", time.localtime(seconds_of(overlay.header.stamp)))
-        colours = np.asarray(overlay.data, dtype=np.uint8).reshape(overlay.height, overlay.width, 3)
         self._show(colours, f"Picture of {taken} with the door's edges as they were found")
 
     def _show(self, picture: ByteArray, caption: str) -> None:

@@ -16,7 +16,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.run import FUTURE
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
-from doormill_ros.messages.from_message import nanoseconds_of, recipe_of, seconds_of, transform_of
+from doormill_ros.messages.from_message import door_pose_of, nanoseconds_of, recipe_of, seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import path_message
 from doormill_ros.nodes.convert.markers import body_markers, no_markers, program_markers
@@ -107,9 +107,10 @@ class PathGenerator(ManagedNode):
         begun = time.perf_counter()
         try:
             door = self._door if self._door is not None else recipe_of(recipe)
-            T_base_door = transform_of(pose.pose)
+            T_base_door = door_pose_of(pose.pose)
             planned = plan(door, T_base_door, self._setup)
-        except DoormillError as error:
+        except Exception as unexpected:  # whatever it is, the run waits for an answer
+            error = self.as_refusal(unexpected)
             answer.duration = time.perf_counter() - begun
             answer.error_code = error.code
             answer.reason = error.message

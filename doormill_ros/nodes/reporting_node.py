@@ -9,12 +9,13 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import ParameterException
 from rclpy.lifecycle import LifecycleNode
 from rclpy.parameter import Parameter
 
 from doormill_ros.cell.errors import BadParameterError
-from doormill_ros.errors import DoormillError
+from doormill_ros.errors import DoormillError, one_line
 from doormill_ros.nodes import topics
 
 OK: bytes = DiagnosticStatus.OK
@@ -22,6 +23,7 @@ WARN: bytes = DiagnosticStatus.WARN
 ERROR: bytes = DiagnosticStatus.ERROR
 DIAGNOSTICS_PERIOD = 1.0  # s
 DISPLAY_DELAY = 0.1  # s
+STEADY = Clock(clock_type=ClockType.STEADY_TIME)
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,12 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             DiagnosticArray, topics.DIAGNOSTICS.name, topics.DIAGNOSTICS.offered
         )
         self.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics)
+
+    def create_timer(
+        self, period: float, callback: Callable[[], None] | None, *args: Any, **kwargs: Any
+    ) -> Any:
+        """A timer on a steady clock: one on the node's own stands still for as long as the wall clock is set back."""
+        return super().create_timer(period, callback, *args, **{"clock": STEADY, **kwargs})
 
     def _declare(self, parameter: NodeParameter) -> None:
         """Declare a parameter with what the command line or a file says of it.
@@ -132,6 +140,15 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
         return call
 
+    def as_refusal(self, error: Exception) -> DoormillError:
+        """What is said under a run of whatever went wrong; what nobody thought of is logged in full."""
+        if isinstance(error, DoormillError):
+            return error
+        self.get_logger().error("".join(traceback.format_exception(error)))
+        return DoormillError(
+            f"unexpected {type(error).__name__}: {error}; see the log of {self.get_name()} and start the door again"
+        )
+
     def answering(self, callback: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
         """A service's callback whose errors become `error_code` and `message` of the answer."""
 
@@ -157,15 +174,15 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         try:
             action()
         except DoormillError as error:
-            message = error.message
+            message, values = error.message, {"error_code": error.code}
         except Exception as error:
-            message = f"{type(error).__name__}: {error}"
+            message, values = f"{type(error).__name__}: {error}", {}
             self.get_logger().error(traceback.format_exc())
         else:
             return True
         if self._health[1] != f"could not {what}: {message}":
             self.get_logger().error(f"could not {what}: {message}")
-        self.report(ERROR, f"could not {what}: {message}")
+        self.report(ERROR, f"could not {what}: {message}", **values)
         return False
 
     def report(self, level: bytes, message: str, **values: Any) -> None:
@@ -175,6 +192,7 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         each message wakes every process that listens, in the middle of a run.
         """
         healthy = level == OK and self._health[0] == OK
+        message = one_line(message)
         changed = (level, message) != self._health[:2]
         self._health = (level, message, values)
         if changed and not healthy:

@@ -22,6 +22,7 @@ def run_shift(
     world: Path | None = None,
     effects: Iterable[Mapping[str, Any]] = (),
     milled: Callable[[int, RunSummary], None] | None = None,
+    model: Callable[[int], Path | None] | None = None,
 ) -> ShiftSummary:
     """Mill doors and write shift.json, anew after each of them; a refused door does not end the shift.
 
@@ -35,6 +36,8 @@ def run_shift(
         world: How the cell really is; None as the project assumes.
         effects: What the robot hides where no world is given.
         milled: Called with each door's number and summary.
+        model: Asked before each door, by its number, for the robot model that its path is to be corrected with; None
+            for the one in the options.
 
     Raises:
         WorldFileError: The world file cannot be used.
@@ -50,6 +53,9 @@ def run_shift(
         own = {"shift_began": began, "inspection": run_folder.inspection}
         parameters["camera_simulator"] = parameters.get("camera_simulator", {}) | place
         parameters["controller_simulator"] = parameters.get("controller_simulator", {}) | place | own
+        accepted = model(number) if model is not None else None
+        if accepted is not None:
+            parameters["path_generator"] = parameters.get("path_generator", {}) | {"robot_model": accepted}
         run = run_in(run_folder, door_id, replace(options, parameters=parameters, controller=controller))
         shift.add(number, run_folder.root.name, run)
         shift.write(paths.summary)

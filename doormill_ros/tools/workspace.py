@@ -19,7 +19,15 @@ from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.units import MM, deg_to_rad, m_to_mm, n_per_m_to_n_per_um, rad_to_deg
-from doormill_ros.workspace.advice import PlannedDoors, best_place, layout_at, plan_doors, sample_doors
+from doormill_ros.workspace.advice import (
+    PlannedDoors,
+    best_place,
+    layout_at,
+    plan_doors,
+    plan_shares,
+    sample_doors,
+    second_at,
+)
 from doormill_ros.workspace.doors import DoorRange, thesis_box
 from doormill_ros.workspace.grid import THESIS_STEP, thesis_grid
 from doormill_ros.workspace.maps import WRENCH_SCRIPT, WRENCH_TEXT, Maps, compute_maps, save_maps
@@ -152,10 +160,16 @@ def _region(
     layout, settings = load_layout(), load_settings()
     hinged = sample_doors(load_recipe(TEMPLATE), doors, everything=False)
     alone = sample_doors(load_recipe(TEMPLATE), doors, everything=True)
+    thick = [door for door in alone if door.thickness == doors.thickness[1]]  # both reach deepest into these
 
     def judged(place: CellLayout, hinges: PlannedDoors | None = None) -> dict[str, Any]:
         hinges = hinges or plan_doors(hinged, place, robot, settings)
-        return {"hinges": asdict(hinges), "one_robot": asdict(plan_doors(alone, place, robot, settings))}
+        two = plan_shares(thick, place, robot, second_at(settings, layout, place))
+        return {
+            "hinges": asdict(hinges),
+            "one_robot": asdict(plan_doors(alone, place, robot, settings)),
+            "two_robots": asdict(two),
+        }
 
     region["cell"] = {"programs": judged(layout)}
     region["thesis"]["programs"] = judged(layout_at(layout, reference.corner, doors))
@@ -235,7 +249,12 @@ def _report(robot: Robot, document: dict[str, Any], lowest_hinge: float) -> None
 
 
 def _report_programs(programs: dict[str, Any]) -> None:
-    for what, doors in (("hinges", programs["hinges"]), ("all features, one robot", programs["one_robot"])):
+    for key, what in (
+        ("hinges", "hinges"),
+        ("one_robot", "all features, one robot"),
+        ("two_robots", "all features, two robots"),
+    ):
+        doors = programs[key]
         print(f"    {what}: {doors['refused']} of {doors['planned']} doors refused")
         if doors["reason"]:
             print(f"      {doors['reason']}")

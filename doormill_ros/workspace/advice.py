@@ -18,6 +18,7 @@ from doormill_ros.robot.description import Robot
 from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.route import route
 from doormill_ros.toolpath.settings import PathSettings
+from doormill_ros.toolpath.split import split
 from doormill_ros.units import m_to_mm
 from doormill_ros.workspace.doors import DoorRange
 
@@ -131,6 +132,54 @@ def plan_doors(
             if most is not None and refused > most:
                 break
     return PlannedDoors(planned, refused, reason)
+
+
+def plan_shares(
+    recipes: Sequence[Recipe], layout: CellLayout, robot: Robot, settings: PathSettings
+) -> PlannedDoors:
+    """How many doors two robots can mill, each its share; a door is refused when one of them cannot.
+
+    The robots are planned one by one: that their arms keep apart is not looked at.
+
+    Args:
+        recipes: The doors.
+        layout: The cell with the door at its place before the first robot.
+        robot: Both of them.
+        settings: Where the second one stands in that cell.
+    """
+    refused, planned, reason = 0, 0, ""
+    limits, second = layout.limits, layout.seen_from(settings.second_robot.T_base_second)
+    for recipe, sign in itertools.product(recipes, (-1.0, 1.0)):
+        offset = DoorOffset(sign * limits.y, sign * limits.z, sign * limits.rotation)
+        T_base_door = layout.T_base_door(recipe.width, recipe.thickness, offset)
+        planned += 1
+        for share in split(recipe, T_base_door, settings):
+            if not share.operations:
+                continue
+            place = layout if share.robot == "first" else second
+            try:
+                route(recipe, share.operations, share.T_base_door, place, robot, settings)
+            except DoormillError as error:
+                refused += 1
+                reason = reason or (
+                    f"{m_to_mm(recipe.width):.0f} x {m_to_mm(recipe.thickness):.0f} mm, {share.robot} robot: "
+                    f"{error.message}"
+                )
+                break
+    return PlannedDoors(planned, refused, reason)
+
+
+def second_at(settings: PathSettings, layout: CellLayout, moved: CellLayout) -> PathSettings:
+    """The settings with the second robot as far beyond a moved door as it stands beyond the cell's.
+
+    Args:
+        settings: For the cell as it is.
+        layout: The cell as it is.
+        moved: The cell with the door at another place before the first robot.
+    """
+    second = settings.second_robot
+    by = np.array([moved.rear_face_x - layout.rear_face_x, moved.centre_y - layout.centre_y, 0.0])
+    return replace(settings, second_robot=replace(second, position=second.position + 2.0 * by))
 
 
 def best_place(

@@ -6,6 +6,7 @@ import ast
 import itertools
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from doormill_ros.abb import signals
 from doormill_ros.abb.errors import TargetFileChecksumError
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
+from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.handshake.state import HandshakeTimeouts
 from doormill_ros.abb.link_errors import (
@@ -857,7 +859,7 @@ def test_times_of_the_stages_are_in_order(cell: Cell) -> None:
 def test_the_loop_answers_and_stops_without_help() -> None:
     transport = MemoryTransport()
     reached = {state: threading.Event() for state in State}
-    handshake = Handshake(transport, on_change=lambda s: reached[s.state].set())
+    handshake = SharedHandshake(transport, on_change=lambda s: reached[s.state].set())
     with HandshakeLoop(handshake) as loop:
         assert reached[State.IDLE].wait(60)
         transport.set_signal(signals.REQUEST, True)
@@ -873,9 +875,49 @@ def test_the_loop_answers_and_stops_without_help() -> None:
     assert not transport.signal(signals.READY)
 
 
+def until(condition: Callable[[], object]) -> None:
+    limit = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < limit
+        time.sleep(0.001)
+
+
+def test_a_loop_that_is_held_leaves_the_file_of_another_bridge_alone() -> None:
+    transport = MemoryTransport()
+    transport.write_file(signals.TARGET_FILE, b"of another bridge")
+    transport.set_signal(signals.READY, True)
+    loop = HandshakeLoop(SharedHandshake(transport), idle_wait=0.001, held=True)
+    with loop:
+        time.sleep(0.05)
+    assert not loop.alive
+    assert transport.signal(signals.READY)
+    assert transport._files[signals.TARGET_FILE] == b"of another bridge"
+
+
+def test_a_loop_that_is_held_in_a_run_takes_its_own_file_away_and_begins_anew_when_released() -> None:
+    transport = MemoryTransport()
+    handshake = SharedHandshake(transport)
+    with HandshakeLoop(handshake, idle_wait=0.001) as loop:
+        transport.set_signal(signals.REQUEST, True)
+        until(lambda: handshake.snapshot.accepts_submission)
+        handshake.submit("run", "door", FILE)
+        until(lambda: handshake.snapshot.state is State.READY)
+        loop.hold()
+        until(lambda: handshake.snapshot.state is State.IDLE)
+        assert not transport.signal(signals.READY)
+        assert not transport._files
+        assert handshake.outcome("run").error_code != 0
+        transport.write_file(signals.TARGET_FILE, b"of another bridge")
+        time.sleep(0.05)
+        assert transport._files
+        loop.release()
+        until(lambda: handshake.snapshot.accepts_submission)
+        assert not transport._files
+
+
 def test_a_programming_error_in_the_loop_leaves_the_controller_cleared() -> None:
     transport = MemoryTransport()
-    handshake = Handshake(transport)
+    handshake = SharedHandshake(transport)
     ready = threading.Event()
     handshake._on_change = lambda s: ready.set() if s.state is State.READY else None
     loop = HandshakeLoop(handshake)

@@ -12,8 +12,8 @@ import pytest
 
 from doormill_ros.abb import signals
 from doormill_ros.abb.credentials import Credentials
-from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
+from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import WriteAccessError
 from doormill_ros.abb.transports import control_station
@@ -234,7 +234,7 @@ def test_a_handshake_over_it(server: RwsServer, tmp_path: Path) -> None:
 
     link = connect(server)
     link.in_doubt_time = 0.0  # nothing comes late here
-    cabinet, handshake = server.cabinet, Handshake(link)
+    cabinet, handshake = server.cabinet, SharedHandshake(link)
     with HandshakeLoop(handshake):
         until(State.IDLE)
         (tmp_path / signals.REQUEST_FILE).write_text("3\n")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from types import SimpleNamespace as Message
 
 import numpy as np
@@ -10,9 +11,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.errors import BadPicture
+from doormill_ros.localization.errors import BadCameraInfo, BadPicture
 from doormill_ros.messages.from_message import (
     camera_of,
+    colours_of,
+    door_pose_of,
     nanoseconds_of,
     picture_of,
     recipe_of,
@@ -23,6 +26,7 @@ from doormill_ros.messages.from_message import (
 )
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.errors import RecipeError
+from doormill_ros.toolpath.errors import DoorPoseError
 
 ROWS, COLUMNS = 3, 5
 
@@ -88,12 +92,96 @@ def test_a_picture_that_cannot_be_read_says_why() -> None:
 def test_a_camera_info_changes_the_intrinsics_and_leaves_the_mounting() -> None:
     mounted = load_camera()
     k = [900.0, 0.0, 310.0, 0.0, 910.0, 250.0, 0.0, 0.0, 1.0]
-    camera = camera_of(Message(k=k, d=[0.1, -0.2], width=640, height=480), mounted)
+    camera = camera_of(
+        Message(k=k, d=[0.1, -0.2], width=640, height=480, distortion_model="plumb_bob"), mounted
+    )
     assert camera.k.ravel().tolist() == k
     assert camera.distortion.tolist() == [0.1, -0.2, 0.0, 0.0, 0.0]
     assert camera.size == (640, 480)
     apart = camera.T_base_camera(0.9) - mounted.T_base_camera(0.9)
     assert np.abs(apart).max() == 0.0
+
+
+GOOD_INFO = {
+    "k": [900.0, 0.0, 310.0, 0.0, 910.0, 250.0, 0.0, 0.0, 1.0],
+    "d": [0.1, -0.2, 0.0, 0.0, 0.01],
+    "width": 640,
+    "height": 480,
+    "distortion_model": "plumb_bob",
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"k": [0.0] * 9}, "no calibration"),
+        ({"k": [math.nan] * 9}, "K = "),
+        ({"k": [math.inf, *GOOD_INFO["k"][1:]]}, "K = "),
+        ({"k": [1e-3, *GOOD_INFO["k"][1:]]}, "focal lengths"),
+        ({"k": [900.0, 0.0, 3000.0, *GOOD_INFO["k"][3:]]}, "centre inside"),
+        ({"k": [*GOOD_INFO["k"][:6], 1.0, 0.0, 1.0]}, "K = "),
+        ({"width": 0, "height": 0}, "0 x 0 px"),
+        ({"width": 4_294_967_295}, "4294967295 x 480"),
+        ({"distortion_model": "equidistant", "d": [0.1, 0.0, 0.0, 0.0]}, "equidistant"),
+        ({"distortion_model": "equidistant", "d": [0.0] * 4}, "equidistant"),
+        ({"distortion_model": ""}, "distortion model ''"),
+        (
+            {"distortion_model": "rational_polynomial", "d": [0.1, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0, 0.0]},
+            "8 coeff",
+        ),
+        ({"d": [math.nan, 0.0, 0.0, 0.0, 0.0]}, "nan"),
+        ({"d": [1e9, 0.0, 0.0, 0.0, 0.0]}, "1e[+]09"),
+    ],
+)
+def test_a_camera_info_of_no_use_is_refused(changes: dict[str, object], says: str) -> None:
+    camera_of(Message(**GOOD_INFO), load_camera())
+    with pytest.raises(BadCameraInfo, match=says):
+        camera_of(Message(**{**GOOD_INFO, **changes}), load_camera())
+
+
+def test_lens_models_that_say_the_same_give_the_same_camera() -> None:
+    eight = {"distortion_model": "rational_polynomial", "d": [*GOOD_INFO["d"], 0.0, 0.0, 0.0]}
+    first, second = (camera_of(Message(**{**GOOD_INFO, **v}), load_camera()) for v in ({}, eight))
+    assert np.array_equal(first.distortion, second.distortion)
+    plain = camera_of(Message(**{**GOOD_INFO, "distortion_model": "", "d": []}), load_camera())
+    assert not plain.distortion.any()
+
+
+@pytest.mark.parametrize(
+    "encoding", ["mono16", "16UC1", "bayer_rggb8", "bayer_rggb12", "yuv422", "", "32FC1"]
+)
+def test_encodings_that_are_not_read_are_named(encoding: str) -> None:
+    message = picture("mono8", np.zeros((ROWS, COLUMNS), dtype=np.uint8))
+    message.encoding = encoding
+    with pytest.raises(BadPicture, match=f"encoding '{encoding}', allowed are mono8"):
+        picture_of(message)
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "step"), [(0, 0, 0), (0, 9, 5), (4_294_967_295, 1, 4_294_967_295)]
+)
+def test_sizes_that_cannot_be_are_refused(width: int, height: int, step: int) -> None:
+    sized = Message(encoding="mono8", data=bytes(100), width=width, height=height, step=step)
+    with pytest.raises(BadPicture, match=f"{width} x {height}"):
+        picture_of(sized)
+    sized.encoding = "rgb8"
+    with pytest.raises(BadPicture, match=f"{width} x {height}"):
+        colours_of(sized)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, 0.0])
+def test_a_pose_that_is_none_is_refused(value: float) -> None:
+    place = Message(x=1.0, y=2.0, z=3.0)
+    good = Message(position=place, orientation=Message(x=0.0, y=0.0, z=0.0, w=1.0))
+    assert door_pose_of(good)[:3, 3].tolist() == [1.0, 2.0, 3.0]
+    with pytest.raises(DoorPoseError, match="quaternion"):
+        door_pose_of(Message(position=place, orientation=Message(x=0.0, y=0.0, z=0.0, w=value)))
+
+
+@pytest.mark.parametrize("document", ["", "{", "[" * 5000, "9" * 5000, "null", '{"schema": NaN}'])
+def test_a_document_that_is_none_is_refused(document: str) -> None:
+    with pytest.raises(RecipeError):
+        recipe_of(Message(document=document))
 
 
 def test_a_recipe_comes_back_from_its_document_and_is_checked() -> None:

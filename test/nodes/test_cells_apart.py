@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -22,11 +26,12 @@ from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
+from doormill_ros.nodes.attendance import ALONE
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag
-from support.cell_processes import CellProcesses, executable
+from support.cell_processes import CellProcesses, executable, free_port
 
 DOOR, OTHER_DOOR = "thesis_190_0deg", "thesis_1350_0deg"
 DOUBLED = 809
@@ -61,19 +66,97 @@ def test_cells_in_namespaces_of_their_own_share_nothing(tmp_path: Path) -> None:
         }
 
 
-@pytest.fixture(scope="module")
-def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcesses]:
+#: A goal that finds neither recipes nor a camera ends soon.
+HASTY = {f"limit.{stage}": 1.0 for stage in ("recipe", "picture", "targets", "request")}
+
+
+@contextmanager
+def first(folder: Path, parameters: dict[str, dict[str, Any]]) -> Iterator[CellProcesses]:
+    """A cell whose bridge has been alone long enough to be the first."""
     nodes = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "cell_simulator")
-    with CellProcesses(tmp_path_factory.mktemp("cell"), nodes=nodes) as running:
+    with CellProcesses(folder / "cell", parameters, nodes) as running:
+        time.sleep(ALONE + 5.0)
         yield running
 
 
-def _refusal(cell: CellProcesses) -> str:
-    result, _ = cell.mill(DOOR)
-    assert not result.success
-    assert result.error_code == DOUBLED, result.message
-    assert not list((cell.folder / "targets").glob("*"))
-    return str(result.message)
+class SecondBridge:
+    """One more process of a bridge beside a cell."""
+
+    def __init__(self, cell: CellProcesses, namespace: str, parameters: dict[str, Any]) -> None:
+        self._cell = cell
+        self._log = cell.folder / "second.log"
+        values = {"archive": cell.folder / "second_targets", **HASTY, **parameters}
+        command = [executable("abb_bridge"), "--ros-args", "-r", f"__ns:={namespace}"]
+        command += [part for name, value in values.items() for part in ("-p", f"{name}:={value}")]
+        with open(self._log, "wb") as log:
+            self._process = subprocess.Popen(command, stdout=log, stderr=log)
+
+    @property
+    def log(self) -> str:
+        return self._log.read_text(errors="replace")
+
+    def __enter__(self) -> SecondBridge:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+
+    def end(self) -> None:
+        self._process.send_signal(signal.SIGINT)
+        assert self._process.wait(LIMIT) == 0, self.log
+        assert "Traceback" not in self.log
+        assert "RCLError" not in self.log
+
+    def gives_way(self) -> None:
+        def said() -> bool:
+            assert self._process.poll() is None, self.log
+            return "gives way" in self.log
+
+        self._cell.wait(said, 120.0)
+
+
+def _diagnosed(messages: list[DiagnosticArray], name: str) -> bool:
+    """A node of that name says in diagnostics that it is one too many."""
+    values = [v for m in messages for s in m.status if s.name == name for v in s.values]
+    return any((v.key, v.value) == ("error_code", str(DOUBLED)) for v in values)
+
+
+def test_a_second_bridge_of_one_name_leaves_the_goals_to_the_first(tmp_path: Path) -> None:
+    home = tmp_path / "other_HOME"
+    home.mkdir()
+    with first(tmp_path, {}) as cell, SecondBridge(cell, "/", {"address": home}) as second:
+        heard = cell.subscribe(topics.DIAGNOSTICS)
+        second.gives_way()
+        cell.wait(lambda: _diagnosed(heard, "abb_bridge"), 60.0)
+        for door in (DOOR, OTHER_DOOR, DOOR):
+            result, _ = cell.mill(door)
+            assert result.success, result.message
+        assert not list((cell.folder / "second_targets").glob("*"))
+        second.end()
+        assert cell.mill(OTHER_DOOR)[0].success
+
+
+def test_a_second_bridge_on_one_controller_refuses_and_takes_over_from_the_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DOORMILL_CONTROLLER_USER", "Default User")
+    monkeypatch.setenv("DOORMILL_CONTROLLER_PASSWORD", "robotics")
+    port = free_port()
+    link = {"transport": "rws1", "address": f"http://127.0.0.1:{port}"}
+    served = {"controller_simulator:web_services": "rws1", "controller_simulator:web_services_port": port}
+    parameters = {"abb_bridge": link, "cell_simulator": served}
+    with first(tmp_path, parameters) as cell, SecondBridge(cell, "/cell2", link) as second:
+        second.gives_way()
+        refused, _ = cell.mill(DOOR, action="/cell2/mill_door")
+        assert refused.error_code == DOUBLED, refused.message
+        assert "another bridge" in refused.message
+        result, _ = cell.mill(DOOR)
+        assert result.success, result.message
+        cell.stop("abb_bridge", signal.SIGKILL)
+        cell.wait(lambda: cell.mill(DOOR, action="/cell2/mill_door")[0].error_code != DOUBLED)
+        second.end()
 
 
 class Bridge:

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from doormill_ros.cell.run_in_hand import NOTE, RunNote
 from support.deaths.campaign import Strike, play
-from support.deaths.oracle import Oracle
+from support.deaths.oracle import Oracle, Place, Placed
 
-FILE = b"1;2;3;\n#door oak\n#run r1\n#sum [1,2]\n"
-#: The bridge with ready high, the controller with ready high, and a stage that stands still for a while.
+FILE = b"1000;2000;3000;1;\n#door oak\n#run r1\n#sum [1,2]\n"
+#: A quarter turn about x, origin at y = 1 m: the file's target lies at (1, 3, -1) from the door.
+TURNED = Place((0.0, 1.0, 0.0), (0.5**0.5, 0.0, 0.0, 0.5**0.5))
+SEEN = {"oak": np.array([[1.0, 3.0, -1.0]]), "birch": np.array([[1.0, 3.0, -1.0]])}
+MOVED = replace(TURNED, origin=(0.0, 1.002, 0.0))
+#: The bridge with ready high and while the robot mills, the controller with ready high, a stage that stands still.
 STRIKES = [
     Strike("abb_bridge", True, "ready", 0.1, 0.0),
+    Strike("abb_bridge", True, "milling", 0.1, 0.0),
     Strike("cell_simulator", True, "ready", 0.1, 0.0),
     Strike("path_generator", False, "recipe", 0.0, 3.0),
 ]
@@ -30,6 +37,7 @@ def test_nodes_that_die_leave_a_result_and_a_cell_that_mills_again_by_itself(
     # Once before the strikes and once after each.
     assert tally.milled >= len(STRIKES) + 1
     assert tally.seen >= len(STRIKES) + 1
+    assert tally.places > 1
 
 
 def _mill(home: Path, oracle: Oracle) -> None:
@@ -53,20 +61,23 @@ def _mill(home: Path, oracle: Oracle) -> None:
 @pytest.mark.parametrize(
     ("stood", "wrong"),
     [
-        ([("oak", "r1")], False),
-        ([("birch", "r0"), ("oak", "r1")], False),
-        ([("oak", "r1"), ("birch", "r2")], True),
-        ([("oak", "r2")], True),
+        ([("oak", "r1", TURNED)], False),
+        ([("birch", "r0", MOVED), ("oak", "r1", TURNED)], False),
+        ([("oak", "r1", MOVED), ("oak", "r1", TURNED)], False),
+        ([("oak", "r1", TURNED), ("oak", "r1", MOVED)], True),
+        ([("oak", "r1", replace(TURNED, turn=(0.0, 0.0, 0.0, 1.0)))], True),
+        ([("oak", "r1", TURNED), ("birch", "r2", TURNED)], True),
+        ([("oak", "r2", TURNED)], True),
         ([], True),
     ],
 )
-def test_the_oracle_sees_a_file_of_another_door_or_run(
-    tmp_path: Path, stood: list[tuple[str, str]], wrong: bool
+def test_the_oracle_sees_a_file_of_another_door_run_or_place(
+    tmp_path: Path, stood: list[tuple[str, str, Place]], wrong: bool
 ) -> None:
     (tmp_path / "io").mkdir()
-    with Oracle(tmp_path) as oracle:
-        for number, (door_id, run_id) in enumerate(stood):
-            oracle.placed(float(number), door_id, run_id)
+    with Oracle(tmp_path, SEEN) as oracle:
+        for number, (door_id, run_id, place) in enumerate(stood):
+            oracle.placed(Placed(float(number), door_id, run_id, place))
         _mill(tmp_path, oracle)
     assert bool(oracle.faults()) is wrong
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import socket
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.abb.transports.simulated_folder import LOCK_FILE
 from doormill_ros.nodes import topics
 from doormill_ros.resources import resource
-from support.cell_processes import NODES, CellProcesses
+from support.cell_processes import NODES, CellProcesses, free_port
 
 DOOR = "thesis_190_2deg"
 
@@ -24,12 +23,6 @@ def shipped(node: str) -> dict[str, Any]:
     """Parameters of a node in the file that goes with the documented command."""
     document = yaml.safe_load(resource("config/nodes-rws1.yaml").read_text(encoding="utf-8"))
     return dict(document[f"/{node}"]["ros__parameters"])
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @pytest.mark.parametrize(("name", "scheme"), [("rws1", "http"), ("rws2", "https")])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import threading
 import time
@@ -42,6 +43,13 @@ def executable(name: str) -> str:
         if path.is_file():
             return str(path)
     raise FileNotFoundError(f"{name} is in no lib/doormill_ros of AMENT_PREFIX_PATH")
+
+
+def free_port() -> int:
+    """A port of this machine that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 class CellProcesses:
@@ -98,6 +106,7 @@ class CellProcesses:
         self._thread = threading.Thread(target=self._executor.spin, daemon=True)
         self._thread.start()
         self._action = ActionClient(self.node, MillDoor, "mill_door")
+        self._actions = {"mill_door": self._action}
         try:
             self.wait_until_up()
         except BaseException:
@@ -168,8 +177,14 @@ class CellProcesses:
         self.node.create_subscription(topic.type, topic.name, received.append, topic.requested)
         return received
 
-    def mill(self, door_id: str, limit: float = 600.0) -> tuple[MillDoor.Result, list[str]]:
+    def mill(
+        self, door_id: str, limit: float = 600.0, action: str = "mill_door"
+    ) -> tuple[MillDoor.Result, list[str]]:
         """Send the goal; the result and the stages that the feedback named."""
+        if action not in self._actions:
+            self._actions[action] = ActionClient(self.node, MillDoor, action)
+        client = self._actions[action]
+        assert client.wait_for_server(START_LIMIT)
         stages: list[str] = []
         done = threading.Event()
         answer: list[Any] = []
@@ -178,7 +193,7 @@ class CellProcesses:
             answer.append(future.result())
             done.set()
 
-        sent = self._action.send_goal_async(
+        sent = client.send_goal_async(
             MillDoor.Goal(door_id=door_id), lambda m: stages.append(m.feedback.stage)
         )
         sent.add_done_callback(lambda f: f.result().get_result_async().add_done_callback(finished))

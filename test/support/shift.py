@@ -21,8 +21,8 @@ import numpy as np
 from doormill_ros.abb import signals
 from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.errors import AbbError
-from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
+from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeTimeouts
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file
@@ -178,7 +178,9 @@ class Shift:
         cabinet = served_cabinet(self._home, self._io, lambda: self.controller)
         with RwsServer(cabinet, 1) as server:
             link = connect_rws1(server.url, Credentials("Default User", "robotics"), timeouts=_LINK)
-            self._handshake = Handshake(link, timeouts=_WAITS, check=check_handover, on_change=self._changed)
+            self._handshake = SharedHandshake(
+                link, timeouts=_WAITS, check=check_handover, on_change=self._changed
+            )
             with HandshakeLoop(self._handshake):
                 plant = threading.Thread(target=self._plant, name="plant")
                 plant.start()

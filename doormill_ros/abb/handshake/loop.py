@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 
-from doormill_ros.abb.handshake.handshake import Handshake
+from doormill_ros.abb.handshake.sharing import SharedHandshake
 
 
 class HandshakeLoop:
@@ -15,17 +15,21 @@ class HandshakeLoop:
     `Handshake.on_start` of the next process and the robot program both guard against.
     """
 
-    def __init__(self, handshake: Handshake, idle_wait: float = 0.5) -> None:
+    def __init__(self, handshake: SharedHandshake, idle_wait: float = 0.5, held: bool = False) -> None:
         """Prepare the thread.
 
         Args:
             handshake: State machine; from `start` to `stop` nobody else may step it.
             idle_wait: Longest pause between two steps [s]; transports return earlier on a change.
+            held: Touch nothing before `release`.
         """
         self.handshake = handshake
         self.failure: BaseException | None = None
         self._idle_wait = idle_wait
         self._stop = threading.Event()
+        self._released = threading.Event()
+        if not held:
+            self._released.set()
         self._thread = threading.Thread(target=self._run, name="handshake", daemon=True)
 
     def start(self) -> None:
@@ -42,6 +46,15 @@ class HandshakeLoop:
         if self._thread.is_alive():
             self._thread.join(timeout)
 
+    def hold(self) -> None:
+        """Give up the file in hand, then leave the controller to somebody else; not even `stop` clears it."""
+        self._released.clear()
+        self.handshake.wake()
+
+    def release(self) -> None:
+        """Clear the controller and go on."""
+        self._released.set()
+
     @property
     def alive(self) -> bool:
         """True while the thread steps; a programming error that ended it is in `failure`."""
@@ -55,14 +68,26 @@ class HandshakeLoop:
         self.stop()
 
     def _run(self) -> None:
+        touching = False
         try:
-            self.handshake.on_start()
             while not self._stop.is_set():
-                self.handshake.wait(self._idle_wait)
-                self.handshake.step()
+                if not self._released.is_set():
+                    if touching:
+                        self.handshake.rest("another bridge goes to the controller")
+                        touching = False
+                    self._released.wait(self._idle_wait)
+                elif not touching:
+                    touching = True
+                    self.handshake.on_start()
+                else:
+                    self.handshake.wait(self._idle_wait)
+                    self.handshake.step()
         except BaseException as error:
             self.failure = error
             raise
         finally:
             with contextlib.suppress(Exception):
-                self.handshake.close()
+                if touching:
+                    self.handshake.close()
+                else:
+                    self.handshake.leave()

@@ -29,7 +29,7 @@ from doormill_ros.abb.transport import check_file_name
 from doormill_ros.abb.transports.control_station import ControlStation
 from doormill_ros.abb.transports.rws_address import tls_context
 from doormill_ros.abb.transports.rws_controller import RwsController
-from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2, Dialect
+from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2, Dialect, whole_number
 from doormill_ros.abb.transports.rws_events import RwsEvents
 from doormill_ros.abb.transports.rws_http import LinkTimeouts, RwsHttp
 
@@ -237,9 +237,9 @@ class RwsTransport:
         response = self._http.request("GET", self._dialect.signal(self._path(name)), repeat=True)
         self._check_signal(response, name, "read")
         for item in self._dialect.items(response.content):
-            level = str(item.get("lvalue", ""))
-            if level.isascii() and level.isdecimal():
-                return int(level)
+            level = whole_number(str(item.get("lvalue", "")))
+            if level is not None:
+                return level
         raise SignalReadError(
             f"signal {name} has no whole number in the controller's answer; it must be a digital or group signal",
             signal=name,

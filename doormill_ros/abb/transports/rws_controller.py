@@ -6,7 +6,7 @@ from typing import Any
 
 from doormill_ros.abb.controller_state import AUTOMATIC, ControllerEvent, ControllerReading
 from doormill_ros.abb.link_errors import ControllerReplyError
-from doormill_ros.abb.transports.rws_dialect import Dialect
+from doormill_ros.abb.transports.rws_dialect import Dialect, whole_number
 from doormill_ros.abb.transports.rws_http import RwsHttp
 
 #: Event numbers are 16 bit.
@@ -27,12 +27,17 @@ class RwsController:
     def read(self, ask_privilege: bool = False) -> ControllerReading:
         """How the controller is now; see `ControllerWatch`."""
         mode = self._value("/rw/panel/opmode", "opmode")
-        override = self._value("/rw/panel/speedratio", "speedratio")
+        text = self._value("/rw/panel/speedratio", "speedratio")
+        override = whole_number(text)
+        if override is None:
+            raise ControllerReplyError(
+                f"the controller's speed override is {text!r}, a whole number of percent is wanted; check the version"
+            )
         return ControllerReading(
             mode,
             self._value(self._dialect.drives, "ctrlstate"),
             self._value("/rw/rapid/execution", "ctrlexecstate"),
-            float(override) / 100.0,
+            override / 100.0,
             ask_privilege and mode != AUTOMATIC and self._has_privilege(),
         )
 
@@ -54,8 +59,8 @@ class RwsController:
     def _newest(self) -> int:
         query = "lang=en" if self._dialect.version == 1 else "lang=en&order=lifo"
         entries = self._items(self._dialect.resource("/rw/elog/0", query), accept=self._dialect.log_type)
-        numbers = [int(str(entry["_title"]).rsplit("/", 1)[-1]) for entry in entries if "_title" in entry]
-        return max(numbers, default=0)
+        titles = (whole_number(str(entry.get("_title", "")).rsplit("/", 1)[-1]) for entry in entries)
+        return max((number for number in titles if number is not None), default=0)
 
     def _has_privilege(self) -> bool:
         """Ask the operator unless that is done; whether he said yes. Each look keeps the privilege alive."""
@@ -96,8 +101,7 @@ class RwsController:
 
 def _event(number: int, entry: dict[str, Any]) -> ControllerEvent:
     def whole(key: str) -> int:
-        text = str(entry.get(key, ""))
-        return int(text) if text.isdecimal() else 0
+        return whole_number(str(entry.get(key, ""))) or 0
 
     return ControllerEvent(
         number, whole("msgtype"), whole("code"), str(entry.get("title", "")), str(entry.get("desc", ""))

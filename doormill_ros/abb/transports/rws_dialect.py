@@ -12,6 +12,14 @@ from doormill_ros.abb.link_errors import ControllerReplyError
 _FORM = "application/x-www-form-urlencoded"
 
 
+LONGEST_NUMBER = 10  #: digits that the controller has for one
+
+
+def whole_number(text: str) -> int | None:
+    """The number in an answer; None for what is none, or longer than any the controller has."""
+    return int(text) if text.isascii() and text.isdecimal() and len(text) <= LONGEST_NUMBER else None
+
+
 @dataclass(frozen=True)
 class Dialect:
     """One version's spelling.
@@ -75,7 +83,7 @@ class Dialect:
             found = document["_embedded"]["_state"] if self.version == 1 else document["state"]
             if isinstance(found, list) and all(isinstance(item, dict) for item in found):
                 return found
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, RecursionError):
             pass
         raise ControllerReplyError(
             f"the controller's answer holds no list of states ({body[:80]!r}); check that version "
@@ -88,7 +96,7 @@ class Dialect:
             document = json.loads(body)
             status = document["_embedded"]["status"] if self.version == 1 else document["status"]
             return int(status["code"])
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
             return 0
 
 

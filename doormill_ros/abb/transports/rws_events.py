@@ -36,6 +36,7 @@ _EVENT = re.compile(
 _RETRY_FIRST = 0.2
 _RETRY_LAST = 10.0
 _OPEN_LIMIT = 5.0
+_LONGEST = 65_536  # characters of a message; the pattern's time grows with their square
 
 
 class RwsEvents:
@@ -118,6 +119,7 @@ class RwsEvents:
             close_timeout=1.0,
             ping_interval=None,  # the controller pings; whether it answers pings is not documented
             proxy=None,
+            max_size=_LONGEST,
             logger=_SILENT,
         ) as socket:
             self.live = True

@@ -60,7 +60,9 @@ def next_sentence(diagnosis: DoorDiagnosis) -> str:
 def _between(diagnosis: DoorDiagnosis, finding: Finding[InTime]) -> str:
     """The feature that tells a cause from the first of its doubles, or what else does."""
     problem, double = diagnosis.problem, finding.equals[0]
-    apart = (double.model.prediction.white - diagnosis.best.prediction.white)[:, 0] ** 2
+    # Where the effects alone were compared the double has no model of its own.
+    other = double.model or diagnosis.best
+    apart = (other.prediction.white - diagnosis.best.prediction.white)[:, 0] ** 2
     recipes = np.array([door.recipe for door in problem.doors])[problem.door]
     labels = np.char.add(np.char.add(problem.points.feature, " of "), recipes)
     each = {label: float(apart[labels == label].mean()) for label in np.unique(labels)}

@@ -78,7 +78,13 @@ def rmse(errors: Sequence[FloatArray], kept: Sequence[BoolArray], rotation: bool
 def figures(
     sets: Sequence[PoseSet], errors: Sequence[FloatArray], kept: Sequence[BoolArray]
 ) -> tuple[float, float | None]:
-    """Root mean square of the position error [m] and of the rotation [rad], None where no set has an orientation."""
+    """Root mean square of the position error [m] and of the rotation [rad], None where no set has an orientation.
+
+    Args:
+        sets: The series.
+        errors: Their residuals, shape (n, 6) each.
+        kept: Rows that count, shape (n,) each.
+    """
     turned = [i for i, data in enumerate(sets) if data.oriented]
     return rmse(errors, kept), (
         rmse([errors[i] for i in turned], [kept[i] for i in turned], rotation=True) if turned else None

@@ -127,28 +127,6 @@ def huber(size: FloatArray, floor: float = 0.0) -> FloatArray:
     return huber_weights(size, HUBER * scale)
 
 
-def fit_placement(
-    T_base_frames: FloatArray,
-    position: FloatArray,
-    rotation: FloatArray | None,
-    sigma: tuple[float, float],
-    start: Placement | None = None,
-) -> Placement:
-    """The placement of one series, see `place_together`.
-
-    Args:
-        T_base_frames: Modelled frames, shape (n, J + 1, 4, 4).
-        position: Measured target, shape (n, 3) [m].
-        rotation: R_tracker_target, shape (n, 3, 3), or None where not measured.
-        sigma: Expected deviation per axis, position [m] and rotation [rad].
-        start: Where to start; found from the data when None.
-
-    Raises:
-        PosePlacementError: Too few rows and no start.
-    """
-    return place_together([Seen(T_base_frames, position, rotation)], sigma, start)
-
-
 def place_together(
     parts: Sequence[Seen], sigma: tuple[float, float], start: Placement | None = None
 ) -> Placement:
@@ -166,16 +144,17 @@ def place_together(
     """
     if start is None:
         oriented = [one for one in parts if one.rotation is not None]
-        chosen = oriented if sum(len(one.position) for one in oriented) >= _ROWS else parts
-        rows, needed = sum(len(one.position) for one in chosen), rows_needed(chosen is oriented)
+        enough = len(oriented) == len(parts) or sum(len(one.position) for one in oriented) >= _ROWS
+        chosen = oriented if enough else parts
+        rows, needed = sum(len(one.position) for one in chosen), rows_needed(enough)
         if rows < needed:
             raise PosePlacementError(
                 f"{rows} rows with placement 1 are given, a set is placed by at least {needed} different "
-                f"{'poses' if chosen is oriented else 'positions'}; mark more rows"
+                f"{'poses' if enough else 'positions'}; mark more rows"
             )
         flange = np.concatenate([one.T_base_frames[:, -1] for one in chosen])
         position = np.concatenate([one.position for one in chosen])
-        if chosen is oriented:
+        if enough:
             turned = [one.rotation for one in oriented if one.rotation is not None]
             start = first_placement(flange, position, np.concatenate(turned))
         else:

@@ -134,7 +134,7 @@ def test_no_kind_of_data_has_a_way_or_a_verdict_of_its_own():
     searches = {one for one in every_subclass(Search) if one.__module__.startswith("doormill_ros.")} - {
         Search
     }
-    assert {one.__name__ for one in searches} == {"BeamSearch", "JointSearch", "PoseSearch"}
+    assert {one.__name__ for one in searches} == {"BeamSearch", "JointSearch", "LawSearch", "PoseSearch"}
     for one in searches:
         assert not {"run", "climbed", "first_earning", "prune", "swapped"} & set(vars(one)), one
     assert {one.__name__ for one in every_subclass(Judgement)} >= {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.diagnosis.pose.placement import fit_placement
+from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.frames import displacement
 from doormill_ros.measurements.errors import PosePlacementError
 from doormill_ros.robot_model.pose.chain import Placement, frames, link_transforms
@@ -25,7 +25,7 @@ def scene(invented):
 @pytest.mark.parametrize("count", [4, 8, 30])
 def test_few_rows_place_all(scene, count):
     T, position, rotation, seen = scene
-    found = fit_placement(T[:count], position[:count], rotation[:count], (1.5e-5, 6e-5))
+    found = place_together([Seen(T[:count], position[:count], rotation[:count])], (1.5e-5, 6e-5))
     predicted = found.T_tracker_base @ T[:, -1] @ found.T_flange_target
     error = np.linalg.norm(predicted[:, :3, 3] - seen[:, :3, 3], axis=1)
     assert np.sqrt(np.mean(error**2)) < 4.0e-4 / count
@@ -36,7 +36,7 @@ def test_gross_errors_among_the_rows_do_not_steer(scene):
     rows = np.arange(12)
     spoilt = position.copy()
     spoilt[4] += [0.02, 0.0, 0.01]
-    found = fit_placement(T[rows], spoilt[rows], rotation[rows], (1.5e-5, 6e-5))
+    found = place_together([Seen(T[rows], spoilt[rows], rotation[rows])], (1.5e-5, 6e-5))
     predicted = found.T_tracker_base @ T[:, -1] @ found.T_flange_target
     assert np.linalg.norm(predicted[:, :3, 3] - seen[:, :3, 3], axis=1).max() < 2e-4
 
@@ -44,4 +44,4 @@ def test_gross_errors_among_the_rows_do_not_steer(scene):
 def test_two_rows_are_too_few(scene):
     T, position, rotation, _ = scene
     with pytest.raises(PosePlacementError, match="at least 3"):
-        fit_placement(T[:2], position[:2], rotation[:2], (1.5e-5, 6e-5))
+        place_together([Seen(T[:2], position[:2], rotation[:2])], (1.5e-5, 6e-5))

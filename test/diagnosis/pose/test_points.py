@@ -9,7 +9,7 @@ from doormill_ros.diagnosis.core.kind import run as run_kind
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
 from doormill_ros.diagnosis.pose.fit import fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.kind import Poses
-from doormill_ros.diagnosis.pose.placement import fit_placement
+from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
@@ -91,6 +91,7 @@ def test_nothing_is_said_of_rotations_that_nobody_measured(diagnose, tmp_path):
 def test_sets_of_one_placement_count_as_one(diagnose):
     """Thirty rows alone place a set badly; with the placement of another they are as good as the others."""
     document = diagnose(geometry=GEOMETRY, **SHARED)
+    assert len(document["sets"]) == 2
     for entry in document["sets"]:
         assert entry["extended"]["series_out_rmse"] < 1.1 * document["noise_floor"]
 
@@ -107,7 +108,7 @@ def test_points_place_a_set_without_a_guess(tmp_path, write_arm_sets, arm):
     [folder] = write_arm_sets(tmp_path, arm(gross=[("only", 3)], noise=1e-6), 60, 8)
     data = read_pose_set(folder)
     T = frames(data.view.transforms)
-    placement = fit_placement(T, data.position, None, (1e-5, 1.0))
+    placement = place_together([Seen(T, data.position, None)], (1e-5, 1.0))
     error = np.linalg.norm(residual(T, placement, data.position, None)[:, :3], axis=1)
     assert np.delete(error, 3).max() < 1e-5
     assert error[3] > 4e-3

@@ -9,7 +9,7 @@ import yaml
 from doormill_ros.diagnosis.core.kind import run as run_kind
 from doormill_ros.diagnosis.pose.diagnosis import diagnose_poses
 from doormill_ros.diagnosis.pose.kind import Poses
-from doormill_ros.diagnosis.pose.placement import fit_placement
+from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.robot_model.errors import PoseModelError
 from doormill_ros.robot_model.pose.chain import Placement, residual
@@ -21,7 +21,7 @@ def off_after_placement(T, wanted):
     frames = np.broadcast_to(np.eye(4), (len(T), 7, 4, 4)).copy()
     frames[:, -1] = T
     here = Placement(np.eye(4), np.eye(4))
-    found = fit_placement(frames, wanted[:, :3, 3], wanted[:, :3, :3], (1e-5, 4e-5), here)
+    found = place_together([Seen(frames, wanted[:, :3, 3], wanted[:, :3, :3])], (1e-5, 4e-5), here)
     return np.linalg.norm(residual(frames, found, wanted[:, :3, 3], wanted[:, :3, :3])[:, :3], axis=1)
 
 

@@ -12,16 +12,22 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import rclpy
+from numpy.typing import NDArray
+from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
-from support.deaths.oracle import Oracle
+from doormill_ros.recording.bag_reader import read_bag
+from support.deaths.oracle import Oracle, Place, Placed, targets_of
 from support.deaths.supervisor import Supervisor
+from support.source_tree import ROOT
 
 DOORS = ("thesis_190_0deg", "thesis_1350_0deg")
 NODES = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "cell_simulator")
@@ -39,6 +45,8 @@ RESULT_LIMIT = 2.0 * sum(LIMITS.values())  # s; a run that has not ended by then
 UP_LIMIT = 300.0  # s in which the cell mills again by itself
 LONGEST_DELAY, LONGEST_STOP = 1.0, 4.0  # s
 TIME_SCALE = 40.0
+#: How far off the doors stand; each of them at a place of its own [m, m, rad].
+SCATTER = {"offset_y": 0.008, "offset_z": 0.008, "offset_rotation": 0.03}
 
 
 @dataclass(frozen=True)
@@ -77,6 +85,7 @@ class Tally:
     manual: list[str] = field(default_factory=list)
     died: int = 0
     seen: int = 0  # times the oracle saw the robot begin
+    places: int = 0  # different ones where a door stood then
 
 
 class Client:
@@ -95,6 +104,7 @@ class Client:
         ):
             self.node.create_subscription(topic.type, topic.name, callback, topic.requested)
         self._action = ActionClient(self.node, MillDoor, "mill_door")
+        self._places = self.node.create_client(SetParameters, "camera_simulator/set_parameters")
         self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._executor.spin, daemon=True)
@@ -106,7 +116,14 @@ class Client:
         self._thread.join(2.0)
 
     def _place(self, message: Any) -> None:
-        self._oracle.placed(seconds_of(message.header.stamp), message.door_id, message.run_id)
+        self._oracle.placed(placed(message))
+
+    def move(self, draw: random.Random) -> None:
+        """Let the doors that are clamped from now on stand elsewhere; nothing when nobody is there to hear it."""
+        if self._places.service_is_ready():
+            drawn = {name: draw.uniform(-1.0, 1.0) * most for name, most in SCATTER.items()}
+            parameters = [Parameter(name, value=value).to_parameter_msg() for name, value in drawn.items()]
+            self._places.call_async(SetParameters.Request(parameters=parameters))
 
     def _feedback(self, message: Any) -> None:
         self.stage = message.feedback.stage
@@ -135,6 +152,21 @@ class Client:
         return None
 
 
+def placed(message: Any) -> Placed:
+    """What a message of simulation/door_placement says."""
+    at, turn = message.pose.position, message.pose.orientation
+    place = Place((at.x, at.y, at.z), (turn.x, turn.y, turn.z, turn.w))
+    return Placed(seconds_of(message.header.stamp), message.door_id, message.run_id, place)
+
+
+def good_targets(door: str) -> NDArray[np.float64]:
+    """Where the targets of a door's recorded run lie, seen from the door (N, 3) [m]."""
+    bag = ROOT / "bags" / door
+    (file,) = (m.message.data for m in read_bag(bag, ["/abb/target_file"]))
+    (place,) = (placed(m.message).place for m in read_bag(bag, ["/simulation/door_placement"]))
+    return place.seen(targets_of(file.encode()))
+
+
 @contextmanager
 def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
     """The cell, its judge and its client."""
@@ -151,7 +183,10 @@ def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
         "controller_simulator:home": home,
         "controller_simulator:time_scale": TIME_SCALE,
     }
-    with Supervisor(folder, parameters) as supervisor, Oracle(home) as oracle:
+    with (
+        Supervisor(folder, parameters) as supervisor,
+        Oracle(home, {door: good_targets(door) for door in DOORS}) as oracle,
+    ):
         client = Client(oracle)
         try:
             yield supervisor, oracle, client
@@ -161,12 +196,13 @@ def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
 
 def play(folder: Path, strikes: list[Strike], tell: Callable[[str], None] = lambda line: None) -> Tally:
     """Play the strikes one after the other in one cell."""
-    tally, doors = Tally(), 0
+    tally, doors, draw_place = Tally(), 0, random.Random(len(strikes))
 
     def goal(client: Client, limit: float, meanwhile: Callable[[], None] = lambda: None) -> Any:
         nonlocal doors
         doors += 1
         tally.goals += 1
+        client.move(draw_place)
         return client.mill(DOORS[doors % 2], limit, meanwhile)
 
     def count(result: Any) -> None:
@@ -202,6 +238,7 @@ def play(folder: Path, strikes: list[Strike], tell: Callable[[str], None] = lamb
                 ):
                     time.sleep(0.005)
                 time.sleep(strike.delay)
+                client.move(draw_place)
                 supervisor.strike(strike.node, signal.SIGKILL if strike.kill else signal.SIGSTOP)
                 if not strike.kill:
                     time.sleep(strike.stopped)
@@ -224,6 +261,6 @@ def play(folder: Path, strikes: list[Strike], tell: Callable[[str], None] = lamb
                 f"{strike}: {came_to} after {took:.1f} s, milled again after {time.monotonic() - begun:.1f} s"
             )
         tally.wrong = oracle.faults()
-        tally.seen = len(oracle.starts)
+        tally.seen, tally.places = len(oracle.starts), oracle.places()
         tally.died = supervisor.deaths_by_themselves
     return tally

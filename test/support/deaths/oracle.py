@@ -1,16 +1,25 @@
 """Judges at the controller's folder: whose file stood under a high ready signal when the robot began to mill.
 
-Shares no code with what it judges: it reads the folder's bytes, and of the file its lines `#door` and `#run`.
+Shares no code with what it judges: it reads the folder's bytes, of the file its lines `#door` and `#run` and where its
+targets lie. Seen from the door that stands in the clamp, the targets of a good file lie where those of a file of
+that door lay that was looked at before.
 """
 
 from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 LOOK = 0.001  # s
+#: Between the targets of two good files of a door, seen from the door [m]: the pose is found to 0.1 mm, and the
+#: correction differs with the robot's posture. Doors of the campaign stand up to 8 mm and 0.03 rad apart.
+PLACE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -22,19 +31,54 @@ class Start:
 
 
 @dataclass(frozen=True)
+class Place:
+    """Where a door stands in the robot's base: origin [m], quaternion x, y, z, w."""
+
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    turn: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+
+    def seen(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points of the base (N, 3), seen from the door [m]."""
+        x, y, z, w = self.turn
+        axes = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        return (points - np.array(self.origin)) @ axes
+
+
+@dataclass(frozen=True)
 class Placed:
     """A door was clamped [s since the epoch]."""
 
     at: float
     door_id: str
     run_id: str
+    place: Place = Place()
+
+
+def targets_of(data: bytes) -> NDArray[np.float64]:
+    """Positions of a target file's targets (N, 3) [m]."""
+    lines = [line for line in data.decode("ascii", "replace").splitlines() if line and line[0] != "#"]
+    return (
+        np.array([[float(value) for value in line.split(";")[:3]] for line in lines]).reshape(-1, 3) / 1000.0
+    )
 
 
 class Oracle:
-    """Watches the signals; `placed` is told by whoever hears the placements, in any order and at any time."""
+    """Watches the signals; `placed` is told by whoever hears the placements, in any order and at any time.
 
-    def __init__(self, home: Path) -> None:
+    Args:
+        home: The controller's folder.
+        good: By door, where the targets of a good file lie, seen from the door (N, 3) [m].
+    """
+
+    def __init__(self, home: Path, good: Mapping[str, NDArray[np.float64]]) -> None:
         self._home = home
+        self._good = good
         self._placed: list[Placed] = []
         self.starts: list[Start] = []
         self._ended = threading.Event()
@@ -48,16 +92,23 @@ class Oracle:
         self._ended.set()
         self._thread.join()
 
-    def placed(self, at: float, door_id: str, run_id: str) -> None:
-        """A door stands in the clamp from a time on [s since the epoch]."""
-        self._placed.append(Placed(at, door_id, run_id))
+    def placed(self, placed: Placed) -> None:
+        """A door stands in the clamp."""
+        self._placed.append(placed)
 
     def faults(self) -> list[str]:
         """What was milled that did not stand there."""
         return [fault for fault in map(self._fault, self.starts) if fault]
 
+    def places(self) -> int:
+        """Different places at which doors stood when the robot began."""
+        return len({stood.place for stood in map(self._stood, self.starts) if stood})
+
+    def _stood(self, start: Start) -> Placed | None:
+        return max((p for p in self._placed if p.at <= start.at), key=lambda p: p.at, default=None)
+
     def _fault(self, start: Start) -> str:
-        stood = max((p for p in self._placed if p.at <= start.at), key=lambda p: p.at, default=None)
+        stood = self._stood(start)
         if not start.data:
             return f"milled without a file under a high ready; in the clamp: {stood}"
         named: dict[str, str] = {}
@@ -67,7 +118,11 @@ class Oracle:
         found = named.get("#door"), named.get("#run")
         if stood is None or found != (stood.door_id, stood.run_id):
             return f"milled {found}; in the clamp: {stood}"
-        return ""
+        seen, good = stood.place.seen(targets_of(start.data)), self._good[stood.door_id]
+        if seen.shape != good.shape:
+            return f"milled {found} by {len(seen)} targets instead of {len(good)}; in the clamp: {stood}"
+        off = float(np.linalg.norm(seen - good, axis=1).max())
+        return f"milled {found} {1000.0 * off:.2f} mm off; in the clamp: {stood}" if off > PLACE else ""
 
     def _read(self, path: Path) -> bytes:
         try:

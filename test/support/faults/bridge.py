@@ -14,8 +14,8 @@ from typing import Any
 
 from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.errors import AbbError
-from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.loop import HandshakeLoop
+from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeTimeouts
 from doormill_ros.abb.link_errors import LinkError, UploadError
 from doormill_ros.abb.signals import ORDER_FILE, READY, READY_NUMBER, REQUEST_FILE
@@ -130,7 +130,7 @@ class Bridge:
             self._step_the_wall_clock()
         transport = Meddler(open_link(world, scenario, link), world, scenario, self.armed)
         check = None if scenario.sabotage == "verify" else check_handover
-        self.handshake = Handshake(transport, timeouts=_LIMITS, check=check, on_change=self._changed)
+        self.handshake = SharedHandshake(transport, timeouts=_LIMITS, check=check, on_change=self._changed)
         sabotage(self.handshake, scenario.sabotage)
         self.runs = 0
         self.old: tuple[int, str, int] | None = None
@@ -232,7 +232,7 @@ def open_link(world: World, scenario: Scenario, link: dict[str, str]) -> Transpo
             time.sleep(0.05)
 
 
-def sabotage(handshake: Handshake, part: str) -> None:
+def sabotage(handshake: SharedHandshake, part: str) -> None:
     """Leave a part of the handshake out, for the test that the judge can see."""
     if part == "verify":
         handshake._access.verify = lambda submission: None

@@ -22,9 +22,9 @@ from types import FrameType
 
 from doormill_ros.errors import DoormillError
 from support.hostile.mutations import mutated
-from support.hostile.readers import Subject
+from support.hostile.subject import Subject
 
-TIME = 10  #: of one reading [s]
+TIME = 10.0  #: of a processor for one reading [s]; a clock on the wall would judge the machine's load
 MEMORY = 500 * 1024 * 1024  #: of one reading, beside what the process holds before [bytes]
 
 
@@ -56,7 +56,7 @@ def _inventory(folder: Path) -> Mapping[Path, int]:
 def _answer(subject: Subject, folder: Path) -> tuple[str, str]:
     """What the reader says to the file that now stands in the folder: kind of answer and sentence."""
     before = _inventory(folder)
-    signal.alarm(TIME)
+    signal.setitimer(signal.ITIMER_PROF, TIME)
     try:
         subject.read(folder / subject.file)
         kind, text = "read", ""
@@ -72,7 +72,7 @@ def _answer(subject: Subject, folder: Path) -> tuple[str, str]:
     except BaseException as error:  # whatever a reader lets through is what is looked for
         kind, text = type(error).__name__, f"{error!s:.200} {_place(traceback.format_exc())}"
     finally:
-        signal.alarm(0)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
     if _inventory(folder) != before:
         kind = "changed files"
     return kind, text
@@ -84,7 +84,7 @@ def _place(trace: str) -> str:
 
 
 def _run(subject: Subject, seeds: range, pipe: Connection) -> None:
-    signal.signal(signal.SIGALRM, _ring)
+    signal.signal(signal.SIGPROF, _ring)
     held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
     good = (subject.folder / subject.file).read_bytes()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
@@ -25,6 +24,7 @@ from doormill_ros.localization.sensors.touch_probe import load_touch_probe
 from doormill_ros.localization.settings import load_settings as load_localizer_settings
 from doormill_ros.measurements.inspection import read_inspection
 from doormill_ros.measurements.measurement_set import COLUMNS, read_measurement_set
+from doormill_ros.measurements.motion_set import read_motion_set
 from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
 from doormill_ros.recipes.documents import load_recipe, to_json
@@ -42,38 +42,13 @@ from doormill_ros.robot_model.extended_model import SizedCause, load_compliance_
 from doormill_ros.simulation.controller.io_configuration import read_io_configuration
 from doormill_ros.simulation.robot_cell import load_effects
 from doormill_ros.toolpath.settings import load_settings
+from support.hostile.subject import Read, Subject, text_folder
+from support.hostile.wire import controller_answers
 from support.source_tree import ROOT
-
-Read = Callable[[Path], object]
-
-
-@dataclass(frozen=True)
-class Subject:
-    """One kind of input.
-
-    Attributes:
-        name: For the table.
-        folder: Holds the good input, and whatever stands beside it.
-        file: The one in it that is made bad.
-        read: Takes the path of that file.
-        named: Whether the reader knows the file's name, and so has to say it.
-    """
-
-    name: str
-    folder: Path
-    file: str
-    read: Read
-    named: bool = True
 
 
 def _of_folder(read: Callable[[Path], object]) -> Read:
     return lambda path: read(path.parent)
-
-
-def _text(folder: Path, name: str, text: str | bytes) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / name).write_bytes(text.encode() if isinstance(text, str) else text)
-    return folder
 
 
 def _copied(folder: Path, *sources: Path) -> Path:
@@ -137,22 +112,30 @@ def subjects(folder: Path) -> Iterator[Subject]:
         load_recipe,
     )
     yield Subject(
-        "recipe.json", _text(folder / "json", "door.json", to_json(recipe)), "door.json", load_recipe
+        "recipe.json", text_folder(folder / "json", "door.json", to_json(recipe)), "door.json", load_recipe
     )
     yield Subject(
-        "recipes.csv", _text(folder / "csv", "doors.csv", format_csv([recipe])), "doors.csv", read_file
+        "recipes.csv", text_folder(folder / "csv", "doors.csv", format_csv([recipe])), "doors.csv", read_file
     )
     xlsx = folder / "xlsx"
     xlsx.mkdir(parents=True)
     (xlsx / "doors.xlsx").write_bytes(format_xlsx([recipe]))
     yield Subject("recipes.xlsx", xlsx, "doors.xlsx", read_file)
     text = format_thesis_text(load_recipe("thesis_190_0deg"))
-    yield Subject("thesis text", _text(folder / "thesis", "door.txt", text), "door.txt", read_file)
+    yield Subject("thesis text", text_folder(folder / "thesis", "door.txt", text), "door.txt", read_file)
 
-    loading = _text(folder / "loading", "set.yaml", LOADING_SET)
-    _text(loading, "trials.csv", LOADING_ROWS)
+    loading = text_folder(folder / "loading", "set.yaml", LOADING_SET)
+    text_folder(loading, "trials.csv", LOADING_ROWS)
     yield Subject("loading set.yaml", loading, "set.yaml", _of_folder(read_measurement_set))
     yield Subject("loading trials.csv", loading, "trials.csv", _of_folder(read_measurement_set))
+    motion = folder / "motion"
+    motion.mkdir()
+    source = ROOT / "test/data/kr300/A"
+    shutil.copy(source / "set.yaml", motion)
+    rows = (source / "samples.csv").read_bytes().split(b"\n")[:400]
+    (motion / "samples.csv").write_bytes(b"\n".join(rows) + b"\n")
+    yield Subject("motion set.yaml", motion, "set.yaml", _of_folder(read_motion_set))
+    yield Subject("motion samples.csv", motion, "samples.csv", _of_folder(read_motion_set))
     poses = folder / "poses"
     poses.mkdir()
     source = ROOT / "test/data/ur10/grid"
@@ -161,13 +144,15 @@ def subjects(folder: Path) -> Iterator[Subject]:
     (poses / "poses.csv").write_bytes(b"\n".join(rows) + b"\n")
     yield Subject("pose set.yaml", poses, "set.yaml", _of_folder(read_pose_set))
     yield Subject("poses.csv", poses, "poses.csv", _of_folder(read_pose_set))
-    door = _text(folder / "inspection", "inspection.yaml", INSPECTION)
-    _text(door, "points.csv", POINTS)
+    door = text_folder(folder / "inspection", "inspection.yaml", INSPECTION)
+    text_folder(door, "points.csv", POINTS)
     shutil.copytree(ROOT / "bags/unreachable", door / "bag")
     yield Subject("inspection.yaml", door, "inspection.yaml", _of_folder(read_inspection))
     yield Subject("points.csv", door, "points.csv", _of_folder(read_inspection))
-    yield Subject("tracker file", _text(folder / "tracker", "a.csv", TRACKER), "a.csv", read_tracker_file)
-    yield Subject("force log", _text(folder / "force", "a.csv", FORCES), "a.csv", read_force_log)
+    yield Subject(
+        "tracker file", text_folder(folder / "tracker", "a.csv", TRACKER), "a.csv", read_tracker_file
+    )
+    yield Subject("force log", text_folder(folder / "force", "a.csv", FORCES), "a.csv", read_force_log)
 
     layout = load_layout()
     yield Subject("cell.yaml", _copied(folder / "cell", config / "cell.yaml"), "cell.yaml", load_layout)
@@ -199,7 +184,7 @@ def subjects(folder: Path) -> Iterator[Subject]:
     document = model_document("irb6600_175_255", stiffness, [spring, play], "test")
     yield Subject(
         "model.yaml",
-        _text(folder / "model", "model.yaml", yaml.safe_dump(document)),
+        text_folder(folder / "model", "model.yaml", yaml.safe_dump(document)),
         "model.yaml",
         load_compliance_model,
     )
@@ -214,14 +199,16 @@ def subjects(folder: Path) -> Iterator[Subject]:
         yield Subject(
             f"{name}.yaml", _copied(folder / name, config / f"sensors/{name}.yaml"), f"{name}.yaml", load
         )
-    yield Subject("effects", _text(folder / "effects", "effects.yaml", EFFECTS), "effects.yaml", load_effects)
+    yield Subject(
+        "effects", text_folder(folder / "effects", "effects.yaml", EFFECTS), "effects.yaml", load_effects
+    )
     yield Subject(
         "EIO.cfg", _copied(folder / "eio", ROOT / "rapid/EIO.cfg"), "EIO.cfg", read_io_configuration
     )
     distances = "distances_mm:\n  - [100.1, 200.2, 300.3, 100.1, 200.2, 300.3]\n"
     yield Subject(
         "readings",
-        _text(folder / "readings", "r.yaml", distances),
+        text_folder(folder / "readings", "r.yaml", distances),
         "r.yaml",
         lambda path: read_readings(path, "distances"),
     )
@@ -244,6 +231,7 @@ def subjects(folder: Path) -> Iterator[Subject]:
     for what, read in (("messages", _messages), ("runs", read_runs), ("expectation", read_expectation)):
         yield Subject(f"bag {what}", bag, mcap, _of_folder(read))
         yield Subject(f"metadata.yaml {what}", bag, "metadata.yaml", _of_folder(read))
+    yield from controller_answers(folder)
 
 
 def _robot(path: Path) -> object:

@@ -1,0 +1,28 @@
+"""A handshake that leaves the controller to another bridge for a while, or for good."""
+
+from __future__ import annotations
+
+from doormill_ros.abb import link_errors
+from doormill_ros.abb.handshake.handshake import Handshake
+from doormill_ros.abb.handshake.state import HandshakeState as State
+
+
+class SharedHandshake(Handshake):
+    """`rest` and `leave` come from the stepping thread, `wake` from any."""
+
+    def wake(self) -> None:
+        """End a `wait`; from any thread."""
+        self._transport.wake()
+
+    def rest(self, reason: str) -> None:
+        """Give up the file in hand and take no notice of the controller any more until `on_start`."""
+        if self._snapshot.state is State.READY:
+            self._fail(link_errors.RunAbortedError(reason))
+        if self._snapshot.state is State.MILLING:
+            self._runs.end_milling(self._snapshot.run_id, False, reason)
+        self._drop_submission(link_errors.RunAbortedError(reason))
+        self._enter(State.IDLE, reason, 0, request=False)
+
+    def leave(self) -> None:
+        """Close the transport and leave the controller as it is: another one's file may stand there."""
+        self._transport.close()

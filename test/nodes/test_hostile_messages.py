@@ -1,0 +1,235 @@
+"""Messages as nobody means them, on every topic that a node listens to: an answer or a diagnostic, and it goes on."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.clock import ClockType
+from rclpy.context import Context
+from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
+
+from doormill_interfaces.msg import DoorLocalization
+from doormill_ros.localization.errors import BadCameraInfo, BadDoorFace, BadPicture, StalePicture
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.abb_bridge import AbbBridge
+from doormill_ros.nodes.camera_simulator import CameraSimulator
+from doormill_ros.nodes.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.door_localizer import DoorLocalizer
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.operator_page import OperatorPage
+from doormill_ros.nodes.path_generator import PathGenerator
+from doormill_ros.recording.bag_reader import read_bag
+from support.cell_processes import NODES, CellProcesses
+from support.hostile.messages import hostile
+from support.source_tree import ROOT
+
+DOOR = "thesis_190_0deg"
+LISTENERS = (DoorLocalizer, PathGenerator, AbbBridge, CameraSimulator, ControllerSimulator, OperatorPage)
+RUNS = 12
+
+
+@pytest.fixture(scope="module")
+def recorded() -> dict[str, bytes]:
+    """The last message of each topic of a good run, serialized."""
+    return {message.topic: message.data for message in read_bag(ROOT / "bags" / DOOR)}
+
+
+@pytest.fixture
+def context() -> Iterator[Context]:
+    context = Context()
+    rclpy.init(context=context)
+    yield context
+    rclpy.shutdown(context=context)
+
+
+def up(kind: type[ManagedNode], context: Context, **values: Any) -> Any:
+    """An active node that nobody spins: the test calls its callbacks."""
+    overrides = [Parameter(name, value=value) for name, value in values.items()]
+    node = kind(context=context, parameter_overrides=overrides)
+    node.trigger_configure()
+    node.trigger_activate()
+    assert node.active
+    return node
+
+
+def values_of(kind: type[ManagedNode], folder: Path) -> dict[str, Any]:
+    (folder / "HOME").mkdir()
+    return {
+        AbbBridge: {"address": str(folder / "HOME"), "archive": str(folder / "targets")},
+        ControllerSimulator: {"home": str(folder / "HOME")},
+        OperatorPage: {"port": 0, "history": str(folder / "history")},
+        DoorLocalizer: {"check_age": False},
+    }.get(kind, {})
+
+
+@pytest.mark.parametrize("kind", LISTENERS)
+def test_no_message_meets_a_node_unexpectedly(
+    kind: type[ManagedNode], recorded: dict[str, bytes], context: Context, tmp_path: Path
+) -> None:
+    node = up(kind, context, **values_of(kind, tmp_path))
+    said: list[str] = []
+    node.report = lambda level, message, **values: said.append(message)
+    taps = [tap for tap in node.subscriptions if tap.topic_name in recorded]
+    assert taps
+    for run in range(RUNS):
+        draw = random.Random(run)
+        for tap in taps:
+            good = deserialize_message(recorded[tap.topic_name], tap.msg_type)
+            for message in (good, hostile(good, draw)):
+                tap.callback(message)
+    assert [message for message in said if "unexpected" in message] == []
+    node.close()
+    node.destroy_node()
+
+
+class Answers(list[Any]):
+    """Takes the place of a publisher."""
+
+    publish = list.append
+
+
+class Localizer:
+    """A localizer with the recipe and the messages of a recorded run."""
+
+    def __init__(self, recorded: dict[str, bytes], context: Context) -> None:
+        self.node = up(DoorLocalizer, context, check_age=False)
+        self.node._localization = self.answers = Answers()
+        self.good = {
+            topic.name: deserialize_message(recorded[f"/{topic.name}"], topic.type)
+            for topic in (topics.DOOR_RECIPE, topics.CAMERA_INFO, topics.IMAGE)
+        }
+        self.send(topics.DOOR_RECIPE)
+
+    def send(self, topic: topics.Topic, **changes: Any) -> None:
+        message = deserialize_message(
+            rclpy.serialization.serialize_message(self.good[topic.name]), topic.type
+        )
+        for name, value in changes.items():
+            setattr(message, name, value)
+        (tap,) = (t for t in self.node.subscriptions if t.topic_name == f"/{topic.name}")
+        tap.callback(message)
+
+    def answer(self) -> DoorLocalization:
+        before = len(self.answers)
+        self.send(topics.IMAGE)
+        assert len(self.answers) == before + 1
+        return self.answers[-1]
+
+
+@pytest.fixture
+def localizer(recorded: dict[str, bytes], context: Context) -> Iterator[Localizer]:
+    localizer = Localizer(recorded, context)
+    yield localizer
+    localizer.node.close()
+    localizer.node.destroy_node()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"k": [0.0] * 9},
+        {"k": [float("nan")] * 9},
+        {"width": 0},
+        {"width": 4_294_967_295, "height": 4_294_967_295},
+        {"distortion_model": "equidistant"},
+        {"distortion_model": "fisheye", "d": [0.0] * 4},
+        {"d": [float("nan")] * 5},
+    ],
+    ids=lambda changes: " ".join(changes),
+)
+def test_after_a_camera_info_of_no_use_the_one_before_does_not_go_on(
+    localizer: Localizer, changes: dict[str, Any]
+) -> None:
+    localizer.send(topics.CAMERA_INFO)
+    assert localizer.answer().accepted
+    for _ in range(2):
+        localizer.send(topics.CAMERA_INFO, **changes)
+        refused = localizer.answer()
+        assert (refused.accepted, refused.error_code) == (False, BadCameraInfo.code)
+        assert refused.run_id
+        assert "camera info" in localizer.node._health[1]
+    localizer.send(topics.CAMERA_INFO)
+    assert localizer.answer().accepted
+
+
+def test_pictures_and_doors_of_no_use_are_answered_under_the_run(localizer: Localizer) -> None:
+    localizer.send(topics.CAMERA_INFO)
+    run_id = localizer.answer().run_id
+    for changes in (
+        {"encoding": "mono16"},
+        {"encoding": "bayer_rggb8"},
+        {"data": []},
+        {"width": 0, "step": 0},
+    ):
+        localizer.send(topics.IMAGE, **changes)
+        refused = localizer.answers[-1]
+        assert (refused.run_id, refused.error_code) == (run_id, BadPicture.code), changes
+    for width in (0.0, -1.0, float("nan"), float("inf"), 1e9):
+        localizer.send(topics.DOOR_RECIPE, width=width)
+        assert localizer.answer().error_code == BadDoorFace.code
+    localizer.send(topics.DOOR_RECIPE)
+    assert localizer.answer().accepted
+
+
+@pytest.mark.parametrize(("sec", "says"), [(-5, "old"), (0, "old"), (2_147_483_647, "future")])
+def test_stamps_of_another_age_are_answered(localizer: Localizer, sec: int, says: str) -> None:
+    localizer.send(topics.CAMERA_INFO)
+    localizer.node.set_parameters([Parameter("check_age", value=True)])
+    localizer.good[topics.IMAGE.name].header.stamp.sec = sec
+    refused = localizer.answer()
+    assert refused.error_code == StalePicture.code
+    assert says in refused.reason
+
+
+def test_a_fault_that_nobody_thought_of_is_an_answer(
+    localizer: Localizer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("by nothing")
+
+    localizer.send(topics.CAMERA_INFO)
+    monkeypatch.setattr("doormill_ros.nodes.door_localizer.look", fail)
+    refused = localizer.answer()
+    assert not refused.accepted
+    assert refused.error_code > 0
+    assert "ZeroDivisionError: by nothing" in refused.reason
+
+
+@pytest.mark.parametrize("kind", LISTENERS)
+def test_no_timer_stands_still_when_the_wall_clock_is_set_back(
+    kind: type[ManagedNode], context: Context, tmp_path: Path
+) -> None:
+    node = up(kind, context, **values_of(kind, tmp_path))
+    node.later("something", lambda: None)
+    kinds = {timer.clock.clock_type for timer in node.timers}
+    assert kinds == {ClockType.STEADY_TIME}
+    node.close()
+    node.destroy_node()
+
+
+def test_a_cell_mills_after_a_storm_of_messages(tmp_path: Path, recorded: dict[str, bytes]) -> None:
+    draw = random.Random(19)
+    listened = [topic for topic in topics.ALL if f"/{topic.name}" in recorded]
+    with CellProcesses(tmp_path, nodes=NODES[1:]) as cell:
+        assert cell.mill(DOOR)[0].success
+        storm = [
+            (topic, cell.node.create_publisher(topic.type, topic.name, topic.offered)) for topic in listened
+        ]
+        for _ in range(4):
+            for topic, publisher in storm:
+                good = deserialize_message(recorded[f"/{topic.name}"], topic.type)
+                publisher.publish(hostile(good, draw))
+        for _, publisher in storm:  # what they latched is gone with them
+            cell.node.destroy_publisher(publisher)
+        results = [cell.mill(door)[0] for door in (DOOR, "thesis_1350_0deg", DOOR)]
+        assert results[-1].success, [result.message for result in results]
+        assert all(result.success or (result.error_code and result.message) for result in results)
+        assert {name: "Traceback" in cell.log(name) for name in cell.processes} == dict.fromkeys(
+            cell.processes, False
+        )
