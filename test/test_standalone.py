@@ -37,6 +37,7 @@ MEANT = {
     "test/diagnosis/parts/test_run.py": ["string '../bag'"],
     "test/robot_model/pose/test_link_masses.py": ["string '../robots/ur10'"],
     "test/support/hostile/mutations.py": ["string '../../../etc/passwd'"],
+    "test/support/hostile/messages.py": ["string '../../../etc/passwd'"],
     "test/abb/test_transport_rws.py": ["string '../x'"],
     "test/recipes/test_bad_recipes.py": ["string '../etc/passwd'"],
     "test/simulation/controller/test_rapid_library.py": [
