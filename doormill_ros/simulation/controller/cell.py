@@ -64,7 +64,7 @@ class SimulatedCell:
             )
         if "rapid" not in signal.access.writers:
             # Who may write is what an access level says, RAPID being one of them: EIO_ACCESS of public backups
-            # (github.com SDEBEUL/Kraker1, panin-anan/abb_SAMXL_Grinding). No ERROR clause takes it [M].
+            # (github.com SDEBEUL/Kraker1, panin-anan/abb_SAMXL_Grinding). No ERROR clause takes it [?].
             raise RapidStop(
                 f"signal {name} has access level {signal.access.name}, which RAPID may not write: configure "
                 "another one"

@@ -1,7 +1,7 @@
 """How an arm comes to rest when its drives lose their power.
 
 Until the brakes hold the axes go on as they went; then each brake stops its axis alone, so that the tool leaves its
-path (stop category 0: "uncontrolled", ABB 3HAC021313, 1.2.5.2). The times are the limits' [M].
+path (stop category 0: "uncontrolled", ABB 3HAC021313, 1.2.5.2). The times are the limits' [?].
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.limits import ControllerLimits
 
-#: Share of `brake_ramp` that each axis needs: no two brakes are alike [M].
+#: Share of `brake_ramp` that each axis needs: no two brakes are alike [?].
 SHARES = np.array([1.0, 1.25, 1.1, 0.8, 0.9, 0.75])
 #: Time between samples [s].
 STEP = 0.005

@@ -2,7 +2,7 @@
 
 The form, `CAB_EXEC_HOOKS:` with `-Routine`, `-Shelf` and `-Task`, is that of public backups and of programs that
 read them (github.com, "BackupFindEventRoutines" in RobotWare backup checkers). That a routine which is missing,
-a function, or has parameters is refused, and that an event takes twenty routines, is [M].
+a function, or has parameters is refused, and that an event takes twenty routines, is [?].
 """
 
 from __future__ import annotations

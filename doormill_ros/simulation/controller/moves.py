@@ -24,7 +24,7 @@ UNIT_WARNING, UNIT_ERROR = 1e-5, 0.1
 #: How far outside its quarter an axis may end before its configuration counts as another [rad].
 BORDER = 1e-3
 #: Events: close to singularity (industrialmonitordirect.com), too many closely spaced positions
-#: (ros-industrial/abb#185), configuration [M].
+#: (ros-industrial/abb#185), configuration [?].
 SINGULARITY, CLOSELY_SPACED, CONFIGURATION = 50026, 50078, 50080
 #: Poses at which a Cartesian motion is tried out before it starts.
 TRIALS = 41

@@ -27,7 +27,7 @@ from doormill_ros.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
 #: Time that one RAPID statement takes [s]; the order of magnitude of a present controller.
 STATEMENT_TIME = 20e-6
-#: Farther from the path than this the robot does not go on with it [m]; the value is an assumption [M].
+#: Farther from the path than this the robot does not go on with it [m]; the value is an assumption [?].
 PATH_DISTANCE = 0.01
 #: Time of statements that is gathered before it passes [s].
 LARGEST_DEBT = 0.002

@@ -280,20 +280,39 @@ def test_event_routines_come_at_their_events(make, order, lines):
     assert robot.pendant_lines == lines
 
 
-def test_a_trap_that_was_due_at_a_stop_runs_after_the_event_routines(make):
-    """In one of them its ExitCycle would end that routine alone, and the program would go on."""
-    traps = """VAR intnum watched;
+@pytest.mark.parametrize(
+    ("when", "lines"),
+    [
+        # The event came and its trap is still to come: the stop forgets it.
+        ("before", ["Restarted", "over", "there"]),
+        # It came while the program stood.
+        ("standing", ["Restarted", "over", "there"]),
+        # The event routine of the start itself: after it, for in it ExitCycle would end that routine alone.
+        ("restart", ["Restarted", "over", "trap"]),
+    ],
+)
+def test_a_stop_forgets_interrupts_and_what_a_restart_does_comes_after_it(make, when, lines):
+    """RAPID overview, 3HAC050947-001, Interrupts: a stop empties the queue."""
+    traps = f"""VAR intnum watched;
 TRAP OnSpindle TPWrite "trap"; StopMove; ClearPath; StartMove; ExitCycle; ENDTRAP
 PROC Watch() IF kept=1 THEN CONNECT watched WITH OnSpindle; ISignalDO doWanted,1,watched; ENDIF ENDPROC
-PROC Restarted() TPWrite "Restarted"; WaitTime 0.5; TPWrite "over"; ENDPROC"""
+PROC Restarted() TPWrite "Restarted"; {"SetDO doWanted,1;" if when == "restart" else ""}
+WaitTime 0.5; TPWrite "over"; ENDPROC"""
     body = BODY.replace("kept:=kept+1;", "IF kept=2 THEN EXIT; ENDIF Watch; kept:=2;")
-    robot = make(body, operator=start, rest=traps)
+
+    def operator(robot):
+        if when == "standing":
+            robot.cell.write("doWanted", 1.0, 3.1)
+        start(robot)
+
+    robot = make(body, operator=operator, rest=traps)
     robot.execution.event_routines = {"RESTART": ("Restarted",)}
-    robot.panel.at(3.0, lambda: robot.cell.write("doWanted", 1.0, 3.0))
-    robot.panel.at(3.05, robot.panel.stop)  # the event came, its trap is still to come
+    if when == "before":
+        robot.panel.at(3.0, lambda: robot.cell.write("doWanted", 1.0, 3.0))
+    robot.panel.at(3.05, robot.panel.stop)
     robot.execution.keeps_on = False
     robot.run(cycles=2)
-    assert robot.pendant_lines == ["Restarted", "over", "trap"]
+    assert robot.pendant_lines == lines
 
 
 def test_an_event_routine_neither_moves_the_robot_nor_takes_its_time(make):

@@ -3,7 +3,7 @@
 The program pointer stays where the program was stopped, with all VAR and motions; a start goes on from there after
 the robot is back on its path. Only "PP to main" gives the pointer up.
 
-Event routines, by the names of the system parameter Event Routine; when each is called is [M]:
+Event routines, by the names of the system parameter Event Routine; when each is called is in parts seen, docs/rapid.md:
 
 - START: a start with the pointer at main. RESTART: a start from where the program stood, before the way back to
   the path and before any motion.
@@ -219,7 +219,7 @@ class Execution:
         """Wait for a start, bring the robot back to its path and let it go on."""
         self._stand(at_main=False)
         self._panel.started()
-        self._task.program.context.interrupts.poll(keep=False)
+        self._task.program.context.interrupts.discard()
         self._event("RESTART")
         self._check()
         while self._engine.regain():
@@ -300,7 +300,7 @@ class Execution:
         saved = context.file, context.line, context.depth, list(context.devices)
         context.devices.clear()
         self.in_event, self._clock.attended = True, False
-        # A trap that was due at the stop would run here, and its ExitCycle end this routine alone.
+        # A trap of what this routine does would run here, and its ExitCycle end this routine alone.
         context.interrupts.held_back = True
         self._deadline = None if name == "START" else self._clock.now() + self._limits.event_routine_time
         try:

@@ -1,7 +1,7 @@
 """What outputs do when the controller loses its power and when it is back.
 
 Without power every output is low. A controller that is back gives an output of `-SafeLevel "SafetySafeLevel"` its
-default value, and any other one the value it had, as `DefaultSafeLevel` does [M]: the stricter of two readings, for
+default value, and any other one the value it had, as `DefaultSafeLevel` does [?]: the stricter of two readings, for
 a public page (industrialmonitordirect.com, "Configuring ABB IRC5 DO signal safe level") has all of them at default.
 """
 

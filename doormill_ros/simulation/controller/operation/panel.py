@@ -6,10 +6,11 @@ Rules and their sources:
   delivered (ABB Product manual IRB 2600, 3HAC035504, 1.2.5.1; IRC5 with FlexPendant, 3HAC021313, 1.2.5.2).
 - Guard stop (automatic stop): category 1 as delivered, seen in automatic mode alone, ends when the circuit closes;
   the motors have to be switched on again (3HAC021313, 1.2.5.3).
-- The program pointer is moved while the program stands [M]; a change of mode stops the program [M].
+- The program pointer is moved while the program stands [?]; a change of mode stops the program and
+  switches the motors off (seen on a GoFa, docs/rapid.md).
 - Override is 0 to 100 per cent (Robot Web Services, `/rw/panel/speedratio`).
 
-[M] marks what is common knowledge of the manuals and was not found in a public source.
+[?] marks what was seen in no public source; docs/rapid.md names its manual.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from doormill_ros.simulation.controller.rapid.errors import OrderRefusedError
 #: Event numbers as controllers log them (public list of 3 million entries, SDEBEUL/GADATA, ABB.sp_Housekeeping).
 PROGRAM_STOPPED, PROGRAM_RESTARTED, MOTORS_OFF, MOTORS_ON, GUARD_STOP = 10005, 10008, 10010, 10011, 10012
 REGAIN_START, REGAIN_READY = 10052, 10053
-#: [M]: emergency stop, manual, automatic, program pointer reset.
+#: [?]: emergency stop, manual, automatic, program pointer reset.
 EMERGENCY_STOP, MANUAL, AUTOMATIC, POINTER_RESET = 10013, 10015, 10017, 10002
 
 
@@ -193,7 +194,7 @@ class ControlPanel:
             self._log("information", "Motors ON state", "ordered", MOTORS_ON)
 
     def set_mode(self, mode: OperatingMode) -> None:
-        """Turn the mode switch; a change stops the program and switches the motors off [M]."""
+        """Turn the mode switch; a change stops the program and switches the motors off [?]."""
         with self._lock:
             if mode is self._mode:
                 return

@@ -18,7 +18,8 @@ RETURN, RETRY, TRYNEXT, RERAISE = "RETURN", "RETRY", "TRYNEXT", "RERAISE"
 RETRY_LIMIT = 4
 #: Numbers that a program may raise (pages 110 and 386); BookErrNo gives numbers among them.
 OWN_RAISES = range(1, 91)
-#: Number of the event that an ERROR clause leaves behind, unless it calls SkipWarn [M].
+#: Number of the event that an ERROR clause leaves behind, unless it calls SkipWarn
+#: (3HAC050917-001, SkipWarn; the number was not seen).
 ERROR_TAKEN = 40000
 
 

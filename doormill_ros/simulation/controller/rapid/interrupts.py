@@ -1,7 +1,7 @@
 """Interrupts of a RAPID program: what is connected, what was ordered, the queue, and running traps.
 
-Sources are pages of "RAPID Reference Manual, Basic Characteristics", yumpu.com 5679047, unless they
-are marked [M].
+Sources are pages of "RAPID Reference Manual, Basic Characteristics", yumpu.com 5679047; [?] marks what was not
+seen, docs/rapid.md names its manual.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidSto
 from doormill_ros.simulation.controller.rapid.machine import Machine
 from doormill_ros.simulation.controller.rapid.scope import Reference, RoutineInfo
 
-#: Interrupts that may be connected at a time [M]; older manuals say 70, the technical data of later ones 100.
+#: Interrupts that may be connected at a time [?]; the RAPID overview has 100, the stricter is taken.
 LARGEST_NUMBER = 70
 #: Time between an event and its trap: of 5 to 120 ms (page 111) the longest while the robot is moved
 #: by the instruction that is executed, the shortest otherwise [s].
@@ -98,7 +98,7 @@ class Interrupts:
 
         Raises:
             RapidFault: ERR_UNKINO for a number that is not connected.
-            RapidStop: It is ordered already: delete it first [M].
+            RapidStop: It is ordered already: delete it first [?].
         """
         interrupt = self._find(what, number)
         if interrupt.occurred is not None:
@@ -108,7 +108,7 @@ class Interrupts:
         interrupt.occurred, interrupt.single, interrupt.asleep = occurred, single, False
 
     def delete(self, number: float) -> None:
-        """IDelete: cancel the order and the connection; a number that is not connected is none's loss [M]."""
+        """IDelete: cancel the order and the connection; a number that is not connected is none's loss [?]."""
         interrupt = self._connected.pop(int(number), None)
         self.queue[:] = [item for item in self.queue if item[0] is not interrupt]
 
@@ -137,10 +137,21 @@ class Interrupts:
         """Whether an event may occur or a trap is waiting."""
         return bool(self.queue) or any(i.occurred is not None for i in self._connected.values())
 
-    def poll(self, keep: bool = True) -> None:
-        """Look whether events have occurred; without `keep` they are disregarded, as at a stop (page 111)."""
+    def discard(self) -> None:
+        r"""Forget what waits for its trap and what occurs until now, as a program that stands does.
+
+        RAPID overview, 3HAC050947-001, Interrupts: a stop empties the queue, what occurs meanwhile is not dealt with.
+        Of `\SingleSafe` too, the harsher reading.
+        """
+        for interrupt in self._connected.values():
+            if interrupt.occurred is not None:
+                interrupt.occurred()
+        self.queue.clear()
+
+    def poll(self) -> None:
+        """Look whether events have occurred."""
         for interrupt in list(self._connected.values()):
-            if interrupt.occurred is None or not interrupt.occurred() or interrupt.asleep or not keep:
+            if interrupt.occurred is None or not interrupt.occurred() or interrupt.asleep:
                 continue
             delay = DELAY_MOVING if self.in_motion else DELAY
             self.queue.append((interrupt, self.machine.now() + delay))

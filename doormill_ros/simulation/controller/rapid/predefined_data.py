@@ -51,7 +51,7 @@ ZONES = {
 }
 #: What triggers an interrupt of a signal.
 SIGNAL_LEVELS = {"low": 0.0, "high": 1.0, "edge": 2.0}
-#: Numbers that programs know by name [M].
+#: Numbers that programs know by name [?].
 NUMBERS = {
     **SIGNAL_LEVELS,
     **dict(zip(("btnNone", "btnOK", "btnAbrtRtryIgn", "btnOKCancel"), (-1.0, 0.0, 1.0, 2.0), strict=True)),

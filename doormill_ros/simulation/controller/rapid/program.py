@@ -18,7 +18,7 @@ from doormill_ros.simulation.controller.rapid.machine import Machine
 from doormill_ros.simulation.controller.rapid.scope import GlobalSymbol, RoutineInfo
 from doormill_ros.simulation.controller.rapid.types import Value, copy
 
-#: Event of a program that stopped with an error [M].
+#: Event of a program that stopped with an error [?].
 EXECUTION_ERROR = 10020
 
 
@@ -88,7 +88,7 @@ class RapidProgram:
         """Load the modules anew: every VAR and PERS has the value of the module text again.
 
         That is what loading a module, restoring a backup without its data or a start without the old
-        program does to PERS; a warm start keeps them [M].
+        program does to PERS; a warm start keeps them [?].
         """
         self.context.interrupts.clear()
         self._modules = LoadedModules(self._parsed, self.context)

@@ -1,7 +1,7 @@
 """Questions on the pendant: message boxes, lists and function keys.
 
 Names of instructions, arguments, predefined data and errors: keyword lists of RAPID, github.com
-KnoP/rapid-for-vim. Numbers of buttons and results, and the widths of the texts are [M].
+KnoP/rapid-for-vim. Numbers of buttons and results, and the widths of the texts are [?].
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from doormill_ros.simulation.controller.rapid.library.predefined import predefin
 from doormill_ros.simulation.controller.rapid.scope import Reference
 from doormill_ros.simulation.controller.rapid.types import AnyType, Value, copy
 
-#: Shortest time of an interrupt that comes again and again, and of a single one [s] [M].
+#: Shortest time of an interrupt that comes again and again, and of a single one [s] [?].
 SHORTEST_CYCLE, SHORTEST_TIME = 0.1, 0.01
 _ONCE = "\\switch Single | switch SingleSafe"
 

@@ -11,7 +11,7 @@ from doormill_ros.simulation.controller.rapid.types import Value, format_value
 
 #: Characters of a title in the event log.
 TITLE = 46
-#: Numbers of the events that programs write [M].
+#: Numbers of the events that programs write [?].
 USER_EVENTS = {"error": 80001, "warning": 80002, "information": 80003}
 
 
@@ -101,7 +101,7 @@ def break_(context: Context) -> None:
 
 @predefined("PROC ExitCycle()")
 def exit_cycle(context: Context) -> None:
-    """End this cycle: the robot stops, its paths are forgotten, and main begins anew [M]."""
+    """End this cycle: the robot stops, its paths are forgotten, and main begins anew (3HAC050917-001, ExitCycle)."""
     context.machine.forget_paths()
     raise RapidStop("the program ended its cycle", by_program=True)
 

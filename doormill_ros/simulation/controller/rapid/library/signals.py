@@ -10,7 +10,7 @@ from doormill_ros.simulation.controller.rapid.library.predefined import predefin
 from doormill_ros.simulation.controller.rapid.scope import Reference
 from doormill_ros.simulation.controller.rapid.types import is_integer
 
-#: How often WaitUntil looks at its condition, and how often at most [s] [M]: what is shorter may be missed.
+#: How often WaitUntil looks at its condition, and how often at most [s] [?]: what is shorter may be missed.
 POLL_RATE, SHORTEST_POLL_RATE = 0.1, 0.04
 
 
