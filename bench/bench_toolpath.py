@@ -8,7 +8,8 @@ import numpy as np
 import shapely
 
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.correction.loaded_robot import LoadedRobot, certain
+from doormill_ros.correction.loaded_robot import LoadedRobot
+from doormill_ros.correction.loads import certain
 from doormill_ros.frames import apply_twist, inverse, twist_between
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.robot.description import load_robot

@@ -6,33 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.correction.compensate import Compensation, compensate
-from doormill_ros.correction.worth import Worth, standing_share
+from doormill_ros.correction.felt import felt
+from doormill_ros.correction.loads import Loads
+from doormill_ros.correction.worth import DeflectionSpread, Worth, standing_share
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingModel, StandingSpread
-
-
-@dataclass(frozen=True, eq=False)
-class Loads:
-    """What acts on n loaded tools, and how well that is known; base axes.
-
-    Attributes:
-        wrench: At the tool centre point, shape (n, 6) [N, N m].
-        direction: Direction of each joint's motion, shape (n, 6).
-        spread: Standard deviations of the wrench as independent wrenches, shape (n, 6, 6) [N, N m].
-        bounded: Where nobody measured the wrench, shape (n,).
-    """
-
-    wrench: FloatArray
-    direction: FloatArray
-    spread: FloatArray
-    bounded: BoolArray
-
-
-def certain(wrench: FloatArray, direction: FloatArray) -> Loads:
-    """Loads known exactly; shapes (n, 6) each [N, N m], [-]."""
-    return Loads(wrench, direction, np.zeros((len(wrench), 6, 6)), np.zeros(len(wrench), dtype=bool))
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +54,21 @@ class LoadedRobot:
             return None
         return self.model.standing_spread(q, self.load_point, self.worth.relative)
 
+    def spread(
+        self, worth: Worth, q: FloatArray, loads: Loads, standing: StandingSpread | None = None
+    ) -> DeflectionSpread:
+        """What is left to chance of the displacements by loads, in the wrenches that the model takes them to have.
+
+        Args:
+            worth: With the springs.
+            q: Joint angles, shape (n, 6) [rad].
+            loads: n loads.
+            standing: Of the unloaded tool; None for the loads by themselves.
+        """
+        axis = (self.kinematics.forward(q) @ self.T_flange_tool)[:, :3, 2]
+        acting = felt(self.model, loads, q, axis)
+        return worth.spread(q, acting.wrench, acting.spread, self.load_point, standing)
+
     def share(self, q: FloatArray, loads: Loads) -> FloatArray:
         """Share of each component of the deflections by the loads that is corrected, shape (n, 6).
 
@@ -83,7 +78,7 @@ class LoadedRobot:
         """
         if self.worth is None:
             return np.ones((len(q), 6))
-        spread = self.worth.spread(q, loads.wrench, loads.spread, self.load_point)
+        spread = self.spread(self.worth, q, loads)
         by_force = self.deflection(q, loads.wrench, loads.direction) - self.standing(q, loads.direction)
         return self.worth.share(by_force, spread, loads.bounded)
 

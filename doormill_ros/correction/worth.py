@@ -3,7 +3,9 @@
 The deflection of n loads is a sum over springs, each of which is off by its standard deviation, and is linear in the
 force, each component of which is off by its own. To first order the deflection has the variance
 
-    sum over joints |J_j tau_j / K_j|^2 (s_j / K_j)^2  +  sum over components |A e_i s_i|^2,  A = J K^-1 J^T.
+    sum over joints |J_j tau_j / K_j|^2 (s_j / K_j)^2 + |J_j|^2 g_j^2  +  sum over components |A e_i s_i|^2,
+
+with A = J K^-1 J^T and g_j the standard deviation of a gap that was measured.
 
 A prediction d with the spread s is best corrected by the share 1 / (1 + (s / d)^2) of itself: of all shares of a figure
 that is off by s, this one leaves the smallest mean square. Where nobody measured the force its standard deviation is a
@@ -13,14 +15,15 @@ no more than that bound whatever the truth.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.correction.felt import knowing
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.compliance import StandingSpread
+from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread
 
 UNSTATED = (
     0.3  #: standard deviation of a spring of which the robot's description states none, as a share of it
@@ -32,7 +35,7 @@ class DeflectionSpread:
     """What is left to chance of the displacement of n loaded tools.
 
     Attributes:
-        joints: By the spring of each joint, shape (n, 6) [m].
+        joints: By spring and gap of each joint, shape (n, 6) [m].
         force: By the force, shape (n,) [m].
         weights: By the masses that the arm sags under, shape (n,) [m].
     """
@@ -57,12 +60,14 @@ class Worth:
         stiffness: Joint springs, shape (6,) [N m/rad].
         relative: Standard deviation of each as a share of it, shape (6,).
         bound: Largest correction where nobody measured the force [m].
+        gap: Standard deviation of the gap of each joint, 0 where none was measured, shape (6,) [rad].
     """
 
     kinematics: Kinematics
     stiffness: FloatArray
     relative: FloatArray
     bound: float
+    gap: FloatArray = field(default_factory=lambda: np.zeros(6))
 
     def spread(
         self,
@@ -86,7 +91,8 @@ class Worth:
         by_spring = np.einsum("nij,nj->nji", J[:, :3], turn * self.relative)  # (n, 6 joints, 3) [m]
         if standing is not None:
             by_spring = by_spring + standing.joints
-        by_joint = np.linalg.norm(by_spring, axis=2)
+        by_gap = np.linalg.norm(J[:, :3], axis=1) * self.gap  # (n, 6)
+        by_joint = np.hypot(np.linalg.norm(by_spring, axis=2), by_gap)
         turns = np.einsum("nij,nci->ncj", J, components) / self.stiffness
         moved = np.einsum("nij,ncj->nci", J[:, :3], turns)  # (n, 6 components, 3) [m]
         rest = np.zeros(len(q)) if standing is None else standing.rest
@@ -128,13 +134,21 @@ def _size(twist: FloatArray) -> FloatArray:
     return size
 
 
-def worth_of(robot: Robot, bound: float) -> Worth:
+def worth_of(robot: Robot, bound: float, model: ComplianceModel | None = None) -> Worth:
     """The worth of corrections of a robot.
 
     Args:
         robot: Springs and their standard deviations.
         bound: Largest correction where nobody measured the force [m].
+        model: That corrects: what it measured of springs and gaps takes the place of the robot's figures.
     """
     unstated = np.full_like(robot.stiffness, UNSTATED)
     share = unstated if robot.stiffness_std is None else robot.stiffness_std / robot.stiffness
-    return Worth(Kinematics(robot), robot.stiffness, np.where(np.isnan(share), unstated, share), bound)
+    share = np.where(np.isnan(share), unstated, share)
+    knower = None if model is None else knowing(model)
+    if knower is None:
+        return Worth(Kinematics(robot), robot.stiffness, share, bound)
+    known = knower.knowledge()
+    measured = known.stiffness_std / known.stiffness
+    share = np.where(np.isnan(measured), share, measured)
+    return Worth(Kinematics(robot), known.stiffness, share, bound, known.gap_std)

@@ -16,9 +16,11 @@ from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup, index
+from doormill_ros.robot_model.elastic.causes.joint_backlash import DisplacementBacklash
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
+from doormill_ros.robot_model.elastic.knowledge import MeasuredForce, ModelKnowledge, measured_force_of
 from doormill_ros.robot_model.elastic.law.drivers import driver
 from doormill_ros.robot_model.elastic.law.term import LawTerm, term_of
 from doormill_ros.robot_model.elastic.load_case import build_load_case
@@ -32,10 +34,11 @@ SCHEMA = "doormill/extended-model/1"
 
 @dataclass(frozen=True, eq=False)
 class SizedCause:
-    """A cause and the values of its parameters in a row, SI units."""
+    """A cause and the values of its parameters in a row, SI units; their standard deviations where they are known."""
 
     cause: ElasticCause
     values: FloatArray
+    std: FloatArray | None = None
 
 
 class ExtendedComplianceModel:
@@ -46,6 +49,7 @@ class ExtendedComplianceModel:
         joint_stiffness: Springs of the model that was questioned, shape (6,) [N m / rad].
         causes: What was established; those that are not of the robot are kept for the record only.
         laws: What no cause names, likewise.
+        force: How well doors told the process force; None where none did.
     """
 
     def __init__(
@@ -55,12 +59,14 @@ class ExtendedComplianceModel:
         joint_stiffness: FloatArray,
         causes: Sequence[SizedCause],
         laws: Sequence[SizedCause] = (),
+        force: MeasuredForce | None = None,
     ) -> None:
-        """Keep robot, springs, causes and laws."""
+        """Keep robot, springs, causes, laws, and how well the force is known."""
         self.robot = robot
         self.joint_stiffness = np.array(joint_stiffness, dtype=float)
         self.causes = tuple(causes)
         self.laws = tuple(laws)
+        self.force = force
         self._kinematics = Kinematics(dh)
 
     def springs_of_joints(self) -> FloatArray:
@@ -70,6 +76,36 @@ class ExtendedComplianceModel:
             if isinstance(sized.cause, JointStiffness):
                 springs[index(sized.cause.where)] = sized.values[0]
         return springs
+
+    def knowledge(self) -> ModelKnowledge:
+        """What the diagnosis measured, as `KnowingModel.knowledge`."""
+        springs, gaps = np.full(6, np.nan), np.zeros(6)
+        for sized in self.causes:
+            if sized.std is None:
+                continue
+            if isinstance(sized.cause, JointStiffness):
+                springs[index(sized.cause.where)] = sized.std[0]
+            elif isinstance(sized.cause, DisplacementBacklash):
+                gaps[index(sized.cause.where)] = sized.std[0]
+        return ModelKnowledge(self.springs_of_joints(), springs, gaps, self.force)
+
+    def felt(self, q: FloatArray, wrench: FloatArray) -> FloatArray:
+        """As large and turned as the causes have it, as `KnowingModel.felt`."""
+        return self._felt(self._setup(), q, wrench)
+
+    def _setup(self) -> Setup:
+        setup = Setup()
+        for sized in (*self.causes, *self.laws):
+            if sized.cause.of_robot and sized.cause.stage == "setup":
+                sized.cause.setup(setup, _theta(sized))
+        return setup
+
+    def _felt(self, setup: Setup, q: FloatArray, wrench: FloatArray) -> FloatArray:
+        if setup.process_angle:
+            axis = self._kinematics.forward(q)[:, :3, 2]
+            wrench = rotate_wrench(rotation_from_vector(setup.process_angle * axis), wrench)
+        felt: FloatArray = setup.wrench_gain * wrench
+        return felt
 
     def deflection(
         self,
@@ -85,25 +121,18 @@ class ExtendedComplianceModel:
         """
         q = np.atleast_2d(np.asarray(q, dtype=float))
         wrench = np.broadcast_to(np.asarray(wrench, dtype=float), (len(q), 6))
-        setup = Setup()
-        acting = [sized for sized in (*self.causes, *self.laws) if sized.cause.of_robot]
-        for sized in acting:
-            if sized.cause.stage == "setup":
-                sized.cause.setup(setup, _theta(sized))
-        if setup.process_angle:
-            axis = self._kinematics.forward(q)[:, :3, 2]
-            wrench = rotate_wrench(rotation_from_vector(setup.process_angle * axis), wrench)
+        setup = self._setup()
         case = build_load_case(
             self._kinematics,
             q + setup.joint_offset,
-            setup.wrench_gain * wrench,
+            self._felt(setup, q, wrench),
             np.asarray(load_point, dtype=float),
             direction=None if direction is None else np.broadcast_to(direction, q.shape),
             joint_stiffness=self.joint_stiffness,
         )
         twist = case.springs()
-        for sized in acting:
-            if sized.cause.stage != "robot":
+        for sized in (*self.causes, *self.laws):
+            if not sized.cause.of_robot or sized.cause.stage != "robot":
                 continue
             share = sized.cause.hidden_state(case)
             part = sized.cause.twist(case, sized.cause.from_values(sized.values, case))
@@ -123,6 +152,7 @@ def model_document(
     source: str,
     unchanged: str = "",
     laws: Sequence[SizedCause] = (),
+    force: MeasuredForce | None = None,
 ) -> dict[str, Any]:
     """The content of model.yaml.
 
@@ -133,6 +163,7 @@ def model_document(
         source: Where the model comes from.
         unchanged: Why no cause is in it although some are in question; empty when that is not so.
         laws: What no cause names.
+        force: How well doors told the process force.
     """
     return {
         "schema": SCHEMA,
@@ -141,6 +172,7 @@ def model_document(
         **({"unchanged": unchanged} if unchanged else {}),
         "joint_stiffness": [float(k) for k in joint_stiffness],
         "causes": [_entry(sized) for sized in causes],
+        **({"measured_force": force.document()} if force is not None else {}),
         **({"laws": [_law_entry(sized) for sized in laws]} if laws else {}),
     }
 
@@ -150,7 +182,8 @@ def _entry(sized: SizedCause) -> dict[str, Any]:
         "cause": sized.cause.name,
         "where": sized.cause.where,
         **({"variant": sized.cause.variant} if sized.cause.variant else {}),
-        "parameters": _named(sized),
+        "parameters": _named(sized, sized.values),
+        **({"std": _named(sized, sized.std)} if sized.std is not None else {}),
     }
 
 
@@ -161,11 +194,11 @@ def _law_entry(sized: SizedCause) -> dict[str, Any]:
     return sized.cause.document(sized.values) | {"known_on_path": driver(sized.cause.driver).of_path}
 
 
-def _named(sized: SizedCause) -> dict[str, float | list[float]]:
+def _named(sized: SizedCause, values: FloatArray) -> dict[str, float | list[float]]:
     named: dict[str, float | list[float]] = {}
     at = 0
     for parameter in sized.cause.parameters:
-        part = sized.values[at : at + parameter.size]
+        part = values[at : at + parameter.size]
         named[parameter.name] = float(part[0]) if parameter.size == 1 else [float(v) for v in part]
         at += parameter.size
     return named
@@ -210,7 +243,8 @@ def _model(document: dict[str, Any], path: Path) -> ExtendedComplianceModel:
             f"{path} has joint_stiffness {document['joint_stiffness']}, allowed are 6 positive numbers [N m / rad]",
             path=str(path),
         )
-    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes, laws)
+    force = measured_force_of(document["measured_force"]) if "measured_force" in document else None
+    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes, laws, force)
 
 
 def unknown_on_path(model: ComplianceModel) -> tuple[str, ...]:
@@ -259,10 +293,17 @@ def _sized_law(entry: dict[str, Any]) -> SizedCause:
 
 def _sized(entry: dict[str, Any]) -> SizedCause:
     cause = build_cause(entry["cause"], entry["where"], entry.get("variant", ""))
+    std = _row(cause, entry["std"]) if "std" in entry else None
+    if std is not None and np.any(std < 0.0):
+        raise ValueError(f"std of {cause!r} has a negative number, allowed are 0 and more")
+    return SizedCause(cause, _row(cause, entry["parameters"]), std)
+
+
+def _row(cause: ElasticCause, named: dict[str, Any]) -> FloatArray:
     values = []
     for parameter in cause.parameters:
-        part = np.atleast_1d(np.asarray(entry["parameters"][parameter.name], dtype=float))
+        part = np.atleast_1d(np.asarray(named[parameter.name], dtype=float))
         if part.shape != (parameter.size,) or not np.all(np.isfinite(part)):
             raise ValueError(f"{parameter.name} of {cause!r} needs {parameter.size} finite numbers")
         values.append(part)
-    return SizedCause(cause, np.concatenate(values))
+    return np.concatenate(values)

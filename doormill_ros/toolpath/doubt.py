@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
-from doormill_ros.correction.loaded_robot import LoadedRobot, Loads
+from doormill_ros.correction.loaded_robot import LoadedRobot
+from doormill_ros.correction.loads import Loads
 from doormill_ros.toolpath.errors import ExpectedErrorError
 from doormill_ros.toolpath.settings import Checks
 from doormill_ros.units import m_to_mm
@@ -62,7 +63,7 @@ def expected_errors(
     weights: FloatArray = np.zeros(len(owner))
     if loaded.worth is not None:
         at, standing = q[owner], loaded.standing_spread(q[owner])
-        spread = loaded.worth.spread(at, loads.wrench, loads.spread, loaded.load_point, standing)
+        spread = loaded.spread(loaded.worth, at, loads, standing)
         joints, force, weights = spread.joints * wall[:, None], spread.force * wall, spread.weights * wall
     total = np.sqrt(left**2 + np.sum(joints**2, axis=1) + force**2 + weights**2)
     order = np.argsort(total, kind="stable")

@@ -69,7 +69,7 @@ def generate_program(
         model,
         layout.T_flange_tool,
         settings.correction.tolerance,
-        worth_of(robot, settings.correction.unmeasured),
+        worth_of(robot, settings.correction.unmeasured, model),
     )
     plan, path = route(recipe, operations, T_base_door, layout, robot, settings)
     plan = replace(plan, steps=tuple(followable(plan.steps, path, robot, settings.checks)))

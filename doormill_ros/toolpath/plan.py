@@ -29,6 +29,7 @@ class Step:
         wrench_end: The same where it ends, evenly from the one to the other; None: it stays as it is.
         std_tool: Standard deviations of its components, shape (6,) [N, N m].
         bounded: True where nobody measured the wrench, so that the correction for it is bounded.
+        kind_of_feature: What the feature is whose force that is; empty where there is none.
         spindle_speed: Spindle speed [rad/s].
         name: Name of the target at the end; empty for a running number.
         via_name: Name of the circle point; empty for a running number.
@@ -47,6 +48,7 @@ class Step:
     wrench_end: FloatArray | None = None
     std_tool: FloatArray = field(default_factory=lambda: np.zeros(6))
     bounded: bool = False
+    kind_of_feature: str = ""
     spindle_speed: float = 0.0
     name: str = ""
     via_name: str = ""

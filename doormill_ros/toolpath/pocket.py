@@ -236,6 +236,7 @@ class _Pocket:
             "wrench_tool": feature.wrench(name),
             "std_tool": feature.wrench_std(name),
             "bounded": not feature.force_origin.measured,
+            "kind_of_feature": feature.kind,
         }
 
     def _mark_corners(self) -> None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
-from doormill_ros.correction.loaded_robot import Loads
+from doormill_ros.correction.loads import Loads
 from doormill_ros.frames import rotate_wrench
 from doormill_ros.toolpath.curve import points_of
 from doormill_ros.toolpath.plan import Step
@@ -29,16 +31,20 @@ class Stations:
         spread: One standard deviation of each of its components along the tool's axes, written in base axes, shape
             (m, 6, 6) [N, N m]: row after row an independent wrench.
         bounded: Where nobody measured the wrench, shape (m,).
+        kind: Of the feature that is milled, shape (m,).
     """
 
     T_base_tool: FloatArray
     wrench: FloatArray
     spread: FloatArray
     bounded: BoolArray
+    kind: npt.NDArray[Any]
 
     def loads(self, step: IntArray, station: IntArray, direction: FloatArray) -> Loads:
         """The loads at stations of steps, shape (n,) each, while the joints move in directions of shape (n, 6)."""
-        return Loads(self.wrench[step, station], direction, self.spread[step], self.bounded[step])
+        return Loads(
+            self.wrench[step, station], direction, self.spread[step], self.bounded[step], self.kind[step]
+        )
 
 
 def stations_of(steps: Sequence[Step], T_base_door: FloatArray) -> Stations:
@@ -59,7 +65,8 @@ def stations_of(steps: Sequence[Step], T_base_door: FloatArray) -> Stations:
     std = np.array([s.std_tool for s in steps])[:, :, None] * np.eye(6)  # (m, 6, 6)
     spread = rotate_wrench(R_base_tool[:, None], std)
     bounded = np.array([s.bounded for s in steps])
-    return Stations(poses.reshape(m, k, 4, 4), wrench, spread, bounded)
+    kind = np.array([s.kind_of_feature for s in steps])
+    return Stations(poses.reshape(m, k, 4, 4), wrench, spread, bounded, kind)
 
 
 def stations_along(

@@ -72,6 +72,7 @@ def _hinge(
             wrench_tool=feature.wrench(segment),
             std_tool=feature.wrench_std(segment),
             bounded=not feature.force_origin.measured,
+            kind_of_feature=feature.kind,
             spindle_speed=spindle,
             name=name,
             via_name=via,

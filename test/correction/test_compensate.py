@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.correction.compensate import MAX_ITERATIONS, compensate
-from doormill_ros.correction.loaded_robot import LoadedRobot, certain
+from doormill_ros.correction.loaded_robot import LoadedRobot
+from doormill_ros.correction.loads import certain
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
+from doormill_ros.robot_model.elastic.knowledge import MeasuredForce
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.extended_model import (
     ExtendedComplianceModel,
@@ -119,6 +120,31 @@ def test_an_unknown_last_motion_gets_half_of_the_gap():
     np.testing.assert_allclose(unknown, (along + against) / 2.0)
     assert (along - against)[0, 5] == pytest.approx(1e-4)
     np.testing.assert_array_equal(model.deflection(q, wrench, LOAD_POINT), unknown)
+
+
+def test_a_model_comes_back_with_what_was_measured_of_it(tmp_path):
+    gap = SizedCause(build_cause("joint_backlash", "joint 2"), np.array([1e-4, 5.0]), np.array([2e-6, 0.0]))
+    spring = SizedCause(build_cause("joint_stiffness", "joint 3"), np.array([1.1e6]), np.array([3e4]))
+    unsure = SizedCause(build_cause("joint_stiffness", "joint 4"), np.array([3e5]))
+    robot = load_robot(ROBOT)
+    force = MeasuredForce(("hinge_oblong",), 0.02, 0.03)
+    path = tmp_path / "model.yaml"
+    document = model_document(ROBOT, robot.stiffness, [gap, spring, unsure], "test", force=force)
+    path.write_text(yaml.safe_dump(document))
+    known = load_compliance_model(path).knowledge()
+    assert known.force == force
+    np.testing.assert_array_equal(known.gap_std, [0.0, 2e-6, 0.0, 0.0, 0.0, 0.0])
+    np.testing.assert_array_equal(known.stiffness_std, [np.nan, np.nan, 3e4, np.nan, np.nan, np.nan])
+    np.testing.assert_array_equal(known.stiffness[2:4], [1.1e6, 3e5])
+    for broken in (
+        {"measured_force": {**force.document(), "factor_std": -0.1}},
+        {"measured_force": {**force.document(), "kinds": "hinge_oblong"}},
+        {"measured_force": {"kinds": []}},
+        {"causes": [{**document["causes"][1], "std": {"stiffness": -1.0}}]},
+    ):
+        path.write_text(yaml.safe_dump(document | broken))
+        with pytest.raises(ExtendedModelError, match="cannot be used"):
+            load_compliance_model(path)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The model that a diagnosis of doors leaves for the path generator: what the correction can undo."""
+"""The model that a diagnosis of doors leaves for the path generator: what a correction undoes, and how well known."""
 
 from __future__ import annotations
 
@@ -6,13 +6,20 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.effects.force import TOOL, ForceScale, ForceTurn
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
+from doormill_ros.robot_model.elastic.knowledge import MeasuredForce
 from doormill_ros.robot_model.extended_model import SizedCause, model_document
 
 
 def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:
-    """Causes that the correction can take, as they are at the last door, and what it cannot, in words."""
+    """Causes that the correction can take, as they are at the last door, and what it cannot, in words.
+
+    One that another would explain as well keeps no standard deviation: which of them it is, is the larger doubt.
+    """
     found, others = [], []
     for finding in diagnosis.findings:
         cause = finding.cause
@@ -23,8 +30,34 @@ def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:
             others.append(f"{cause.name} at {cause.where}")
             continue
         size = sum(parameter.size for parameter in known.parameters)
-        found.append(SizedCause(known, np.array(finding.values[:size])))
+        std = None if finding.confusable else np.array(finding.std[:size])
+        found.append(SizedCause(known, np.array(finding.values[:size]), std))
     return found, others
+
+
+def measured_force(diagnosis: DoorDiagnosis) -> MeasuredForce | None:
+    """How well the doors tell the process force; None where they named none, or something else would do as well.
+
+    Size and direction about the tool go together: of the one that is not named, the spread is what a fit leaves to it
+    and what it finds.
+    """
+    problem, best = diagnosis.problem, diagnosis.examination.best
+    named = {finding.cause.name: finding for finding in diagnosis.findings if finding.cause.where == TOOL}
+    force = [named[name] for name in (ForceScale.name, ForceTurn.name) if name in named]
+    if not force or any(finding.confusable for finding in force):
+        return None
+    spreads = []
+    for effect in (ForceScale(TOOL), ForceTurn(TOOL)):
+        if effect.name in named:
+            spreads.append(float(named[effect.name].std[0]))
+            continue
+        beside = InTime(effect)
+        found = fit(problem, [*best.members, beside], [np.append(best.theta, 0.0)])
+        noise = max(1.0, float(np.mean(best.prediction.cost[best.weights > 0.0])) / problem.components)
+        spreads.append(float(np.sqrt(noise * found.covariance[-1, -1] + found.theta[-1] ** 2)))
+    loaded = np.linalg.norm(problem.case.load.force, axis=1) > 0.0
+    kinds = tuple(str(kind) for kind in np.unique(problem.points.kind[loaded]))
+    return MeasuredForce(kinds, *spreads)
 
 
 def door_model_document(diagnosis: DoorDiagnosis, source: str) -> dict[str, Any]:
@@ -35,4 +68,5 @@ def door_model_document(diagnosis: DoorDiagnosis, source: str) -> dict[str, Any]
         np.array(robot.stiffness),
         usable(diagnosis)[0],
         f"diagnosis of {source}, verdict {diagnosis.verdict}",
+        force=measured_force(diagnosis),
     )
