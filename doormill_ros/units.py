@@ -1,4 +1,4 @@
-"""The only place where millimetres, micrometres, degrees and revolutions per minute become SI and back."""
+"""The only place where millimetres, micrometres, degrees, revolutions per minute and nanoseconds become SI and back."""
 
 from __future__ import annotations
 
@@ -35,6 +35,16 @@ def m_to_um(value: Number) -> Number:
 def s_to_ms(value: Number) -> Number:
     """Seconds to milliseconds."""
     return value * 1e3
+
+
+def ns_to_s(value: float) -> float:
+    """Nanoseconds to seconds."""
+    return value / 1e9
+
+
+def s_to_ns(value: float) -> int:
+    """Seconds to whole nanoseconds, towards zero."""
+    return int(value * 1e9)
 
 
 def n_per_m_to_n_per_um(value: Number) -> Number:

@@ -181,12 +181,8 @@ CALLED_FROM_OUTSIDE = {
     *("reload_modules", "set_mode", "emergency_stop", "release_emergency_stop", "open_guard", "close_guard"),
     *("fail_power", "restore_power", "warm_start", "expire_sessions"),
     *("give_locally", "take_locally"),
-    # Reads what a diagnosis of moving joints leaves; no part of the cell corrects motions by it.
-    "load_motion_model",
-    # One series by itself: its placement where nothing else is fitted.
-    "fit_placement",
-    # Says in the registry of sensors what one is blind for.
-    "cannot_see",
+    # The README says whom these are for.
+    *("load_motion_model", "cannot_see"),
 }
 #: Decorators that hand a function to nobody.
 PLAIN = {"property", "cached_property", "staticmethod", "classmethod", "abstractmethod", "cache", "dataclass"}

@@ -21,6 +21,7 @@ from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.errors import DoorPoseError
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+from doormill_ros.units import ns_to_s
 
 FARTHEST = 100.0  # m that a door may be away
 UNIT = 1e-3  # by which the length of a quaternion may differ from 1
@@ -42,7 +43,7 @@ def nanoseconds_of(stamp: Any) -> int:
 
 def seconds_of(stamp: Any) -> float:
     """Seconds since the epoch of a builtin_interfaces/Time."""
-    return float(stamp.sec + 1e-9 * stamp.nanosec)
+    return float(stamp.sec + ns_to_s(stamp.nanosec))
 
 
 def transform_of(pose: Any) -> FloatArray:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from builtin_interfaces.msg import Time
-from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from std_msgs.msg import Bool, String
 
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, TargetArray
@@ -28,6 +28,7 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.mill_door import MillDoorServer
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.units import s_to_ns
 
 
 def level_of(snapshot: HandshakeSnapshot) -> bytes:
@@ -87,6 +88,7 @@ class AbbBridge(ManagedNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("abb_bridge", **kwargs)
         self._group = ReentrantCallbackGroup()
+        self._apart = MutuallyExclusiveCallbackGroup()
         self._action = MillDoorServer(self, self, self._give_up, self._group)
 
     def setup(self) -> None:
@@ -114,7 +116,9 @@ class AbbBridge(ManagedNode):
         ExpectDoorServer(self, self.handshake.expect_door, self._group)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
-        self.keep(self.destroy_timer, self.create_timer(0.1, self.guarded(self._look_round)))
+        # In a group of its own: an order that waits for the controller must not keep it from being taken.
+        look_round = self.create_timer(0.1, self.guarded(self._look_round), callback_group=self._apart)
+        self.keep(self.destroy_timer, look_round)
         self.every(0.5, self._watch)
 
     def stop(self) -> None:
@@ -230,7 +234,7 @@ class AbbBridge(ManagedNode):
 
 
 def _wall_time(monotonic: float) -> Time:
-    nanoseconds = time.time_ns() - int((time.monotonic() - monotonic) * 1e9)
+    nanoseconds = time.time_ns() - s_to_ns(time.monotonic() - monotonic)
     return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
 
 

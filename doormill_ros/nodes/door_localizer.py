@@ -33,6 +33,7 @@ from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.pipeline.look import look
 from doormill_ros.robot.urdf import LinkPose
+from doormill_ros.units import ns_to_s
 
 FREE = (1, 2, 3)  # rows of the 6 x 6 pose covariance: y, z, rotation about x
 
@@ -124,7 +125,7 @@ class DoorLocalizer(ManagedNode):
             self.report(WARN, "a picture came while no recipe is in hand; it is left aside")
             return
         now = self.get_clock().now().nanoseconds
-        age = (now - nanoseconds_of(message.header.stamp)) * 1e-9
+        age = ns_to_s(now - nanoseconds_of(message.header.stamp))
         answer = DoorLocalization(run_id=recipe.run_id, door_id=recipe.door_id)
         answer.header.stamp = message.header.stamp
         answer.header.frame_id = BASE_FRAME

@@ -30,6 +30,7 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.pipeline.course import Course
 from doormill_ros.pipeline.partners import Attendance, Handover, RecipeAnswer
 from doormill_ros.pipeline.run_end import RunEnd
+from doormill_ros.units import ns_to_s
 
 
 class MillDoorServer:
@@ -55,7 +56,7 @@ class MillDoorServer:
         self._handover = handover
         self._give_up = give_up
         self._group = group
-        self._desk = RunDesk(Clock(wall=lambda: node.get_clock().now().nanoseconds * 1e-9))
+        self._desk = RunDesk(Clock(wall=lambda: ns_to_s(node.get_clock().now().nanoseconds)))
         self._recipes: _Recipes | None = None
         self._inspections: DoorInspections | None = None
         self._attendance: Attendance | None = None

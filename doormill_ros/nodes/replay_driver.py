@@ -17,6 +17,7 @@ from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.waiting import wait, wait_until
 from doormill_ros.messages.from_message import nanoseconds_of
 from doormill_ros.nodes import topics
+from doormill_ros.units import s_to_ns
 
 START_LIMIT = 60.0  # s
 ANSWER_LIMIT = 120.0  # s
@@ -80,7 +81,7 @@ class ReplayDriver(Node):  # type: ignore[misc]  # rclpy has no types
 
     def show_picture(self, data: dict[str, bytes], age: float) -> tuple[Any, Any]:
         """See `AnsweringCell`."""
-        now = time.time_ns() - int(age * 1e9)
+        now = time.time_ns() - s_to_ns(age)
         stamp = Time(sec=now // 1_000_000_000, nanosec=now % 1_000_000_000)
         for topic in (topics.CAMERA_INFO, topics.IMAGE):
             if topic.name in data:

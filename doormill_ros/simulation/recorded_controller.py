@@ -11,6 +11,7 @@ from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.files import write_atomically
 from doormill_ros.simulation.controller.io_port import FolderIo
+from doormill_ros.units import ns_to_s
 
 POLL = 0.005  # s
 ENDS = {HandshakeState.DONE.value: signals.DONE, HandshakeState.FAILED.value: signals.FAULT}
@@ -56,7 +57,7 @@ def controller_events(
             milling = milling or value == HandshakeState.MILLING.value
             if not (milling and value in ENDS):
                 continue
-            events.append(RecordedEvent(ENDS[value], True, max(0, stamp_ns - before_ns) * 1e-9, False))
+            events.append(RecordedEvent(ENDS[value], True, ns_to_s(max(0, stamp_ns - before_ns)), False))
             break
         if value == high:
             continue
@@ -65,7 +66,7 @@ def controller_events(
         ready: bool | None = None
         if not high and ready_ns is not None:  # it answers the ready signal
             since_ns, ready, ready_ns = ready_ns, True, None
-        events.append(RecordedEvent(signals.REQUEST, high, max(0, stamp_ns - since_ns) * 1e-9, ready))
+        events.append(RecordedEvent(signals.REQUEST, high, ns_to_s(max(0, stamp_ns - since_ns)), ready))
         before_ns = stamp_ns
     return events
 

@@ -109,6 +109,9 @@ def differences(one, two, path=""):
         # What a cause gains is a difference of two sums: a thousandth of the quantum in which they count is nothing.
         scores = ("gain_", "margins", "standard_errors")
         least = 1e-3 * QUANTUM if any(word in path for word in scores) else 1e-300
+        # On a whole series left out the sums are of predictions beyond the angles of the others: 1e-12 of a metre is
+        # 1e-8 of a residual, and comes back hundredfold. Scores that are equal to the diagnosis are equal here.
+        least = QUANTUM if "gain_with_series_left_out" in path else least
         return [] if one == pytest.approx(two, rel=SIX_DIGITS, abs=least) else [(path, one, two)]
     return [] if one == two else [(path, one, two)]
 

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 
 from doormill_ros.recording.replay.answer import MAKERS, STAGES, Answer, Value
 from doormill_ros.recording.replay.tolerance import EXACT, distance, equal, tolerance_of
+from doormill_ros.units import ns_to_s
 
 NOTHING = "nothing"
 
@@ -55,7 +56,7 @@ def time_text(stamp_ns: int) -> str:
     """UTC time to the microsecond, or that there was no picture."""
     if stamp_ns == 0:
         return "a run without picture"
-    return datetime.fromtimestamp(stamp_ns / 1e9, UTC).strftime("%Y-%m-%dT%H:%M:%S.%fZ")
+    return datetime.fromtimestamp(ns_to_s(stamp_ns), UTC).strftime("%Y-%m-%dT%H:%M:%S.%fZ")
 
 
 def _show(value: Value | None) -> str:

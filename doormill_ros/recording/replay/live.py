@@ -19,6 +19,7 @@ from doormill_ros.recording.replay.answer import (
     targets_of,
 )
 from doormill_ros.recording.replay.recorded_run import RecordedRun
+from doormill_ros.units import ns_to_s
 
 
 class AnsweringCell(Protocol):
@@ -102,11 +103,11 @@ class LiveRun:
             if stamp_ns not in run.pictures:
                 continue
             if math.isfinite(self._rate):
-                time.sleep(max(0, stamp_ns - last) * 1e-9 / self._rate)
+                time.sleep(ns_to_s(max(0, stamp_ns - last)) / self._rate)
             last = stamp_ns
             stale = message.error_code == StalePicture.code
             check_age(stale)
-            age = (recorded_ns - stamp_ns) * 1e-9 - message.duration if stale else 0.0
+            age = ns_to_s(recorded_ns - stamp_ns) - message.duration if stale else 0.0
             found = self._picture(stamp_ns, age)
             check_age(False)
             # A run takes the first picture of its request; that may have come before the bridge waited for it.

@@ -28,6 +28,7 @@ from doormill_ros.recording.replay.answer import (
 )
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.units import ns_to_s
 
 LAST_REPLAYED = 399  #: recipe, localization and path; what the controller refuses depends on the controller
 OFFLINE_STAGES = STAGES[1:]  #: the recipe is what was recorded
@@ -94,7 +95,7 @@ def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
     layout, mounted = _cell()
     info = run.camera_infos.get(stamp_ns)
     stale = message.error_code == StalePicture.code
-    age = (recorded_ns - stamp_ns) * 1e-9 - message.duration if stale else 0.0
+    age = ns_to_s(recorded_ns - stamp_ns) - message.duration if stale else 0.0
     try:
         camera = None if info is None else camera_of(info, mounted)
         found = look(picture, camera, layout, run.recipe, age=age)
