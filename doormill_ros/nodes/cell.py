@@ -28,6 +28,7 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
+from doormill_ros.operator.token import Keys
 from doormill_ros.simulation.robot_cell import RobotCell
 
 THREADS = 6
@@ -51,14 +52,14 @@ class CellOptions:
     Attributes:
         parameters: By node name.
         page: Serve the operator's page.
-        token: Allows control from that page; None: it only shows.
+        token: Allows control from that page, or one for each role; None: it only shows.
         namespace: Of every node, such as "/cell1"; empty: none. Cells in namespaces of their own share nothing.
         controller: The controller of doors that were milled before; None for one of the cell's own.
     """
 
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)
     page: bool = False
-    token: str | None = field(default=None, repr=False)
+    token: str | Keys | None = field(default=None, repr=False)
     namespace: str = ""
     controller: RobotCell | None = None
 

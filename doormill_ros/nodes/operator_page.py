@@ -1,4 +1,4 @@
-"""Node /operator_page: what the cell does, live in a browser; starts and cancels runs for who has the token."""
+"""Node /operator_page: what the cell does, live in a browser; starts and cancels runs for who has a token."""
 
 from __future__ import annotations
 
@@ -20,11 +20,13 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
+from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.history import append_history, load_history
 from doormill_ros.operator.page_server import PageServer, is_loopback
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.state import EndedRun, ViewStore
+from doormill_ros.operator.token import Keys
 
 BRIDGE = "abb_bridge"
 CONTROLLER = "/controller"  # what the bridge tells of it
@@ -36,7 +38,7 @@ FEEDBACK = topics.Topic(
 
 
 class OperatorPage(ManagedNode):
-    """Shows the cell on a web page; the token for control is handed over here, never as a parameter."""
+    """Shows the cell on a web page; the tokens for control are handed over here, never as parameters."""
 
     PARAMETERS = (
         NodeParameter(
@@ -46,10 +48,15 @@ class OperatorPage(ManagedNode):
         NodeParameter(
             "history", "out/runs", "folder that keeps the ended runs, the summaries of single runs too"
         ),
+        NodeParameter(
+            "audit",
+            "",
+            "folder of the audit log of orders and refused tries; empty: audit in history's folder",
+        ),
     )
 
-    def __init__(self, token: str | None = None, **kwargs: Any) -> None:
-        """Show only, unless a token is given that allows control."""
+    def __init__(self, token: str | Keys | None = None, **kwargs: Any) -> None:
+        """Show only, unless a token is given that allows control, or one for each role."""
         super().__init__("operator_page", **kwargs)
         self._token = token
         self.url = ""
@@ -64,7 +71,8 @@ class OperatorPage(ManagedNode):
         host = self.value("host")
         control = ActionControl(self, self.store) if self._token else None
         hosts = (host, "127.0.0.1", "localhost", "[::1]") if is_loopback(host) else ("*",)
-        app = create_app(self.store, control, self._token, hosts)
+        audit = AuditLog(Path(self.value("audit") or self._history / "audit"))
+        app = create_app(self.store, control, self._token, hosts, audit)
         self._server = PageServer(app, host, self.value("port")).start()
         self.url = self._server.url
         self.subscribe(topics.ABB_STATUS, self._take_status)
@@ -80,14 +88,15 @@ class OperatorPage(ManagedNode):
 
     def start(self) -> None:
         """Say where the page is."""
-        self.report(OK, "serving", url=self.url, control=self._token is not None)
+        self.report(OK, "serving", url=self.url, control=bool(self._token))
 
     def teardown(self) -> None:
         """Stop serving."""
         self._server.stop()
 
     def _take_status(self, status: AbbStatus) -> None:
-        self.store.update(lambda view: view.with_handshake(status.state, status.reason))
+        shown = status.state, status.reason, status.run_id, status.door_id, status.request
+        self.store.update(lambda view: view.with_handshake(*shown))
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         self.store.update(lambda view: view.with_run(recipe.run_id, recipe.door_id))

@@ -21,6 +21,11 @@ _SPOILED = Advice(
     "The door was milled out of tolerance. Put it aside when the robot has stopped, and mill no other before it is "
     "known why.",
 )
+_MILLED_AFTER_ALL = Advice(
+    "act",
+    "The run was given up, but the robot milled on to the end. See that it stands still and look at the door before "
+    "it is used.",
+)
 _CLEARING = Advice(
     "wait", "Wait until the link to the controller is clear. If this lasts, see the state below."
 )
@@ -62,6 +67,7 @@ def next_step(
     refusal: str,
     faults: Mapping[str, str],
     spoiled: bool = False,
+    milled: bool = False,
 ) -> Advice:
     """What to do now.
 
@@ -72,6 +78,7 @@ def next_step(
         refusal: Why the door in hand or the last one was refused.
         faults: What nodes in error say of themselves, by node.
         spoiled: The last door was milled out of tolerance.
+        milled: The robot reported the end of milling of the last run, however that ended.
     """
     if not bridge_present or not state:
         return Advice(
@@ -86,6 +93,8 @@ def next_step(
         return Advice("fault", f"Put right what {node} reports, or call maintenance: {message}")
     if refusal and not run_in_hand and spoiled:
         return _SPOILED
+    if refusal and not run_in_hand and milled:
+        return _MILLED_AFTER_ALL
     if refusal and not run_in_hand:
         # A run can also end while the robot moves: canceled, or given up after its time limit.
         return Advice(

@@ -5,3 +5,4 @@ from __future__ import annotations
 from doormill_ros.cell.errors import CellError
 
 PageAddressError = CellError.row("PageAddressError", 880, "The page cannot be served at its address.")
+AuditError = CellError.row("AuditError", 881, "The audit log of orders cannot be written.")

@@ -63,6 +63,9 @@ class PageServer:
                 lifespan="off",
                 timeout_graceful_shutdown=1,
                 server_header=False,
+                # Nothing of the page upgrades, and what a client says of its own address is not believed.
+                ws="none",
+                proxy_headers=False,
             )
         )
         self._thread = threading.Thread(

@@ -4,31 +4,33 @@ from __future__ import annotations
 
 import asyncio
 import json
+import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
 from importlib.resources import files
-from typing import Annotated, Protocol, TypeVar
 
-from fastapi import Depends, FastAPI, HTTPException, Query, Request, Response
-from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import StreamingResponse
-from pydantic import BaseModel, Field
+from fastapi import FastAPI, HTTPException, Request, Response
+from fastapi.responses import JSONResponse, StreamingResponse
 from starlette.datastructures import MutableHeaders
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from doormill_ros.errors import DoormillError
-from doormill_ros.operator.state import ViewStore
-from doormill_ros.operator.token import authorizes
+from doormill_ros.operator.audit import AuditLog
+from doormill_ros.operator.audited import Audited
+from doormill_ros.operator.orders import Control, Doorkeeper, serve_orders
+from doormill_ros.operator.origin import OwnOrigin
+from doormill_ros.operator.state import CellView, ViewStore
+from doormill_ros.operator.token import Keys
+from doormill_ros.operator.tries import Tries
 
-Value = TypeVar("Value")
-
-LONGEST_ID = 100  # characters
 KEEP_ALIVE = 5.0  # s, the longest silence on the event stream
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "X-Frame-Options": "DENY",
     "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
 }
@@ -55,67 +57,58 @@ class _Headers:
         await self._app(scope, receive, send_with_headers)
 
 
-class Control(Protocol):
-    """What the page may do to the cell; each answers with a sentence for the operator."""
-
-    def mill(self, door_id: str) -> str:
-        """Start milling a door.
-
-        Raises:
-            DoormillError: It cannot be started.
-        """
-
-    def cancel(self) -> str:
-        """End the run in hand.
-
-        Raises:
-            DoormillError: There is nobody to end it.
-        """
-
-    def doors(self, prefix: str) -> list[str]:
-        """Some of the doors whose id starts so.
-
-        Raises:
-            DoormillError: The recipe database does not answer.
-        """
-
-
-class MillRequest(BaseModel):
-    """Body of a request to mill a door."""
-
-    door_id: str = Field(min_length=1, max_length=LONGEST_ID)
-
-
 def create_app(
     store: ViewStore,
     control: Control | None = None,
-    token: str | None = None,
+    token: str | Keys | None = None,
     hosts: tuple[str, ...] = ("127.0.0.1", "localhost"),
+    audit: AuditLog | None = None,
+    clock: Callable[[], float] = time.monotonic,
 ) -> FastAPI:
     """The application.
 
     Args:
         store: What is shown.
         control: What may be done; None for a page that only shows.
-        token: Needed for control.
+        token: Needed for control: that of the role operate, or the tokens of all roles.
         hosts: Names under which the page may be asked for, so that no foreign name pointed at this machine
             reads it; "*" for any.
+        audit: Where orders and refused tries are written down; None: nowhere.
+        clock: Monotonic time that limits the tries of tokens [s].
 
     Raises:
         ValueError: Control without a token.
     """
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    # The last one added sees a request first.
+    app.add_middleware(OwnOrigin)
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(hosts))
-
+    if audit is not None:
+        app.add_middleware(Audited, audit=audit, complain=lambda text: store.update(_unwritten(text)))
     app.add_middleware(_Headers)
+    app.add_exception_handler(Exception, _unforeseen)
     for path, (name, media_type) in _FILES.items():
         _serve_file(app, path, name, media_type)
     _serve_view(app, store, control is not None)
     if control is not None:
-        if not token:
+        keys = token if isinstance(token, Keys) else Keys(token)
+        if not keys:
             raise ValueError("control of the cell needs a token; pass one made by new_token()")
-        _serve_control(app, control, token)
+        serve_orders(app, control, Doorkeeper(keys, Tries(clock)), audit)
     return app
+
+
+def _unwritten(sentence: str) -> Callable[[CellView], CellView]:
+    return lambda view: view.with_fault("the audit log", sentence)
+
+
+async def _unforeseen(request: Request, error: Exception) -> Response:
+    # Made outside of every layer that adds headers.
+    return JSONResponse(
+        {"detail": f"the page failed by {type(error).__name__}; restart the cell if it does so again"},
+        500,
+        HEADERS,
+    )
 
 
 def _serve_file(app: FastAPI, path: str, name: str, media_type: str) -> None:
@@ -168,37 +161,3 @@ async def _events(store: ViewStore, document: Callable[[], str]) -> AsyncIterato
                     yield "event: alive\ndata: -\n\n"
     finally:
         end()
-
-
-def _serve_control(app: FastAPI, control: Control, token: str) -> None:
-    async def allowed(request: Request) -> None:
-        if not authorizes(request.headers.get("authorization"), token):
-            raise HTTPException(
-                401,
-                "the token is missing or wrong; it was printed when the cell was started",
-                {"WWW-Authenticate": "Bearer"},
-            )
-
-    async def answer(action: Callable[..., Value], *arguments: str) -> Value:
-        try:
-            return await run_in_threadpool(action, *arguments)
-        except DoormillError as error:
-            raise HTTPException(409, error.message) from error
-
-    # The token is looked at before the body is.
-    @app.get("/control", dependencies=[Depends(allowed)])
-    async def check() -> dict[str, str]:
-        return {"message": "the token is right"}
-
-    @app.post("/control/mill", dependencies=[Depends(allowed)], status_code=202)
-    async def mill(wanted: MillRequest) -> dict[str, str]:
-        return {"message": await answer(control.mill, wanted.door_id)}
-
-    @app.post("/control/cancel", dependencies=[Depends(allowed)], status_code=202)
-    async def cancel() -> dict[str, str]:
-        return {"message": await answer(control.cancel)}
-
-    # To be offered before the token is typed; the page shows door ids to everybody anyway.
-    @app.get("/doors")
-    async def doors(prefix: Annotated[str, Query(max_length=LONGEST_ID)] = "") -> list[str]:
-        return await answer(control.doors, prefix)

@@ -10,6 +10,7 @@ from typing import Any
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.cell.inspection import outcome
 from doormill_ros.operator.advice import next_step
+from doormill_ros.operator.situation import Situation, situation
 
 HISTORY = 50  # runs
 LONGEST_TEXT = 2000  # characters
@@ -54,6 +55,9 @@ class CellView:
         bridge_present: The ABB bridge gives signs of life.
         state: State of the handshake with the controller, empty before it was heard of.
         state_reason: Why it is in that state.
+        state_run: Run that it is about, empty when about none.
+        state_door: Door of that run.
+        request: The controller asks for targets.
         run_id: Run in hand, empty when there is none.
         door_id: Door of that run.
         stage: Stage of that run, empty when not heard of.
@@ -68,6 +72,9 @@ class CellView:
     bridge_present: bool = False
     state: str = ""
     state_reason: str = ""
+    state_run: str = ""
+    state_door: str = ""
+    request: bool = False
     run_id: str = ""
     door_id: str = ""
     stage: str = ""
@@ -82,9 +89,19 @@ class CellView:
         """The bridge was heard of lately, or not."""
         return replace(self, bridge_present=present)
 
-    def with_handshake(self, state: str, reason: str) -> CellView:
+    def with_handshake(
+        self, state: str, reason: str, run_id: str = "", door_id: str = "", request: bool = False
+    ) -> CellView:
         """The handshake changed."""
-        return replace(self, bridge_present=True, state=state, state_reason=_short(reason))
+        return replace(
+            self,
+            bridge_present=True,
+            state=state,
+            state_reason=_short(reason),
+            state_run=run_id,
+            state_door=_short(door_id),
+            request=request,
+        )
 
     def with_run(self, run_id: str, door_id: str) -> CellView:
         """A recipe was fetched for a run; one that has ended is not in hand again."""
@@ -142,15 +159,34 @@ class CellView:
         number = self.picture.number + 1 if self.picture else 1
         return replace(self, picture=EncodedPicture(data, media_type, _short(caption), number))
 
+    def _situation(self) -> Situation:
+        """State and reason of the door that the page speaks of; the next step follows from the same."""
+        last = self.history[0].run_id if self.history else ""
+        return situation(
+            self.state,
+            self.state_reason,
+            (self.state_run, self.state_door),
+            (self.run_id, self.door_id),
+            last,
+            self.request,
+        )
+
     def document(self) -> dict[str, Any]:
         """JSON-able content of the page; the picture by its number."""
-        spoiled = bool(self.history) and self.history[0].error_code == OutOfToleranceError.code
+        seen = self._situation()
+        last = self.history[0] if self.history else None
         step = next_step(
-            self.bridge_present, self.state, self.run_id != "", self.refusal, self.faults, spoiled
+            self.bridge_present,
+            seen.state,
+            self.run_id != "",
+            self.refusal,
+            self.faults,
+            last is not None and last.error_code == OutOfToleranceError.code,
+            seen.state == "done" and last is not None and last.run_id == self.state_run,
         )
         return {
-            "state": self.state if self.bridge_present else "",
-            "state_reason": self.state_reason,
+            "state": seen.state if self.bridge_present else "",
+            "state_reason": seen.reason,
             "urgency": step.urgency,
             "next_step": step.text,
             "run_id": self.run_id,

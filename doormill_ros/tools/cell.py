@@ -63,9 +63,14 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--control", action="store_true", help="print a token with which that page starts and cancels runs"
     )
+    parser.add_argument(
+        "--engineer",
+        action="store_true",
+        help="print a second token, with which its audit log is read as well",
+    )
     options = parser.parse_args(arguments)
-    if options.ui is None and (options.control or options.ui_host):
-        parser.error("--control and --ui-host belong to the operator's page: add --ui")
+    if options.ui is None and (options.control or options.engineer or options.ui_host):
+        parser.error("--control, --engineer and --ui-host belong to the operator's page: add --ui")
     if options.doors is None and (options.world or len(options.door) > 1):
         options.doors = len(options.door)
     if options.doors is not None:
@@ -90,7 +95,7 @@ def main(arguments: list[str] | None = None) -> int:
     from doormill_ros.cell.summary import RunSummary
     from doormill_ros.nodes.cell import CellOptions, run_once
     from doormill_ros.nodes.run import interrupt_once
-    from doormill_ros.operator.token import new_token
+    from doormill_ros.operator.token import Keys, new_token
     from doormill_ros.report.run_report import write_report
 
     if arguments is None:
@@ -112,7 +117,7 @@ def main(arguments: list[str] | None = None) -> int:
     def progress(stage: str, share: float) -> None:
         print(f"[{share:4.0%}] {stage}", file=sys.stderr, flush=True)
 
-    token = None
+    operate = engineer = None
     if options.ui is not None:
         page: dict[str, object] = {"port": options.ui}
         if options.out is None:
@@ -121,13 +126,16 @@ def main(arguments: list[str] | None = None) -> int:
             page["host"] = options.ui_host
         parameters["operator_page"] = page
         if options.control:
-            token = new_token()
-            print(f"operator's token  {token}", flush=True)
+            operate = new_token()
+            print(f"operator's token  {operate}", flush=True)
+        if options.engineer:
+            engineer = new_token()
+            print(f"engineer's token  {engineer}", flush=True)
 
     def milled(summary: RunSummary) -> None:
         print(f"{summary.message}\nthe cell stays up for the operator's page; end it with Ctrl-C", flush=True)
 
-    cell = CellOptions(parameters, options.ui is not None, token, options.namespace)
+    cell = CellOptions(parameters, options.ui is not None, Keys(operate, engineer), options.namespace)
     summary = run_once(options.door[0], folder, cell, progress, milled)
     write_report(Path(summary.bag), Path(summary.report))
     if options.out is None:

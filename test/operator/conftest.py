@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 
+import httpx
 import pytest
 
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
+from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.state import ViewStore
-from doormill_ros.operator.token import new_token
+from doormill_ros.operator.token import Keys, new_token
 
 NASTY = "<script>document.title='broken'</script>"
 
@@ -25,6 +28,10 @@ class ControlSpy:
     def mill(self, door_id: str) -> str:
         if door_id == "busy":
             raise CellBusyError("another door is being milled")
+        if door_id.startswith("silent"):
+            raise NodeInactiveError(f"door {door_id} was not started")
+        if door_id == "bug":
+            raise RuntimeError("nobody foresaw this")
         self.orders.append(f"mill {door_id}")
         return f"door {door_id} is started"
 
@@ -69,3 +76,32 @@ def _serve(with_control: bool) -> Iterator[Served]:
     app = create_app(store, control, token if with_control else None)
     with PageServer(app, "127.0.0.1", 0) as server:
         yield Served(server.url, store, control, token)
+
+
+@dataclass
+class Guarded:
+    """A page with both tokens, an audit log, and a clock that the test sets."""
+
+    url: str
+    control: ControlSpy
+    store: ViewStore
+    keys: Keys
+    folder: Path
+    now: list[float]
+
+    def order(
+        self, token: str | None, path: str = "control/cancel", method: str = "POST", **kwargs: object
+    ) -> httpx.Response:
+        """Send an order; `headers` are sent beside the token."""
+        headers = {"Authorization": f"Bearer {token}"} if token is not None else {}
+        headers |= kwargs.pop("headers", {})
+        return httpx.request(method, self.url + path, headers=headers, timeout=120.0, **kwargs)
+
+
+@pytest.fixture
+def guarded(tmp_path: Path) -> Iterator[Guarded]:
+    store, control, keys = ViewStore(), ControlSpy(), Keys(new_token(), new_token())
+    folder, now = tmp_path / "audit", [0.0]
+    app = create_app(store, control, keys, audit=AuditLog(folder), clock=lambda: now[0])
+    with PageServer(app, "127.0.0.1", 0) as server:
+        yield Guarded(server.url, control, store, keys, folder, now)

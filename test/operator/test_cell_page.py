@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -36,6 +37,7 @@ class Started:
     log: Path
     page: httpx.Client
     token: str
+    engineer: str
 
     def state(self, until: Callable[[dict[str, Any]], Any]) -> dict[str, Any]:
         """The page's content once it is as wanted."""
@@ -47,7 +49,11 @@ class Started:
         return content
 
     def order(self, path: str, **body: str) -> httpx.Response:
-        return self.page.post(path, json=body, headers={"Authorization": f"Bearer {self.token}"})
+        return self.page.post(path, json=body, headers=bearer(self.token))
+
+
+def bearer(token: str) -> dict[str, str]:
+    return {"Authorization": f"Bearer {token}"}
 
 
 def _wait_for(pattern: str, path: Path, process: subprocess.Popen[bytes]) -> str:
@@ -63,15 +69,16 @@ def _wait_for(pattern: str, path: Path, process: subprocess.Popen[bytes]) -> str
 def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Started]:
     folder = tmp_path_factory.mktemp("page")
     output, log = folder / "output.txt", folder / "log.txt"
-    command = [executable("cell"), "--door", DOOR, "--out", "run", "--ui", "0", "--control"]
+    command = [executable("cell"), "--door", DOOR, "--out", "run", "--ui", "0", "--control", "--engineer"]
     environment = {**os.environ, "XDG_DATA_HOME": str(folder / "data"), "ROS_LOG_DIR": str(folder / "ros")}
     with open(output, "wb") as out, open(log, "wb") as err:
         process = subprocess.Popen(command, cwd=folder, stdout=out, stderr=err, env=environment)
     try:
         token = _wait_for(r"operator's token  (\w+)", output, process)
+        engineer = _wait_for(r"engineer's token  (\w+)", output, process)
         url = _wait_for(r"operator's page at (http://127\.0\.0\.1:\d+)/", log, process)
         with httpx.Client(base_url=url, timeout=120.0) as page:
-            started = Started(process, folder, output, log, page, token)
+            started = Started(process, folder, output, log, page, token, engineer)
             started.state(lambda s: s["history"] and s["history"][0]["run_id"])
             yield started
     finally:
@@ -133,12 +140,33 @@ def test_an_operator_starts_and_cancels(cell: Started) -> None:
     cell.state(lambda s: "stands still" in s["next_step"])
 
 
+def test_the_engineer_reads_who_ordered_what(cell: Started) -> None:
+    cell.order("/control/mill", door_id="no such door")
+    assert cell.page.get("/control/audit", headers=bearer(cell.token)).status_code == 403
+    entries = cell.page.get("/control/audit", headers=bearer(cell.engineer)).json()
+    orders = [e for e in entries if e["order"] == "POST /control/mill" and e["door_id"] == "no such door"]
+    assert {(e["role"], e["address"]) for e in orders} == {("operate", "127.0.0.1")}
+    tries = (cell.folder / "run" / "audit" / "refused.jsonl").read_text().splitlines()
+    assert json.loads(tries[0])["status"] == 401
+
+
+def test_the_process_list_tells_no_token(cell: Started) -> None:
+    told = b"".join(Path(f"/proc/{cell.process.pid}/{name}").read_bytes() for name in ("cmdline", "environ"))
+    assert b"--control" in told
+    assert cell.token.encode() not in told
+    assert cell.engineer.encode() not in told
+
+
 def test_it_ends_on_interrupt_and_the_token_is_nowhere(cell: Started) -> None:
     """The last test of the module: it takes the cell down."""
     cell.process.send_signal(signal.SIGINT)
     assert cell.process.wait(180.0) == 0, cell.log.read_text()
-    assert cell.output.read_text().count(cell.token) == 1
+    for token in (cell.token, cell.engineer):
+        assert cell.output.read_text().count(token) == 1
     files = [path for path in cell.folder.rglob("*") if path.is_file() and path != cell.output]
     assert {path.suffix for path in files} >= {".mcap", ".html", ".json"}
-    assert not [path for path in files if cell.token.encode() in path.read_bytes()]
+    for path in files:
+        content = path.read_bytes()
+        assert cell.token.encode() not in content, path
+        assert cell.engineer.encode() not in content, path
     assert "Traceback" not in cell.log.read_text()

@@ -127,6 +127,21 @@ def test_orders_need_the_token(controlled: Any) -> None:
         assert errors == []
 
 
+@pytest.mark.parametrize("refused", [False, True])
+def test_no_answer_becomes_markup(controlled: Any, refused: bool) -> None:
+    with open_page(controlled.url, **TABLET) as (page, errors):
+        page.locator("#token").fill(controlled.token)
+        page.locator("#wanted").fill(f"{'silent' if refused else ''}{NASTY[:90]}")
+        page.locator("#mill").click()
+        text_of(page, "#answer", NASTY[:50])
+        assert page.locator("img").count() == 1
+        assert page.locator("script").count() == 1
+        assert page.title() == "Door milling cell"
+        assert (controlled.control.orders == []) is refused
+        errors[:] = [] if refused else errors  # the browser reports the 409
+        assert errors == []
+
+
 def test_doors_of_the_database_are_offered(controlled: Any) -> None:
     with open_page(controlled.url, **TABLET) as (page, errors):
         offered = page.locator("#doors option")

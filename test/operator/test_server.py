@@ -39,6 +39,40 @@ def test_every_answer_forbids_foreign_content(either: Any, path: str) -> None:
     assert answer.headers["x-content-type-options"] == "nosniff"
 
 
+_FULL = {
+    "x-content-type-options": "nosniff",
+    "x-frame-options": "DENY",
+    "referrer-policy": "no-referrer",
+    "cache-control": "no-store",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+}
+
+
+@pytest.mark.parametrize(
+    ("status", "path", "body", "headers"),
+    [
+        (202, "control/mill", {"door_id": "oak"}, {}),
+        (400, "control/mill", {"door_id": "oak"}, {"Host": "a.example"}),
+        (401, "control/mill", {"door_id": "oak"}, {"Authorization": ""}),
+        (403, "control/mill", {"door_id": "oak"}, {"Origin": "null"}),
+        (404, "nothing", {}, {}),
+        (405, "state", {}, {}),
+        (409, "control/mill", {"door_id": "busy"}, {}),
+        (422, "control/mill", {}, {}),
+        (500, "control/mill", {"door_id": "bug"}, {}),
+    ],
+)
+def test_answers_to_orders_are_kept_nowhere_and_shown_in_no_frame(
+    controlled: Any, status: int, path: str, body: dict[str, str], headers: dict[str, str]
+) -> None:
+    answer = post(controlled.url + path, json=body, headers={**bearer(controlled.token), **headers})
+    assert answer.status_code == status
+    assert {name: answer.headers.get(name) for name in _FULL} == _FULL
+    assert "frame-ancestors 'none'" in answer.headers["content-security-policy"]
+    assert "server" not in answer.headers
+
+
 def test_the_page_needs_nothing_from_elsewhere(read_only: Any) -> None:
     for path in ("", "page.js", "page.css"):
         text = get(read_only.url + path).text

@@ -170,3 +170,58 @@ def test_a_spoiled_door_is_not_said_to_be_milled_well() -> None:
 )
 def test_the_history_says_what_is_known_of_a_door(run: EndedRun, words: str) -> None:
     assert CellView().with_ended(run).document()["history"][0]["outcome"] == words
+
+
+DONE = "the robot reported the end of milling"
+
+
+@pytest.mark.parametrize(("state", "reason"), [("done", DONE), ("failed", "oak: no edge")])
+@pytest.mark.parametrize("request_high", [False, True])
+def test_a_started_door_is_not_told_how_the_door_before_ended(
+    state: str, reason: str, request_high: bool
+) -> None:
+    view = CellView().with_run("r1", "oak").with_handshake(state, reason, "r1", "oak", request_high)
+    assert (view.document()["state"], view.document()["state_reason"]) == (state, reason)
+    document = view.with_ended(ended("r1", state == "done", reason)).with_run("r2", "elm").document()
+    assert document["state"] == ("requested" if request_high else "idle")
+    assert document["state_reason"].startswith("door elm ")
+    assert reason not in document["state_reason"]
+    assert "closed" not in document["next_step"]
+    assert document["next_step"] == next_step(True, document["state"], True, "", {}).text
+    # Its own end is told as such.
+    own = view.with_ended(ended("r1")).with_run("r2", "elm").with_handshake(state, reason, "r2", "elm")
+    assert own.document()["state"] == state
+
+
+def test_a_door_refused_before_it_was_asked_for_is_not_said_to_be_milled() -> None:
+    view = CellView().with_run("r1", "oak").with_handshake("done", DONE, "r1", "oak").with_ended(ended("r1"))
+    document = view.with_run("r2", "elm").with_ended(ended("r2", False, "canceled")).document()
+    assert "not milled" in document["next_step"]
+    assert (document["state"], DONE in document["state_reason"]) == ("idle", False)
+
+
+def test_a_run_given_up_that_the_robot_milled_on_is_not_said_to_be_unmilled() -> None:
+    view = CellView().with_run("r1", "oak").with_handshake("milling", "", "r1", "oak")
+    view = view.with_ended(ended("r1", False, "canceled")).with_handshake("done", DONE, "r1", "oak")
+    document = view.document()
+    assert (document["state"], document["state_reason"]) == ("done", DONE)
+    assert "not milled" not in document["next_step"]
+    assert "look at the door" in document["next_step"]
+
+
+_TOLD = st.tuples(
+    st.just("with_handshake"), st.sampled_from(STATES), st.just("told"), _RUNS, st.text(), st.booleans()
+)
+
+
+@given(st.lists(st.one_of(_CHANGES, _TOLD), max_size=20))
+def test_state_and_next_step_are_of_one_door(changes: list[tuple[Any, ...]]) -> None:
+    view = CellView()
+    for name, *arguments in changes:
+        view = getattr(view, name)(*arguments)
+    view = view.with_bridge(True)
+    document = view.document()
+    ended_state = document["state"] in ("done", "failed")
+    assert not (document["run_id"] and ended_state and view.state_run != document["run_id"])
+    milled = document["state"] == "done" and view.state_run != ""
+    assert not (milled and "not milled" in document["next_step"])

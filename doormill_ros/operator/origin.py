@@ -1,0 +1,56 @@
+"""Refuses requests that another site's page makes with the operator's browser."""
+
+from __future__ import annotations
+
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers
+from starlette.responses import JSONResponse
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+_PORTS = {"http": 80, "https": 443}
+_SHOWN = 100  # characters
+
+
+def is_own(origin: str, host: str) -> bool:
+    """Whether an Origin header names the place that the Host header of the same request names.
+
+    The scheme is free, so that the page may stand behind a server that encrypts. "null" is no place.
+    """
+    try:
+        asked, here = urlsplit(origin), urlsplit(f"//{host}")
+        port = _PORTS.get(asked.scheme)
+        if (
+            port is None
+            or not asked.hostname
+            or f"{asked.scheme}://{asked.netloc}" != origin
+            or "@" in asked.netloc
+        ):
+            return False
+        return (asked.hostname, asked.port or port) == (here.hostname, here.port or port)
+    except ValueError:  # a port that is no number, an address with half its brackets
+        return False
+
+
+class OwnOrigin:
+    """Answers 403 to every request with a foreign Origin.
+
+    Programs that are no browsers send none and pass; orders need the token all the same.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass the request on or refuse it."""
+        headers = Headers(scope=scope)
+        host = headers.get("host", "")
+        foreign = [origin for origin in headers.getlist("origin") if not is_own(origin, host)]
+        if not foreign:
+            await self._app(scope, receive, send)
+            return
+        sentence = (
+            f"the request was made by a page of {foreign[0][:_SHOWN]!r}, allowed are requests of this cell's own page; "
+            "open that page and order there"
+        )
+        await JSONResponse({"detail": sentence}, 403)(scope, receive, send)

@@ -1,0 +1,58 @@
+"""Look, operate, engineer: who may do what."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from doormill_ros.operator.token import Keys, Role, new_token
+
+ORDERS = [("POST", "control/mill"), ("POST", "control/cancel"), ("GET", "control"), ("GET", "control/audit")]
+
+
+@pytest.mark.parametrize(
+    ("role", "expected"),
+    [
+        ("", [401, 401, 401, 401]),
+        ("operate", [202, 202, 200, 403]),
+        ("engineer", [202, 202, 200, 200]),
+    ],
+)
+def test_what_each_role_may(guarded: Any, role: str, expected: list[int]) -> None:
+    token = getattr(guarded.keys, role) if role else None
+    answers = [guarded.order(token, path, method, json={"door_id": "oak"}) for method, path in ORDERS]
+    assert [answer.status_code for answer in answers] == expected
+    assert guarded.control.orders == (["mill oak", "cancel"] if role else [])
+    assert guarded.order(token, "state", "GET").status_code == 200
+
+
+def test_who_may_too_little_is_told_so(guarded: Any) -> None:
+    answer = guarded.order(guarded.keys.operate, "control/audit", "GET")
+    assert (
+        answer.json()["detail"] == "this token allows to operate, the order needs the token of the engineer"
+    )
+
+
+def test_the_engineer_reads_the_newest_entries_first(guarded: Any) -> None:
+    guarded.order(guarded.keys.operate, "control/mill", json={"door_id": "oak"})
+    guarded.order("wrong")
+    entries = guarded.order(guarded.keys.engineer, "control/audit", "GET").json()
+    assert sorted((e["role"], e["status"]) for e in entries) == [("look", 401), ("operate", 202)]
+    assert [e["time"] for e in entries] == sorted((e["time"] for e in entries), reverse=True)
+
+
+def test_a_role_without_a_token_is_nobodys() -> None:
+    for keys in (Keys(), Keys("", "")):
+        assert not keys
+        for header in (None, "Bearer", "Bearer ", "Bearer None"):
+            assert keys.role(header) is None
+    assert Keys("a", None).role("Bearer a") is Role.OPERATE
+    assert Keys(None, "b").role("Bearer b") is Role.ENGINEER
+
+
+def test_roles_have_tokens_of_their_own_that_no_text_of_them_shows() -> None:
+    token = new_token()
+    with pytest.raises(ValueError, match="one token"):
+        Keys(token, token)
+    assert token not in repr(Keys(token, None))
