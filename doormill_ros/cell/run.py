@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Protocol, TypeVar
 
-from doormill_ros.cell.errors import CellBusyError, RunCanceledError, StageRefusedError
+from doormill_ros.cell.clock import FUTURE, Clock, ClockWatch, step_text
+from doormill_ros.cell.errors import CellBusyError, RunCanceledError, StageRefusedError, StageTimeoutError
 from doormill_ros.cell.waiting import wait_until
 
-#: A stamp further ahead than this is no clock's doing [s].
-FUTURE = 1.0
 LOCALIZATION, TARGETS = "localization", "targets"
 REMEMBERED = 16  # runs that ended
 
@@ -38,14 +36,6 @@ class StageLimits:
     read: float = 60.0
     milling: float = 600.0
     inspection: float = 180.0
-
-
-@dataclass(frozen=True)
-class Clock:
-    """The time of a run: `monotonic` for its limits, `wall` for what it says [s]."""
-
-    monotonic: Callable[[], float] = time.monotonic
-    wall: Callable[[], float] = time.time
 
 
 class StageAnswer(Protocol):
@@ -85,6 +75,15 @@ class Run:
     )  # targets by pictures of which it did not yet
     _canceled: bool = False
     _changed: threading.Condition = field(default_factory=threading.Condition)
+
+    def __post_init__(self) -> None:
+        """Watch the clock."""
+        self._watch = ClockWatch(self.clock)
+
+    @property
+    def steps(self) -> list[float]:
+        """By how much its clock was set each time in the run [s]."""
+        return self._watch.steps
 
     def deliver(self, stage: str, answer: StageAnswer, pictured: float) -> None:
         """Note the answer of a stage; the first one that belongs to the request counts, and none from the future.
@@ -156,7 +155,13 @@ class Run:
                 self.require()
             return value
 
-        return wait_until(self._changed, look, limit, otherwise, self.clock.monotonic)
+        try:
+            return wait_until(self._changed, look, limit, otherwise, self._watch.now)
+        except StageTimeoutError as error:
+            if not self.steps:
+                raise
+            said = f"{error.message}; {step_text(self.steps[-1])} in the run"
+            raise StageTimeoutError(said, limit=limit) from None
 
     def wait_for(
         self, stage: str, limit: float, otherwise: str, unless: Callable[[], bool] = lambda: False
@@ -168,6 +173,8 @@ class Run:
         """
         self.wait_until(lambda: stage in self._heard or unless(), limit, otherwise)
         answer = self._heard.get(stage)
+        if answer is not None and not answer.accepted:
+            self._watch.now()  # a stage refuses old pictures; perhaps they are not
         if answer is None or unless():
             return None
         if not answer.accepted:

@@ -16,6 +16,7 @@ from typing import Any
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from doormill_ros.cell.clock import EvenClock
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name
 from doormill_ros.nodes.frame_publisher import frame_topics
@@ -61,6 +62,7 @@ class BagRecorder(ManagedNode):
         self._queue = BoundedQueue(self.value("queue_size"))
         self._writer = BagWriter(Path(folder), self.value("split_size"))
         self._filler = BagFiller(self._queue, self._writer)
+        self._clock = EvenClock()  # readers sort by it
         self._wanted = False
         self._excluded = {self.resolve_topic_name(name) for name in self.value("exclude").split()}
         for topic in (*topics.ALL, *frame_topics()):
@@ -130,7 +132,7 @@ class BagRecorder(ManagedNode):
                 return
             latest.append(sample)
             if self._wanted or offered.durability == DurabilityPolicy.TRANSIENT_LOCAL:
-                now = time.time_ns()
+                now = self._clock.now()
                 self._queue.put(Received(name, bytes(data), now, sample[0] or now))
 
         requested = QoSProfile(

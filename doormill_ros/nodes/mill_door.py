@@ -17,9 +17,10 @@ from doormill_interfaces.msg import RunResult, StageTimes
 from doormill_interfaces.srv import GetRecipe
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.link_errors import MillingFaultError
+from doormill_ros.cell.clock import Clock, step_text
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError
 from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.run import Clock, RunDesk, StageLimits
+from doormill_ros.cell.run import RunDesk, StageLimits
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.errors import DoormillError
 from doormill_ros.messages.from_message import seconds_of
@@ -27,6 +28,7 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.action_server import QuietActionServer
 from doormill_ros.nodes.door_inspections import DoorInspections
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.reporting_node import WARN
 from doormill_ros.pipeline.course import Course
 from doormill_ros.pipeline.partners import Attendance, Handover, RecipeAnswer
 from doormill_ros.pipeline.run_end import RunEnd
@@ -56,7 +58,9 @@ class MillDoorServer:
         self._handover = handover
         self._give_up = give_up
         self._group = group
-        self._desk = RunDesk(Clock(wall=lambda: ns_to_s(node.get_clock().now().nanoseconds)))
+        self._desk = RunDesk(
+            Clock(wall=lambda: ns_to_s(node.get_clock().now().nanoseconds), was_set=self._tell_of_step)
+        )
         self._recipes: _Recipes | None = None
         self._inspections: DoorInspections | None = None
         self._attendance: Attendance | None = None
@@ -175,6 +179,11 @@ class MillDoorServer:
             return self._finish(end, goal)
         finally:  # not before: giving this run up would give up the next one
             self._desk.end()
+
+    def _tell_of_step(self, step: float) -> None:
+        said = f"{step_text(step)} in the middle of a run; stamps of before count no more"
+        self._node.report(WARN, said)
+        self._node.get_logger().warning(said)
 
     def _limits(self) -> StageLimits:
         names = [field.name for field in fields(StageLimits)]

@@ -13,7 +13,7 @@ from std_msgs.msg import Header, String
 
 from doormill_interfaces.msg import DoorRecipe, TargetArray
 from doormill_ros.arrays import FloatArray
-from doormill_ros.cell.run import FUTURE
+from doormill_ros.cell.clock import FUTURE
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.messages.from_message import door_pose_of, nanoseconds_of, recipe_of, seconds_of
@@ -93,7 +93,11 @@ class PathGenerator(ManagedNode):
             # Kept, it would pass for the pose of every door to come.
             self.report(WARN, f"a pose came with a stamp {ahead:.1f} s in the future; set the clocks")
             return
-        if recipe is None or nanoseconds_of(pose.header.stamp) < nanoseconds_of(recipe.header.stamp):
+        # The stamp of a recipe from the future, as is left where the clock was set back, tells of no order.
+        if recipe is None or (
+            nanoseconds_of(pose.header.stamp) < nanoseconds_of(recipe.header.stamp)
+            and seconds_of(recipe.header.stamp) - seconds_of(now) <= FUTURE
+        ):
             # Topics have no common order: the pose may overtake the recipe it was measured for.
             self._early = pose
             return

@@ -59,6 +59,7 @@ class Course:
         self._limits = limits
         self._tell = tell
         self.end = RunEnd(run.run_id, run.door_id)
+        self._steps = 0  # of the clock, when the recipe was asked for
 
     def mill(self) -> RunEnd:
         """Go through all stages; what ends the run before is told, not raised."""
@@ -92,6 +93,7 @@ class Course:
     def _fetch_recipe(self) -> int:
         """Version of the recipe that the database has made known under the run's id."""
         run, clock = self._run, self._run.clock.monotonic
+        self._steps = len(run.steps)
         heard: list[RecipeAnswer] = []
         asked_at = float("-inf")
 
@@ -117,17 +119,22 @@ class Course:
     def _measure(self) -> tuple[Targets, int]:
         """Targets from a picture that was taken for the controller's present request, and its number.
 
-        A request that falls and rises meanwhile (the door was clamped anew) makes the picture worthless.
+        A request that falls and rises meanwhile (the door was clamped anew) makes the picture worthless. A clock that
+        is set does so too, and the recipe is made known again: by its stamp a pose is told from that of another door.
         """
         run, handshake = self._run, self._handover.handshake
         while True:
+            if len(run.steps) != self._steps:
+                self._need(RECIPE)
+                self.end.recipe_version = self._fetch_recipe()
             self._need(PICTURE)
             self._tell("picture", 0.1)
             number = self._wait_for_request()
 
             def over(number: int = number) -> bool:
                 now = handshake.snapshot
-                return now.request_number != number or not now.accepts_submission
+                reclamped = now.request_number != number or not now.accepts_submission
+                return reclamped or len(run.steps) != self._steps
 
             localized = run.wait_for(
                 "localization",

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import pytest
 
+from doormill_ros.cell.clock import Clock
 from doormill_ros.cell.errors import CellBusyError, RunCanceledError, StageRefusedError, StageTimeoutError
-from doormill_ros.cell.run import REMEMBERED, Clock, Run, RunDesk, new_run_id
+from doormill_ros.cell.run import REMEMBERED, Run, RunDesk, new_run_id
 
 
 @dataclass
@@ -122,3 +123,22 @@ def test_the_run_in_hand_can_be_canceled_and_none_need_be() -> None:
     desk.cancel()
     with pytest.raises(RunCanceledError):
         run.wait_for("targets", 1000.0, "none")
+
+
+def test_a_wait_in_vain_says_that_the_clock_was_set_and_its_owner_hears_of_it() -> None:
+    shift, told, now = [0.0], [], [0.0]
+
+    def monotonic() -> float:
+        now[0] += 0.01
+        return now[0]
+
+    run = Run("r1", "door", Clock(monotonic, lambda: 5000.0 + now[0] + shift[0], told.append))
+    with pytest.raises(StageTimeoutError) as caught:
+        run.wait_until(lambda: None, 1.0, "nobody came")
+    assert caught.value.message == "nobody came (waited 1 s)"
+    shift[0] = -3600.0
+    with pytest.raises(
+        StageTimeoutError, match=r"nobody came .*; the clock was set back by 3600\.0 s in the run"
+    ):
+        run.wait_until(lambda: None, 1.0, "nobody came")
+    assert told == run.steps == [pytest.approx(-3600.0, abs=0.1)]

@@ -52,8 +52,8 @@ def pose(ahead: float) -> PoseStamped:
     return message
 
 
-def take_recipe(node: PathGenerator) -> None:
-    header = Header(stamp=node.get_clock().now().to_msg())
+def take_recipe(node: PathGenerator, ahead: float = 0.0) -> None:
+    header = Header(stamp=pose(ahead).header.stamp)
     node._take_recipe(recipe_message(shipped_recipes()[DOOR], "r1", header))
 
 
@@ -69,3 +69,19 @@ def test_a_pose_from_the_future_is_left_aside(generator: PathGenerator, known: b
     generator._take_pose(pose(0.0))
     (answer,) = generator._targets.messages
     assert (answer.run_id, answer.accepted) == ("r1", True)
+
+
+def test_a_recipe_of_before_the_clock_was_set_back_does_not_hold_its_door_up(
+    generator: PathGenerator,
+) -> None:
+    take_recipe(generator, 3600.0)
+    generator._take_pose(pose(0.0))
+    (answer,) = generator._targets.messages
+    assert (answer.run_id, answer.accepted) == ("r1", True)
+
+
+def test_a_pose_that_overtakes_its_recipe_waits_for_it(generator: PathGenerator) -> None:
+    early = pose(-0.1)
+    take_recipe(generator)
+    generator._take_pose(early)
+    assert generator._targets.messages == []

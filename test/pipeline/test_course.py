@@ -19,10 +19,11 @@ from doormill_ros.abb.link_errors import (
     MillingFaultError,
 )
 from doormill_ros.abb.target_file.target_file import check_handover, read_target_file, render_target_file
+from doormill_ros.cell.clock import Clock
 from doormill_ros.cell.errors import NodeDeadError, OutOfToleranceError, RunCanceledError, StageTimeoutError
 from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.cell.run import Clock, Run, StageLimits
+from doormill_ros.cell.run import Run, StageLimits
 from doormill_ros.pipeline.course import Course
 from doormill_ros.pipeline.partners import RecipeAnswer
 from doormill_ros.pipeline.plan import load_setup, plan
@@ -64,6 +65,8 @@ class World:
     Attributes:
         absent: Who does nothing: recipe, request, localization, targets, handshake, read or milling.
         at: Called when the run tells of a stage, by its name.
+        shift: By how much the wall clock was set [s].
+        was_set: By how much the run says that it was set, each time [s].
     """
 
     def __init__(self, program: MillingProgram, folder: Path) -> None:
@@ -72,7 +75,9 @@ class World:
         self.transport = MemoryTransport()
         self.entered: dict[str, float] = {}
         self.timeouts = HandshakeTimeouts(acknowledge=3600.0)
-        self.run = Run("run-1", DOOR, Clock(self.turn, lambda: EPOCH + self.now))
+        self.shift = 0.0
+        self.was_set: list[float] = []
+        self.run = Run("run-1", DOOR, Clock(self.turn, self.wall, self._was_set))
         self.recipe = RecipeAnswer(True, 0, "", 4)
         self.localization, self.targets = Answer(), Answer(targets=program.targets, largest_correction=2e-3)
         self.end_signal = signals.DONE
@@ -109,6 +114,14 @@ class World:
             self.heard.clear()
         self.at.pop(stage, lambda: None)()
 
+    def wall(self) -> float:
+        """The wall clock."""
+        return EPOCH + self.shift + self.now
+
+    def _was_set(self, step: float) -> None:
+        self.was_set.append(step)
+        self.at.pop("step", lambda: None)()
+
     def tick(self) -> float:
         """The handshake's clock: each of its steps takes a millisecond."""
         self.now += 1e-3
@@ -121,14 +134,14 @@ class World:
         if "handshake" not in self.absent:
             self.handshake.step()
         self._stage("targets", self.targets, "localization" in self.heard)
-        self._stage("localization", self.localization, self.run.not_before < EPOCH + self.now)
+        self._stage("localization", self.localization, self.run.not_before < self.wall())
         return self.now
 
     def _stage(self, name: str, answer: Answer, may: bool) -> None:
         if may and name not in self.absent and name not in self.heard:
-            self.heard[name] = EPOCH + self.now
+            self.heard[name] = self.wall()
             if name == "localization":
-                self.pictured = EPOCH + self.now - 0.1
+                self.pictured = self.wall() - 0.1
             self.run.deliver(name, answer, self.pictured)
 
     def _controller(self) -> None:
@@ -337,6 +350,31 @@ def test_a_door_that_is_clamped_anew_is_measured_anew(world: World) -> None:
     ]
     assert end.largest_correction == 3e-3
     assert world.handshake.snapshot.request_number == 2
+
+
+@pytest.mark.parametrize("step", [3600.0, -3600.0])
+@pytest.mark.parametrize("stage", ["picture", "pose"])
+def test_a_door_is_measured_anew_when_the_clock_is_set(world: World, stage: str, step: float) -> None:
+    """By stamps of two clocks nobody could tell this door's pose from another's."""
+    good = world.localization, replace(world.targets, largest_correction=3e-3)
+    old, world.targets = Answer(False, 206, "the picture is 3600 s old"), Answer(False, 310, "of no pose")
+
+    def set_clock() -> None:
+        world.shift = step
+        if stage == "picture":
+            world.localization = old
+
+    def go_on() -> None:
+        world.localization, world.targets = good
+
+    world.at |= {stage: set_clock, "step": go_on}
+    end = world.mill()
+    assert end.success, end.message
+    assert end.largest_correction == 3e-3
+    assert end.times.picture_to_pose == pytest.approx(0.1, abs=1e-6)
+    assert world.was_set == world.run.steps == [pytest.approx(step, abs=0.5)]
+    # Made known again, with a stamp of the clock that was set.
+    assert world.asked == 2
 
 
 def test_a_picture_from_before_the_request_does_not_count(world: World) -> None:
