@@ -62,7 +62,7 @@ class BagRecorder(ManagedNode):
         self._queue = BoundedQueue(self.value("queue_size"))
         self._writer = BagWriter(Path(folder), self.value("split_size"))
         self._filler = BagFiller(self._queue, self._writer)
-        self._clock = EvenClock()  # readers sort by it
+        self._even_clock = EvenClock()  # readers sort by it
         self._wanted = False
         self._excluded = {self.resolve_topic_name(name) for name in self.value("exclude").split()}
         for topic in (*topics.ALL, *frame_topics()):
@@ -132,7 +132,7 @@ class BagRecorder(ManagedNode):
                 return
             latest.append(sample)
             if self._wanted or offered.durability == DurabilityPolicy.TRANSIENT_LOCAL:
-                now = self._clock.now()
+                now = self._even_clock.now()
                 self._queue.put(Received(name, bytes(data), now, sample[0] or now))
 
         requested = QoSProfile(
