@@ -5,6 +5,7 @@ Each kind of input is read in a process of its own, since a reader may end it, a
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import random
@@ -84,6 +85,9 @@ def _place(trace: str) -> str:
 
 
 def _run(subject: Subject, seeds: range, pipe: Connection) -> None:
+    # What this process inherited, nodes of other tests perhaps, whose threads are not here, is nobody's garbage.
+    gc.freeze()
+    gc.enable()
     signal.signal(signal.SIGPROF, _ring)
     held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
@@ -106,7 +110,9 @@ def judge(subject: Subject, seeds: range) -> Outcome:
         process = multiprocessing.get_context("fork").Process(
             target=_run, args=(subject, range(last, seeds.stop), theirs)
         )
+        gc.disable()
         process.start()
+        gc.enable()
         theirs.close()
         for seed, kind, text in _received(ours):
             if seed == "begins":
