@@ -58,6 +58,15 @@ def _copied(folder: Path, *sources: Path) -> Path:
     return folder
 
 
+def first_rows(folder: Path, source: Path, table: str, lines: int) -> Path:
+    """A measured set with no more than the first lines of its table; returns the folder."""
+    folder.mkdir()
+    shutil.copy(source / "set.yaml", folder)
+    rows = (source / table).read_bytes().split(b"\n")[:lines]
+    (folder / table).write_bytes(b"\n".join(rows) + b"\n")
+    return folder
+
+
 LOADING_SET = """schema: doormill/measurement-set/1
 robot: irb6600_175_255
 model:
@@ -128,20 +137,10 @@ def subjects(folder: Path) -> Iterator[Subject]:
     text_folder(loading, "trials.csv", LOADING_ROWS)
     yield Subject("loading set.yaml", loading, "set.yaml", _of_folder(read_measurement_set))
     yield Subject("loading trials.csv", loading, "trials.csv", _of_folder(read_measurement_set))
-    motion = folder / "motion"
-    motion.mkdir()
-    source = ROOT / "test/data/kr300/A"
-    shutil.copy(source / "set.yaml", motion)
-    rows = (source / "samples.csv").read_bytes().split(b"\n")[:400]
-    (motion / "samples.csv").write_bytes(b"\n".join(rows) + b"\n")
+    motion = first_rows(folder / "motion", ROOT / "test/data/kr300/A", "samples.csv", 400)
     yield Subject("motion set.yaml", motion, "set.yaml", _of_folder(read_motion_set))
     yield Subject("motion samples.csv", motion, "samples.csv", _of_folder(read_motion_set))
-    poses = folder / "poses"
-    poses.mkdir()
-    source = ROOT / "test/data/ur10/grid"
-    shutil.copy(source / "set.yaml", poses)
-    rows = (source / "poses.csv").read_bytes().split(b"\n")[:60]
-    (poses / "poses.csv").write_bytes(b"\n".join(rows) + b"\n")
+    poses = first_rows(folder / "poses", ROOT / "test/data/ur10/grid", "poses.csv", 60)
     yield Subject("pose set.yaml", poses, "set.yaml", _of_folder(read_pose_set))
     yield Subject("poses.csv", poses, "poses.csv", _of_folder(read_pose_set))
     door = text_folder(folder / "inspection", "inspection.yaml", INSPECTION)
