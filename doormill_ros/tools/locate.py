@@ -202,7 +202,7 @@ def _document(
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "frame": BASE_FRAME,
-        "door": vars(door),
+        "door": {"height": door.height, "width": door.width, "thickness": door.thickness},
         "sensor": sensor or "localizer",
         "readings": [_entry(*entry) for entry in located],
     }
