@@ -11,6 +11,7 @@ import re
 from pathlib import Path
 
 from doormill_ros.abb.errors import AbbError
+from doormill_ros.simulation.controller.cfg_lines import entries
 from doormill_ros.simulation.controller.rapid.errors import EventRoutinesError
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
 
@@ -34,18 +35,12 @@ def read_event_routines(path: Path, task: str = "T_ROB1") -> dict[str, tuple[str
     Raises:
         EventRoutinesError: An entry that cannot be; names its line.
     """
-    section, pending, start = "", "", 0
+    section = ""
     found: dict[str, list[tuple[float, str]]] = {}
-    for number, text in enumerate(path.read_text(encoding="ascii").splitlines(), 1):
-        start = start if pending else number
-        pending += text.strip()
-        if pending.endswith("\\"):
-            pending = pending[:-1] + " "
-            continue
-        entry, pending = pending.strip(), ""
+    for start, entry in entries(path.read_text(encoding="ascii").splitlines()):
         if re.fullmatch(r"[A-Z_0-9]+:", entry):
             section = entry[:-1]
-        elif section == "CAB_EXEC_HOOKS" and entry and not entry.startswith("#"):
+        elif section == "CAB_EXEC_HOOKS":
             keys = {m[1]: m[2] if m[2] is not None else m[3] or "" for m in _PAIR.finditer(entry)}
             event, order, routine, of_task = _entry(path, start, keys)
             if of_task in (task, None):

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from doormill_ros.abb.errors import AbbError
+from doormill_ros.simulation.controller.cfg_lines import entries
 from doormill_ros.simulation.controller.rapid.errors import SignalError
 
 #: RAPID type of each type of signal.
@@ -163,16 +164,8 @@ def _refuse(path: Path, line: int, found: str, allowed: str) -> AbbError:
 
 def _entries(path: Path, lines: list[str]) -> Iterator[tuple[int, str, dict[str, str | None]]]:
     """Line, section and keys of every entry; a key without value, a flag, has None."""
-    section, pending, start = "", "", 0
-    for number, text in enumerate(lines, 2):
-        start = start if pending else number
-        pending += text.strip()
-        if pending.endswith("\\"):
-            pending = pending[:-1] + " "
-            continue
-        entry, pending = pending.strip(), ""
-        if not entry or entry.startswith("#"):
-            continue
+    section = ""
+    for start, entry in entries(lines, 2):
         heading = _SECTION.fullmatch(entry)
         if heading is not None:
             section = heading[1]
