@@ -28,3 +28,6 @@ BodiesError = DoormillError.row(
 WorldFileError = DoormillError.row(
     "WorldFileError", 857, "The world file of a simulated shift cannot be used."
 )
+WoodTornOut = DoormillError.row(
+    "WoodTornOut", 858, "In a simulated run the mill came out of the wood where nothing backed it."
+)

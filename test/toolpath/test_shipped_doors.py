@@ -59,7 +59,7 @@ def test_two_robots_mill_it_too(cell, name):
     recipe = SHIPPED[name]
     shares = split(recipe, cell.T_base_door(recipe, *PLACEMENTS[1]), load_settings())
     done = [
-        (s.T_base_door, cell.program(recipe, s.T_base_door, operations=s.operations))
+        (s.T_base_door, cell.program_of(recipe, s))
         for s in shares
         if s.operations
     ]
