@@ -45,9 +45,9 @@ def check_far_side(operations: Sequence[Operation], size: DoorSize, boards: Sequ
             raise UnbackedHoleError(
                 f"{feature.id}: it comes out of the {face} face {m_to_mm(size.width - y):.0f} mm from the lock edge "
                 f"and {m_to_mm(z):.0f} mm above the lower end of the door, where nothing backs the wood and the "
-                f"mill would tear it out; allowed is a hole with {m_to_mm(RIM):.0f} mm of board round it behind the rear "
-                f"face (config/cell.yaml has {found}), milled from the front: place a board there, or let a second robot "
-                "mill the other half (from_both_sides)",
+                f"mill would tear it out; allowed is a hole with {m_to_mm(RIM):.0f} mm of board round it behind the "
+                f"rear face (config/cell.yaml has {found}), milled from the front: place a board there, or let a "
+                "second robot mill the other half (from_both_sides)",
                 feature=feature.id,
                 found=(y, z),
             )

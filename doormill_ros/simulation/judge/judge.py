@@ -14,6 +14,7 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import Body, Box, JudgedCell
 from doormill_ros.simulation.judge.links import BASE, FLANGE
+from doormill_ros.simulation.judge.manner import bad_cuts
 from doormill_ros.simulation.judge.mill import TOLERANCE, judge_mill, mill_radius
 from doormill_ros.simulation.judge.shapes import cylinder_gap
 from doormill_ros.simulation.judge.sweep import Meeting, Sweep
@@ -64,8 +65,9 @@ def judge(
         touches += _mill_touches(recipe, executed, sweep, cell, obstacle, T_door_base)
     for board in boards:
         touches += _mill_touches(recipe, executed, sweep, cell, board, T_door_base, pockets)
+    bad = bad_cuts(recipe, T_base_door_true, executed)
     touches.sort(key=lambda touch: (touch.time, touch.body, touch.obstacle))
-    return Verdict(len(executed), tuple(touches), mill.gone, mill.torn)
+    return Verdict(len(executed), tuple(touches), mill.gone, mill.torn, tuple(bad))
 
 
 def _meeting(sweep: Sweep, body: Body, obstacle: Box) -> Meeting:
