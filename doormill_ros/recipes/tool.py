@@ -45,7 +45,7 @@ class Tool(Section):
     min_surface_speed: Annotated[float | None, Quantity("m_min", 10.0, 6000.0)] = None
     max_surface_speed: Annotated[float | None, Quantity("m_min", 10.0, 6000.0)] = None
     centre_cutting: StrictBool = False
-    max_ramp: Annotated[float, Quantity("deg", 1.0, 45.0)] = deg_to_rad(20.0)
+    max_ramp: Annotated[float, Quantity("deg", 1.0, 45.0)] = deg_to_rad(25.0)
 
     @property
     def radius(self) -> float:

@@ -89,7 +89,11 @@ class _Wood:
         start, end = self._at(step.curve.start), self._at(step.curve.end)
         reached = np.flatnonzero(self.bottom <= max(start[2], end[2]) + 1e-6)
         flat = self._is_flat(step)
-        wrench = self._across(step, reached) if flat else self._down(step, end, reached)
+        wrench = np.zeros(6)
+        if flat:
+            wrench += self._across(step, reached)
+        if end[2] - start[2] > RAMP:
+            wrench += self._down(step, start, end, reached)
         self._sweep(step, reached)
         R_tool_feature = R_FEATURE_TOOL.T
         force, moment = R_tool_feature @ wrench[:3], R_tool_feature @ wrench[3:]
@@ -122,14 +126,15 @@ class _Wood:
             wrench[3:] += np.cross([0.0, 0.0, 0.5 * (top + bottom) - depth], force)
         return wrench
 
-    def _down(self, step: Step, end: FloatArray, reached: IntArray) -> FloatArray:
-        """Wrench of a cut along the tool axis, feature axes, shape (6,) [N, N m]."""
+    def _down(self, step: Step, start: FloatArray, end: FloatArray, reached: IntArray) -> FloatArray:
+        """Wrench of what a cut goes down along the tool axis, feature axes, shape (6,) [N, N m]."""
         if not len(reached):
             return np.zeros(6)
         disc = shapely.Point(end[:2]).buffer(self.radius, quad_segs=QUARTER)
         share = disc.difference(self.swept[reached[-1]]).area / disc.area
         tool, cutting = self.feature.tool, self.feature.cutting
-        chip = step.speed / (tool.flutes * cutting.spindle(tool) / (2.0 * math.pi))
+        sine = float(end[2] - start[2]) / max(step.curve.length, 1e-9)
+        chip = sine * step.speed / (tool.flutes * cutting.spindle(tool) / (2.0 * math.pi))
         out = plunge_force(share, self.radius, chip, tool.flutes, self.coefficients)
         return np.array([0.0, 0.0, -out, 0.0, 0.0, 0.0])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from doormill_ros.toolpath.curve import Curve, Line, arc_through
 
 Pieces = Sequence[tuple[Curve, str]]
 SHORT = 0.005  #: pieces of a straight line that are left or begun are longer than this, if the line is [m]
+GENTLER = 0.15  #: of a lap: so much longer may the ramps of a feature get
 NEAR = 1e-9  #: two places are one [m]
 
 
@@ -31,11 +32,13 @@ class Descent:
     slope: float
 
 
-def descent(pieces: Pieces, at: FloatArray, drop: float, slope: float, inward: FloatArray) -> Descent:
+def descent(
+    pieces: Pieces, at: FloatArray, drop: float, slope: float, inward: FloatArray, *, arriving: bool = False
+) -> Descent:
     """Down to a closed contour, along it.
 
-    The ramp begins over `at` where that lies on the contour, else where it ends at its first point, and goes round as
-    often as it takes. The arcs of a helix become those that a MoveC makes of three of its points, which lie inside it.
+    The ramp begins over `at` where that lies on the contour, else over its first point, or ends there, and goes round
+    as often as it takes. The arcs of a helix become those that a MoveC makes of three of its points: they lie inside.
 
     Args:
         pieces: The contour at its depth, arcs no longer than half a turn.
@@ -43,24 +46,28 @@ def descent(pieces: Pieces, at: FloatArray, drop: float, slope: float, inward: F
         drop: How far over the contour the ramp begins [m].
         slope: Steepest allowed [rad].
         inward: Unit direction into the wood, shape (3,).
+        arriving: True for a ramp that ends at the first point.
     """
     lengths = [curve.length for curve, _ in pieces]
     lap, needed = sum(lengths), drop / math.tan(slope)
     flat = at + ((pieces[0][0].start - at) @ inward) * inward
     start = _place_of(pieces, flat)
-    if start is None:
-        step = lengths[0] if pieces[0][0].is_arc else 0.0  # whole arcs
-        way = _way_of(pieces, lambda long: -long % lap, needed, step)
-        start = -way % lap
+    on = 0.0 if start is None else start
+    if arriving and start is None and not pieces[0][0].is_arc:
+        way = needed
+        while _worth(pieces, -way % lap, way) < needed - NEAR:
+            way += SHORT
+        on = -way % lap
+    elif pieces[0][0].is_arc and start is None:
+        way = _way_of(pieces, on, needed, lengths[0])  # whole arcs
     else:
-        on: float = start
         # What would be left of a piece is gone down too.
-        way = _rounded_up(lengths, on, _way_of(pieces, lambda long: on, needed, 0.0))
-    parts = [curve for curve, _ in _stretch(pieces, start, way)]
+        way = _rounded_up(lengths, on, _way_of(pieces, on, needed))
+    parts = [curve for curve, _ in _stretch(pieces, on, way)]
     level = np.concatenate([[0.0], np.cumsum([_advance(curve) for curve in parts])])
     height = drop * (1.0 - level / level[-1])
     ramp = [_raised(c, a, b, inward) for c, a, b in zip(parts, height[:-1], height[1:], strict=True)]
-    rest = _stretch(pieces, (start + way) % lap, lap)
+    rest = _stretch(pieces, (on + way) % lap, lap)
     return Descent(tuple(ramp), tuple(rest), math.atan2(drop, float(level[-1])))
 
 
@@ -69,14 +76,41 @@ def _advance(curve: Curve) -> float:
     return math.dist(curve.start, curve.end)
 
 
-def _way_of(pieces: Pieces, start_of: Callable[[float], float], needed: float, step: float) -> float:
+def _way_of(pieces: Pieces, start: float, needed: float, step: float = 0.0) -> float:
     """The shortest way that is worth what is needed, or a multiple of the step that is [m]."""
     way = step or needed
-    while True:
-        worth = sum(_advance(curve) for curve, _ in _stretch(pieces, start_of(way), way))
-        if worth >= needed - NEAR:
-            return way
+    while (worth := _worth(pieces, start, way)) < needed - NEAR:
         way += step or max(needed - worth, SHORT)
+    return way
+
+
+def _worth(pieces: Pieces, start: float, way: float) -> float:
+    return sum(_advance(curve) for curve, _ in _stretch(pieces, start, way))
+
+
+def centred(pieces: Pieces, drops: Sequence[float], slope: float, beyond: float) -> tuple[FloatArray, float]:
+    """Where descents one after the other begin, and their slope, so that they begin and end near the first point.
+
+    The robot comes to that height and leaves from it. Half a lap further on is as good, so the slope is made somewhat
+    less steep where they come to lie there; else begin and end lie equally far from it.
+
+    Args:
+        pieces: The contour.
+        drops: How far each goes down [m].
+        slope: Steepest allowed [rad].
+        beyond: What comes behind the last one [m].
+
+    Returns:
+        Place on the contour, shape (3,) [m], and slope [rad].
+    """
+    lap = sum(curve.length for curve, _ in pieces)
+    run = sum(drops) / math.tan(slope)
+    even = math.ceil((run + beyond) / (0.5 * lap) - NEAR) * 0.5 * lap - beyond
+    if even - run <= GENTLER * lap:
+        return pieces[0][0].start, math.atan(sum(drops) / even)
+    drift = (run + beyond + 0.25 * lap) % (0.5 * lap) - 0.25 * lap
+    first, _ = next(_stretch(pieces, -0.5 * drift % lap, lap))
+    return first.points([0.0])[0], slope
 
 
 def straight_descent(

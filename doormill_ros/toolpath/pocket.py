@@ -13,7 +13,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.recipes.features.base import CLEARING, PLUNGE
 from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_about
-from doormill_ros.toolpath.entry import descent, straight_descent
+from doormill_ros.toolpath.entry import centred, descent, straight_descent
 from doormill_ros.toolpath.errors import ToolFitError
 from doormill_ros.toolpath.operation import Operation, from_line_near, from_longest_line
 from doormill_ros.toolpath.pace import eased
@@ -35,7 +35,7 @@ ABOVE_FLOOR = 0.002  #: where the way down changes from rapid to plunge feed [m]
 SMALLEST_CHORD = 1e-4  #: a MoveC needs more than this from its start to its circle point [m]
 LARGEST_ARC = deg_to_rad(180.0)  #: longer arcs are divided; MoveC allows about 240 degrees
 AROUND = 0.8  #: of the room beside the mill: how far from the middle it goes down before a wall pass
-LIFT = 5e-4  #: above the surface where a ramp begins [m]
+LIFT = ABOVE_FLOOR  #: above the surface where a ramp begins [m]
 NEAR = 1e-9  #: two places are one [m]
 SHARP = deg_to_rad(5.0)  #: the tool stops at a corner of the wall pass sharper than this
 
@@ -107,6 +107,7 @@ class _Pocket:
             spindle_speed=cutting.spindle(self.feature.tool),
         )
         self.inward = operation.T_door_feature[:3, 2]
+        self.slope = self.feature.tool.max_ramp  # of ramps down to contours
         self.result: list[Step] = []
         self.at: FloatArray = operation.T_door_feature[:3, 3]
 
@@ -121,7 +122,7 @@ class _Pocket:
             contours = rings(rough, self.half, self.radius)
             for number, inset in enumerate(contours):
                 last = number == len(contours) - 1
-                self._contour(inset, level, floor, wall=last and not finish)
+                self._contour(inset, level, floor, wall=last and not finish, more=not last)
             floor = level
         if finish:
             self._contour(self.radius, depth, floor, wall=True)
@@ -139,7 +140,7 @@ class _Pocket:
             and pitch <= self.feature.passes.depth_step
         )
 
-    def _contour(self, inset: float, depth: float, floor: float, wall: bool) -> None:
+    def _contour(self, inset: float, depth: float, floor: float, wall: bool, more: bool = False) -> None:
         corner = 0.0 if wall else CORNER * self.radius
         # Behind another contour the way in lies ahead: the tool need not turn back for it.
         ahead = AHEAD * (self._lead_radius(inset) or 0.0) if wall and self.result else 0.0
@@ -148,7 +149,7 @@ class _Pocket:
         down = float((pieces[0][0].start - self.at) @ self.inward) if self.result else depth + LIFT
         entering = down > NEAR and not self.feature.tool.centre_cutting
         if entering and not wall:
-            pieces = self._down_along(pieces, down)
+            pieces = self._down_along(pieces, down, more)
         start, tangent = pieces[0][0].start, pieces[0][0].tangent(0.0)
         lead = self._lead(start, tangent, inset) if wall else None
         begin = start if lead is None else lead.start
@@ -180,9 +181,18 @@ class _Pocket:
             pieces = from_longest_line(contour, ahead)
         return [part for curve, name in pieces for part in _followable(curve, name)]
 
-    def _down_along(self, pieces: list[tuple[Curve, str]], drop: float) -> list[tuple[Curve, str]]:
+    def _down_along(
+        self, pieces: list[tuple[Curve, str]], drop: float, more: bool
+    ) -> list[tuple[Curve, str]]:
         """Down along a contour that clears, from where the tool stands if that is on it; the contour from there on."""
-        found = descent(pieces, self.at, drop, self.feature.tool.max_ramp, self.inward)
+        slope = self.feature.tool.max_ramp
+        # The next contour begins near the middle of a line; before a contour that stands alone the tool waits there.
+        at = self.at
+        if not (self.result or more or pieces[0][0].is_arc):
+            step, ahead = self.feature.passes.depth_step, AHEAD * (self._lead_radius(self.radius) or 0.0)
+            drops = np.diff([-LIFT, *levels(self.operation.depth, step)]).tolist()
+            at, self.slope = centred(pieces, drops, slope, ahead)
+        found = descent(pieces, at, drop, self.slope, self.inward, arriving=more)
         self._ramp(found.ramp, found.slope)
         return list(found.lap)
 
@@ -215,8 +225,7 @@ class _Pocket:
         front = point - (below + self.approach.clearance) * self.inward
         self.at = front
         self._line(front, speed=self.approach.rapid_speed, zone="fine")
-        self._line(point - (below + ABOVE_FLOOR) * self.inward, speed=self.approach.plunge_speed)
-        self._line(point, speed=self.plunge_feed)
+        self._line(point, speed=self.approach.plunge_speed)
 
     def _lead_radius(self, inset: float) -> float | None:
         """Radius of lead-in and lead-out [m], None where there is no room for them."""

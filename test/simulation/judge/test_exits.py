@@ -25,7 +25,7 @@ from support.judged_doors import RUN_ID, rigid
 FRONT, REAR = R_DOOR_FEATURE[Side.FRONT], R_DOOR_FEATURE[Side.REAR]
 FAR = transform(translation=[1.6, 0.0, 0.0])
 WITH_HOLES = {name: r for name, r in shipped_recipes().items() if any(f.through for f in r.features)}
-DOOR = doors.door_with("handle_hole", 2000, 800, 40)
+DOOR = doors.door_with("handle_hole", 2000, 800, 40, centre_cutting=True)
 HOLE = DOOR.features[0]
 Y, Z = 0.75, HOLE.height
 BOARD = Board("board", 0.018, np.array([0.010, 0.200]), np.array([0.4, 0.6]))
