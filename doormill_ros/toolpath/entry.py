@@ -54,9 +54,9 @@ def descent(
     start = _place_of(pieces, flat)
     on = 0.0 if start is None else start
     if arriving and start is None and not pieces[0][0].is_arc:
-        way = needed
-        while _worth(pieces, -way % lap, way) < needed - NEAR:
-            way += SHORT
+        # Gone down from there backwards: the contour the other way round is worth as much.
+        backwards = [(curve.backwards(), name) for curve, name in reversed(pieces)]
+        way = _way_of(backwards, 0.0, needed)
         on = -way % lap
     elif pieces[0][0].is_arc and start is None:
         way = _way_of(pieces, on, needed, lengths[0])  # whole arcs
@@ -78,6 +78,14 @@ def _advance(curve: Curve) -> float:
 
 def _way_of(pieces: Pieces, start: float, needed: float, step: float = 0.0) -> float:
     """The shortest way that is worth what is needed, or a multiple of the step that is [m]."""
+    lap, gained = sum(curve.length for curve, _ in pieces), sum(_advance(curve) for curve, _ in pieces)
+    # Whole laps first: what is left takes few looks.
+    whole = max(0.0, needed // gained - 1.0) * lap
+    needed -= whole / lap * gained
+    return whole + _looked_for(pieces, start, needed, step)
+
+
+def _looked_for(pieces: Pieces, start: float, needed: float, step: float) -> float:
     way = step or needed
     while (worth := _worth(pieces, start, way)) < needed - NEAR:
         way += step or max(needed - worth, SHORT)
