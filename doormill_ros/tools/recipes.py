@@ -136,11 +136,11 @@ def _check(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
     from doormill_ros.toolpath.errors import PathError
 
     recipe = _chosen(database, arguments)
-    print(cutting_table(recipe.features))
     robots = preview(recipe, arguments.robots, arguments.robot_model)
     for robot in robots:
         print(f"{robot.robot} robot")
         print(text_table(robot.check))
+    print(cutting_table(recipe.features))
     whole = cycle_budget([robot.check for robot in robots])
     if len(robots) > 1:
         print(whole)

@@ -38,13 +38,13 @@ def test_the_plunge_pushes_the_tool_out_of_the_wood():
     assert not steps[0].wrench_tool[:2].any()
 
 
-def test_a_ramp_pushes_it_out_less_and_across_half_as_much_as_the_slot_that_it_becomes(hinge):
-    """Full engagement at half the depth in the mean."""
+def test_a_ramp_pushes_it_out_as_a_plunge_and_across_less_than_the_slot_that_it_becomes(hinge):
+    """It goes down as fast as a plunge, and cuts all round at less than half the depth in the mean."""
     (plunge, *_), _ = cuts("hinge_1", tool=replace(RECIPE.feature("hinge_1").tool, centre_cutting=True))
     ramp = hinge[0][0]
-    assert plunge.wrench_tool[2] < ramp.wrench_tool[2] < 0.0
+    assert ramp.wrench_tool[2] == pytest.approx(plunge.wrench_tool[2])
     slot = max(np.linalg.norm(s.wrench_tool[:2]) for s in hinge[0][1:])
-    assert 0.3 * slot < np.linalg.norm(ramp.wrench_tool[:2]) < 0.6 * slot
+    assert 0.1 * slot < np.linalg.norm(ramp.wrench_tool[:2]) < 0.6 * slot
 
 
 def test_the_first_ring_is_a_slot_and_the_wall_takes_less():
