@@ -12,10 +12,13 @@ NODES = [
     "cell_simulator",
 ]
 TOOLS = [
+    "backup",
     "calibrate",
     "cell",
+    "health",
     "replay",
     "recipes",
+    "restore",
     "identify",
     "diagnose",
     "locate",

@@ -99,7 +99,8 @@ def test_tools_and_nodes_named_in_the_readme_are_installed() -> None:
         if (Path(p) / "lib" / "doormill_ros").is_dir()
     )
     before_dependencies = README.split("## Why each dependency")[0]
-    names = re.findall(r"^\| `(\w+)` \|", before_dependencies, flags=re.MULTILINE)
-    assert len(names) == 16
+    cells = re.findall(r"^\| (`\w+`(?:, `\w+`)*) \|", before_dependencies, flags=re.MULTILINE)
+    names = [name for cell in cells for name in re.findall(r"\w+", cell)]
+    assert len(names) == 19
     for name in names:
         assert (Path(prefix) / "lib" / "doormill_ros" / name).is_file(), name
