@@ -1,4 +1,4 @@
-"""Every command of the README runs."""
+"""Every command of the README runs, and those for who lives with a cell."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from support.source_tree import ROOT
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```bash\n(.*?)```", README, flags=re.DOTALL)
 MAKE = [block.strip() for block in BLOCKS if block.startswith("make ")]
+LIVING = (ROOT / "docs" / "living.md").read_text(encoding="utf-8")
+BLOCKS += re.findall(r"```bash\n(.*?)```", LIVING, flags=re.DOTALL)
 SHELL = [block for block in BLOCKS if not block.startswith("make ")]
 LIMIT = 240  # s
 

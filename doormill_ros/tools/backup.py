@@ -40,7 +40,7 @@ def main(argv: list[str] | None = None) -> int:
         0; 2 with one line on stderr when there is no backup.
     """
     options = parser().parse_args(argv)
-    site = (options.site or site_folder()).expanduser()
+    site = options.site or site_folder()
     try:
         database = SiteDatabase(options.database or _own_database(options.site))
         with alone(site):
@@ -59,7 +59,7 @@ def main(argv: list[str] | None = None) -> int:
 
 def _own_database(site: Path | None) -> str | None:
     """A site that was named brings its own database, unless another is named."""
-    return str(site.expanduser() / "recipes.sqlite") if site else None
+    return str(site / "recipes.sqlite") if site else None
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ def main(argv: list[str] | None = None) -> int:
         0; 2 with one line on stderr when nothing was changed.
     """
     options = parser().parse_args(argv)
-    site = (options.site or site_folder()).expanduser()
+    site = options.site or site_folder()
     try:
         backup = read_archive(options.file)
         if options.check:
