@@ -30,7 +30,7 @@ class StalePicture(LocalizationError):
 
 
 class BadPicture(LocalizationError):
-    """Not a picture of shape (h, w) and type uint8."""
+    """The picture is of a kind that is not read, or it is damaged."""
 
     code = 211
 
