@@ -46,4 +46,10 @@ BadDoorFace = LocalizationError.row("BadDoorFace", 213, "The door's width or thi
 BadCameraInfo = LocalizationError.row(
     "BadCameraInfo", 214, "The intrinsics that came are none of a usable camera."
 )
+CameraMoved = LocalizationError.row(
+    "CameraMoved", 215, "The camera no longer stands or sees as it was calibrated."
+)
+MarksMissing = LocalizationError.row(
+    "MarksMissing", 216, "The cell's marks are not seen well enough to check the camera."
+)
 BadCameraFile = LocalizationError.row("BadCameraFile", 212, "A key is missing or a value is out of bounds.")

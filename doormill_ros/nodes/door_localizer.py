@@ -10,8 +10,9 @@ from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.arrays import ByteArray
@@ -20,11 +21,13 @@ from doormill_ros.cell.layout import load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
+from doormill_ros.localization.drift import Drift
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import prepare
+from doormill_ros.localization.mark_watch import MarkWatch
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
 from doormill_ros.localization.result import Localization
-from doormill_ros.messages.from_message import camera_of, nanoseconds_of
+from doormill_ros.messages.from_message import camera_of, nanoseconds_of, seconds_of
 from doormill_ros.messages.picture import picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
@@ -86,6 +89,8 @@ class DoorLocalizer(ManagedNode):
         self._waiting: tuple[Picture, float] | None = None
         self._pose = self.publisher(topics.DOOR_POSE)
         self._localization = self.publisher(topics.DOOR_LOCALIZATION)
+        self._marks = MarkWatch()
+        self._moved = self.publisher(topics.CAMERA_MOVED) if self._mounted.marks is not None else None
         self._overlay = self.publisher(topics.DOOR_OVERLAY)
         self._frames = frame_publisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
@@ -155,14 +160,32 @@ class DoorLocalizer(ManagedNode):
             answer.error_code = error.code
             answer.reason = error.message
             self._localization.publish(answer)
-            self.report(WARN, f"door {recipe.door_id}: {error.message}", error_code=error.code)
+            said = f"door {recipe.door_id}: {error.message}"
+            drift = error.data.get("drift")
+            if drift is not None:
+                said = said.replace(drift.sentence, self._tell_drift(drift, answer.header))
+            self.report(WARN, said, error_code=error.code)
             reason = error
             self.later("show", lambda: self._show_refusal(message, reason))
             return
         answer.duration = time.perf_counter() - begun
         self._publish(answer, found)
-        self.report(OK, "door found", door_id=recipe.door_id, residual=found.residual, quality=found.quality)
+        values = {"door_id": recipe.door_id, "residual": found.residual, "quality": found.quality}
+        told = "" if found.drift is None else self._tell_drift(found.drift, answer.header)
+        if found.drift is not None:
+            values["camera"] = f"{found.drift.share:.2f} of what marks.limit allows"
+        self.report(WARN if told else OK, f"door found, but {told}" if told else "door found", **values)
         self.later("show", lambda: self._show(message, found, recipe.width))
+
+    def _tell_drift(self, drift: Drift, header: Header) -> str:
+        """Put on record how the camera stands; what is to be said of it."""
+        if self._moved is not None:
+            message = TwistStamped(header=header)
+            twist = message.twist
+            twist.linear.x, twist.linear.y, twist.linear.z = drift.nearer, *map(float, drift.moved[1:])
+            twist.angular.x, twist.angular.y, twist.angular.z = map(float, drift.turned)
+            self._moved.publish(message)
+        return self._marks.told(drift, seconds_of(header.stamp))
 
     def _show(self, message: Picture, found: Localization, width: float) -> None:
         """What people look at."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped, TransformStamped, TwistStamped
 from nav_msgs.msg import Path
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState
@@ -71,6 +71,8 @@ COMPRESSED = _topic("camera/image_raw/compressed", CompressedImage, PICTURE, PIC
 #: As `image_transport` names the ways that pictures take.
 PICTURES = {"raw": IMAGE, "compressed": COMPRESSED}
 CAMERA_INFO = _topic("camera/camera_info", CameraInfo, PICTURE, PICTURE_FALLBACK)
+#: Way [m] and turn [rad] of the camera since its calibration, in base axes; there in cells with marks.
+CAMERA_MOVED = _topic("camera/moved", TwistStamped, EVENT)
 DOOR_POSE = _topic("door/pose", PoseStamped, EVENT)
 DOOR_LOCALIZATION = _topic("door/localization", DoorLocalization, EVENT)
 DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE, PICTURE_FALLBACK)
