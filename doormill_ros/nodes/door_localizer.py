@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.arrays import ByteArray
@@ -22,6 +23,7 @@ from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import prepare
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
+from doormill_ros.localization.rehearsal import rehearse
 from doormill_ros.localization.result import Localization
 from doormill_ros.messages.from_message import camera_of, nanoseconds_of, picture_of
 from doormill_ros.nodes import topics
@@ -79,6 +81,12 @@ class DoorLocalizer(ManagedNode):
         self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
         self.subscribe(topics.IMAGE, self._take_picture)
         self.every(0.05, self._give_up_waiting)
+
+    def rehearse(self) -> None:
+        """Look at a drawn door and draw what is shown of it."""
+        found, picture = rehearse(self._mounted, self._layout)
+        picture_message(draw_overlay(picture, found)[::2, ::2], Header())
+        pose_message(found.T_base_door)
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         self._recipe = recipe
