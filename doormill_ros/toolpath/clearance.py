@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.collision.sweep import RESERVE, Contact, contact_along, contact_on_line
 from doormill_ros.collision.world import World
+from doormill_ros.frames import cross
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_near
 from doormill_ros.toolpath.errors import AirMoveError, BodyContactError, HolderError, ReachError
@@ -98,7 +99,7 @@ def _in_air(steps: Sequence[Step], index: int) -> bool:
     if step.cutting:
         return False
     way = step.curve.end - step.curve.start
-    aside = np.linalg.norm(np.cross(way, step.R_door_tool[:, 2]))
+    aside = np.linalg.norm(cross(way, step.R_door_tool[:, 2]))
     return not step.feature or bool(aside > 1e-6)
 
 
