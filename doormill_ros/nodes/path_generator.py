@@ -27,7 +27,7 @@ from doormill_ros.nodes.frame_publisher import frame_publisher
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
-from doormill_ros.pipeline.plan import load_setup, plan, rehearse
+from doormill_ros.pipeline.plan import load_setup, plan, prepare, rehearse
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
 from doormill_ros.robot_model.extended_model import unknown_on_path
@@ -96,6 +96,9 @@ class PathGenerator(ManagedNode):
         if self._early is not None:
             pose, self._early = self._early, None
             self._take_pose(pose)
+        elif self._door is not None:
+            with suppress(DoormillError):  # likewise
+                prepare(self._door, self._setup)
 
     def _take_pose(self, pose: PoseStamped) -> None:
         recipe, now = self._recipe, self.get_clock().now().to_msg()

@@ -14,6 +14,7 @@ from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.extended_model import load_model_of
 from doormill_ros.toolpath.door_checks import DoorCheck, check_door
+from doormill_ros.toolpath.door_plan import door_plan, whole_door
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.program import MillingProgram
@@ -81,6 +82,15 @@ def rehearse(setup: MillingSetup) -> tuple[Recipe, FloatArray, PlannedProgram]:
     recipe = load_recipe(REHEARSED)
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness)
     return recipe, T_base_door, plan(recipe, T_base_door, setup)
+
+
+def prepare(recipe: Recipe, setup: MillingSetup) -> None:
+    """Work out what does not depend on where the door stands, so that its pose need not wait for it; see `plan`.
+
+    Raises:
+        PathError: NothingToMillError or ToolFitError.
+    """
+    door_plan(recipe, whole_door(recipe), setup.settings)
 
 
 def plan(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,6 +74,7 @@ class Operation:
         return [(curve.backwards(), name) for curve, name in reversed(pieces)]
 
 
+@functools.lru_cache(maxsize=128)  # so that whoever works on one and the same finds what he made of it
 def operation(feature: Feature, door: DoorSize, half: bool = False, far_side: bool = False) -> Operation:
     """A feature as one robot mills it.
 
