@@ -43,7 +43,7 @@ def inverse_branches(robot: Robot, T_base_flange: FloatArray) -> FloatArray:
     Raises:
         GeometryError: The robot has no closed-form inverse here.
     """
-    arm = ortho_parallel(robot.dh, robot.label)
+    arm = _arm_of(robot)
     T_base_flange = np.asarray(T_base_flange, dtype=float)
     q = _library_branches(arm, T_base_flange)
     # Where axis 5 is straight the library may take the arc cosine of a hair more than one and give
@@ -105,6 +105,11 @@ def _turned_about_wrist(arm: OrthoParallel, T_base_flange: FloatArray) -> FloatA
     turned[:, :3, :3] = T_base_flange[:, :3, :3] @ _NUDGED
     turned[:, :3, 3] = wrist + arm.c4 * turned[:, :3, 2]
     return turned
+
+
+@functools.lru_cache(maxsize=8)
+def _arm_of(robot: Robot) -> OrthoParallel:
+    return ortho_parallel(robot.dh, robot.label)
 
 
 @functools.cache
