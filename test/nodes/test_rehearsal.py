@@ -59,11 +59,11 @@ def test_what_a_node_tells_first_is_not_its_rehearsal(
     listener = Node("listener", context=context)
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(listener)
-    numbers: dict[str, int] = {}
+    heard: dict[str, list[tuple[int, int]]] = {topic.name: [] for topic in told}
 
     def listen(topic: topics.Topic) -> None:
         def hear(message: Any, info: Any) -> None:
-            numbers.setdefault(topic.name, info["publication_sequence_number"])
+            heard[topic.name].append((info["source_timestamp"], info["publication_sequence_number"]))
 
         listener.create_subscription(topic.type, topic.name, hear, topic.requested)
 
@@ -76,12 +76,14 @@ def test_what_a_node_tells_first_is_not_its_rehearsal(
     while any(publishers[topic.name].get_subscription_count() < 1 for topic in told):
         assert time.monotonic() < limit
         executor.spin_once(timeout_sec=0.05)
+    now = time.time_ns()
     for topic in told:
         publishers[topic.name].publish(topic.type())
-    while len(numbers) < len(told):
+    while not all(any(sent >= now for sent, _ in messages) for messages in heard.values()):
         assert time.monotonic() < limit
         executor.spin_once(timeout_sec=0.05)
-    assert set(numbers.values()) == {1}
+    # The publisher counts, also what nobody was there to hear.
+    assert {number for messages in heard.values() for _, number in messages} == {1}
     executor.shutdown()
     node.close()
     node.destroy_node()
