@@ -46,7 +46,10 @@ FILE_SIZE = 40_000  #: of a target file [bytes]
 
 @dataclass(frozen=True)
 class Shift:
-    """What one cell showed: doors idle and busy, what it held on the way, disk a door [bytes], time until it was up."""
+    """What one cell showed: doors idle and busy, what it held on the way, disk a door [bytes].
+
+    `start` and `spent` are the processor time of each process until it was up, and for an idle door [s].
+    """
 
     idle: list[DoorWay]
     busy: list[DoorWay]
@@ -54,7 +57,8 @@ class Shift:
     last: dict[str, Held]
     shared: tuple[tuple[int, int], tuple[int, int]]
     disk: float
-    up: float
+    start: dict[str, float]
+    spent: dict[str, float]
     doors: int
 
 
@@ -68,6 +72,9 @@ def run(doors: int = DOORS) -> list[Entry]:
     shift = _shift(list(recipes), doors)
     _table(console, "idle", shift.idle, floor)
     _table(console, "one core busy", shift.busy, floor)
+    for title, times in (("until all nodes are active", shift.start), ("an idle door", shift.spent)):
+        said = ", ".join(f"{name} {s_to_ms(time):.0f}" for name, time in times.items())
+        console.print(f"\nprocessor time {title} [ms]: {said}")
     entries = [_first_entry(way) for way, _ in firsts]
     entries.append(
         limit("cell: nodes active", float(np.median([up for _, up in firsts])), "s", UP, len(firsts))
@@ -99,11 +106,14 @@ def _shift(names: Sequence[str], doors: int) -> Shift:
     """Doors in turn through one cell, idle first."""
     turn = itertools.cycle(names)
     with timed_cell() as cell:
+        start = cell.processor_times()
         for _ in range(WARM):
             cell.take(next(turn))
         warm, shared, disk = cell.held(), cell.shared(), size_of(cell.folder)
+        before = cell.processor_times()
         for _ in range(doors):
             cell.take(next(turn))
+        spent = {name: (time - before[name]) / doors for name, time in cell.processor_times().items()}
         with busy_core(True):
             for _ in range(doors):
                 cell.take(next(turn))
@@ -111,7 +121,7 @@ def _shift(names: Sequence[str], doors: int) -> Shift:
         ways = _only(ways_of(_closed_bag(cell)), WARM + 2 * doors)
         grown = size_of(cell.folder) - disk
     idle, busy = ways[WARM : len(ways) - doors], ways[len(ways) - doors :]
-    return Shift(idle, busy, warm, last, (shared, shared_last), grown / (2 * doors), cell.up, 2 * doors)
+    return Shift(idle, busy, warm, last, (shared, shared_last), grown / (2 * doors), start, spent, 2 * doors)
 
 
 def _closed_bag(cell: TimedCell) -> Path:

@@ -44,6 +44,13 @@ def _held_now(pid: int) -> Held:
     )
 
 
+def processor_time_of(pid: int) -> float:
+    """Processor time that a process has taken, its kernel's share too [s]."""
+    # The second field, the program's name in brackets, may hold blanks.
+    fields = (Path("/proc") / str(pid) / "stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def shared_of(pids: Iterable[int]) -> tuple[int, int]:
     """Segments of shared memory that these processes have mapped or open, and their bytes."""
     found: dict[str, int] = {}

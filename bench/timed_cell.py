@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from held import Held, held_by, shared_of
+from held import Held, held_by, processor_time_of, shared_of
 
 from support.cell_processes import CellProcesses
 
@@ -61,6 +61,10 @@ class TimedCell(CellProcesses):
     def held(self) -> dict[str, Held]:
         """What each of the shipped nodes' processes holds."""
         return {name: held_by(self.processes[name].pid) for name in NODES}
+
+    def processor_times(self) -> dict[str, float]:
+        """What each of the shipped nodes' processes has taken [s]."""
+        return {name: processor_time_of(self.processes[name].pid) for name in NODES}
 
     def shared(self) -> tuple[int, int]:
         """Segments of shared memory of all processes, and their bytes."""

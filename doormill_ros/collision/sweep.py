@@ -146,7 +146,8 @@ def _size(start: FloatArray, end: FloatArray, reach: FloatArray) -> FloatArray:
 
 def _within(step: FloatArray, off: FloatArray, reach: FloatArray, spare: FloatArray) -> BoolArray:
     """Which postures a posture proves, by their joint angles from it, shape (m, 6) -> (m,)."""
-    near: BoolArray = ((np.abs(step) + off) @ reach <= spare).all(axis=1)
+    pair: BoolArray = (np.abs(step) + off) @ reach <= spare
+    near: BoolArray = pair.all(axis=1)
     return near
 
 
