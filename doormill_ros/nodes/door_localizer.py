@@ -26,6 +26,7 @@ from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import prepare
 from doormill_ros.localization.mark_watch import MarkWatch
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
+from doormill_ros.localization.rehearsal import rehearse
 from doormill_ros.localization.result import Localization
 from doormill_ros.messages.from_message import camera_of, nanoseconds_of, seconds_of
 from doormill_ros.messages.picture import picture_of
@@ -97,6 +98,12 @@ class DoorLocalizer(ManagedNode):
         self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
         self.subscribe(topics.PICTURES[transport], self._take_picture)
         self.every(0.05, self._give_up_waiting)
+
+    def rehearse(self) -> None:
+        """Look at a drawn door and draw what is shown of it."""
+        found, picture = rehearse(self._mounted, self._layout)
+        picture_message(draw_overlay(picture, found)[::2, ::2], Header())
+        pose_message(found.T_base_door)
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         self._recipe = recipe
