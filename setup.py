@@ -15,6 +15,7 @@ TOOLS = [
     "calibrate",
     "cell",
     "replay",
+    "catalogue",
     "recipes",
     "identify",
     "diagnose",

@@ -100,6 +100,6 @@ def test_tools_and_nodes_named_in_the_readme_are_installed() -> None:
     )
     before_dependencies = README.split("## Why each dependency")[0]
     names = re.findall(r"^\| `(\w+)` \|", before_dependencies, flags=re.MULTILINE)
-    assert len(names) == 16
+    assert len(names) == 17
     for name in names:
         assert (Path(prefix) / "lib" / "doormill_ros" / name).is_file(), name
