@@ -18,6 +18,7 @@ TOOLS = [
     "cell",
     "health",
     "replay",
+    "catalogue",
     "recipes",
     "restore",
     "identify",

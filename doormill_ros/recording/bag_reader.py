@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -86,7 +86,9 @@ def topics_of(folder: Path) -> list[str]:
         raise _unreadable(folder, error) from error
 
 
-def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagMessage]:
+def read_bag(
+    folder: Path, topics: Sequence[str] | Callable[[str], object] | None = None
+) -> Iterator[BagMessage]:
     """Messages in the order in which they were recorded.
 
     A bag whose recorder was killed is read as far as it was written. What a further file repeats of earlier ones is
@@ -94,12 +96,13 @@ def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagM
 
     Args:
         folder: Bag folder with metadata.yaml, or a file of one.
-        topics: Full topic names to read; None for all.
+        topics: Full topic names to read, or what tells of one whether to; None for all.
 
     Raises:
         UnreadableBagError: No such bag, or damaged beyond reading.
     """
-    messages = _scanned(folder, topics) if is_broken_off(folder) else _indexed(folder, topics)
+    wanted = topics if callable(topics) else lambda name: topics is None or name in topics
+    messages = _scanned(folder, wanted) if is_broken_off(folder) else _indexed(folder, wanted)
     try:
         for path in _files(folder):
             check_chunks(path)
@@ -110,9 +113,9 @@ def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagM
         raise _unreadable(folder, error) from error
 
 
-def _indexed(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]:
+def _indexed(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessage]:
     with Reader(folder) as reader:
-        chosen = [c for c in reader.connections if topics is None or c.topic in topics]
+        chosen = [c for c in reader.connections if wanted(c.topic)]
         if not chosen:
             return
         store = typestore_of((c.msgtype, c.msgdef.data) for c in chosen)
@@ -124,11 +127,11 @@ def _indexed(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]
             yield BagMessage(connection.topic, stamp_ns, message, bytes(data), connection.msgtype)
 
 
-def _scanned(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]:
+def _scanned(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessage]:
     store, known = typestore_of(()), set()
     for path in _files(folder):
         for item in scan(path) if path == _files(folder)[0] else scan_further(path):
-            if topics is not None and item.channel.topic not in topics:
+            if not wanted(item.channel.topic):
                 continue
             name = item.schema.name
             if name not in known:

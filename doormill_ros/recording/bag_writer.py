@@ -36,19 +36,27 @@ class BagWriter:
         split_size: A new file is begun once one has this many bytes; 0 for never.
         ros_distro: Goes into metadata.yaml.
         device: What records, under Foxglove's name for it; empty: left out.
+        custom: Goes there too, as custom data.
 
     Raises:
         BagExistsError: The folder holds files.
     """
 
-    def __init__(self, folder: Path, split_size: int = 0, ros_distro: str = "", device: str = "") -> None:
+    def __init__(
+        self,
+        folder: Path,
+        split_size: int = 0,
+        ros_distro: str = "",
+        device: str = "",
+        custom: Mapping[str, str] | None = None,
+    ) -> None:
         self.folder = Path(folder)
         if self.folder.exists() and any(self.folder.iterdir()):
             raise BagExistsError(
                 f"bag folder {self.folder} is not empty; choose another or remove it", folder=str(self.folder)
             )
         self.folder.mkdir(parents=True, exist_ok=True)
-        self.record = BagRecord(ros_distro or os.environ.get("ROS_DISTRO", ""))
+        self.record = BagRecord(ros_distro or os.environ.get("ROS_DISTRO", ""), custom=dict(custom or {}))
         self.split_size = split_size
         self._device = device
         self._latched = LatchedMemory()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from doormill_ros.messages.from_message import nanoseconds_of
-from doormill_ros.recording.bag_reader import BagMessage, read_bag, topics_of
+from doormill_ros.recording.bag_reader import BagMessage, read_bag
 from doormill_ros.recording.errors import EmptyBagError
 from doormill_ros.recording.replay.answer import (
     Answer,
@@ -194,9 +194,12 @@ def read_runs(bag: Path) -> list[RecordedRun]:
         RUN_RESULT: collector.result,
         STATUS: collector.status,
     }
-    wanted = {t: name for t in topics_of(bag) for name in take if t.endswith("/" + name)}
-    for item in read_bag(bag, list(wanted)) if wanted else ():
-        take[wanted[item.topic]](item)
+
+    def kind(topic: str) -> str | None:
+        return next((name for name in take if topic.endswith("/" + name)), None)
+
+    for item in read_bag(bag, kind):
+        take[str(kind(item.topic))](item)
     runs = [run for run in collector.runs.values() if run.recipe is not None or run.result is not None]
     if not runs:
         raise EmptyBagError(
