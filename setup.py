@@ -13,10 +13,13 @@ NODES = [
     "folder_camera",
 ]
 TOOLS = [
+    "backup",
     "calibrate",
     "cell",
+    "health",
     "replay",
     "recipes",
+    "restore",
     "identify",
     "diagnose",
     "locate",
