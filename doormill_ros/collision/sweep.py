@@ -147,7 +147,7 @@ def _size(start: FloatArray, end: FloatArray, reach: FloatArray) -> FloatArray:
 def _within(step: FloatArray, off: FloatArray, reach: FloatArray, spare: FloatArray) -> BoolArray:
     """Which postures a posture proves, by their joint angles from it, shape (m, 6) -> (m,)."""
     pair: BoolArray = (np.abs(step) + off) @ reach <= spare
-    near: BoolArray = pair.all(axis=1)
+    near: BoolArray = np.logical_and.reduce(pair, axis=1)
     return near
 
 

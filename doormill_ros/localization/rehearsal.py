@@ -1,6 +1,8 @@
-"""A door drawn with two strokes, and found: what happens at first use is over when the first picture comes."""
+"""A door drawn with two strokes, to be found before the first picture comes: what happens at first use is over then."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -8,35 +10,29 @@ import numpy as np
 from doormill_ros.arrays import ByteArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.localizer import localize
-from doormill_ros.localization.result import Localization
 from doormill_ros.localization.view import BOTTOM, HINGE, face_view
 
-WIDTH, THICKNESS = 0.9, 0.04  # m
 DARK, BRIGHT, NOISE = 40, 170, 2.0  # grey, of background and wood, and its standard deviation
 BLUR = 1.0  # px
-BEYOND, STEP = (
-    0.02,
-    0.005,
-)  # m; the face goes on outside the picture, and is drawn in such steps: lenses bend lines
+BEYOND = 0.02  # m that the face goes on outside the picture
+STEP = 0.005  # m between the corners with which it is drawn: lenses bend lines
 SHIFT = 4  # bits behind the point of a drawn corner's pixel
 
 
-def rehearse(camera: CameraModel, layout: CellLayout) -> tuple[Localization, ByteArray]:
-    """Find a bright face before a dark background where the nominal door stands.
+@dataclass
+class DrawnFace:
+    """Size of the drawn door [m]."""
 
-    Returns:
-        What was found, and the picture, shape (h, w), uint8.
-
-    Raises:
-        LocalizationError: This camera or layout shows no door there.
-    """
-    picture = _drawn(camera, layout)
-    return localize(picture, camera, layout, WIDTH, THICKNESS), picture
+    width: float = 0.9
+    thickness: float = 0.04
 
 
-def _drawn(camera: CameraModel, layout: CellLayout) -> ByteArray:
-    view = face_view(camera, layout, WIDTH, THICKNESS)
+FACE = DrawnFace()
+
+
+def drawn_door(camera: CameraModel, layout: CellLayout) -> ByteArray:
+    """A picture, shape (h, w), uint8, of a bright `FACE` before a dark background where the nominal door stands."""
+    view = face_view(camera, layout, FACE.width, FACE.thickness)
     hinge, bottom = (
         view.pixels(view.line(edge, np.zeros(3), np.arange(0.0, view.length(edge) + BEYOND, STEP)))
         for edge in (HINGE, BOTTOM)

@@ -26,7 +26,7 @@ from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import prepare
 from doormill_ros.localization.mark_watch import MarkWatch
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
-from doormill_ros.localization.rehearsal import rehearse
+from doormill_ros.localization.rehearsal import FACE, drawn_door
 from doormill_ros.localization.result import Localization
 from doormill_ros.messages.from_message import camera_of, nanoseconds_of, seconds_of
 from doormill_ros.messages.picture import picture_of
@@ -101,8 +101,9 @@ class DoorLocalizer(ManagedNode):
 
     def rehearse(self) -> None:
         """Look at a drawn door and draw what is shown of it."""
-        found, picture = rehearse(self._mounted, self._layout)
-        picture_message(draw_overlay(picture, found)[::2, ::2], Header())
+        picture = picture_message(drawn_door(self._mounted, self._layout), Header())
+        found = look(picture, self._mounted, self._layout, FACE)
+        picture_message(draw_overlay(picture_of(picture), found)[::2, ::2], Header())
         pose_message(found.T_base_door)
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
