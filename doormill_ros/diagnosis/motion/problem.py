@@ -159,9 +159,9 @@ class JointProblem:
         pulls = np.zeros((BLOCKS * len(self.motions), len(g)))
         np.add.at(pulls, self.block, A * (residual * weight)[:, None])
         std = scatter_of(pulls, inverse) / size
-        return self._unpack(members, delay, solution / size, std, residual, held_out)
+        return self.unpacked(members, delay, solution / size, std, residual, held_out)
 
-    def _unpack(
+    def unpacked(
         self,
         members: tuple[MotionCause, ...],
         delay: float,
@@ -170,6 +170,14 @@ class JointProblem:
         residual: FloatArray,
         held_out: FloatArray,
     ) -> JointFit:
+        """A model of all its numbers in the order of `design`.
+
+        Args:
+            members: Causes.
+            delay: At which the joint is seen [s].
+            solution, std: Numbers and their standard deviations, shape (p,).
+            residual, held_out: Fitted, and predicted without the block, shape (n,) [rad].
+        """
         at = len(self.motions)
         x, deviation = [], []
         for cause in members:
