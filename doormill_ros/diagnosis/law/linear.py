@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -13,21 +13,6 @@ from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.problem import Prediction, make_folds
 from doormill_ros.diagnosis.core.wording import METRES, Unit
 from doormill_ros.robot_model.candidate import Candidate
-
-
-#: Autocorrelation that is no more than chance.
-_FADED = 0.1
-
-
-class Columns(Protocol):
-    """A candidate that is linear in its numbers."""
-
-    @property
-    def size(self) -> int:
-        """Count of its numbers p."""
-
-    def effect(self, case: Any) -> FloatArray:
-        """What one unit of each number does to each row, shape (n, c, p)."""
 
 
 class Established(Candidate[Any]):
@@ -157,27 +142,3 @@ class LinearProblem:
     def measured_part(self, white: FloatArray) -> FloatArray:
         """The residual, shape (n, c), of a whitened one."""
         return white * self.sigma
-
-
-def excess(held_out: FloatArray, problem: LinearProblem) -> float:
-    """By how many standard deviations rows err that count as independent, of what a model leaves of rows left out.
-
-    What is left beside the noise repeats itself from row to row: as many rows count as one as its autocorrelation adds
-    up to until it has faded.
-
-    Args:
-        held_out: In standard deviations, shape (n, c).
-        problem: In whose order the rows are.
-    """
-    same = np.diff(problem.configuration, append=-1) == 0
-    power, count = float(np.mean(held_out**2)), 1.0
-    alone = same.copy()
-    for lag in range(1, len(held_out) // 4):
-        alone = alone[:-1] & same[lag:] if lag > 1 else alone[:-1]
-        if not alone.any():
-            break
-        share = float(np.mean((held_out[:-lag] * held_out[lag:])[alone])) / power
-        if share < _FADED:
-            break
-        count += 2.0 * share
-    return float(np.sqrt(power * count))

@@ -88,12 +88,12 @@ class LawSearch(BeamSearch[C], Generic[C]):
     def _first(self) -> dict[tuple[str, str], int]:
         return {cause.key: place for place, cause in reversed(list(enumerate(self.candidates)))}
 
-    def extensions(self, found: Fit[C]) -> list[tuple[ElasticCause, float]]:
+    def extensions(self, found: Fit[C]) -> list[tuple[C, float]]:
         """Of every place and driver the most promising terms."""
         # Less their prices: a curve of five numbers fits whatever one number fits.
         gains = self._preview.gains(found) - self._prices
         listed: Counter[tuple[str, str]] = Counter()
-        chosen: list[tuple[ElasticCause, float]] = []
+        chosen: list[tuple[C, float]] = []
         for i in ranks(-gains):
             term, gain = self.candidates[i], float(gains[i])
             if len(chosen) == _SCREEN or (gain < _PROMISING and len(chosen) >= 3):
@@ -108,7 +108,7 @@ class LawSearch(BeamSearch[C], Generic[C]):
         """One term more; pairs of thousands of terms are too many."""
         return super().grown(beam, None, best)
 
-    def useless(self, model: Fit[C], asked: Sequence[C], strictly: bool) -> list[tuple[ElasticCause, float]]:
+    def useless(self, model: Fit[C], asked: Sequence[C], strictly: bool) -> list[tuple[C, float]]:
         """Terms that do not earn their place in full; what is established stays."""
         terms = [term for term in asked if term.identity not in self._stays]
         gains = [(term, self._gain(self.without(model, term), model)) for term in terms]

@@ -23,8 +23,8 @@ from doormill_ros.measurements.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
-from doormill_ros.robot_model.motion.model import MotionModel
 from doormill_ros.robot_model.motion.law.term import MotionTerm
+from doormill_ros.robot_model.motion.model import MotionModel
 from doormill_ros.units import s_to_ms
 
 #: Where all link encoders are late together.

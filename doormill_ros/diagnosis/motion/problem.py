@@ -175,8 +175,10 @@ class JointProblem:
         Args:
             members: Causes.
             delay: At which the joint is seen [s].
-            solution, std: Numbers and their standard deviations, shape (p,).
-            residual, held_out: Fitted, and predicted without the block, shape (n,) [rad].
+            solution: Numbers, shape (p,).
+            std: Their standard deviations, shape (p,).
+            residual: What it leaves, shape (n,) [rad].
+            held_out: The same predicted without the block, shape (n,) [rad].
         """
         at = len(self.motions)
         x, deviation = [], []

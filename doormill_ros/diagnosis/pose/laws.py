@@ -30,11 +30,11 @@ class PositionProblem(LinearProblem):
 
     def white(self, found: Fit[PoseTerm]) -> FloatArray:
         """Of the position alone, in standard deviations, shape (n, 3)."""
-        return found.held_out / (np.sqrt(self.components) * self.sigma[:3])
+        return np.asarray(found.held_out / (np.sqrt(self.components) * self.sigma[:3]), dtype=float)
 
     def measured_part(self, white: FloatArray) -> FloatArray:
         """The position error, shape (n, 3), sized so that its mean square over all components is that of its length."""
-        return np.sqrt(self.components) * (white * self.sigma)[:, :3]
+        return np.asarray(np.sqrt(self.components) * (white * self.sigma)[:, :3], dtype=float)
 
 
 def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda line: None) -> PoseDiagnosis:

@@ -40,8 +40,8 @@ class Driver(Generic[Seen]):
     """Something that an effect may hang on.
 
     Attributes:
-        reading: Of what is measured and the joint (0 ... 5, -1 for none) at which the effect acts, or that is spoken of:
-            its value in each row, shape (n,).
+        reading: Its value in each row, shape (n,), of what is measured and the joint (0 ... 5, -1 for none) at which
+            the effect acts, or that is spoken of.
         unit: SI.
         of_path: Whether a milling path knows it.
     """
@@ -58,6 +58,6 @@ def number_of(where: str) -> int:
 
 
 def meant(driver: str) -> tuple[str, int | None]:
-    """What of which joint, by its index 0 ...: "torque of joint 2", "speed (of joint 2)"; None for a driver without one."""
+    """What of which joint, by its index 0 ..., as in "torque of joint 2" or "speed (of joint 2)"; None without one."""
     kind, found, joint = driver.rstrip(")").replace(" (of", " of").partition(" of joint ")
     return kind, int(joint) - 1 if found else None

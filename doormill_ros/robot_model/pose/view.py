@@ -26,7 +26,8 @@ class SetView:
         q: Joint angles, shape (n, J) [rad].
         row: Row numbers in the order of recording, shape (n,).
         motion: Last motion of every joint, -1 ... +1, where it is known better than from the rows, shape (n, J).
-        time: Since the start of the series, shape (n,) [s], NaN where not recorded; None for postures that nobody measured.
+        time: Since the start of the series, shape (n,) [s], NaN where not recorded; None for postures that
+            nobody measured.
         temperature: Likewise [deg C].
     """
 

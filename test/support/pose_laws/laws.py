@@ -37,7 +37,16 @@ class Session:
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """One law: `joint` turns (1 to 6) or the base tilts (0) or shifts (-1) by `amount` (n,) [rad, m], unit root mean square."""
+    """One law.
+
+    Attributes:
+        name: Of the law.
+        joint: That turns (1 to 6), or 0 for a base that tilts and -1 for one that shifts.
+        driver: As the contract words it; `also` are as true.
+        amount: By how much, before it is sized, shape (n,).
+        beside: Names of causes that are in it too, at its place.
+        axis: About or along which a base moves.
+    """
 
     name: str
     joint: int

@@ -9,7 +9,6 @@ from doormill_ros.robot_model.elastic.law import chain, parts
 from doormill_ros.robot_model.elastic.law.parts import Motion
 from doormill_ros.robot_model.law.parts import Carrier, number_of
 
-
 _XYZ = "xyz"
 _CHANNELS = ("fx", "fy", "fz", "mx", "my", "mz")
 
