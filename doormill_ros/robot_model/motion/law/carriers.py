@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.law.parts import Carrier
 from doormill_ros.robot_model.motion.law.ride import Ride
+from doormill_ros.units import mm_to_m
 
 #: Of a recording: link minus motor angle for one unit, shape (n,) [rad].
 Motion = Callable[[Ride], FloatArray]
@@ -19,7 +20,7 @@ SETTLES = (0.15, 0.3, 0.6, 1.2, 2.5, 5.0)
 
 
 def _bristles(width: float) -> Motion:
-    return lambda ride: ride.own.slip(1e-3 * width, 0.0)
+    return lambda ride: ride.own.slip(mm_to_m(width), 0.0)
 
 
 def _yielding(settles: float) -> Motion:
