@@ -10,15 +10,10 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.frames import cross
 from doormill_ros.robot_model.elastic.causes.link_bending import LinkBending
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+from doormill_ros.robot_model.law.parts import number_of
 
 #: Of loadings and where: twists for one unit, each shape (n, 6).
 Motion = Callable[[LoadCase, str], list[FloatArray]]
-
-
-def number_of(where: str) -> int:
-    """Index 0 ... 5 of "joint 3" or "link 3"; -1 for a place without one."""
-    kind, _, count = where.partition(" ")
-    return int(count) - 1 if kind in ("joint", "link") else -1
 
 
 def shifted(vectors: FloatArray, moved: BoolArray) -> FloatArray:
