@@ -10,12 +10,17 @@ NODES = [
     "abb_bridge",
     "bag_recorder",
     "cell_simulator",
+    "folder_camera",
 ]
 TOOLS = [
+    "backup",
     "calibrate",
     "cell",
+    "health",
     "replay",
+    "catalogue",
     "recipes",
+    "restore",
     "identify",
     "diagnose",
     "locate",

@@ -102,6 +102,8 @@ class World:
         for a, b in pairs:
             self._geometry.addCollisionPair(pin.CollisionPair(a.index, b.index))
         self._results = self._geometry.createData()
+        # Each stays where it is and is filled anew; to take them out of Pinocchio costs as much as the distances.
+        self._found = list(self._results.distanceResults)
         self.names = tuple((a.name, b.name) for a, b in pairs)
         reach = {body.index: _reach_of(body, _skeleton_of(robot.urdf)) for body in moving if body.joint}
         self.reach = np.array([np.where(b.joint < _BEHIND, reach[a.index], 0.0) for a, b in pairs])
@@ -112,10 +114,13 @@ class World:
 
     def distances(self, q: FloatArray) -> FloatArray:
         """Distance of every pair in one posture, negative where they overlap, shape (6,) [rad] -> (pairs,) [m]."""
-        pin.computeDistances(
+        nearest = pin.computeDistances(
             self._model, self._data, self._geometry, self._results, np.asarray(q, dtype=float)
         )
-        return np.array([result.min_distance for result in self._results.distanceResults])
+        found = np.array([result.min_distance for result in self._found])
+        if len(found) and found[nearest] != self._results.distanceResults[nearest].min_distance:
+            raise AssertionError("Pinocchio has put its distances elsewhere")
+        return found
 
     def _add(self, body: Body, link: str) -> _Placed:
         frame = self._model.frames[self._model.getFrameId(link)]

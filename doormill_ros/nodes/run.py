@@ -12,18 +12,19 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.logging import get_logger
 from rclpy.signals import uninstall_signal_handlers
 
 from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.resources import resource
 
 THREADS = 4
 STOP_LIMIT = 1.0  # s
 # Parameters of glibc's mallopt.
-_TRIM_THRESHOLD, _TOP_PAD, _MMAP_THRESHOLD = -1, -2, -3
+_TRIM_THRESHOLD, _TOP_PAD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -2, -3, -8
 _MEGABYTE = 1 << 20
 
 
@@ -58,7 +59,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
     """Run nodes in this process until interrupted; the body of every node's executable."""
     interrupt_once()
     init(sys.argv if arguments is None else arguments)
-    executor = MultiThreadedExecutor(num_threads=THREADS)
+    executor = SteadyExecutor(THREADS)
     nodes: list[ManagedNode] = []
     try:
         for factory in factories:
@@ -87,7 +88,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
     return 0
 
 
-def shut_down(nodes: Sequence[ManagedNode], executor: MultiThreadedExecutor | None, timeout: float) -> None:
+def shut_down(nodes: Sequence[ManagedNode], executor: SteadyExecutor | None, timeout: float) -> None:
     """Let each node close its files and drop its signals, then end the executor's threads.
 
     Also when the context is already gone.
@@ -116,13 +117,15 @@ def _keep_freed_memory() -> None:
     """Let the allocator keep what is freed.
 
     By default a picture's buffers go back to the system each time, and touching new pages costs more
-    than copying the picture. Where there is no glibc nothing changes.
+    than copying the picture. All threads share one heap: with one for each, every new thread would keep what the
+    largest picture or program of its life took. Where there is no glibc nothing changes.
     """
     with contextlib.suppress(OSError, AttributeError):
         mallopt = ctypes.CDLL(None).mallopt
         mallopt(_MMAP_THRESHOLD, 32 * _MEGABYTE)
         mallopt(_TRIM_THRESHOLD, 256 * _MEGABYTE)
         mallopt(_TOP_PAD, 16 * _MEGABYTE)
+        mallopt(_ARENA_MAX, 1)
 
 
 def _spare_collector() -> None:

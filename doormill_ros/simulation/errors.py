@@ -35,5 +35,5 @@ PlungedDown = DoormillError.row(
     "PlungedDown", 859, "In a simulated run a mill that does not cut with its middle went straight down."
 )
 MilledWrongWay = DoormillError.row(
-    "MilledWrongWay", 860, "In a simulated run a wall was not milled the way round that its recipe says."
+    "MilledWrongWay", 870, "In a simulated run a wall was not milled the way round that its recipe says."
 )

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.frames import cross
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +136,7 @@ def arc_about(start: FloatArray, centre: FloatArray, normal: FloatArray, sweep: 
     """
     start, centre = np.asarray(start, dtype=float), np.asarray(centre, dtype=float)
     arm = start - centre
-    across = np.cross(normal, arm) * np.sign(sweep)
+    across = cross(normal, arm) * np.sign(sweep)
     end = centre + np.cos(sweep) * arm + np.sin(abs(sweep)) * across
     return Arc(start, end, centre, across, abs(float(sweep)))
 

@@ -107,7 +107,9 @@ def _at_one_speed(cuts: list[Step], before: float, item: Operation, settings: Pa
     return [step.changed(spindle_speed=before) for step in cuts]
 
 
-@functools.lru_cache(maxsize=64)  # a plan is made anew for every way that is tried between features
+@functools.lru_cache(
+    maxsize=128
+)  # a plan is made anew for every way between features that is tried, and for every door
 def _cuts(item: Operation, material: Material, settings: PathSettings) -> tuple[Step, ...]:
     steps = pocket_steps(item, settings)
     return tuple(

@@ -16,7 +16,7 @@ from doormill_ros.correction.cutting_force import (
     plunge_force,
     rim_directions,
 )
-from doormill_ros.frames import inverse
+from doormill_ros.frames import cross, inverse
 from doormill_ros.recipes.door import R_FEATURE_TOOL, Material
 from doormill_ros.toolpath.curve import Arc
 from doormill_ros.toolpath.operation import Operation
@@ -123,7 +123,7 @@ class _Wood:
                 continue
             force = np.array([*by_depth.mean(axis=0), 0.0]) * (bottom - top)
             wrench[:3] += force
-            wrench[3:] += np.cross([0.0, 0.0, 0.5 * (top + bottom) - depth], force)
+            wrench[3:] += cross(np.array([0.0, 0.0, 0.5 * (top + bottom) - depth]), force)
         return wrench
 
     def _down(self, step: Step, start: FloatArray, end: FloatArray, reached: IntArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 
@@ -75,6 +76,7 @@ class Operation:
         return [(curve.backwards(), name) for curve, name in reversed(pieces)]
 
 
+@functools.lru_cache(maxsize=128)  # so that whoever works on one and the same finds what he made of it
 def operation(feature: Feature, door: DoorSize, half: bool = False, far_side: bool = False) -> Operation:
     """A feature as one robot mills it.
 

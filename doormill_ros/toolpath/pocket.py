@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import cross
 from doormill_ros.recipes.features.base import CLEARING, PLUNGE
 from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_about
 from doormill_ros.toolpath.entry import centred, descent, straight_descent
@@ -257,7 +258,7 @@ class _Pocket:
         if radius is None:
             return None
         # The pocket lies to the right of climb milling, seen from inside the wood, else to the left.
-        side = np.cross(tangent, self.inward)
+        side = cross(tangent, self.inward)
         middle = self.operation.T_door_feature[:3, 3] - point
         turn = -1.0 if side @ middle > 0.0 else 1.0
         centre = point - turn * radius * side
