@@ -12,11 +12,14 @@ NODES = [
     "cell_simulator",
 ]
 TOOLS = [
+    "backup",
     "calibrate",
     "cell",
+    "health",
     "replay",
     "catalogue",
     "recipes",
+    "restore",
     "identify",
     "diagnose",
     "locate",

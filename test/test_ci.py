@@ -60,6 +60,15 @@ def start(folder: Path, *arguments: str, **environment: str) -> subprocess.Popen
     )
 
 
+def runs(pid: int) -> bool:
+    """Whether a process lives; one that ended and waits for whoever inherited it to ask why does not."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state not in "ZX"
+
+
 def left_behind(folder: Path) -> list[str]:
     return os.listdir(folder.parent / "scratch")
 
@@ -102,12 +111,19 @@ def test_a_gate_that_fails_fails_the_run(project) -> None:
     assert left_behind(folder) == []
 
 
+#: Lets the script be slower than the gate that it started: the gate is at work before the script noted which it is.
+SLOW_SCRIPT = """trap 'if [[ $BASH_COMMAND == gate=* ]]; then sleep 3; fi' DEBUG"""
+
+
+@pytest.mark.parametrize("slow", [False, True])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_ends_its_gate_and_cleans_up(
-    project, number: signal.Signals, tmp_path: Path
+    project, number: signal.Signals, slow: bool, tmp_path: Path
 ) -> None:
     folder, mark = project("slow"), tmp_path / "mark"
-    process = start(folder, f"MARK={mark}")
+    (tmp_path / "slow.sh").write_text(SLOW_SCRIPT)
+    environment = {"BASH_ENV": str(tmp_path / "slow.sh")} if slow else {}
+    process = start(folder, f"MARK={mark}", **environment)
     while not (mark.exists() and mark.read_text().strip()):
         assert process.poll() is None
         time.sleep(0.05)
@@ -115,5 +131,5 @@ def test_an_interrupted_run_ends_its_gate_and_cleans_up(
     process.send_signal(number)
     process.communicate(timeout=60)
     assert process.returncode == 128 + number
-    assert not Path(f"/proc/{shell}").exists()
+    assert not runs(shell)
     assert left_behind(folder) == []

@@ -27,7 +27,7 @@ from doormill_ros.messages.from_message import camera_of, nanoseconds_of, pictur
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import picture_message
-from doormill_ros.nodes.frame_publisher import frame_publisher
+from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
@@ -74,7 +74,7 @@ class DoorLocalizer(ManagedNode):
         self._pose = self.publisher(topics.DOOR_POSE)
         self._localization = self.publisher(topics.DOOR_LOCALIZATION)
         self._overlay = self.publisher(topics.DOOR_OVERLAY)
-        self._frames = frame_publisher(self) if self.value("frames") else None
+        self._frames = FramePublisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
         self.subscribe(topics.IMAGE, self._take_picture)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CameraInfo, Image, JointState
@@ -47,8 +47,6 @@ PICTURE = _qos(5)
 PICTURE_FALLBACK = _qos(5, reliability=ReliabilityPolicy.BEST_EFFORT)
 #: What tf2's own broadcasters offer on /tf; /tf_static is STATE.
 TRANSFORMS = _qos(100)
-#: Latched one by one: deep enough for all frames of one node, late joiners get them.
-LATCHED_FRAMES = _qos(10, DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True)
@@ -89,8 +87,6 @@ DOOR_PLACEMENT = _topic("simulation/door_placement", DoorPlacement, STATE)
 EXECUTED_PATH = _topic("simulation/executed_path", ExecutedPath, STATE)
 MILLED_DOOR = _topic("simulation/milled_door", MilledDoor, STATE)
 RUN_VERDICT = _topic("simulation/verdict", RunVerdict, STATE)
-#: Where tf2_msgs is missing; Foxglove takes single transforms from any topic.
-FRAMES = _topic("frames", TransformStamped, LATCHED_FRAMES)
 DIAGNOSTICS = _topic("/diagnostics", DiagnosticArray, EVENT)
 
 ALL: tuple[Topic, ...] = (

@@ -11,6 +11,7 @@ import sqlalchemy as sa
 from sqlalchemy.pool import StaticPool
 
 from doormill_ros.recipes.errors import DatabaseUnreachable
+from doormill_ros.resources import site_folder
 from doormill_ros.units import s_to_ms
 
 ENVIRONMENT, FILE = "DOORMILL_DATABASE", "recipes.sqlite"
@@ -22,11 +23,8 @@ READ = "doormill_read"  #: execution option of a connection on which each statem
 
 
 def default_url(variable: str = ENVIRONMENT, file: str = FILE) -> str:
-    """What an environment variable holds, else a SQLite file of this name in the user's data folder."""
-    if os.environ.get(variable):
-        return os.environ[variable]
-    data = os.environ.get("XDG_DATA_HOME") or str(Path.home() / ".local" / "share")
-    return f"sqlite:///{Path(data) / 'doormill_ros' / file}"
+    """What an environment variable holds, else a SQLite file of this name in the site's folder."""
+    return os.environ.get(variable) or f"sqlite:///{site_folder() / file}"
 
 
 def make_engine(url: str | None = None) -> sa.Engine:
