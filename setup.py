@@ -10,6 +10,7 @@ NODES = [
     "abb_bridge",
     "bag_recorder",
     "cell_simulator",
+    "folder_camera",
 ]
 TOOLS = [
     "backup",

@@ -92,7 +92,9 @@ class PoseSet:
     def view(self) -> SetView:
         """The postures, with published masses where the set states none."""
         links = self.links or published_masses(self.robot, self.joints)
-        return SetView(self.name, self.dh, links, self.q, self.row)
+        return SetView(
+            self.name, self.dh, links, self.q, self.row, time=self.time, temperature=self.temperature
+        )
 
 
 def read_pose_set(folder: Path) -> PoseSet:

@@ -71,9 +71,9 @@ class BagRecorder(ManagedNode):
         self._skipped: set[str] = set()
         self._discovering = threading.Lock()
         self._queue = BoundedQueue(self.value("queue_size"))
-        cell = f"{socket.gethostname()}{self.get_namespace().rstrip('/')}"
-        recorder = {SOFTWARE: software(), CELL: cell}
-        self._writer = BagWriter(Path(folder), self.value("split_size"), device=cell, custom=recorder)
+        device = f"{socket.gethostname()}{self.get_namespace()}".rstrip("/")
+        recorder = {SOFTWARE: software(), CELL: device}
+        self._writer = BagWriter(Path(folder), self.value("split_size"), device=device, custom=recorder)
         self._filler = BagFiller(self._queue, self._writer)
         self._runs = self._run_filler(Path(folder), recorder)
         self._even_clock = EvenClock()  # readers sort by it

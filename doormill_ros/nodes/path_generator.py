@@ -8,6 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
 
@@ -18,14 +19,15 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.messages.from_message import door_pose_of, nanoseconds_of, recipe_of, seconds_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.geometry import path_message
+from doormill_ros.nodes.convert.geometry import path_message, pose_message
 from doormill_ros.nodes.convert.markers import body_markers, no_markers, program_markers
 from doormill_ros.nodes.convert.program import program_into
+from doormill_ros.nodes.convert.recipe import recipe_message
 from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
-from doormill_ros.pipeline.plan import load_setup, plan
+from doormill_ros.pipeline.plan import load_setup, plan, prepare, rehearse
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
 from doormill_ros.robot_model.extended_model import unknown_on_path
@@ -67,6 +69,15 @@ class PathGenerator(ManagedNode):
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_POSE, self._take_pose)
 
+    def rehearse(self) -> None:
+        """Plan a shipped door, and carry it there and back as its messages."""
+        recipe, T_base_door, planned = rehearse(self._setup)
+        recipe_of(recipe_message(recipe, "", Header()))
+        door_pose_of(pose_message(T_base_door))
+        answer = program_into(TargetArray(), planned.program)
+        deserialize_message(serialize_message(answer), TargetArray)
+        program_markers(planned.program, recipe, T_base_door, Header())
+
     def start(self) -> None:
         """Describe the robot to who draws it."""
         self._description.publish(String(data=self._setup.robot.urdf.read_text(encoding="utf-8")))
@@ -85,6 +96,9 @@ class PathGenerator(ManagedNode):
         if self._early is not None:
             pose, self._early = self._early, None
             self._take_pose(pose)
+        elif self._door is not None:
+            with suppress(DoormillError):  # likewise
+                prepare(self._door, self._setup)
 
     def _take_pose(self, pose: PoseStamped) -> None:
         recipe, now = self._recipe, self.get_clock().now().to_msg()

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Path
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import CameraInfo, Image, JointState
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState
 from std_msgs.msg import Bool, String
 from visualization_msgs.msg import MarkerArray
 
@@ -65,7 +65,12 @@ def _topic(name: str, message_type: Any, qos: QoSProfile, fallback: QoSProfile |
 
 
 IMAGE = _topic("camera/image_raw", Image, PICTURE, PICTURE_FALLBACK)
+COMPRESSED = _topic("camera/image_raw/compressed", CompressedImage, PICTURE, PICTURE_FALLBACK)
+#: As `image_transport` names the ways that pictures take.
+PICTURES = {"raw": IMAGE, "compressed": COMPRESSED}
 CAMERA_INFO = _topic("camera/camera_info", CameraInfo, PICTURE, PICTURE_FALLBACK)
+#: Way [m] and turn [rad] of the camera since its calibration, in base axes; there in cells with marks.
+CAMERA_MOVED = _topic("camera/moved", TwistStamped, EVENT)
 DOOR_POSE = _topic("door/pose", PoseStamped, EVENT)
 DOOR_LOCALIZATION = _topic("door/localization", DoorLocalization, EVENT)
 DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE, PICTURE_FALLBACK)

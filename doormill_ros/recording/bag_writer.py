@@ -35,8 +35,8 @@ class BagWriter:
         folder: Made by the writer; must not exist or be empty.
         split_size: A new file is begun once one has this many bytes; 0 for never.
         ros_distro: Goes into metadata.yaml.
-        custom: Goes there too, as custom data.
         device: What records, under Foxglove's name for it; empty: left out.
+        custom: Goes there too, as custom data.
 
     Raises:
         BagExistsError: The folder holds files.

@@ -21,8 +21,7 @@ from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffne
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce, ModelKnowledge, measured_force_of
-from doormill_ros.robot_model.elastic.law.drivers import driver
-from doormill_ros.robot_model.elastic.law.term import LawTerm, term_of
+from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.model_file import MODEL_FILE, read_model, schema_of
@@ -191,7 +190,7 @@ def _law_entry(sized: SizedCause) -> dict[str, Any]:
     """A term of a law, or a cause that is not believed and is a part of one all the same."""
     if not isinstance(sized.cause, LawTerm):
         return _entry(sized)
-    return sized.cause.document(sized.values) | {"known_on_path": driver(sized.cause.driver).of_path}
+    return sized.cause.document(sized.values)
 
 
 def _named(sized: SizedCause, values: FloatArray) -> dict[str, float | list[float]]:
@@ -255,7 +254,7 @@ def unknown_on_path(model: ComplianceModel) -> tuple[str, ...]:
     return tuple(
         f"{law.where} hangs on {law.driver}, which no path knows: its mean over the test stands for it"
         for law in laws
-        if not driver(law.driver).of_path
+        if not law.drives.of_path
     )
 
 
@@ -288,7 +287,7 @@ def _own_springs(robot: Robot) -> ExtendedComplianceModel:
 
 
 def _sized_law(entry: dict[str, Any]) -> SizedCause:
-    return _sized(entry) if "cause" in entry else SizedCause(*term_of(entry))
+    return _sized(entry) if "cause" in entry else SizedCause(*LawTerm.read(entry))
 
 
 def _sized(entry: dict[str, Any]) -> SizedCause:

@@ -8,7 +8,7 @@ from typing import Any, Generic
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.fit import Fit
-from doormill_ros.diagnosis.core.problem import C
+from doormill_ros.diagnosis.core.problem import C, Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,13 +66,17 @@ class Characterised(Generic[C]):
         fit: The model of both.
         laws: In the order of what each gains.
         holdout_rmse: Of configurations left out.
+        by_configuration: Mean square of each of them, shape (configurations,).
         interval: Its 95 % interval, by resampling the configurations.
+        problem: What was left to explain.
     """
 
     fit: Fit[C]
     laws: Sequence[UnnamedLaw[C]]
     holdout_rmse: float
+    by_configuration: FloatArray
     interval: tuple[float, float]
+    problem: Problem[C]
 
     def document(self) -> dict[str, Any]:
         """`unnamed` and `characterised` of diagnosis.json."""
@@ -81,6 +85,6 @@ class Characterised(Generic[C]):
             "characterised": {"holdout_rmse": self.holdout_rmse, "ci95": list(self.interval)},
         }
 
-    def weights(self, term: C, case: Any) -> FloatArray:
+    def weights(self, term: C) -> FloatArray:
         """Values of a term's numbers, SI, shape (v,)."""
-        return term.values(self.fit.theta[self.fit.part(term)], case)
+        return term.values(self.fit.theta[self.fit.part(term)], self.problem.case)

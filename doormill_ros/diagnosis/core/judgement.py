@@ -109,7 +109,11 @@ def judge_question(
     question: Question[K, M], progress: Callable[[str], None] = lambda line: None
 ) -> Judgement[K, M]:
     """Search, examine and weigh."""
-    found = question.examine(question.search(progress))
+    return weighed(question, question.examine(question.search(progress)))
+
+
+def weighed(question: Question[K, M], found: Examination[K, M]) -> Judgement[K, M]:
+    """The verdict on what an examination leaves."""
     before, after = (question.holdout_rmse(one, found.kept) for one in (found.baseline, found.extended))
     complete = all(cause.named for cause in found.best.members) and not found.refused
     beyond = before**2 - question.noise_floor**2

@@ -7,48 +7,52 @@ is a cause: the verdict stays.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
+from doormill_ros.arrays import BoolArray
 from doormill_ros.diagnosis.core.beam import EQUAL
 from doormill_ros.diagnosis.core.characterised import Characterised, Rival, UnnamedLaw
-from doormill_ros.diagnosis.core.diagnosis import Diagnosis, P
 from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.problem import C
 from doormill_ros.diagnosis.core.verdict import PARTLY_EXPLAINED, UNEXPLAINED, rmse
-from doormill_ros.diagnosis.law.place import acts_on, place_of
+from doormill_ros.diagnosis.law.place import Places
 from doormill_ros.diagnosis.law.search import LawSearch
 from doormill_ros.diagnosis.law.telling import law_in_words, test_of
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.statistics import resampled
 
 _DRAWS = 4000  #: of configurations, for the interval
 _RIVALS = 4  #: that are told, at most
 
 
-def characterise(
-    diagnosis: Diagnosis[P, ElasticCause],
-    terms: Sequence[ElasticCause],
-    progress: Callable[[str], None] = lambda line: None,
-) -> Characterised[ElasticCause] | None:
-    """Laws for what a diagnosis leaves; None where it leaves nothing or nothing can be said.
+def remains(verdict: str) -> bool:
+    """Whether a verdict leaves something to characterise."""
+    return verdict in (UNEXPLAINED, PARTLY_EXPLAINED)
+
+
+def characterise(search: LawSearch[C], kept: BoolArray) -> Characterised[C] | None:
+    """Laws for what a diagnosis leaves; None where nothing can be said.
 
     Args:
-        diagnosis: With its verdict.
-        terms: That may enter.
-        progress: Told of every step.
+        search: Over the terms that may enter, ready to run.
+        kept: Rows that count, shape (n,).
     """
-    if diagnosis.verdict not in (UNEXPLAINED, PARTLY_EXPLAINED):
-        return None
-    problem, extended = diagnosis.problem, diagnosis.extended
-    keys = {cause.key for cause in extended.members}
-    search = LawSearch(
-        problem, extended.members, extended.theta, [t for t in terms if t.key not in keys], progress
-    )
     best = search.run()
     if not search.laws(best):
         return None
-    kept = diagnosis.kept
+    return account(search, best, kept)
+
+
+def account(search: LawSearch[C], best: Fit[C], kept: BoolArray) -> Characterised[C]:
+    """What is told of a model that a search has found.
+
+    Args:
+        search: With its fits.
+        best: Holds one law at least.
+        kept: Rows that count, shape (n,).
+    """
+    problem = search.problem
     residual = rmse(best.held_out, kept, problem.components)
     squares = np.array(
         [
@@ -59,17 +63,17 @@ def characterise(
     )
     drawn = squares[resampled(len(squares), _DRAWS)].sum(axis=1)
     low, high = np.quantile(np.sqrt(drawn[:, 0] / drawn[:, 1]), [0.025, 0.975])
-    laws = sorted(_laws(diagnosis, search, best), key=lambda law: -round(law.without / residual, 6))
-    return Characterised(best, laws, residual, (float(low), float(high)))
+    laws = sorted(_laws(search, best, kept), key=lambda law: -round(law.without / residual, 6))
+    return Characterised(
+        best, laws, residual, squares[:, 0] / squares[:, 1], (float(low), float(high)), problem
+    )
 
 
-def _laws(
-    diagnosis: Diagnosis[P, ElasticCause], search: LawSearch, best: Fit[ElasticCause]
-) -> list[UnnamedLaw[ElasticCause]]:
-    problem = diagnosis.problem
-    places: dict[tuple[str, str], list[ElasticCause]] = {}
+def _laws(search: LawSearch[C], best: Fit[C], kept: BoolArray) -> list[UnnamedLaw[C]]:
+    problem = search.problem
+    places: dict[tuple[str, str], list[C]] = {}
     for term in search.laws(best):
-        places.setdefault(place_of(term), []).append(term)
+        places.setdefault(search.place(term).key, []).append(term)
     found = []
     for (where, driver), terms in places.items():
         rest = search.without(best, *terms)
@@ -77,28 +81,27 @@ def _laws(
         found.append(
             UnnamedLaw(
                 where=where,
-                acts_on=acts_on(terms[0]),
+                acts_on=search.place(terms[0]).acts_on,
                 driver=driver,
                 law="; ".join(law_in_words(term, own) for term, own in zip(terms, weights, strict=True)),
                 terms=tuple(terms),
-                without=rmse(rest.held_out, diagnosis.kept, problem.components),
-                rivals=_rivals(search, best, terms),
+                without=rmse(rest.held_out, kept, problem.components),
+                rivals=_rivals(search, best, terms, search.place),
                 test=test_of(driver),
             )
         )
     return found
 
 
-def _rivals(
-    search: LawSearch, best: Fit[ElasticCause], terms: Sequence[ElasticCause]
-) -> tuple[Rival[ElasticCause], ...]:
+def _rivals(search: LawSearch[C], best: Fit[C], terms: Sequence[C], place_of: Places) -> tuple[Rival[C], ...]:
     """Other places and drivers in the place of a law's only term that would do nearly as well."""
     if len(terms) > 1:
         return ()
-    own, listed = place_of(terms[0]), {}
+    own = place_of(terms[0]).key
+    listed: dict[tuple[str, str], Rival[C]] = {}
     for other, found in search.rivals(best, terms[0]):
         behind = search.total(found) - search.total(best)
-        place = place_of(other)
+        place = place_of(other).key
         if place != own and behind < EQUAL and place not in listed:
             listed[place] = Rival(other, *place, round(behind, 3))
     return tuple(listed.values())[:_RIVALS]

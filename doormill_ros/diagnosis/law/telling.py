@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.wording import spoken
-from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
-from doormill_ros.robot_model.elastic.law.term import LawTerm
+from doormill_ros.robot_model.candidate import Candidate
+from doormill_ros.robot_model.law.term import Term
 
 _TESTS = {
     "own angle": "load this joint alike at ten angles a few degrees apart: waves of a gear come back with its teeth, "
@@ -37,9 +39,9 @@ def test_of(driver: str) -> str:
     return _TESTS[f"{kind} of joint k" if joint else kind].replace("that one", f"joint {joint}")
 
 
-def law_in_words(term: ElasticCause, weights: FloatArray) -> str:
+def law_in_words(term: Candidate[Any], weights: FloatArray) -> str:
     """The law in one line with numbers and units; weights in SI, shape (p,)."""
-    if isinstance(term, LawTerm):
+    if isinstance(term, Term):
         return term.told(weights)
     numbers = []
     at = 0

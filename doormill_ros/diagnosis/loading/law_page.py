@@ -6,15 +6,16 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.characterised import Characterised, UnnamedLaw
-from doormill_ros.diagnosis.core.wording import MICRO, micrometres
+from doormill_ros.diagnosis.core.wording import MICRO
+from doormill_ros.diagnosis.law.page import TITLE, lead, sentence
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.pages.charts import BLUE, RED, WIDE, Curve, scatter
 from doormill_ros.pages.page import Block, Charts, PageSection, Paragraphs
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.law.drivers import driver, reading
-from doormill_ros.robot_model.elastic.law.parts import number_of
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+from doormill_ros.robot_model.law.parts import number_of
 from doormill_ros.units import m_to_um
 
 _SEEN = 0.5  #: motion of the point, over its root mean square, from which an amount is shown
@@ -25,28 +26,21 @@ def law_page(diagnosis: LoadingDiagnosis) -> list[PageSection]:
     found = diagnosis.characterised
     if found is None:
         return []
-    before = micrometres(diagnosis.holdout_rmse[1])
-    after, floor = micrometres(found.holdout_rmse), micrometres(diagnosis.problem.noise_floor)
-    lead = (
-        f"No cause explains what remains, so nothing more is named. What follows predicts postures left out all the "
-        f"same: {before} down to {after}, noise {floor}."
-    )
-    blocks: list[Block] = [Paragraphs([lead])]
+    unit = diagnosis.problem.unit
+    blocks: list[Block] = [
+        lead(
+            diagnosis.holdout_rmse[1],
+            found.holdout_rmse,
+            diagnosis.problem.noise_floor,
+            unit,
+            "unseen postures",
+        )
+    ]
     for law in found.laws:
-        blocks.append(Paragraphs([sentence(law)]))
+        blocks.append(Paragraphs([sentence(law, unit, "unseen postures")]))
         if isinstance(law.terms[0], LawTerm):
             blocks.append(Charts([_picture(diagnosis, found, law)], "wide"))
-    return [PageSection("A law without a name", blocks)]
-
-
-def sentence(law: UnnamedLaw[ElasticCause]) -> str:
-    """The law, what it gains, its rivals and what would tell what it is."""
-    rivals = " or ".join(f"{rival.driver} at {rival.where}" for rival in law.rivals)
-    also = f" Nearly as well would do {rivals}." if rivals else ""
-    return (
-        f"{law.law[0].upper()}{law.law[1:]}. Without it unseen postures are off by {micrometres(law.without)}.{also} "
-        f"To tell what it is: {law.test}."
-    )
+    return [PageSection(TITLE, blocks)]
 
 
 def _picture(

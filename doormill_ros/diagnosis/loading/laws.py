@@ -7,7 +7,9 @@ from typing import Any
 
 from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.kind import Progress
-from doormill_ros.diagnosis.law.characterise import characterise
+from doormill_ros.diagnosis.law.characterise import characterise, remains
+from doormill_ros.diagnosis.law.search import LawSearch
+from doormill_ros.diagnosis.loading.law_place import place_of
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.causes.registry import candidates
@@ -17,20 +19,24 @@ from doormill_ros.robot_model.extended_model import SizedCause
 
 def with_laws(diagnosis: LoadingDiagnosis, progress: Progress = lambda line: None) -> LoadingDiagnosis:
     """The diagnosis with laws for what its causes leave."""
-    problem = diagnosis.problem
+    if not remains(diagnosis.verdict):
+        return diagnosis
+    problem, extended = diagnosis.problem, diagnosis.extended
     reflectors = list(dict.fromkeys(problem.data.reflector.tolist()))
     # A cause that is not believed may still be a part of a law; one with a kink has many valleys, the dictionary none.
     known = [cause for cause in candidates(reflectors) if problem.allowed(cause) and not cause.kinked]
-    terms = [*known, *dictionary(problem.case, reflectors)]
-    return replace(diagnosis, characterised=characterise(diagnosis, terms, progress))
+    keys = {cause.key for cause in extended.members}
+    terms = [term for term in (*known, *dictionary(problem.case, reflectors)) if term.key not in keys]
+    search = LawSearch(problem, extended.members, extended.theta, terms, place_of, progress)
+    return replace(diagnosis, characterised=characterise(search, diagnosis.kept))
 
 
 def sized_laws(diagnosis: LoadingDiagnosis) -> list[SizedCause]:
     """Every term of every law with its weights."""
-    found, case = diagnosis.characterised, diagnosis.problem.case
+    found = diagnosis.characterised
     if found is None:
         return []
-    return [SizedCause(term, found.weights(term, case)) for law in found.laws for term in law.terms]
+    return [SizedCause(term, found.weights(term)) for law in found.laws for term in law.terms]
 
 
 def law_sections(found: Characterised[ElasticCause] | None) -> dict[str, Any]:

@@ -13,14 +13,13 @@ from doormill_ros.diagnosis.core.examination import Double
 from doormill_ros.diagnosis.core.wording import spoken
 from doormill_ros.diagnosis.motion.diagnosis import ENCODERS, MotionDiagnosis, mean_square
 from doormill_ros.diagnosis.motion.examination import JointFinding
+from doormill_ros.diagnosis.motion.laws import model_with_laws
 from doormill_ros.diagnosis.motion.model import JointFit, coefficients, stiffness_of
-from doormill_ros.diagnosis.motion.patterns import MotionPattern
 from doormill_ros.measurements.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.model import JointModel
 from doormill_ros.statistics import bootstrap_ratio
-from doormill_ros.units import m_to_um
 
 Figures = dict[str, dict[str, Any]]
 
@@ -40,6 +39,7 @@ def by_joint(diagnosis: MotionDiagnosis) -> Figures:
 def check_set(diagnosis: MotionDiagnosis, other: MotionSet) -> dict[str, Any]:
     """Predict a recording that no fit has seen; only its own constants are taken from it."""
     found: Figures = {}
+    described = model_with_laws(diagnosis) if any(diagnosis.laws) else None
     for motion in other.motions:
         plain = JointModel(motion.joint, motion.stiffness).residual(motion)
         model = diagnosis.model.of(motion.joint)
@@ -48,8 +48,11 @@ def check_set(diagnosis: MotionDiagnosis, other: MotionSet) -> dict[str, Any]:
             "extended": _root_mean_square(model.residual(motion)),
             "extended_with_offset_alone": _root_mean_square(model.residual(motion, own=False)),
         }
+        if described is not None:
+            left = described.of(motion.joint).residual(motion, company=other.motions)
+            found[f"joint {motion.joint}"]["characterised"] = _root_mean_square(left)
     entry: dict[str, Any] = {"set": other.name, "rows": len(other)}
-    for name in ("baseline", "extended", "extended_with_offset_alone"):
+    for name in found[f"joint {other.joints[0]}"]:
         entry[name] = {"rmse": mean_square([one[name] for one in found.values()])}
     return entry | {"by_joint": found}
 
@@ -138,34 +141,28 @@ def _spread(found: JointFit, index: int) -> FloatArray:
     return np.array([mean_square(deviations) / np.sqrt(len(deviations))])
 
 
-def unnamed(diagnosis: MotionDiagnosis) -> list[dict[str, Any]]:
-    """Shapes without a name that the best models hold."""
-    found = []
-    for finding in diagnosis.joints:
-        best, problem = finding.best, finding.problem
-        for index, cause in enumerate(best.members):
-            if isinstance(cause, MotionPattern):
-                smaller = finding.search.without(best, cause)
-                height = m_to_um(float(best.x[index][0]))
-                found.append(
-                    {
-                        "where": problem.where,
-                        "acts_on": "joint angle",
-                        "driver": cause.driver,
-                        "law": f"link minus motor angle follows {cause.spoken}, "
-                        f"{height:+.1f} urad at its root mean square of {cause.size:.4g} {cause.unit}",
-                        "holdout_rmse_without": problem.rmse(smaller.held_out),
-                    }
-                )
-    return found
-
-
-def characterised(diagnosis: MotionDiagnosis) -> dict[str, Any]:
-    """Held-out RMSE of the best models, what has no name included, with its 95 % interval."""
-    value = diagnosis.question.holdout_rmse(diagnosis.best)
-    squares = diagnosis.question.holdout_squares(diagnosis.best)
+def law_sections(diagnosis: MotionDiagnosis) -> dict[str, Any]:
+    """`unnamed` and `characterised` of diagnosis.json; nothing where no law was found."""
+    found = [laws for laws in diagnosis.laws if laws is not None]
+    if not found:
+        return {}
+    parts, groups = [], []
+    for finding, laws in zip(diagnosis.joints, diagnosis.laws, strict=True):
+        problem = finding.problem
+        if laws is None:
+            counts = np.bincount(problem.block, weights=problem.kept, minlength=problem.block.max() + 1)
+            parts.append(problem.rmse(finding.extended.held_out))
+            groups.append(problem.by_block(finding.extended.held_out) / np.maximum(counts, 1.0))
+        else:
+            parts.append(laws.holdout_rmse)
+            groups.append(laws.by_configuration)
+    squares = np.mean(groups, axis=0)
     _, (low, high) = bootstrap_ratio(np.full(len(squares), squares.mean()), squares)
-    return {"holdout_rmse": value, "ci95": [value * low, value * high]}
+    value = mean_square(parts)
+    return {
+        "unnamed": [law.document() for laws in found for law in laws.laws],
+        "characterised": {"holdout_rmse": value, "ci95": [value * low, value * high]},
+    }
 
 
 def remarks(diagnosis: MotionDiagnosis) -> list[str]:

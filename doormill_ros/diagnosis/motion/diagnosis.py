@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.examination import Double, Examination, compared, examined
 from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
 from doormill_ros.diagnosis.core.verdict import MAIN_PART
@@ -22,6 +23,7 @@ from doormill_ros.measurements.motion_set import MotionSet
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
+from doormill_ros.robot_model.motion.law.term import MotionTerm
 from doormill_ros.robot_model.motion.model import MotionModel
 from doormill_ros.units import s_to_ms
 
@@ -166,9 +168,12 @@ class MotionDiagnosis(Judgement[MotionCause, MotionFit]):
 
     Attributes:
         question: The recordings, and what was found in each joint.
+        laws: Laws without a name for what the causes of each joint leave, None where nothing can be said; empty where
+            nothing was asked.
     """
 
     question: MotionQuestion
+    laws: tuple[Characterised[MotionTerm] | None, ...] = ()
 
     @property
     def sets(self) -> tuple[MotionSet, ...]:

@@ -9,16 +9,17 @@ from typing import Any
 from doormill_ros.diagnosis.core.account import Account, told
 from doormill_ros.diagnosis.core.kind import Kind, Progress
 from doormill_ros.diagnosis.core.wording import RADIANS, Words
+from doormill_ros.diagnosis.law.page import TITLE, lead, picture, sentence
 from doormill_ros.diagnosis.motion import pictures
 from doormill_ros.diagnosis.motion.account import (
     by_joint,
-    characterised,
     check_set,
+    law_sections,
     named_causes,
     remarks,
-    unnamed,
 )
 from doormill_ros.diagnosis.motion.diagnosis import MotionDiagnosis, diagnose_motions
+from doormill_ros.diagnosis.motion.laws import model_with_laws, with_laws
 from doormill_ros.measurements.motion_set import SCHEMA, MotionSet, check_same_joints, read_motion_set
 from doormill_ros.pages.page import Block, Charts, PageSection, Paragraphs, Table
 from doormill_ros.robot_model.motion.model import model_document
@@ -52,8 +53,8 @@ class Motions(Kind[MotionSet, MotionDiagnosis]):
             check_same_joints(sets[0], other)
 
     def diagnose(self, sets: Sequence[MotionSet], progress: Progress) -> MotionDiagnosis:
-        """Find the causes of each joint, and what all link encoders have in common."""
-        return diagnose_motions(sets, progress)
+        """Find the causes of each joint, what all link encoders have in common, and laws for what no cause names."""
+        return with_laws(diagnose_motions(sets, progress), progress)
 
     def check(self, diagnosis: MotionDiagnosis, other: MotionSet) -> dict[str, Any]:
         """Predicted by the published springs and by the extended model."""
@@ -68,10 +69,9 @@ class Motions(Kind[MotionSet, MotionDiagnosis]):
     ) -> Account:
         """Every rmse is in radians, over all joints or by joint."""
         causes = named_causes(diagnosis)
-        laws = unnamed(diagnosis)
-        sections: dict[str, Any] = {"by_joint": by_joint(diagnosis)}
-        if laws:
-            sections |= {"unnamed": laws, "characterised": characterised(diagnosis)}
+        laws = law_sections(diagnosis)
+        sections: dict[str, Any] = {"by_joint": by_joint(diagnosis), **laws}
+        model = model_with_laws(diagnosis) if laws else diagnosis.model
         source = f"diagnosis of {', '.join(one.name for one in sets)}, verdict {diagnosis.verdict}"
         return told(
             diagnosis,
@@ -82,10 +82,10 @@ class Motions(Kind[MotionSet, MotionDiagnosis]):
             rows=sum(map(len, sets)),
             outliers=_slips(diagnosis),
             remarks=remarks(diagnosis),
-            next_measurement=_next_measurement(diagnosis, laws),
+            next_measurement=_next_measurement(diagnosis, laws.get("unnamed", ())),
             checks=checks,
             sections=sections,
-            model=model_document(diagnosis.model, source),
+            model=model_document(model, source),
             evidence=_evidence(diagnosis),
             candidates=[Charts([pictures.by_joint(diagnosis)], "wide")],
             closing=_closing(sets, checks),
@@ -119,7 +119,7 @@ def _next_measurement(diagnosis: MotionDiagnosis, laws: Sequence[Mapping[str, An
     if laws:
         return (
             f"Move {laws[0]['where']} alone, at three speeds and with two payloads: that leaves its law without a "
-            "name one driver."
+            f"name one driver. Or {laws[0]['test']}."
         )
     if len(diagnosis.sets) == 1:
         return "Record the same joints on another path: nothing else shows whether a cause holds beyond one recording."
@@ -129,6 +129,7 @@ def _next_measurement(diagnosis: MotionDiagnosis, laws: Sequence[Mapping[str, An
 def _evidence(diagnosis: MotionDiagnosis) -> list[PageSection]:
     joints = diagnosis.joints
     return [
+        *_laws(diagnosis),
         PageSection("Every joint", [_by_joint_table(diagnosis)]),
         PageSection("Course of the recording", [Charts(pictures.course(diagnosis), "halves")]),
         PageSection(
@@ -140,6 +141,20 @@ def _evidence(diagnosis: MotionDiagnosis) -> list[PageSection]:
         ),
         PageSection("Waves over the angle", [Charts([pictures.orders(one) for one in joints])]),
     ]
+
+
+def _laws(diagnosis: MotionDiagnosis) -> list[PageSection]:
+    found = [(one, laws) for one, laws in zip(diagnosis.joints, diagnosis.laws, strict=False) if laws]
+    if not found:
+        return []
+    after = law_sections(diagnosis)["characterised"]["holdout_rmse"]
+    blocks: list[Block] = [
+        lead(diagnosis.holdout_rmse[1], after, diagnosis.noise_floor, RADIANS, "unseen samples")
+    ]
+    for _, laws in found:
+        for law in laws.laws:
+            blocks += [Paragraphs([sentence(law, RADIANS, "unseen samples")]), picture(laws, law, RADIANS)]
+    return [PageSection(TITLE, blocks)]
 
 
 def _by_joint_table(diagnosis: MotionDiagnosis) -> Block:
@@ -158,8 +173,9 @@ def _closing(sets: Sequence[MotionSet], checks: Sequence[Mapping[str, Any]]) -> 
             for one in checks
             for where, entry in one["by_joint"].items()
         ]
-        head = ("Set", "Joint", "Springs as published [urad]", "Extended", "Extended, offset alone its own")
-        sections.append(PageSection("Checked recordings by joint", [Table(head, rows)]))
+        head = ["Set", "Joint", "Springs as published [urad]", "Extended", "Extended, offset alone its own"]
+        head += ["With laws"] * (len(rows[0]) - len(head))
+        sections.append(PageSection("Checked recordings by joint", [Table(tuple(head), rows)]))
     sources = dict.fromkeys(data.source for data in sets if data.source)
     if sources:
         sections.append(PageSection("Data", [Paragraphs(list(sources))]))

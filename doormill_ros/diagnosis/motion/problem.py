@@ -159,9 +159,9 @@ class JointProblem:
         pulls = np.zeros((BLOCKS * len(self.motions), len(g)))
         np.add.at(pulls, self.block, A * (residual * weight)[:, None])
         std = scatter_of(pulls, inverse) / size
-        return self._unpack(members, delay, solution / size, std, residual, held_out)
+        return self.unpacked(members, delay, solution / size, std, residual, held_out)
 
-    def _unpack(
+    def unpacked(
         self,
         members: tuple[MotionCause, ...],
         delay: float,
@@ -170,6 +170,16 @@ class JointProblem:
         residual: FloatArray,
         held_out: FloatArray,
     ) -> JointFit:
+        """A model of all its numbers in the order of `design`.
+
+        Args:
+            members: Causes.
+            delay: At which the joint is seen [s].
+            solution: Numbers, shape (p,).
+            std: Their standard deviations, shape (p,).
+            residual: What it leaves, shape (n,) [rad].
+            held_out: The same predicted without the block, shape (n,) [rad].
+        """
         at = len(self.motions)
         x, deviation = [], []
         for cause in members:

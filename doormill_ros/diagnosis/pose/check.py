@@ -10,10 +10,12 @@ import numpy as np
 from doormill_ros.diagnosis.pose.coverage import BINS, bin_of, covered
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fit import deviation
+from doormill_ros.diagnosis.pose.laws import model_with_laws
 from doormill_ros.diagnosis.pose.model import figures
 from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.chain import Placement, frames, residual
+from doormill_ros.robot_model.pose.model import PoseModel
 
 #: A checked row this many expected deviations off counts as a gross error.
 _GROSS = 7.0
@@ -45,11 +47,14 @@ def check_set(diagnosis: PoseDiagnosis, other: PoseSet, checked: Sequence[PoseSe
     marked = np.zeros(len(other), dtype=bool) if known else other.placement
     sigma = diagnosis.extended.problem.sigma
     errors = {}
-    for name in ("baseline", "extended"):
-        problem = getattr(diagnosis, name).problem
+    models: dict[str, PoseModel | None] = {"baseline": None, "extended": diagnosis.model}
+    if diagnosis.laws is not None:
+        models["characterised"] = model_with_laws(diagnosis)
+    for name, model in models.items():
+        problem = (diagnosis.baseline if model is None else diagnosis.extended).problem
 
-        def modelled(one: PoseSet, nominal: bool = name == "baseline") -> np.ndarray:
-            return frames(one.view.transforms) if nominal else diagnosis.model.frames(one.view)
+        def modelled(one: PoseSet, model: PoseModel | None = model) -> np.ndarray:
+            return frames(one.view.transforms) if model is None else model.frames(one.view)
 
         placement: Placement = (
             problem.placements[mine]

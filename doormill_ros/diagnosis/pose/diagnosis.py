@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.examination import Examination
 from doormill_ros.diagnosis.core.judgement import Judgement, Question, judge_question
 from doormill_ros.diagnosis.core.verdict import MAIN_PART
@@ -21,6 +22,7 @@ from doormill_ros.diagnosis.pose.validation import by_block
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.law.term import PoseTerm
 from doormill_ros.robot_model.pose.model import PoseModel
 
 #: Deviations from the nominal model beyond which a row is a gross error where nothing else is known to be wrong.
@@ -111,9 +113,11 @@ class PoseDiagnosis(Judgement[PoseCause, SeriesFit]):
 
     Attributes:
         question: The series, and what each cause was worth.
+        laws: Laws without a name for what the causes leave, where any was found.
     """
 
     question: PoseQuestion
+    laws: Characterised[PoseTerm] | None = None
 
     @property
     def sets(self) -> tuple[PoseSet, ...]:

@@ -11,6 +11,7 @@ from doormill_ros.diagnosis.core.account import Account, told
 from doormill_ros.diagnosis.core.document import cause_entry
 from doormill_ros.diagnosis.core.kind import Kind, Progress
 from doormill_ros.diagnosis.core.wording import Unit, Words
+from doormill_ros.diagnosis.law.page import TITLE, lead, picture, sentence
 from doormill_ros.diagnosis.pose.causes import (
     WITHIN,
     causes_of,
@@ -28,9 +29,11 @@ from doormill_ros.diagnosis.pose.evidence import (
     evidence,
     next_poses_table,
 )
+from doormill_ros.diagnosis.pose.laws import model_with_laws, with_laws
 from doormill_ros.diagnosis.pose.model import Errors, figures
 from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
 from doormill_ros.measurements.pose_set import SCHEMA, PoseSet, placement_owners, read_pose_set
+from doormill_ros.pages.page import Block, PageSection, Paragraphs
 from doormill_ros.robot_model.pose.model import model_document
 
 #: Position errors are three-dimensional lengths, far above a tenth of a micrometre.
@@ -65,8 +68,8 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
         placement_owners([*sets, *others])
 
     def diagnose(self, sets: Sequence[PoseSet], progress: Progress) -> PoseDiagnosis:
-        """Fit everything that may act, and keep what earns its place on rows left out."""
-        return diagnose_poses(sets, progress)
+        """Fit everything that may act, and keep what earns its place on rows left out; then laws for the rest."""
+        return with_laws(diagnose_poses(sets, progress), progress)
 
     def check(self, diagnosis: PoseDiagnosis, other: PoseSet) -> dict[str, Any]:
         """Placed by its marked rows, the others are predicted."""
@@ -90,6 +93,8 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
         series = [cause_entry(cause) for cause in causes if cause.where.startswith("set")]
         source = f"diagnosis of {', '.join(one.name for one in sets)}, verdict {diagnosis.verdict}"
         sections = {**_sections(diagnosis), "next_poses": listed(poses)}
+        laws = diagnosis.laws
+        sections |= {} if laws is None else laws.document()
         after = _figures(diagnosis, diagnosis.after)
         unseen = after.get("series_out_rmse")
         return told(
@@ -110,13 +115,24 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
             next_measurement=plan_next(diagnosis, poses),
             checks=checks,
             sections=sections,
-            model=model_document(diagnosis.model, source, series),
-            evidence=evidence(diagnosis, sections["sets"]),
+            model=model_document(model_with_laws(diagnosis), source, series),
+            evidence=[*_law_page(diagnosis), *evidence(diagnosis, sections["sets"])],
             candidates=candidates_blocks(diagnosis, sections),
             next_blocks=next_poses_table(sections["next_poses"]),
             closing=closing(diagnosis, sections, checks),
             tiles=[] if unseen is None else [(UNIT.spoken(unseen), "extended model on unseen series")],
         )
+
+
+def _law_page(diagnosis: PoseDiagnosis) -> list[PageSection]:
+    found = diagnosis.laws
+    if found is None:
+        return []
+    after, floor = found.holdout_rmse, diagnosis.noise_floor
+    blocks: list[Block] = [lead(diagnosis.holdout_rmse[1], after, floor, UNIT, "unseen poses")]
+    for law in found.laws:
+        blocks += [Paragraphs([sentence(law, UNIT, "unseen poses")]), picture(found, law, UNIT)]
+    return [PageSection(TITLE, blocks)]
 
 
 def _figures(diagnosis: PoseDiagnosis, errors: Errors) -> dict[str, float]:

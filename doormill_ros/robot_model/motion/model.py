@@ -14,6 +14,8 @@ from doormill_ros.robot_model.errors import MotionModelError
 from doormill_ros.robot_model.model_file import read_model
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.causes.registry import build_cause
+from doormill_ros.robot_model.motion.law.ride import ride_of
+from doormill_ros.robot_model.motion.law.term import MotionTerm
 from doormill_ros.robot_model.motion.view import JointMotion
 
 SCHEMA = "doormill/extended-motion-model/1"
@@ -29,6 +31,7 @@ class JointModel:
         delay: By which its link encoder is read late [s].
         causes: What was established besides.
         x: Coefficients of each; the height of the wave alone where its phase belongs to the recording.
+        laws: What no cause names, with weights, SI.
     """
 
     joint: int
@@ -36,9 +39,14 @@ class JointModel:
     delay: float = 0.0
     causes: tuple[MotionCause, ...] = ()
     x: tuple[FloatArray, ...] = ()
+    laws: tuple[tuple[MotionTerm, FloatArray], ...] = ()
 
-    def residual(self, motion: JointMotion, own: bool = True) -> FloatArray:
+    def residual(
+        self, motion: JointMotion, own: bool = True, company: Sequence[JointMotion] = ()
+    ) -> FloatArray:
         """Measured less predicted link minus motor angle of a recording, shape (n,) [rad].
+
+        Laws act on what was recorded of the other joints in `company`, with their means where that is missing.
 
         The recording's own constants are fitted to it: its offset and, with `own`, where bristles and teeth lay when it
         began and the phase of a scale without an index.
@@ -48,6 +56,9 @@ class JointModel:
         for cause, x in zip(self.causes, self.x, strict=True):
             columns = cause.columns(seen)
             left = left - columns @ x[: columns.shape[1]]
+        rides = (ride_of(motion, company, self.delay),)
+        for term, weights in self.laws:
+            left = left - term.effect(rides)[:, 0] @ term.from_values(weights, rides)
         if own:
             for cause, x in zip(self.causes, self.x, strict=True):
                 left = left - _own_part(left, cause.own_columns(seen), float(np.abs(x[0])), not cause.phased)
@@ -106,6 +117,7 @@ def model_document(model: MotionModel, source: str) -> dict[str, Any]:
                     }
                     for cause, x in zip(one.causes, one.x, strict=True)
                 ],
+                **({"laws": [term.document(weights) for term, weights in one.laws]} if one.laws else {}),
             }
             for one in model.joints
         ],
@@ -133,4 +145,5 @@ def _joint(entry: dict[str, Any]) -> JointModel:
     stiffness, delay = float(entry["stiffness"]), float(entry["link_encoder_late"])
     if not all(np.all(np.isfinite(part)) and part.size for part in (*x, np.array([stiffness, delay]))):
         raise ValueError("a coefficient is no finite number")
-    return JointModel(int(entry["joint"]), stiffness, delay, tuple(causes), x)
+    laws = tuple(MotionTerm.read(one) for one in entry.get("laws", ()))
+    return JointModel(int(entry["joint"]), stiffness, delay, tuple(causes), x, laws)

@@ -15,6 +15,7 @@ from doormill_ros.robot_model.model_file import read_model
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.causes.registry import build_cause
 from doormill_ros.robot_model.pose.chain import frames
+from doormill_ros.robot_model.pose.law.term import PoseTerm, Sight
 from doormill_ros.robot_model.pose.layout import design, frame_twists, lay_out
 from doormill_ros.robot_model.pose.link_masses import LinkMass, published_masses
 from doormill_ros.robot_model.pose.view import SetView
@@ -32,6 +33,7 @@ class PoseModel:
         links: Masses, empty where not known.
         causes: Established causes that transfer.
         x: Their coefficients in a row.
+        laws: What no cause names, with weights, SI.
     """
 
     robot: str
@@ -39,11 +41,17 @@ class PoseModel:
     links: tuple[LinkMass, ...]
     causes: tuple[PoseCause, ...]
     x: FloatArray
+    laws: tuple[tuple[PoseTerm, FloatArray], ...] = ()
 
     def frames(self, view: SetView) -> FloatArray:
-        """T_base_k of the displaced frames for a series, shape (n, J + 1, 4, 4)."""
-        bases = design(view, lay_out(self.causes))
-        return frames(view.transforms, frame_twists(bases, self.x, len(view.q), view.joints))
+        """T_base_k of the displaced frames for a series, shape (n, J + 1, 4, 4).
+
+        A law acts with its mean where the view does not hold what drives it.
+        """
+        sight = Sight((view,))
+        bases = design(view, lay_out([*self.causes, *(term for term, _ in self.laws)]))
+        x = np.concatenate([self.x, *(term.from_values(weights, sight) for term, weights in self.laws)])
+        return frames(view.transforms, frame_twists(bases, x, len(view.q), view.joints))
 
     def flange(self, q: FloatArray, motion: FloatArray | None = None) -> FloatArray:
         """T_base_flange, shape (n, 4, 4).
@@ -78,6 +86,7 @@ def model_document(model: PoseModel, source: str, others: Sequence[dict[str, Any
         "links": [{"mass": float(k.mass), "com": [float(v) for v in k.com]} for k in model.links],
         "causes": causes,
         "series": list(others),
+        **({"laws": [term.document(weights) for term, weights in model.laws]} if model.laws else {}),
     }
 
 
@@ -101,4 +110,5 @@ def _model(document: dict[str, Any]) -> PoseModel:
     )
     if dh.ndim != 2 or dh.shape[1] != 4 or len(x) != lay_out(causes).size or not np.all(np.isfinite(x)):
         raise ValueError("the table or the coefficients have the wrong size")
-    return PoseModel(str(document["robot"]), dh, links, causes, x)
+    laws = tuple(PoseTerm.read(entry) for entry in document.get("laws", ()))
+    return PoseModel(str(document["robot"]), dh, links, causes, x, laws)

@@ -26,6 +26,9 @@ class SetView:
         q: Joint angles, shape (n, J) [rad].
         row: Row numbers in the order of recording, shape (n,).
         motion: Last motion of every joint, -1 ... +1, where it is known better than from the rows, shape (n, J).
+        time: Since the start of the series, shape (n,) [s], NaN where not recorded; None for postures that
+            nobody measured.
+        temperature: Likewise [deg C].
     """
 
     name: str
@@ -34,9 +37,19 @@ class SetView:
     q: FloatArray
     row: IntArray
     motion: FloatArray | None = None
+    time: FloatArray | None = None
+    temperature: FloatArray | None = None
 
     def __len__(self) -> int:
         return len(self.q)
+
+    def every(self, step: int) -> SetView:
+        """Every so many-th posture, with the motion that brought the robot there."""
+        some = slice(None, None, step)
+        course = [None if one is None else one[some] for one in (self.time, self.temperature)]
+        return SetView(
+            self.name, self.dh, self.links, self.q[some], self.row[some], self.last_motion[some], *course
+        )
 
     @property
     def joints(self) -> int:

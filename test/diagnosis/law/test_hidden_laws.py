@@ -68,5 +68,5 @@ def test_where_nothing_remains_nothing_is_said(make_set, effects, monkeypatch):
         ]
     diagnosis = diagnose_problem(LoadingProblem(make_set(effects, seed=3)))
     assert diagnosis.verdict == ("explained" if effects else "consistent")
-    monkeypatch.setattr("doormill_ros.diagnosis.law.characterise.LawSearch", None)
+    monkeypatch.setattr("doormill_ros.diagnosis.loading.laws.LawSearch", None)
     assert with_laws(diagnosis).characterised is None

@@ -6,8 +6,7 @@ import yaml
 
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.robot_model.elastic.law.shapes import columns
-from doormill_ros.robot_model.elastic.law.term import LawTerm, SeenRange
+from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.extended_model import (
@@ -17,6 +16,8 @@ from doormill_ros.robot_model.extended_model import (
     model_document,
     unknown_on_path,
 )
+from doormill_ros.robot_model.law.shapes import columns
+from doormill_ros.robot_model.law.term import SeenRange
 
 ROBOT = load_robot("irb6600_175_255")
 POINT = np.array([0.1, -0.05, 0.3])

@@ -5,38 +5,15 @@ A carrier times a shape of a driver is a term of a law: "spring of joint 2" time
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from doormill_ros.robot_model.elastic.law import chain, parts
-from doormill_ros.robot_model.elastic.law.parts import Motion, number_of
-
-
-@dataclass(frozen=True)
-class Carrier:
-    """Something that can be off.
-
-    Attributes:
-        motion: Twist of the measured point for one unit of each component.
-        unit: Of an amplitude, SI; "1" for a share.
-        size: A typical amplitude.
-        does: What it does, in words, before the amount.
-        of_robot: Whether it is in the robot and not in the measuring chain.
-        components: How many motions there are.
-    """
-
-    motion: Motion
-    unit: str
-    size: float
-    does: str
-    of_robot: bool = True
-    components: int = 1
-
+from doormill_ros.robot_model.elastic.law.parts import Motion
+from doormill_ros.robot_model.law.parts import Carrier, number_of
 
 _XYZ = "xyz"
 _CHANNELS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 #: Carriers by what they act on, as in diagnosis.json.
-CARRIERS: dict[str, Carrier] = {
+CARRIERS: dict[str, Carrier[Motion]] = {
     "spring": Carrier(parts.spring, "1", 0.1, "gives way more"),
     "joint angle": Carrier(lambda case, where: [case.joint_twist(number_of(where))], "rad", 1e-5, "turns"),
     "joint angle with the load": Carrier(parts.with_load, "rad", 1e-5, "turns with the load"),

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
-from doormill_ros.robot_model.elastic.law.drivers import reading
-from doormill_ros.robot_model.elastic.law.parts import number_of
-from doormill_ros.robot_model.elastic.law.term import LawTerm, seen_in
+from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+from doormill_ros.robot_model.law.entries import terms
 
 JOINTS = tuple(f"joint {k}" for k in range(1, 7))
 LINKS = tuple(f"link {k}" for k in range(1, 7))
 WAVES = 30  #: a turn, at most
 OTHER_WAVES = 4  #: the same of another joint's angle: that is no gear
-KNOTS = 5  #: of a curve
 
 #: Shapes of a kind of driver, each with its own numbers in parts of how the driver was spread in the test:
 #: of its largest size, or of quantiles for "past".
@@ -165,57 +162,6 @@ def dictionary(case: LoadCase, reflectors: Sequence[str]) -> list[LawTerm]:
         case: The loadings.
         reflectors: Names of the reflectors.
     """
-    found: list[LawTerm] = []
-    for acts_on, places, drivers in DICTIONARY:
-        for where in tuple(f"reflector {name}" for name in reflectors) if places is None else places:
-            for driver, shapes, curve in drivers:
-                for name in _named(driver, number_of(where)):
-                    found += _terms(case, where, acts_on, name, shapes, curve)
-    return list({term.identity: term for term in found}.values())
-
-
-def _named(driver: str, own: int) -> list[str]:
-    """A driver, or one for every joint but the own."""
-    if not driver.endswith(" k"):
-        return [driver]
-    return [f"{driver[:-1]}{k + 1}" for k in range(6) if k != own]
-
-
-def _terms(
-    case: LoadCase,
-    where: str,
-    acts_on: str,
-    driver: str,
-    shapes: Sequence[tuple[str, float]],
-    curve: bool,
-) -> Iterator[LawTerm]:
-    values = reading(driver, case, number_of(where))
-    values = values[np.isfinite(values)]
-    if not len(values):
-        return
-    numbers = [(shape, _numbers(shape, part, values)) for shape, part in shapes]
-    knots = np.quantile(values, np.linspace(0.0, 1.0, KNOTS))
-    if curve and np.diff(knots).min() > 0.02 * np.ptp(values):
-        numbers.append(("curve", tuple(map(float, knots))))
-    for shape, own in numbers:
-        seen = seen_in(case, where, driver, shape, own)
-        if seen is not None:
-            yield LawTerm(where, acts_on, driver, shape, own, seen)
-
-
-def _numbers(shape: str, part: float, values: FloatArray) -> tuple[float, ...]:
-    """The own numbers of a shape for a driver that took some values."""
-    largest = max(float(np.abs(values).max()), 1e-9)
-    if shape in ("level", "slope", "positive", "negative", "sign"):
-        return ()
-    if shape == "waves":
-        return (float(part),)
-    if shape in ("rise", "line"):
-        return (float((1.0 - part) * values.min() + part * values.max()),)
-    if shape.startswith("logarithm"):
-        return (max(float(values.min()), 0.002 * largest),)
-    if shape == "beyond":
-        return (part * largest, largest)
-    if shape == "past":
-        return (float(np.quantile(np.abs(values), part)),)
-    return (float(part * largest),)
+    own = tuple(f"reflector {name}" for name in reflectors)
+    entries = [(acts_on, own if places is None else places, drives) for acts_on, places, drives in DICTIONARY]
+    return terms(LawTerm, case, entries, range(1, 7))

@@ -5,31 +5,11 @@ The names are those of diagnosis.json; brackets tell two readings of one driver 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.load_case import LoadCase
-
-#: Of a loading and the joint at which the effect acts, 0 ... 5 (-1: no joint), or that is spoken of: shape (n,).
-Reading = Callable[[LoadCase, int], FloatArray]
-
-
-@dataclass(frozen=True)
-class Driver:
-    """Something that an effect may hang on.
-
-    Attributes:
-        reading: Its value in each loading.
-        unit: SI.
-        of_path: Whether a milling path knows it.
-    """
-
-    reading: Reading
-    unit: str
-    of_path: bool
+from doormill_ros.robot_model.law.parts import Driver, meant
 
 
 def _known(values: FloatArray | None, case: LoadCase) -> FloatArray:
@@ -42,12 +22,12 @@ def _along(case: LoadCase, k: int) -> FloatArray:
     return result
 
 
-_JOINT: dict[str, Driver] = {
+_JOINT: dict[str, Driver[LoadCase]] = {
     "angle": Driver(lambda case, k: case.q[:, k], "rad", True),
     "torque": Driver(lambda case, k: case.torque[:, k], "N m", True),
 }
 #: Drivers by their names, but for those that name another joint.
-DRIVERS: dict[str, Driver] = {
+DRIVERS: dict[str, Driver[LoadCase]] = {
     "constant": Driver(lambda case, k: np.ones(len(case)), "", True),
     "own angle": _JOINT["angle"],
     "own torque": _JOINT["torque"],
@@ -61,17 +41,17 @@ DRIVERS: dict[str, Driver] = {
 }
 
 
-def driver(name: str) -> Driver:
+def driver(name: str) -> Driver[LoadCase]:
     """A driver by its name.
 
     Raises:
         KeyError: There is none of that name.
     """
-    kind, _, joint = name.partition(" of joint ")
-    return _JOINT[kind] if joint else DRIVERS[name]
+    kind, other = meant(name)
+    return DRIVERS[name] if other is None else _JOINT[kind]
 
 
 def reading(name: str, case: LoadCase, joint: int) -> FloatArray:
     """Value of a driver in each loading for an effect at a joint (0 ... 5, -1 for none), shape (n,)."""
-    _, _, other = name.partition(" of joint ")
-    return driver(name).reading(case, int(other) - 1 if other else joint)
+    other = meant(name)[1]
+    return driver(name).reading(case, joint if other is None else other)

@@ -48,7 +48,9 @@ def _at(knots: Numbers, unit: str, w: Sequence[str]) -> str:
 
 SHAPES: dict[str, Shape] = {
     "level": Shape(lambda x, p: [np.ones_like(x)], lambda d, u, p, w: f"{w[0]} throughout"),
-    "slope": Shape(lambda x, p: [x], lambda d, u, p, w: f"{w[0]} for each {u} of {d}"),
+    "slope": Shape(
+        lambda x, p: [x], lambda d, u, p, w: f"{w[0]} for each {u} of {d}" if u else f"{w[0]} times {d}"
+    ),
     "rise": Shape(
         lambda x, p: [x - p[0]],
         lambda d, u, p, w: f"{w[0]} for each {u} of {d} above {p[0]:.4g} {u}",

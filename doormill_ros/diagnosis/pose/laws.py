@@ -1,0 +1,157 @@
+"""Laws without a name in series of poses: frames that are displaced beyond what the established causes say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.beam import ENTRY
+from doormill_ros.diagnosis.core.characterised import Characterised
+from doormill_ros.diagnosis.core.fit import Fit, fit
+from doormill_ros.diagnosis.core.judgement import weighed
+from doormill_ros.diagnosis.core.ranking import ranks
+from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.law.characterise import remains
+from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
+from doormill_ros.diagnosis.law.remainder import laws_for
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
+from doormill_ros.diagnosis.pose.fit import BLOCKS
+from doormill_ros.diagnosis.pose.problem import PoseProblem
+from doormill_ros.robot_model.pose.causes.cause import PoseCause
+from doormill_ros.robot_model.pose.chain import derivatives
+from doormill_ros.robot_model.pose.law.dictionary import dictionary
+from doormill_ros.robot_model.pose.law.term import PoseTerm, Sight
+from doormill_ros.robot_model.pose.model import PoseModel
+
+#: Why a cause is not named that a law does without.
+NEEDLESS = "beside a law without a name nothing calls for it"
+#: Poses that are searched, at most.
+POSES = 700
+
+
+class PositionProblem(LinearProblem):
+    """Fitted to positions and rotations, told, as all poses are, by the length of the position error."""
+
+    def white(self, found: Fit[PoseTerm]) -> FloatArray:
+        """Of the position alone, in standard deviations, shape (n, 3)."""
+        return np.asarray(found.held_out / (np.sqrt(self.components) * self.sigma[:3]), dtype=float)
+
+    def measured_part(self, white: FloatArray) -> FloatArray:
+        """The position error, shape (n, 3), sized so that its mean square over all components is that of its length."""
+        return np.asarray(np.sqrt(self.components) * (white * self.sigma)[:, :3], dtype=float)
+
+
+def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda line: None) -> PoseDiagnosis:
+    """The diagnosis with laws for what its causes leave, and without causes that only stood for a law."""
+    if not remains(diagnosis.verdict):
+        return diagnosis
+    found = _searched(diagnosis, progress)
+    needless = [] if found is None else _needless(diagnosis, found)
+    if not needless:
+        return replace(diagnosis, laws=found)
+    progress(f"beside a law nothing calls for {', '.join(map(repr, needless))}")
+    question, examination = diagnosis.question, diagnosis.examination
+    rest = tuple(cause for cause in examination.named if cause not in needless)
+    fewer = replace(
+        examination,
+        extended=question.examiner.models.without(examination.extended, *needless),
+        named=rest,
+        refused=(*examination.refused, *((cause, NEEDLESS) for cause in needless)),
+        doubles=(),
+    )
+    diagnosis = PoseDiagnosis(**vars(weighed(question, fewer)), question=question)
+    return replace(diagnosis, laws=_searched(diagnosis, progress))
+
+
+def _searched(diagnosis: PoseDiagnosis, progress: Callable[[str], None]) -> Characterised[PoseTerm] | None:
+    problem, base = _remainder(diagnosis)
+    return laws_for(problem, base, dictionary(problem.case), progress)
+
+
+def _needless(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> list[PoseCause]:
+    """Named causes that the laws do without, the least useful first, where these leave no more than noise.
+
+    Beside a remainder that nothing explains no such thing can be said.
+    """
+    needless: list[PoseCause] = []
+    if found.holdout_rmse > AT_NOISE * diagnosis.noise_floor:
+        return needless
+    terms = [term for law in found.laws for term in law.terms]
+
+    def score(without: Sequence[PoseCause]) -> float:
+        problem, base = _remainder(diagnosis, without)
+        each = max(np.log(problem.components * len(problem)) - 2.0, 1.0)
+        return fit(problem, (base, *terms)).held_out_score + each * base.size
+
+    now = score(())
+    while asked := [cause for cause in diagnosis.examination.named if cause not in needless]:
+        scores = [score((*needless, cause)) for cause in asked]
+        least = int(ranks(np.array(scores))[0])
+        if scores[least] - now >= ENTRY:
+            break
+        needless.append(asked[least])
+        now = scores[least]
+    return needless
+
+
+def _remainder(
+    diagnosis: PoseDiagnosis, without: Sequence[PoseCause] = ()
+) -> tuple[PositionProblem, Established]:
+    """What is left to explain, and what the established causes less some say of it."""
+    model, problem = diagnosis.extended, diagnosis.extended.problem
+    members = [cause for cause in model.members if cause not in without]
+    count = len(problem.sets)
+    step = -(-sum(map(len, problem.sets)) // POSES)
+    axes = 6 if all(one.oriented for one in problem.sets) else 3
+    ids = model.ids(members).astype(int)
+    x = np.zeros(problem.layout.size)
+    x[ids] = problem.x[ids]
+    D = [derivatives(problem.frames(i, x)[::step], problem.placements[i])[:, :, :axes] for i in range(count)]
+    sight = Sight(tuple(view.every(step) for view in problem.views), tuple(D))
+    sigma = np.repeat(np.max([one.noise for one in problem.sets], axis=0), 3)[:axes]
+    causes = problem.layout.size
+    reach = np.concatenate(
+        [np.sqrt(model.solution.variance[:causes]), np.full(problem.size - causes, np.inf)]
+    )
+    used = np.concatenate([ids, np.arange(causes, problem.size)])
+    columns = np.concatenate([_columns(problem, i, step, part) for i, part in enumerate(D)])[:, :, used]
+    block = [i * BLOCKS + np.arange(len(one)) * BLOCKS // len(one) for i, one in enumerate(problem.sets)]
+    remainder = PositionProblem(
+        np.concatenate([problem.residual(i, x)[::step, :axes] for i in range(count)]),
+        sigma,
+        sight,
+        np.concatenate([one[::step] for one in block]),
+        diagnosis.noise_floor,
+        rows=np.flatnonzero(np.concatenate([~gross[::step] for gross in diagnosis.gross])),
+    )
+    base = established(columns, sigma, reach[used])
+    return remainder, base
+
+
+def model_with_laws(diagnosis: PoseDiagnosis) -> PoseModel:
+    """The established causes, fitted anew beside the laws, and those of these that hold beyond their series."""
+    found, model = diagnosis.laws, diagnosis.model
+    if found is None:
+        return model
+    problem, members = diagnosis.extended.problem, diagnosis.extended.members
+    layout = problem.layout
+    step = np.zeros(layout.size)
+    ids = diagnosis.extended.ids(members).astype(int)
+    base, *_ = found.fit.members
+    step[ids] = found.weights(base)[: len(ids)]
+    at = [np.arange(layout.size)[layout.part(layout.causes.index(cause))] for cause in model.causes]
+    x = model.x + np.concatenate([np.zeros(0), *(step[part] for part in at)])
+    terms = [term for law in found.laws for term in law.terms if term.lasts]
+    return replace(model, x=x, laws=tuple((term, found.weights(term)) for term in terms))
+
+
+def _columns(problem: PoseProblem, series: int, step: int, D: FloatArray) -> FloatArray:
+    """Displacement of every so many-th pose of a series for a unit of every unknown, shape (m, axes, size)."""
+    found = np.zeros((len(D), D.shape[2], problem.size))
+    for direction, (ids, basis) in problem.bases[series].items():
+        found[:, :, ids] += D[:, direction, :, None] * basis[::step, None, :]
+    found[:, :, problem.placement_ids(series)] = np.swapaxes(D[:, problem.free[series]], 1, 2)
+    return found
