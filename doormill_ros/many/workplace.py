@@ -14,6 +14,7 @@ from distributed import Client, LocalCluster, Security
 from doormill_ros.many.errors import NoSchedulerError, NoWorkerError
 
 CONNECTING = 10.0  #: s that a scheduler has to answer
+RETRIES = 1  #: of what a worker of this machine died with; what is suspected is asked once more, alone
 JOINING = 30.0  #: s that its first worker has to join
 
 
@@ -52,6 +53,7 @@ class Workplace:
                 host="127.0.0.1",
                 dashboard_address="127.0.0.1:0",  # of its status pages; a fixed port on every interface otherwise
                 local_directory=folder,
+                scheduler_kwargs={"allowed_failures": RETRIES},
                 silence_logs=logging.CRITICAL,
                 security=Security.temporary(),
             ) as cluster,

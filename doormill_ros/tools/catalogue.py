@@ -38,7 +38,7 @@ def parser() -> argparse.ArgumentParser:
         "--database",
         metavar="URL",
         help="sqlite:///FILE, a file name, or postgresql://USER:PASSWORD@HOST/NAME; "
-        f"default is ${ENVIRONMENT}, else a SQLite file in the user's data folder",
+        f"default is ${ENVIRONMENT}, else a SQLite file in the site's folder",
     )
     commands = top.add_subparsers(dest="command", required=True)
     for name, purpose in (("list", "a line a run"), ("export", "write the runs as columns")):

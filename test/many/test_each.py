@@ -43,7 +43,7 @@ def test_a_lost_worker_loses_no_answer_and_a_poisoned_thing_is_named(tmp_path: P
     }
     assert len(list((tmp_path / str(killer)).iterdir())) >= 2
     assert (found[poison].value, found[poison].error_code) == (None, WorkersDiedError.code)
-    assert found[poison].reason == f"task {poison}: 4 workers died of it; look at what it holds"
+    assert found[poison].reason == f"task {poison}: 2 workers died of it; look at what it holds"
     assert (found[refused].error_code, found[refused].reason) == (140, "found no such door; ask for another")
     assert (found[broken].error_code, found[broken].reason) == (
         1,
