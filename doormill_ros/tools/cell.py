@@ -73,7 +73,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--engineer",
         action="store_true",
-        help="print a second token, with which its audit log is read as well",
+        help="print a second token, with which models are put in use and the audit log is read as well",
     )
     options = parser.parse_args(arguments)
     if options.ui is None and (options.control or options.engineer or options.ui_host):
