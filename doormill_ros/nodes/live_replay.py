@@ -129,7 +129,7 @@ def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callabl
     chosen = (
         (RecipeDatabaseNode, database),
         (DoorLocalizer, localizer),
-        (PathGenerator, {"robot_model": options.robot_model, "frames": False}),
+        (PathGenerator, {"robot_model": options.robot_model, "models": "", "frames": False}),
         (AbbBridge, bridge),
     )
     return [

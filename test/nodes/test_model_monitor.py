@@ -4,6 +4,7 @@ import json
 import signal
 
 import pytest
+from geometry_msgs.msg import Point, Vector3
 from lifecycle_msgs.srv import GetState
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
@@ -60,8 +61,6 @@ def told(tmp_path_factory):
     folder = tmp_path_factory.mktemp("monitored")
     (folder / "world.yaml").write_text(WORLD)
     parameters = {
-        MONITOR: {"inspections": folder / "kept", "bags": folder, "models": folder / "models"},
-        "path_generator": {"models": folder / "models"},
         "cell_simulator": {
             "controller_simulator:gauged": True,
             "controller_simulator:world": folder / "world.yaml",
@@ -109,6 +108,10 @@ def test_hostile_inspections_are_refused_by_name(told, tmp_path):
     told.cell.wait(lambda: publisher.get_subscription_count() >= 2)
     publisher.publish(DoorInspection(run_id="../x", feature=["a"]))
     assert told.until(lambda v: v.error_code == 841).waiting == 0
+    unknown = DoorInspection(run_id="20200101T000000000000Z", noise=1e-5, feature=["hinge_1"], wall=[True])
+    unknown.point, unknown.normal, unknown.deviation = [Point()], [Vector3(z=1.0)], [0.0]
+    publisher.publish(unknown)
+    assert unknown.run_id in told.until(lambda v: v.error_code == UNKNOWN_RUN and v.waiting == 1).message
     (tmp_path / "inspection.yaml").write_text("schema: doormill/inspection/1\nbag: nowhere\n")
     for path in (tmp_path, tmp_path / "inspection.yaml", tmp_path / "missing"):
         answer = told.cell.ask(HandInInspection, "model/inspect", HandInInspection.Request(path=str(path)))
