@@ -10,11 +10,12 @@ from types import TracebackType
 from typing import Generic, TypeVar
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.run import ignore_signals, init, shut_down
+from doormill_ros.nodes.spinning import SteadyExecutor
 
 STOP_LIMIT = 2.0  # s
 
@@ -53,7 +54,7 @@ class Composition(Generic[Driver]):
         self._threads = threads
         self.nodes: list[ManagedNode] = []
         self._all: list[Node] = []
-        self._executor: MultiThreadedExecutor | None = None
+        self._executor: SteadyExecutor | None = None
         self._thread: threading.Thread | None = None
 
     def __enter__(self) -> Composition[Driver]:
@@ -76,7 +77,7 @@ class Composition(Generic[Driver]):
             self._all.append(self.nodes[-1])
         self.driver = self._beside()
         self._all.append(self.driver)
-        executor = self._executor = MultiThreadedExecutor(num_threads=self._threads)
+        executor = self._executor = SteadyExecutor(self._threads)
         for node in self._all:
             executor.add_node(node)
         self._thread = threading.Thread(target=_spin, args=(executor,), name="executor", daemon=True)
@@ -115,7 +116,7 @@ def _undisturbed() -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def _spin(executor: MultiThreadedExecutor) -> None:
+def _spin(executor: SteadyExecutor) -> None:
     # An interrupt takes the context away from under the executor.
     try:
         executor.spin()

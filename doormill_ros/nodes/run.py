@@ -12,12 +12,13 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.logging import get_logger
 from rclpy.signals import uninstall_signal_handlers
 
 from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.resources import resource
 
 THREADS = 4
@@ -58,7 +59,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
     """Run nodes in this process until interrupted; the body of every node's executable."""
     interrupt_once()
     init(sys.argv if arguments is None else arguments)
-    executor = MultiThreadedExecutor(num_threads=THREADS)
+    executor = SteadyExecutor(THREADS)
     nodes: list[ManagedNode] = []
     try:
         for factory in factories:
@@ -87,7 +88,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
     return 0
 
 
-def shut_down(nodes: Sequence[ManagedNode], executor: MultiThreadedExecutor | None, timeout: float) -> None:
+def shut_down(nodes: Sequence[ManagedNode], executor: SteadyExecutor | None, timeout: float) -> None:
     """Let each node close its files and drop its signals, then end the executor's threads.
 
     Also when the context is already gone.

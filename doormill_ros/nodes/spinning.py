@@ -1,0 +1,93 @@
+"""An executor that goes on whatever is destroyed meanwhile, and that does not stand still unseen."""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import signal
+import sys
+import threading
+import time
+
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.logging import get_logger
+
+#: So many errors in a row, each within `CALM` of the one before, are no chance meetings.
+MANY = 100
+CALM = 1.0  # s
+#: An executor whose nodes' timers come round every second and that did not turn for so long never will [s].
+STILL = 300.0
+#: What an interrupt does not end within this is ended without asking [s].
+ENDING = 20.0
+
+
+class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has no types
+    """Executes callbacks in a pool of threads, as its base class.
+
+    rclpy asks timers and subscriptions that its wait found ready what they hold, and holds no lock on them: one that
+    another thread destroyed in between raises out of `spin`. Left at that, all nodes of the process stand still for
+    ever, while DDS' own threads keep telling everybody that they live.
+
+    Args:
+        threads: Of the pool.
+        still: Process time without a turn after which the process is ended, so that what started it can start it
+            again [s]; the stacks of all threads go to stderr first. Time in which the process is stopped does not
+            count.
+    """
+
+    def __init__(self, threads: int, still: float = STILL) -> None:
+        super().__init__(num_threads=threads)
+        self._errors = 0
+        self._last_error = -CALM
+        self._turns = 0
+        self._ended = threading.Event()
+        threading.Thread(target=self._watch, args=(still,), name="turns", daemon=True).start()
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """See the base class.
+
+        Raises:
+            InvalidHandle, RCLError: They do not end.
+            ExternalShutdownException: The context was taken away.
+        """
+        self._turns += 1
+        try:
+            super().spin_once(timeout_sec)
+        except ExternalShutdownException:
+            raise
+        except (rclpy_implementation.InvalidHandle, rclpy_implementation.RCLError) as error:
+            if not self.context.ok():
+                raise ExternalShutdownException from error
+            now = time.monotonic()
+            self._errors = self._errors + 1 if now - self._last_error < CALM else 1
+            self._last_error = now
+            if self._errors >= MANY:
+                raise
+            get_logger("doormill").debug(f"{error}; something was destroyed while it was looked at, going on")
+
+    def shutdown(self, *args: object, **kwargs: object) -> bool:
+        """See the base class."""
+        self._ended.set()
+        return bool(super().shutdown(*args, **kwargs))
+
+    def _watch(self, still: float) -> None:
+        seen, since = -1, 0.0
+        period = still / 100
+        # Periods are counted, not the clock: it runs on while the process is stopped.
+        while not self._ended.wait(period):
+            turns = self._turns
+            since = since + period if turns == seen and turns else 0.0
+            seen = turns
+            if since >= still:
+                self._give_up(still)
+
+    def _give_up(self, still: float) -> None:
+        get_logger("doormill").fatal(
+            f"No callback of this process was called for {still:g} s; it ends, so that it can be started again. "
+            "The stacks of its threads follow; hand them in."
+        )
+        faulthandler.dump_traceback(sys.__stderr__ or 2, all_threads=True)
+        os.kill(os.getpid(), signal.SIGINT)
+        if not self._ended.wait(ENDING):
+            os._exit(1)

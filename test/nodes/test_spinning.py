@@ -1,0 +1,150 @@
+"""Timers destroyed by one thread while the executor looks at them in another, and an executor that stands still."""
+
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+
+import pytest
+import rclpy
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.timer import Timer
+
+from doormill_ros.nodes.spinning import SteadyExecutor
+
+LIMIT = 30.0  # s
+
+
+class Doomed(Timer):
+    """A timer that is destroyed between the two questions of an executor: did the wait find it ready, is it still.
+
+    That is what another thread does to it once in a great many rounds; here it happens in the first.
+    """
+
+    asked = destroyed = False
+
+    @property
+    def handle(self):
+        handle = super().handle
+        asking = sys._getframe(1)
+        ready = asking.f_locals.get("timers_ready", ())
+        if asking.f_code.co_name == "_wait_for_ready_callbacks" and not self.destroyed:
+            if self.asked:
+                handle.destroy_when_not_in_use()
+                self.destroyed = True
+            self.asked = handle.pointer in ready
+        return handle
+
+
+class Destroying(Node):
+    """Counts beside a timer that is doomed."""
+
+    def __init__(self) -> None:
+        super().__init__("destroying")
+        self.counted = 0
+        self.told = threading.Event()
+        self.create_timer(0.02, self._count)
+        self.doomed = self.create_timer(0.02, lambda: None)
+        self.doomed.__class__ = Doomed
+
+    def _count(self) -> None:
+        self.counted += 1
+        if self.doomed.destroyed and self.counted > 5:
+            self.told.set()
+
+
+@pytest.fixture
+def context() -> Iterator[None]:
+    rclpy.init()
+    yield
+    rclpy.try_shutdown()
+
+
+def spun(executor: MultiThreadedExecutor, node: Node) -> tuple[threading.Thread, list[BaseException]]:
+    executor.add_node(node)
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            executor.spin()
+        except BaseException as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    return thread, errors
+
+
+def test_an_executor_of_rclpy_ends_there(context) -> None:
+    # What the class is for: on the day that rclpy holds on to what it looks at, half of it can go.
+    executor = MultiThreadedExecutor(num_threads=2)
+    thread, errors = spun(executor, Destroying())
+    thread.join(LIMIT)
+    assert not thread.is_alive()
+    assert [type(error) for error in errors] == [rclpy_implementation.RCLError]
+    executor.shutdown()
+
+
+def test_the_other_callbacks_go_on(context) -> None:
+    executor, node = SteadyExecutor(2), Destroying()
+    thread, errors = spun(executor, node)
+    assert node.told.wait(LIMIT), f"{node.counted} calls"
+    assert errors == []
+    executor.shutdown()
+    thread.join(LIMIT)
+    assert not thread.is_alive()
+
+
+class Broken(Node):
+    """Raises whenever it is looked at."""
+
+    @property
+    def timers(self) -> Iterator:
+        raise rclpy_implementation.InvalidHandle("gone")
+
+
+def test_what_does_not_end_is_told(context) -> None:
+    executor = SteadyExecutor(2)
+    thread, errors = spun(executor, Broken("broken"))
+    thread.join(LIMIT)
+    assert not thread.is_alive()
+    assert [type(error) for error in errors] == [rclpy_implementation.InvalidHandle]
+    executor.shutdown()
+
+
+def test_a_context_taken_away_ends_it(context) -> None:
+    executor = SteadyExecutor(2)
+    thread, _ = spun(executor, Node("quiet"))
+    rclpy.try_shutdown()
+    thread.join(LIMIT)
+    assert not thread.is_alive()
+    executor.shutdown()
+
+
+STANDING = """
+import threading
+import rclpy
+from rclpy.node import Node
+from doormill_ros.nodes.spinning import SteadyExecutor
+
+def waits_for_ever():
+    threading.Event().wait()
+
+rclpy.init()
+node = Node("standing")
+node.create_timer(0.01, waits_for_ever)
+executor = SteadyExecutor(2, still=2.0)
+executor.add_node(node)
+executor.spin()
+"""
+
+
+def test_a_process_that_stands_still_says_where_and_ends() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", STANDING], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert ended.returncode != 0
+    assert "waits_for_ever" in ended.stderr
+    assert "No callback of this process was called for 2 s" in ended.stderr + ended.stdout
