@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
+from doormill_ros.errors import DoormillError
 from doormill_ros.files import write_atomically
 from doormill_ros.models.errors import (
     MillingStoppedError,
@@ -251,7 +252,7 @@ class ModelStore:
     def _stamp(self) -> str:
         return self._now().isoformat(timespec="seconds")
 
-    def _useless(self, why: str) -> ModelStoreError:
+    def _useless(self, why: str) -> DoormillError:
         path = self.folder / RECORD
         return ModelStoreError(
             f"{path} cannot be used: {why}; bring it back from a copy, or move the whole folder away to begin with "

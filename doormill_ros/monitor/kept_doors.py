@@ -246,7 +246,7 @@ def _check(points: DoorPoints) -> None:
         )
 
 
-def _unkept(folder: Path, error: OSError) -> KeepingError:
+def _unkept(folder: Path, error: OSError) -> DoormillError:
     return KeepingError(
         f"the inspection cannot be kept in {folder}: {error.strerror or error}; make room there and hand it in again",
         path=str(folder),

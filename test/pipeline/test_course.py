@@ -81,8 +81,9 @@ class World:
         self.was_set: list[float] = []
         self.run = Run("run-1", DOOR, Clock(self.turn, self.wall, self._was_set))
         self.recipe = RecipeAnswer(True, 0, "", 4)
-        self.localization, self.targets = Answer(), Answer(
-            targets=program.targets, largest_correction=2e-3, model_version=7
+        self.localization, self.targets = (
+            Answer(),
+            Answer(targets=program.targets, largest_correction=2e-3, model_version=7),
         )
         self.end_signal = signals.DONE
         self.absent: set[str] = set()

@@ -12,6 +12,7 @@ from doormill_interfaces.msg import DoorInspection
 from doormill_ros.frames import DOOR_FRAME
 from doormill_ros.measurements.inspection import CAMERA
 from doormill_ros.measurements.inspection_writer import MeasuredPoints
+from doormill_ros.units import s_to_ns
 
 
 def inspection_message(
@@ -25,7 +26,8 @@ def inspection_message(
         measured_at: With its zone.
         noise: Standard deviation of one deviation [m].
     """
-    stamp = Time(sec=int(measured_at.timestamp()), nanosec=1000 * measured_at.microsecond)
+    seconds, nanoseconds = divmod(s_to_ns(measured_at.timestamp()), 1_000_000_000)
+    stamp = Time(sec=seconds, nanosec=nanoseconds)
     return DoorInspection(
         header=Header(stamp=stamp, frame_id=DOOR_FRAME),
         run_id=run_id,
