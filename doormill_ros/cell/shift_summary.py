@@ -26,7 +26,7 @@ class ShiftDoor:
         success: Whether it is milled and nothing is wrong with it.
         largest_deviation: Of its contours from the recipe on the true door [m]; None where none was milled.
         message: What the run ended with.
-        model_version: Of the robot model in the store of models; 0 for the one that the path generator was started with.
+        model_version: Of the robot model in the store of models; 0 for that of the start.
     """
 
     number: int
