@@ -169,7 +169,8 @@ def test_an_inspection_of_an_unknown_run_waits_for_its_bag(inspected, tmp_path):
 
 BAD = {
     "no run": {"run_id": ""},
-    "a run that is a path": {"run_id": "../../etc"},
+    "a run that is a path": {"run_id": "a/b"},
+    "a run that is the folder above": {"run_id": ".."},
     "a column that is too short": {"deviation": np.zeros(1)},
     "no points": {
         "feature": [],

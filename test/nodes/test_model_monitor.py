@@ -106,7 +106,7 @@ def test_hostile_inspections_are_refused_by_name(told, tmp_path):
         DoorInspection, topics.DOOR_INSPECTION.name, topics.DOOR_INSPECTION.offered
     )
     told.cell.wait(lambda: publisher.get_subscription_count() >= 2)
-    publisher.publish(DoorInspection(run_id="../x", feature=["a"]))
+    publisher.publish(DoorInspection(run_id="a/b", feature=["a"]))
     assert told.until(lambda v: v.error_code == 841).waiting == 0
     unknown = DoorInspection(run_id="20200101T000000000000Z", noise=1e-5, feature=["hinge_1"], wall=[True])
     unknown.point, unknown.normal, unknown.deviation = [Point()], [Vector3(z=1.0)], [0.0]
