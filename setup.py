@@ -11,12 +11,16 @@ NODES = [
     "bag_recorder",
     "model_monitor",
     "cell_simulator",
+    "folder_camera",
 ]
 TOOLS = [
+    "backup",
     "calibrate",
     "cell",
+    "health",
     "replay",
     "recipes",
+    "restore",
     "identify",
     "diagnose",
     "locate",

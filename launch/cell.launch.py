@@ -8,7 +8,7 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 from launch.actions import DeclareLaunchArgument
 from launch.conditions import IfCondition
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
 
 from launch import LaunchDescription
@@ -21,6 +21,7 @@ NODES = (
     "bag_recorder",
     "model_monitor",
     "cell_simulator",
+    "folder_camera",
 )
 #: Topics of one name for a whole network; a cell in a namespace has its own.
 GLOBAL = ("tf", "tf_static", "diagnostics")
@@ -33,6 +34,7 @@ ARGUMENTS = {
     ),
     "autostart": ("true", "bring the nodes up; false: an operator does"),
     "simulate": ("true", "simulated camera, controller and robot"),
+    "pictures": ("", "folder of pictures in place of the simulated camera"),
     "respawn": ("true", "start what died again"),
     "log_level": ("info", "of every node: debug, info, warn, error"),
     "use_sim_time": ("false", "take the time from /clock"),
@@ -42,6 +44,11 @@ ARGUMENTS = {
 
 def in_out(*parts):
     return PathJoinSubstitution([LaunchConfiguration("out"), *parts])
+
+
+def brought(comparison):
+    """Whether pictures are (`!=`) or are not (`==`) brought."""
+    return PythonExpression(["'", LaunchConfiguration("pictures"), f"' {comparison} ''"])
 
 
 def cell_node(name):
@@ -56,19 +63,27 @@ def cell_node(name):
             "models": in_out("models"),
         },
         "cell_simulator": {"home": in_out("controller", "HOME"), "gauged": True},
+        "folder_camera": {"folder": LaunchConfiguration("pictures")},
     }
+    conditions = {
+        "cell_simulator": IfCondition(LaunchConfiguration("simulate")),
+        "folder_camera": IfCondition(brought("!=")),
+    }
+    simulated = ["-p", ["camera_simulator:pictures:=", brought("==")]] if name == "cell_simulator" else []
     return Node(
         package="doormill_ros",
         executable=name,
         namespace=LaunchConfiguration("namespace"),
         output="screen",
         # What comes later wins: a file may name another controller than the simulated folder.
-        parameters=[folders.get(name, {}), LaunchConfiguration("parameters"), chosen],
+        parameters=[LaunchConfiguration("parameters"), folders[name], chosen]
+        if name == "folder_camera"
+        else [folders.get(name, {}), LaunchConfiguration("parameters"), chosen],
         remappings=[(f"/{topic}", topic) for topic in GLOBAL],
-        arguments=["--ros-args", "--log-level", LaunchConfiguration("log_level")],
+        arguments=["--ros-args", "--log-level", LaunchConfiguration("log_level"), *simulated],
         respawn=LaunchConfiguration("respawn"),
         respawn_delay=RESPAWN_DELAY,
-        condition=IfCondition(LaunchConfiguration("simulate")) if name == "cell_simulator" else None,
+        condition=conditions.get(name),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import socket
 import sys
 import threading
 import time
@@ -60,7 +61,8 @@ class BagRecorder(ManagedNode):
         self._skipped: set[str] = set()
         self._discovering = threading.Lock()
         self._queue = BoundedQueue(self.value("queue_size"))
-        self._writer = BagWriter(Path(folder), self.value("split_size"))
+        device = f"{socket.gethostname()}{self.get_namespace().rstrip('/')}"
+        self._writer = BagWriter(Path(folder), self.value("split_size"), device=device)
         self._filler = BagFiller(self._queue, self._writer)
         self._even_clock = EvenClock()  # readers sort by it
         self._wanted = False

@@ -15,7 +15,8 @@ from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe, ModelVerdict, RunResult
 from doormill_ros.arrays import ByteArray
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import colours_of, picture_of, seconds_of
+from doormill_ros.messages.from_message import seconds_of
+from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl

@@ -22,7 +22,7 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import path_message
 from doormill_ros.nodes.convert.markers import body_markers, no_markers, program_markers
 from doormill_ros.nodes.convert.program import program_into
-from doormill_ros.nodes.frame_publisher import frame_publisher
+from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
@@ -75,7 +75,7 @@ class PathGenerator(ManagedNode):
         self._joints = self.publisher(topics.PATH_JOINT_STATES)
         self._description = self.publisher(topics.ROBOT_DESCRIPTION)
         self._bodies = self.publisher(topics.CELL_BODIES)
-        self._frames = frame_publisher(self) if self.value("frames") else None
+        self._frames = FramePublisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_POSE, self._take_pose)
 

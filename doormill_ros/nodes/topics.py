@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Path
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import CameraInfo, Image, JointState
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState
 from std_msgs.msg import Bool, String
 from visualization_msgs.msg import MarkerArray
 
@@ -49,8 +49,6 @@ PICTURE = _qos(5)
 PICTURE_FALLBACK = _qos(5, reliability=ReliabilityPolicy.BEST_EFFORT)
 #: What tf2's own broadcasters offer on /tf; /tf_static is STATE.
 TRANSFORMS = _qos(100)
-#: Latched one by one: deep enough for all frames of one node, late joiners get them.
-LATCHED_FRAMES = _qos(10, DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,12 @@ def _topic(name: str, message_type: Any, qos: QoSProfile, fallback: QoSProfile |
 
 
 IMAGE = _topic("camera/image_raw", Image, PICTURE, PICTURE_FALLBACK)
+COMPRESSED = _topic("camera/image_raw/compressed", CompressedImage, PICTURE, PICTURE_FALLBACK)
+#: As `image_transport` names the ways that pictures take.
+PICTURES = {"raw": IMAGE, "compressed": COMPRESSED}
 CAMERA_INFO = _topic("camera/camera_info", CameraInfo, PICTURE, PICTURE_FALLBACK)
+#: Way [m] and turn [rad] of the camera since its calibration, in base axes; there in cells with marks.
+CAMERA_MOVED = _topic("camera/moved", TwistStamped, EVENT)
 DOOR_POSE = _topic("door/pose", PoseStamped, EVENT)
 DOOR_LOCALIZATION = _topic("door/localization", DoorLocalization, EVENT)
 DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE, PICTURE_FALLBACK)
@@ -94,8 +97,6 @@ MILLED_DOOR = _topic("simulation/milled_door", MilledDoor, STATE)
 DOOR_INSPECTION = _topic("door/inspection", DoorInspection, _qos(100))
 MODEL_VERDICT = _topic("model/verdict", ModelVerdict, STATE)
 RUN_VERDICT = _topic("simulation/verdict", RunVerdict, STATE)
-#: Where tf2_msgs is missing; Foxglove takes single transforms from any topic.
-FRAMES = _topic("frames", TransformStamped, LATCHED_FRAMES)
 DIAGNOSTICS = _topic("/diagnostics", DiagnosticArray, EVENT)
 
 ALL: tuple[Topic, ...] = (

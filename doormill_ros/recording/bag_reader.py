@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,8 @@ from rosbags.typesys.store import Typestore
 
 from doormill_ros.recording.errors import BagError, UnreadableBagError
 from doormill_ros.recording.mcap_chunks import check_chunks
-from doormill_ros.recording.mcap_scan import is_complete, scan
+from doormill_ros.recording.mcap_scan import ScannedMessage, is_complete, scan
+from doormill_ros.recording.repeats import repeated_in
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,8 @@ def topics_of(folder: Path) -> list[str]:
 def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagMessage]:
     """Messages in the order in which they were recorded.
 
-    A bag whose recorder was killed is read as far as it was written.
+    A bag whose recorder was killed is read as far as it was written. What a further file repeats of earlier ones is
+    left out, unless that file is read alone.
 
     Args:
         folder: Bag folder with metadata.yaml, or a file of one.
@@ -113,7 +116,10 @@ def _indexed(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]
         if not chosen:
             return
         store = typestore_of((c.msgtype, c.msgdef.data) for c in chosen)
+        repeated = sum((repeated_in(path) for path in _files(folder)[1:]), Counter())
         for connection, stamp_ns, data in reader.messages(connections=chosen):
+            if repeated and _is_repeated(repeated, connection.topic, stamp_ns):
+                continue
             message = store.deserialize_cdr(data, connection.msgtype)
             yield BagMessage(connection.topic, stamp_ns, message, bytes(data), connection.msgtype)
 
@@ -121,7 +127,7 @@ def _indexed(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]
 def _scanned(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]:
     store, known = typestore_of(()), set()
     for path in _files(folder):
-        for item in scan(path):
+        for item in scan(path) if path == _files(folder)[0] else scan_further(path):
             if topics is not None and item.channel.topic not in topics:
                 continue
             name = item.schema.name
@@ -132,6 +138,22 @@ def _scanned(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]
             yield BagMessage(
                 item.channel.topic, item.message.log_time, message, bytes(item.message.data), name
             )
+
+
+def scan_further(path: Path) -> Iterator[ScannedMessage]:
+    """As `scan`, for a file that continues another one: without what it repeats."""
+    repeated = repeated_in(path)
+    for item in scan(path):
+        if not _is_repeated(repeated, item.channel.topic, item.message.log_time):
+            yield item
+
+
+def _is_repeated(repeated: Counter[tuple[str, int]], topic: str, stamp_ns: int) -> bool:
+    """Count down: repeated messages come before others of their stamp."""
+    if repeated[topic, stamp_ns] <= 0:
+        return False
+    repeated[topic, stamp_ns] -= 1
+    return True
 
 
 def _files(folder: Path) -> list[Path]:

@@ -140,6 +140,20 @@ def arc_about(start: FloatArray, centre: FloatArray, normal: FloatArray, sweep: 
     return Arc(start, end, centre, across, abs(float(sweep)))
 
 
+def arc_through(start: FloatArray, via: FloatArray, end: FloatArray) -> Arc:
+    """The arc that a MoveC from `start` makes, all of shape (3,) [m], not on one line."""
+    first, chord = via - start, end - start
+    normal = np.cross(first, chord)
+    squared = float(normal @ normal)
+    centre = start + (
+        float(chord @ chord) * np.cross(normal, first) + float(first @ first) * np.cross(chord, normal)
+    ) / (2.0 * squared)
+    axis = normal / math.sqrt(squared)
+    arm, last = start - centre, end - centre
+    sweep = math.atan2(float(axis @ np.cross(arm, last)), float(arm @ last)) % (2.0 * math.pi)
+    return Arc(start, end, centre, np.cross(axis, arm), sweep)
+
+
 def points_of(curves: Sequence[Curve], index: IntArray, fraction: FloatArray) -> FloatArray:
     """Points of many curves at once.
 

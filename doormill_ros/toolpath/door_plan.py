@@ -49,9 +49,9 @@ def door_plan(
     """Nominal path on the door.
 
     A door of the program Path_20 gets exactly the thesis' targets and motions, if one robot mills
-    it, its turns are wide enough for arcs through three targets and its pockets narrow enough to be
-    cleared by them. Any other is milled feature by feature: with a MoveJ to the first one and wherever
-    the spindle has to swing, in straight lines in front of the face otherwise.
+    it with a mill that may go straight down, its turns are wide enough for arcs through three targets and its pockets
+    narrow enough to be cleared by them. Any other is milled feature by feature: with a MoveJ to the first one and
+    wherever the spindle has to swing, in straight lines in front of the face otherwise.
 
     Args:
         recipe: The door.
@@ -75,7 +75,8 @@ def door_plan(
         recipe.program is Program.PATH_20
         and fits_path_20([item.feature for item in operations])
         and all(
-            SMALLEST_TURN <= turn_radius(item.feature) <= item.feature.tool.radius - OVERLAP
+            item.feature.tool.centre_cutting
+            and SMALLEST_TURN <= turn_radius(item.feature) <= item.feature.tool.radius - OVERLAP
             for item in operations
         )
     ):

@@ -11,6 +11,7 @@ import sqlalchemy as sa
 from sqlalchemy.pool import StaticPool
 
 from doormill_ros.recipes.errors import DatabaseUnreachable
+from doormill_ros.resources import site_folder
 from doormill_ros.units import s_to_ms
 
 ENVIRONMENT = "DOORMILL_DATABASE"
@@ -22,11 +23,8 @@ READ = "doormill_read"  #: execution option of a connection on which each statem
 
 
 def default_url() -> str:
-    """$DOORMILL_DATABASE, or a SQLite file in the user's data folder."""
-    if os.environ.get(ENVIRONMENT):
-        return os.environ[ENVIRONMENT]
-    data = os.environ.get("XDG_DATA_HOME") or str(Path.home() / ".local" / "share")
-    return f"sqlite:///{Path(data) / 'doormill_ros' / 'recipes.sqlite'}"
+    """$DOORMILL_DATABASE, or a SQLite file in the site's folder."""
+    return os.environ.get(ENVIRONMENT) or f"sqlite:///{site_folder() / 'recipes.sqlite'}"
 
 
 def make_engine(url: str | None = None) -> sa.Engine:
