@@ -9,6 +9,7 @@ NODES = [
     "path_generator",
     "abb_bridge",
     "bag_recorder",
+    "model_monitor",
     "cell_simulator",
     "folder_camera",
 ]

@@ -19,6 +19,7 @@ NODES = (
     "path_generator",
     "abb_bridge",
     "bag_recorder",
+    "model_monitor",
     "cell_simulator",
     "folder_camera",
 )
@@ -27,7 +28,10 @@ GLOBAL = ("tf", "tf_static", "diagnostics")
 RESPAWN_DELAY = 1.0  # s
 ARGUMENTS = {
     "namespace": ("", "namespace of every node, for example /cell1; cells in different ones share nothing"),
-    "out": ("out", "folder of bags, target files and the simulated controller; each cell needs its own"),
+    "out": (
+        "out",
+        "folder of bags, target files, models, inspections and the simulated controller; each cell needs its own",
+    ),
     "autostart": ("true", "bring the nodes up; false: an operator does"),
     "simulate": ("true", "simulated camera, controller and robot"),
     "pictures": ("", "folder of pictures in place of the simulated camera"),
@@ -52,7 +56,13 @@ def cell_node(name):
     folders = {
         "abb_bridge": {"address": in_out("controller", "HOME"), "archive": in_out("targets")},
         "bag_recorder": {"folder": in_out("bags")},
-        "cell_simulator": {"home": in_out("controller", "HOME")},
+        "path_generator": {"models": in_out("models")},
+        "model_monitor": {
+            "inspections": in_out("inspections"),
+            "bags": in_out("bags"),
+            "models": in_out("models"),
+        },
+        "cell_simulator": {"home": in_out("controller", "HOME"), "gauged": True},
         "folder_camera": {"folder": LaunchConfiguration("pictures")},
     }
     conditions = {

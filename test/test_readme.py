@@ -73,7 +73,7 @@ def test_shell_commands_run(block: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("block", [b for b in SHELL if " & " in b])
 def test_nodes_started_in_the_background_come_up_and_stop(block: str, tmp_path: Path) -> None:
     names = re.findall(r"(\w+) &", block)
-    assert len(names) == 6
+    assert len(names) == 7
     log = tmp_path / "log.txt"
     process = run(f"exec > {log} 2>&1\n{block}\nwait", tmp_path)
     try:

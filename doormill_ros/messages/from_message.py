@@ -6,6 +6,7 @@ bag is replayed by what a node computes with.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -65,6 +66,11 @@ def door_pose_of(pose: Any) -> FloatArray:
             "and a quaternion of length 1; look at who sends door/pose"
         )
     return transform_of(pose)
+
+
+def positions_of(points: Iterable[Any]) -> FloatArray:
+    """Coordinates of geometry_msgs/Points or Vector3s, shape (n, 3)."""
+    return np.array([(p.x, p.y, p.z) for p in points], dtype=float).reshape(-1, 3)
 
 
 def transforms_of(poses: list[Any]) -> FloatArray:

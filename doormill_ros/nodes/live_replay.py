@@ -50,7 +50,7 @@ class LiveOptions:
 
     Attributes:
         rate: Times the recorded speed; infinite to wait for answers only.
-        robot_model: For the path generator; empty for the joint springs.
+        robot_model: For the path generator; empty for the one that the recording names.
         database: URL of the recipe database that is asked; empty for one that holds the recorded recipe,
             or, when the run had none, the shipped ones.
     """
@@ -131,10 +131,12 @@ def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callabl
         "frames": False,
         "image_transport": run.image_transport,
     }
+    recorded = next((str(message.robot_model) for message in run.targets), "")
+    model = options.robot_model or recorded
     chosen = (
         (RecipeDatabaseNode, database),
         (DoorLocalizer, localizer),
-        (PathGenerator, {"robot_model": options.robot_model, "frames": False}),
+        (PathGenerator, {"robot_model": model, "models": "", "frames": False}),
         (AbbBridge, bridge),
     )
     return [

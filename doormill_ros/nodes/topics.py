@@ -16,11 +16,13 @@ from visualization_msgs.msg import MarkerArray
 from doormill_interfaces.msg import (
     AbbStatus,
     ControllerState,
+    DoorInspection,
     DoorLocalization,
     DoorPlacement,
     DoorRecipe,
     ExecutedPath,
     MilledDoor,
+    ModelVerdict,
     RunResult,
     RunVerdict,
     TargetArray,
@@ -91,6 +93,9 @@ RUN_RESULT = _topic("run/result", RunResult, STATE)
 DOOR_PLACEMENT = _topic("simulation/door_placement", DoorPlacement, STATE)
 EXECUTED_PATH = _topic("simulation/executed_path", ExecutedPath, STATE)
 MILLED_DOOR = _topic("simulation/milled_door", MilledDoor, STATE)
+#: Several doors may be measured at once, and none shall be lost.
+DOOR_INSPECTION = _topic("door/inspection", DoorInspection, _qos(100))
+MODEL_VERDICT = _topic("model/verdict", ModelVerdict, STATE)
 RUN_VERDICT = _topic("simulation/verdict", RunVerdict, STATE)
 DIAGNOSTICS = _topic("/diagnostics", DiagnosticArray, EVENT)
 
@@ -118,5 +123,7 @@ ALL: tuple[Topic, ...] = (
     EXECUTED_PATH,
     MILLED_DOOR,
     RUN_VERDICT,
+    DOOR_INSPECTION,
+    MODEL_VERDICT,
     DIAGNOSTICS,
 )
