@@ -113,7 +113,7 @@ def _first_taken(centre: FloatArray, radius: FloatArray, extent: FloatArray) -> 
         keys.append(np.ravel_multi_index(tuple(index.T), tuple(cells)))
         who.append(np.full(len(index), i))
     key, first = np.unique(np.concatenate(keys), return_index=True)
-    points: FloatArray = np.stack(np.unravel_index(key, tuple(cells)), axis=1) * GRID
+    points: FloatArray = np.stack(np.unravel_index(key, tuple(cells)), axis=1).astype(np.float64) * GRID
     taker: IntArray = np.concatenate(who)[first]
     return points, taker
 
