@@ -84,7 +84,7 @@ def _needless(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> list[
     def score(without: Sequence[PoseCause]) -> float:
         problem, base = _remainder(diagnosis, without)
         each = max(np.log(problem.components * len(problem)) - 2.0, 1.0)
-        return fit(problem, (base, *terms)).held_out_score + each * base.size
+        return float(fit(problem, (base, *terms)).held_out_score + each * base.size)
 
     now = score(())
     while asked := [cause for cause in diagnosis.examination.named if cause not in needless]:
