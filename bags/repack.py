@@ -19,7 +19,7 @@ import zstandard
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from doormill_ros.errors import DoormillError
-from doormill_ros.recording.bag_reader import bag_files
+from doormill_ros.recording.bag_reader import bag_files, scan_further
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.errors import UnreadableBagError
 from doormill_ros.recording.mcap_scan import scan
@@ -47,7 +47,7 @@ def repack_bag(source: Path, target: Path, without: Collection[str] = (), level:
     with _compression(level):
         writer = BagWriter(target, ros_distro=_distro(source))
         for path in files:
-            for item in scan(path):
+            for item in scan(path) if path == files[0] else scan_further(path):
                 channel = item.channel
                 if channel.topic in without:
                     continue

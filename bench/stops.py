@@ -1,8 +1,9 @@
 """The campaign of stops: `python bench/stops.py --runs 200 --seed 1`.
 
 Stops, emergency stops, open guards, losses of power, spindle and clamp while a door is milled by the modules in
-rapid/. Exit code 1 when a standing tool was fed into wood, a spindle turned or a robot moved behind an open guard,
-or the next door was not milled right.
+rapid/, and doors that are exchanged while the robot stands. Exit code 1 when a standing tool was fed into wood or drawn
+through wood beside its own path, a spindle turned or a robot moved behind an open guard, a door was cut by the file of
+another, or the next door was not milled right.
 """
 
 from __future__ import annotations
@@ -20,7 +21,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 from rich.console import Console
 from rich.table import Table
 
-from support.stops_campaign import KINDS, Incident, Run, Verdict, draw
+from support.stops_campaign import KINDS, Incident, Run, draw
+from support.stops_judge import Verdict
+
+FLAGS = ("feeds", "strayed", "turning", "moving", "mistaken")
 
 
 def table(results: list[tuple[Incident, Verdict]]) -> Table:
@@ -31,8 +35,10 @@ def table(results: list[tuple[Incident, Verdict]]) -> Table:
         "runs",
         "struck",
         "feeds",
+        "strayed",
         "turning",
         "moving",
+        "mistaken",
         "false done",
         "next door right",
     ):
@@ -45,8 +51,10 @@ def table(results: list[tuple[Incident, Verdict]]) -> Table:
             len(verdicts),
             sum(v.struck for v in verdicts),
             sum(bool(v.feeds) for v in verdicts),
+            sum(bool(v.strayed) for v in verdicts),
             sum(bool(v.turning) for v in verdicts),
             sum(bool(v.moving) for v in verdicts),
+            sum(bool(v.mistaken) for v in verdicts),
             sum(v.done_unmilled for v in verdicts),
         )
         recovered = f"{sum(v.recovered for v in verdicts)}/{len(verdicts)}"
@@ -78,7 +86,7 @@ def main() -> int:
     with ProcessPoolExecutor(arguments.workers, initializer=_quiet) as pool:
         for incident, verdict in pool.map(play, seeds):
             results.append((incident, verdict))
-            flags = [name for name in ("feeds", "turning", "moving") if getattr(verdict, name)]
+            flags = [name for name in FLAGS if getattr(verdict, name)]
             flags += [] if verdict.recovered else ["not recovered"]
             found = "right" if verdict.passed else f"{', '.join(flags)}; {verdict.remarks[-1]}"
             console.print(

@@ -20,7 +20,7 @@ RANGES = (
     (300, "path", (310, 320)),
     (400, "ABB controller", (407, 450, 491)),
     (500, "measured data, models made from it", (502, 503)),
-    (600, "bags", (603,)),
+    (600, "bags, backups", (603, 651)),
     (700, "robot", (701, 703)),
     (800, "the run", (801, 802)),
 )

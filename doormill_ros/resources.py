@@ -1,4 +1,4 @@
-"""Find the files that ship with the package: in the source tree or in an install tree."""
+"""Find the files that ship with the package, in the source tree or in an install tree, and those of the site."""
 
 from __future__ import annotations
 
@@ -6,6 +6,18 @@ import os
 from pathlib import Path
 
 PACKAGE = "doormill_ros"
+SITE = "DOORMILL_SITE"  #: environment variable that names the site's folder
+
+
+def site_folder() -> Path:
+    """What this site has of its own: recipes, models, accepted bags, and files of config/ that go before the shipped.
+
+    $DOORMILL_SITE, or a folder among the user's data. It need not exist.
+    """
+    if os.environ.get(SITE):
+        return Path(os.environ[SITE]).expanduser()
+    data = os.environ.get("XDG_DATA_HOME") or str(Path.home() / ".local" / "share")
+    return Path(data) / PACKAGE
 
 
 def share_directory() -> Path:
@@ -31,11 +43,16 @@ def share_directory() -> Path:
 
 
 def resource(relative: str) -> Path:
-    """Path of a shipped file, for example `resource("config/cell.yaml")`.
+    """Path of a shipped file or folder, for example `resource("config/cell.yaml")`.
+
+    A file of that name in the site's folder goes before it, so that an update leaves calibrations alone.
 
     Raises:
         FileNotFoundError: The file does not ship.
     """
+    own = site_folder() / relative
+    if own.is_file():
+        return own
     path = share_directory() / relative
     if not path.exists():
         raise FileNotFoundError(f"{relative} does not ship with {PACKAGE} (looked at {path})")

@@ -47,6 +47,21 @@ def s_to_ns(value: float) -> int:
     return int(value * 1e9)
 
 
+def days_to_s(value: float) -> float:
+    """Days to seconds."""
+    return value * 86_400.0
+
+
+def gigabytes_to_bytes(value: float) -> float:
+    """Gigabytes of 10^9 bytes to bytes."""
+    return value * 1e9
+
+
+def bytes_to_gigabytes(value: float) -> float:
+    """Bytes to gigabytes of 10^9 bytes."""
+    return value / 1e9
+
+
 def n_per_m_to_n_per_um(value: Number) -> Number:
     """Newtons per metre to newtons per micrometre."""
     return value / 1e6

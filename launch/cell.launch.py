@@ -8,7 +8,7 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 from launch.actions import DeclareLaunchArgument
 from launch.conditions import IfCondition
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
 
 from launch import LaunchDescription
@@ -19,16 +19,22 @@ NODES = (
     "path_generator",
     "abb_bridge",
     "bag_recorder",
+    "model_monitor",
     "cell_simulator",
+    "folder_camera",
 )
 #: Topics of one name for a whole network; a cell in a namespace has its own.
 GLOBAL = ("tf", "tf_static", "diagnostics")
 RESPAWN_DELAY = 1.0  # s
 ARGUMENTS = {
     "namespace": ("", "namespace of every node, for example /cell1; cells in different ones share nothing"),
-    "out": ("out", "folder of bags, target files and the simulated controller; each cell needs its own"),
+    "out": (
+        "out",
+        "folder of bags, target files, models, inspections and the simulated controller; each cell needs its own",
+    ),
     "autostart": ("true", "bring the nodes up; false: an operator does"),
     "simulate": ("true", "simulated camera, controller and robot"),
+    "pictures": ("", "folder of pictures in place of the simulated camera"),
     "respawn": ("true", "start what died again"),
     "log_level": ("info", "of every node: debug, info, warn, error"),
     "use_sim_time": ("false", "take the time from /clock"),
@@ -40,25 +46,44 @@ def in_out(*parts):
     return PathJoinSubstitution([LaunchConfiguration("out"), *parts])
 
 
+def brought(comparison):
+    """Whether pictures are (`!=`) or are not (`==`) brought."""
+    return PythonExpression(["'", LaunchConfiguration("pictures"), f"' {comparison} ''"])
+
+
 def cell_node(name):
     chosen = {name: LaunchConfiguration(name) for name in ("autostart", "use_sim_time")}
     folders = {
         "abb_bridge": {"address": in_out("controller", "HOME"), "archive": in_out("targets")},
         "bag_recorder": {"folder": in_out("bags")},
-        "cell_simulator": {"home": in_out("controller", "HOME")},
+        "path_generator": {"models": in_out("models")},
+        "model_monitor": {
+            "inspections": in_out("inspections"),
+            "bags": in_out("bags"),
+            "models": in_out("models"),
+        },
+        "cell_simulator": {"home": in_out("controller", "HOME"), "gauged": True},
+        "folder_camera": {"folder": LaunchConfiguration("pictures")},
     }
+    conditions = {
+        "cell_simulator": IfCondition(LaunchConfiguration("simulate")),
+        "folder_camera": IfCondition(brought("!=")),
+    }
+    simulated = ["-p", ["camera_simulator:pictures:=", brought("==")]] if name == "cell_simulator" else []
     return Node(
         package="doormill_ros",
         executable=name,
         namespace=LaunchConfiguration("namespace"),
         output="screen",
         # What comes later wins: a file may name another controller than the simulated folder.
-        parameters=[folders.get(name, {}), LaunchConfiguration("parameters"), chosen],
+        parameters=[LaunchConfiguration("parameters"), folders[name], chosen]
+        if name == "folder_camera"
+        else [folders.get(name, {}), LaunchConfiguration("parameters"), chosen],
         remappings=[(f"/{topic}", topic) for topic in GLOBAL],
-        arguments=["--ros-args", "--log-level", LaunchConfiguration("log_level")],
+        arguments=["--ros-args", "--log-level", LaunchConfiguration("log_level"), *simulated],
         respawn=LaunchConfiguration("respawn"),
         respawn_delay=RESPAWN_DELAY,
-        condition=IfCondition(LaunchConfiguration("simulate")) if name == "cell_simulator" else None,
+        condition=conditions.get(name),
     )
 
 

@@ -5,6 +5,8 @@ MODULE DoorFile
     ! with # in a fixed order, the last of them the checksum of all bytes before it.
 
     CONST string TARGET_FILE:="Hei2.txt";
+    ! A copy of the file of the door in hand: the PC removes its own once it was accepted.
+    CONST string KEPT_FILE:="Hei2.cut";
     CONST num FILE_VERSION:=2;
     ! The file's home and jposHome are the same so far [deg].
     CONST num HOME_AGREES:=0.01;
@@ -17,10 +19,7 @@ MODULE DoorFile
     FUNC bool ReadTargetFile()
         ! FALSE with the reason in refusal and refusalDetail.
         ForgetPath;
-        OpenLines TARGET_FILE;
-        ReadTargets;
-        ReadTrailer;
-        CloseLines;
+        ReadWhole TARGET_FILE;
         CheckFile CheckDoor(doorId),doorId;
         CheckFile CheckRun(runId),runId;
         CheckFile CheckOrder(runId),runId;
@@ -39,6 +38,40 @@ MODULE DoorFile
         ForgetPath;
         RETURN FALSE;
     ENDFUNC
+
+    PROC KeepTargetFile()
+        ! A file that cannot be kept leaves the path in memory.
+        IF IsFile("HOME:/"+KEPT_FILE) THEN
+            RemoveFile "HOME:/"+KEPT_FILE;
+        ENDIF
+        CopyFile "HOME:/"+TARGET_FILE,"HOME:/"+KEPT_FILE;
+    ERROR
+        SkipWarn;
+        RETURN;
+    ENDPROC
+
+    FUNC bool ReadKept(string run)
+        ! The path of the door in hand once more; FALSE when it is not to be had.
+        ForgetPath;
+        ReadWhole KEPT_FILE;
+        IF runId=run THEN
+            RETURN TRUE;
+        ENDIF
+        ForgetPath;
+        RETURN FALSE;
+    ERROR
+        SkipWarn;
+        CloseLines;
+        ForgetPath;
+        RETURN FALSE;
+    ENDFUNC
+
+    LOCAL PROC ReadWhole(string name)
+        OpenLines name;
+        ReadTargets;
+        ReadTrailer;
+        CloseLines;
+    ENDPROC
 
     LOCAL PROC ReadTargets()
         WHILE NOT Begins(lineText,"#") DO

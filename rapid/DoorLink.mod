@@ -23,6 +23,8 @@ MODULE DoorLink
     ! ANY_DOOR switches the check off for this one door.
     PERS string expectedDoor:="";
     CONST string ANY_DOOR:="*";
+    ! It is the name of the door that was seen in the clamp, and of no other.
+    PERS bool nameTaken:=FALSE;
     ! The last runs that were accepted; none of them is ever milled again.
     PERS string seenRuns{16}:=["","","","","","","","","","","","","","","",""];
     PERS num seenNext:=1;
@@ -49,6 +51,21 @@ MODULE DoorLink
         ReadRuns;
     ENDPROC
 
+    FUNC string LastRun()
+        ! The one that was begun last.
+        IF seenNext=1 THEN
+            RETURN seenRuns{Dim(seenRuns,1)};
+        ENDIF
+        RETURN seenRuns{seenNext-1};
+    ENDFUNC
+
+    PROC ForgetName()
+        IF nameTaken THEN
+            expectedDoor:="";
+        ENDIF
+        nameTaken:=FALSE;
+    ENDPROC
+
     PROC RememberRun()
         ! Before the first motion: a run that was begun is spent, however it ends.
         seenRuns{seenNext}:=runId;
@@ -68,6 +85,7 @@ MODULE DoorLink
             doorSpent:=FALSE;
         ENDIF
         IF diDoorClamped=0 THEN
+            ForgetName;
             Show TXT_WAIT_CLAMP;
             WaitDI diDoorClamped,1;
         ENDIF
@@ -80,6 +98,7 @@ MODULE DoorLink
                 WaitUntil DoorNamed() OR diDoorClamped=0\PollRate:=NAME_INTERVAL;
             ENDIF
         ENDIF
+        nameTaken:=diDoorClamped=1 AND NOT doorChanged;
     ENDPROC
 
     LOCAL FUNC bool DoorNamed()

@@ -1,7 +1,7 @@
 MODULE DoorMill
     ! Mills one door a cycle: waits for it, asks the PC for the path, reads it, mills it, waits until it is taken out.
-    ! Load with DoorText, DoorCell, DoorStop, DoorLink, DoorPath, DoorLine, DoorFile and the parameters of EIO.cfg and
-    ! SYS.cfg; run main in continuous cycle.
+    ! Load with DoorText, DoorCell, DoorStop, DoorBack, DoorLink, DoorPath, DoorLine, DoorFile and the parameters of
+    ! EIO.cfg and SYS.cfg; run main in continuous cycle.
 
     ! What is being milled, for displays: number in the file's motions, 0 between doors.
     PERS num millingMotion:=0;
@@ -52,6 +52,7 @@ MODULE DoorMill
             RETURN FALSE;
         ENDIF
         RememberRun;
+        KeepTargetFile;
         IF NOT TellAccepted(runId) THEN
             refusal:=TXT_NO_ACK;
             refusalDetail:=ACCEPTED_FILE;
@@ -64,7 +65,7 @@ MODULE DoorMill
         doorSpent:=TRUE;
         doorInHand:=TRUE;
         ! Each door is named anew.
-        expectedDoor:="";
+        ForgetName;
         Set doPathBusy;
         WatchDoor;
         ! Acknowledges: the whole path is in memory, the PC may do with the file what it likes.
@@ -154,6 +155,7 @@ MODULE DoorMill
             FOR i FROM escapes{feature}.first TO escapes{feature}.last STEP 1 DO
                 AddToEscape points{i};
             ENDFOR
+            NotePath number,number;
             EndEscape TRUE;
         ENDIF
     ENDPROC
@@ -165,6 +167,7 @@ MODULE DoorMill
 
     LOCAL PROC Announce(num number)
         millingMotion:=number;
+        pathLast:=number;
         millingCutting:=moves{number}.cutting;
         IF moves{number}.feature=0 THEN
             millingFeature:="";

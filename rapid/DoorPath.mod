@@ -43,6 +43,18 @@ MODULE DoorPath
         moveCount:=0;
     ENDPROC
 
+    FUNC bool CutsLeft()
+        ! From the motion on that the program came to last.
+        FOR i FROM pathLast TO moveCount STEP 1 DO
+            IF i>0 THEN
+                IF moves{i}.cutting THEN
+                    RETURN TRUE;
+                ENDIF
+            ENDIF
+        ENDFOR
+        RETURN FALSE;
+    ENDFUNC
+
     FUNC zonedata ZoneOf(string name)
         TEST name
         CASE "fine":

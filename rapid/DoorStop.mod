@@ -19,7 +19,7 @@ MODULE DoorStop
     PERS bool stoppedKnown:=FALSE;
 
     ! The way home from where the robot is: first the points from escapeNext on, then home. With escapeNext 0
-    ! it is at a feature: straight back along the tool axis, on to the first point, then as before.
+    ! it is at a feature: back along its path (DoorBack), on to the first point, then as before.
     PERS jointtarget escape{MAX_ESCAPE}:=[
         [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
         [[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],
@@ -40,9 +40,6 @@ MODULE DoorStop
 
     ! A robot that stands farther from where it stopped was jogged [deg].
     LOCAL CONST num STOPPED_TOLERANCE:=0.5;
-
-    ! Less than this out of the wood is no motion [mm].
-    LOCAL CONST num NO_WAY:=1;
 
     LOCAL VAR bool escapeFits:=TRUE;
     LOCAL VAR intnum spindleLost;
@@ -122,7 +119,7 @@ MODULE DoorStop
         IDelete goneOn;
         Reset doMillAbort;
         ! The robot first, then the spindle: a tool at rest in moving contact breaks.
-        StopMove\Quick;
+        StopMove;
         WaitRob\ZeroSpeed;
         StopSpindle;
         stopDetail:=detail;
@@ -156,8 +153,9 @@ MODULE DoorStop
 
     LOCAL TRAP OnDoorLeft
         doorChanged:=TRUE;
-        ! The name was that door's; the next one is named once it is being loaded.
-        expectedDoor:="";
+        ! The next one is named once it is being loaded.
+        nameTaken:=TRUE;
+        ForgetName;
     ENDTRAP
 
     LOCAL TRAP OnGuardOpened
@@ -172,8 +170,9 @@ MODULE DoorStop
     ! Event routines, see SYS.cfg. None of them moves the robot or asks anything.
 
     PROC DoorStopped()
-        ! STOP, QSTOP: the robot stands. A spindle at rest is no reason to give the door up.
-        IF doorInHand AND spindleSpeed<>0 THEN
+        ! STOP, QSTOP: the robot stands. Once all is cut a stop is no reason to give the door up. Before, it is:
+        ! nobody sees what the clamp does until the next start.
+        IF doorInHand AND (spindleSpeed<>0 OR CutsLeft()) THEN
             StopSpindle;
             NoteStop TXT_STOPPED;
         ENDIF
@@ -186,7 +185,13 @@ MODULE DoorStop
     ENDPROC
 
     PROC DoorRestarted()
-        ! START, RESTART: before anything moves on. What is left of the path of a door that ended stays unmoved.
+        ! START, RESTART: before anything moves on. Interrupts are lost while the program stands: the door may be
+        ! another one by now, and has to be named anew.
+        IF NOT doorInHand THEN
+            doorChanged:=TRUE;
+            ForgetName;
+        ENDIF
+        ! What is left of the path of a door that ended stays unmoved.
         IF stopReason<>0 THEN
             StopMove;
             ! No way back to the path either: the tool stands in the wood.
@@ -208,6 +213,7 @@ MODULE DoorStop
         escapeFits:=TRUE;
         escapeCount:=0;
         escapeNext:=next;
+        NotePath 0,0;
     ENDPROC
 
     PROC EscapeOver(jointtarget point,bool straight)
@@ -222,6 +228,7 @@ MODULE DoorStop
         IF escapeCount<MAX_ESCAPE THEN
             escapeCount:=escapeCount+1;
         ENDIF
+        NotePath 0,0;
         escapeNext:=1;
         IF straight THEN
             escapeNext:=0;
@@ -259,7 +266,7 @@ MODULE DoorStop
             reason:=TXT_NOT_HOME;
         ENDIF
         WHILE NOT AtHome() DO
-            IF NOT (doorInHand AND escapeKnown) THEN
+            IF NOT WayKnown() THEN
                 answer:=Ask(reason,TXT_BY_HAND,TXT_OK,0);
             ELSEIF stoppedKnown AND NOT NearJoints(CJointT(),stoppedAt,STOPPED_TOLERANCE) THEN
                 answer:=Ask(TXT_MOVED,TXT_BY_HAND,TXT_OK,0);
@@ -282,25 +289,24 @@ MODULE DoorStop
         escapeKnown:=FALSE;
     ENDPROC
 
+    LOCAL FUNC bool WayKnown()
+        IF NOT (doorInHand AND escapeKnown) THEN
+            RETURN FALSE;
+        ENDIF
+        IF escapeNext=0 THEN
+            RETURN BackKnown(CalcRobT(escape{1},toolMill\WObj:=wobjDoor));
+        ENDIF
+        RETURN TRUE;
+    ENDFUNC
+
     LOCAL PROC Retract()
-        VAR robtarget here;
         VAR robtarget there;
-        VAR robtarget ahead;
-        VAR num depth;
 
         ! From here on the place where it stopped is another one.
         stoppedKnown:=FALSE;
-        IF escapeNext=0 AND escapeCount>0 THEN
-            here:=CRobT(\Tool:=toolMill\WObj:=wobjDoor);
+        IF escapeNext=0 THEN
             there:=CalcRobT(escape{1},toolMill\WObj:=wobjDoor);
-            ! How far the first point lies behind the tool, along the tool's axis.
-            ahead:=RelTool(here,0,0,1);
-            depth:=(there.trans.x-here.trans.x)*(ahead.trans.x-here.trans.x);
-            depth:=depth+(there.trans.y-here.trans.y)*(ahead.trans.y-here.trans.y);
-            depth:=depth+(there.trans.z-here.trans.z)*(ahead.trans.z-here.trans.z);
-            IF depth<-NO_WAY THEN
-                MoveL RelTool(here,0,0,depth),SPEED_OUT,fine,toolMill\WObj:=wobjDoor;
-            ENDIF
+            BackOut there;
             MoveL there,SPEED_CLEAR,fine,toolMill\WObj:=wobjDoor;
             escapeNext:=1;
         ENDIF

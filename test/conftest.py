@@ -40,3 +40,4 @@ def _own_user_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing reads or writes the user's recipes."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     monkeypatch.delenv("DOORMILL_DATABASE", raising=False)
+    monkeypatch.delenv("DOORMILL_SITE", raising=False)

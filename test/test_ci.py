@@ -111,12 +111,19 @@ def test_a_gate_that_fails_fails_the_run(project) -> None:
     assert left_behind(folder) == []
 
 
+#: Lets the script be slower than the gate that it started: the gate is at work before the script noted which it is.
+SLOW_SCRIPT = """trap 'if [[ $BASH_COMMAND == gate=* ]]; then sleep 3; fi' DEBUG"""
+
+
+@pytest.mark.parametrize("slow", [False, True])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_ends_its_gate_and_cleans_up(
-    project, number: signal.Signals, tmp_path: Path
+    project, number: signal.Signals, slow: bool, tmp_path: Path
 ) -> None:
     folder, mark = project("slow"), tmp_path / "mark"
-    process = start(folder, f"MARK={mark}")
+    (tmp_path / "slow.sh").write_text(SLOW_SCRIPT)
+    environment = {"BASH_ENV": str(tmp_path / "slow.sh")} if slow else {}
+    process = start(folder, f"MARK={mark}", **environment)
     while not (mark.exists() and mark.read_text().strip()):
         assert process.poll() is None
         time.sleep(0.05)

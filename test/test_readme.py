@@ -1,4 +1,4 @@
-"""Every command of the README runs."""
+"""Every command of the README runs, and those for who lives with a cell."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from support.source_tree import ROOT
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```bash\n(.*?)```", README, flags=re.DOTALL)
 MAKE = [block.strip() for block in BLOCKS if block.startswith("make ")]
+LIVING = (ROOT / "docs" / "living.md").read_text(encoding="utf-8")
+BLOCKS += re.findall(r"```bash\n(.*?)```", LIVING, flags=re.DOTALL)
 SHELL = [block for block in BLOCKS if not block.startswith("make ")]
 LIMIT = 240  # s
 
@@ -71,7 +73,7 @@ def test_shell_commands_run(block: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("block", [b for b in SHELL if " & " in b])
 def test_nodes_started_in_the_background_come_up_and_stop(block: str, tmp_path: Path) -> None:
     names = re.findall(r"(\w+) &", block)
-    assert len(names) == 6
+    assert len(names) == 7
     log = tmp_path / "log.txt"
     process = run(f"exec > {log} 2>&1\n{block}\nwait", tmp_path)
     try:
@@ -99,7 +101,8 @@ def test_tools_and_nodes_named_in_the_readme_are_installed() -> None:
         if (Path(p) / "lib" / "doormill_ros").is_dir()
     )
     before_dependencies = README.split("## Why each dependency")[0]
-    names = re.findall(r"^\| `(\w+)` \|", before_dependencies, flags=re.MULTILINE)
-    assert len(names) == 16
+    cells = re.findall(r"^\| (`\w+`(?:, `\w+`)*) \|", before_dependencies, flags=re.MULTILINE)
+    names = [name for cell in cells for name in re.findall(r"\w+", cell)]
+    assert len(names) == 21
     for name in names:
         assert (Path(prefix) / "lib" / "doormill_ros" / name).is_file(), name

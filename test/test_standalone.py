@@ -24,14 +24,37 @@ FILES = sorted(
     ]
     if path.is_file() and path.suffix in TEXT and "__pycache__" not in path.parts
 )
-#: Names that tests give to the product to be refused, the user's own recipes, places of the operating system, a
+#: Names that tests give to the product to be refused, what a site has of its own, places of the operating system, a
 #: file format whose paths are relative to its folder.
 MEANT = {
     "docs/inspection.md": ["path .."],  # of a bag beside the inspection's folder, as the format says
     "doormill_ros/recipes/store/engine.py": [
         "Path(url.database).expanduser()",
         "Path(text).expanduser()",
-        "Path.home()",
+    ],
+    "doormill_ros/resources.py": ["Path.home()", "Path(os.environ[SITE]).expanduser()"],
+    # Where services put an installation and its site.
+    "docs/living.md": [
+        "place /opt/doormill",
+        "place /opt/doormill/deploy/systemd",
+        "place /usr/lib/sysusers.d/doormill.conf",
+        "place /usr/lib/tmpfiles.d/doormill.conf",
+        "place /var/backups/doormill",
+        "place /var/lib/doormill",
+        "place ~/.local/share/doormill_ros",
+    ],
+    "test/test_docs.py": [
+        "place /var/backups/doormill",
+        "place /var/lib/doormill/out/bags",
+        "place /var/lib/doormill/out/targets",
+    ],
+    "test/deploy/test_container.py": ["place /opt/doormill", "place /opt/doormill/deploy/doormill-run"],
+    "test/deploy/test_run.py": ["place /usr/local/bin"],
+    "test/deploy/test_systemd.py": ["place /opt/doormill", "place /usr/bin"],
+    "test/backup/test_archive.py": [
+        "string '../evil'",
+        "string 'config/../../evil'",
+        "string 'config/a\\\\..\\\\..\\\\b/../c'",
     ],
     "scripts/relocate_wheels.py": ["place /opt/python/"],
     "test/diagnosis/parts/test_run.py": ["string '../bag'"],

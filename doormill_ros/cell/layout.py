@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import StrictBool
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.backing import Backing, Board
 from doormill_ros.cell.errors import BadCellFile
 from doormill_ros.cell.gravity import Gravity
 from doormill_ros.config import read
@@ -61,6 +62,7 @@ class CellLayout:
         obstacles: What stands in the cell beside robot and door, base frame.
         clearance: Kept between any two bodies that must not touch, outside the cut [m].
         gravity: Whose weight moves the targets.
+        boards: What backs the rear face of a door.
     """
 
     robot: str
@@ -74,6 +76,7 @@ class CellLayout:
     obstacles: tuple[Body, ...]
     clearance: float
     gravity: Gravity = field(default_factory=Gravity)
+    boards: tuple[Board, ...] = ()
 
     def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> FloatArray:
         """Door frame in the base frame, shape (4, 4).
@@ -94,13 +97,17 @@ class CellLayout:
         return transform(rotation_x(offset.rotation), origin)
 
     def seen_from(self, T_base_other: FloatArray) -> CellLayout:
-        """The cell as another robot of the kind sees it, its tool and home the same.
+        """The cell as another robot of the kind sees it, its tool and home the same; it needs the rear face free.
 
         Args:
             T_base_other: The other robot's base frame, shape (4, 4).
         """
         T_other_base = inverse(T_base_other)
-        return replace(self, obstacles=tuple(body.mapped(T_other_base) for body in self.obstacles))
+        return replace(self, boards=(), obstacles=tuple(body.mapped(T_other_base) for body in self.obstacles))
+
+    def with_rear_free(self) -> CellLayout:
+        """The cell with its boards away, for a second robot that mills the rear face."""
+        return replace(self, boards=())
 
     def offset_of(self, T_base_door: FloatArray, width: float) -> DoorOffset:
         """The three free degrees of freedom of a door pose, shape (4, 4); inverse of `T_base_door`."""
@@ -149,6 +156,7 @@ class _CellFile(Section):
     obstacles: tuple[Body, ...]
     clearance: Positive
     gravity: Gravity = field(default_factory=Gravity)
+    backing: Backing | None = None
 
 
 def load_layout(path: Path | None = None) -> CellLayout:
@@ -172,4 +180,5 @@ def load_layout(path: Path | None = None) -> CellLayout:
         obstacles=content.obstacles,
         clearance=content.clearance,
         gravity=content.gravity,
+        boards=() if content.backing is None else content.backing.boards,
     )

@@ -40,6 +40,16 @@ class RunFolder:
         return self.root / "inspection"
 
     @property
+    def models(self) -> Path:
+        """Store of models, of the shift where the run belongs to one."""
+        return (self.shift or self.root) / "models"
+
+    @property
+    def inspections(self) -> Path:
+        """What /model_monitor keeps, of the shift where the run belongs to one."""
+        return (self.shift or self.root) / "inspections"
+
+    @property
     def report(self) -> Path:
         """The report."""
         return self.root / "report.html"
@@ -57,6 +67,8 @@ class RunFolder:
     def prepare(self) -> None:
         """Make the folder; what a former run left under these names is removed, nothing else."""
         own = () if self.shift else (self.controller.parent,)
+        # What is kept of inspections names bags that go; models stay.
+        own = own if self.shift else (*own, self.inspections)
         for path in (self.bag, self.targets, self.inspection, *own):
             if path.exists():
                 shutil.rmtree(path)
@@ -87,9 +99,9 @@ class ShiftFolder:
         return self.root / "shift.json"
 
     def prepare(self) -> None:
-        """Make the folder; a former shift's doors and controller are removed, nothing else."""
+        """Make the folder; a former shift's doors, inspections and controller are removed, nothing else."""
         doors = [path for path in self.root.glob("door_*") if path.name.removeprefix("door_").isdigit()]
-        for path in (*doors, self.controller.parent):
+        for path in (*doors, self.controller.parent, self.run(0).inspections):
             if path.exists():
                 shutil.rmtree(path)
         self.summary.unlink(missing_ok=True)

@@ -26,6 +26,7 @@ class ShiftDoor:
         success: Whether it is milled and nothing is wrong with it.
         largest_deviation: Of its contours from the recipe on the true door [m]; None where none was milled.
         message: What the run ended with.
+        model_version: Of the robot model in the store of models; 0 for that of the start.
     """
 
     number: int
@@ -35,6 +36,7 @@ class ShiftDoor:
     success: bool
     largest_deviation: float | None
     message: str
+    model_version: int = 0
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,16 @@ class ShiftSummary:
         # A run that ended early has a deviation of exactly 0.
         deviation = run.feature_error.corrected_max or None
         self.doors.append(
-            ShiftDoor(number, folder, run.door_id, run.run_id, run.success, deviation, run.message)
+            ShiftDoor(
+                number,
+                folder,
+                run.door_id,
+                run.run_id,
+                run.success,
+                deviation,
+                run.message,
+                run.model_version,
+            )
         )
 
     def write(self, path: Path) -> None:

@@ -64,7 +64,8 @@ class Touched:
 class RunSummary:
     """Content of summary.json; metres, seconds, radians.
 
-    `outcome` is "milled", "milled, out of tolerance", "milled, not measured" or "refused (CODE)".
+    `outcome` is "milled", "milled, out of tolerance", "milled, not measured" or "refused (CODE)". `model_version` is
+    that of the robot model in the store of models, 0 for the one that the path generator was started with.
     """
 
     door_id: str
@@ -79,6 +80,8 @@ class RunSummary:
     report: str = ""
     largest_correction: float = 0.0
     expected_error: float = 0.0
+    robot_model: str = ""
+    model_version: int = 0
     times: StageDurations = field(default_factory=StageDurations)
     localization_error: DoorOffset = field(default_factory=DoorOffset)
     feature_error: FeatureError = field(default_factory=FeatureError)

@@ -82,7 +82,7 @@ def contact_along(
         if count < 2:
             here = q[-1] if count == 0 else q[0]
         else:
-            longest = np.flatnonzero(size > 0.9 * size.max())
+            longest = (size > 0.9 * size.max()).nonzero()[0]
             at = int(longest[len(longest) // 2])
             here = 0.5 * (start[at] + end[at])
         distance = world.distances(here)[pairs]
@@ -92,15 +92,17 @@ def contact_along(
             # In the second case only what the way may leave its line by is too much: as good as a contact.
             body, obstacle = world.names[pairs[worst]]
             return Contact(body, obstacle, float(distance[worst]), here)
-        done = _within(start - here, off, reach, spare) & _within(end - here, off, reach, spare)
+        done = _within(np.concatenate([start, end]) - here, np.concatenate([off, off]), reach, spare)
+        done = done[: len(start)] & done[len(start) :]
         if at >= 0 and not done[at]:
-            keep = np.flatnonzero(~done & (np.arange(len(start)) != at))
+            keep = ~done
+            keep[at] = False
             start = np.concatenate([start[keep], start[at : at + 1], here[None]])
             end = np.concatenate([end[keep], here[None], end[at : at + 1]])
-            off = off[[*keep, at, at]]
+            off = np.concatenate([off[keep], off[[at, at]]])
             size = np.concatenate([size[keep], [0.5 * size[at]] * 2])
         elif done.any():
-            keep = np.flatnonzero(~done)
+            keep = ~done
             start, end, off, size = start[keep], end[keep], off[keep], size[keep]
         if not len(start):
             return None
@@ -144,7 +146,8 @@ def _size(start: FloatArray, end: FloatArray, reach: FloatArray) -> FloatArray:
 
 def _within(step: FloatArray, off: FloatArray, reach: FloatArray, spare: FloatArray) -> BoolArray:
     """Which postures a posture proves, by their joint angles from it, shape (m, 6) -> (m,)."""
-    near: BoolArray = np.all((np.abs(step) + off) @ reach <= spare, axis=1)
+    pair: BoolArray = (np.abs(step) + off) @ reach <= spare
+    near: BoolArray = np.logical_and.reduce(pair, axis=1)
     return near
 
 

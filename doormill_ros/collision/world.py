@@ -73,7 +73,7 @@ class World:
         reach: How far the farthest point of a pair's moving body can be from each axis that moves the two
             against each other, 0 for the others, shape (pairs, 6) [m].
         outside_cut: Pairs that must stay apart even while the mill is in the wood, shape (pairs,): there the tool
-            meets the door, and the spindle keeps off its surface by the depth of the feature alone.
+            meets the door and what backs it, and the spindle keeps off its surface by the depth of the feature alone.
         tool_and_cell: Pairs of spindle or mill and something that stands still, shape (pairs,).
         clearance: What every pair must keep [m].
     """
@@ -89,7 +89,9 @@ class World:
         mill_body = self._add(_mill_body(layout, mill), robot.flange_link)
         fixed = [self._add(body, self._model.frames[1].name) for body in layout.obstacles]
         if door is not None:
-            fixed.append(self._add_door(door))
+            boards = [(board.name, board.box(door.size)) for board in layout.boards]
+            fixed += [self._add_box(name, *box, door.T_base_door) for name, box in boards if box is not None]
+            fixed.append(self._add_box(DOOR, np.zeros(3), door.size, door.T_base_door))
         moving += [*spindle, mill_body]
         pairs = [(a, b) for a in moving if a.joint for b in fixed]
         tool = {body.name for body in [*spindle, mill_body]}
@@ -100,19 +102,25 @@ class World:
         for a, b in pairs:
             self._geometry.addCollisionPair(pin.CollisionPair(a.index, b.index))
         self._results = self._geometry.createData()
+        # Each stays where it is and is filled anew; to take them out of Pinocchio costs as much as the distances.
+        self._found = list(self._results.distanceResults)
         self.names = tuple((a.name, b.name) for a, b in pairs)
         reach = {body.index: _reach_of(body, _skeleton_of(robot.urdf)) for body in moving if body.joint}
         self.reach = np.array([np.where(b.joint < _BEHIND, reach[a.index], 0.0) for a, b in pairs])
         still = {body.name for body in fixed}
         self.tool_and_cell: BoolArray = np.array([a.name in tool and b.name in still for a, b in pairs])
-        self.outside_cut: BoolArray = np.array([not (a.name in tool and b.name == DOOR) for a, b in pairs])
+        cut = {DOOR, *(board.name for board in layout.boards)}
+        self.outside_cut: BoolArray = np.array([not (a.name in tool and b.name in cut) for a, b in pairs])
 
     def distances(self, q: FloatArray) -> FloatArray:
         """Distance of every pair in one posture, negative where they overlap, shape (6,) [rad] -> (pairs,) [m]."""
-        pin.computeDistances(
+        nearest = pin.computeDistances(
             self._model, self._data, self._geometry, self._results, np.asarray(q, dtype=float)
         )
-        return np.array([result.min_distance for result in self._results.distanceResults])
+        found = np.array([result.min_distance for result in self._found])
+        if len(found) and found[nearest] != self._results.distanceResults[nearest].min_distance:
+            raise AssertionError("Pinocchio has put its distances elsewhere")
+        return found
 
     def _add(self, body: Body, link: str) -> _Placed:
         frame = self._model.frames[self._model.getFrameId(link)]
@@ -128,12 +136,13 @@ class World:
         corners = body.corners @ T_joint_link[:3, :3].T + T_joint_link[:3, 3]
         return _Placed(body.name, joint, corners, body.margin, int(index))
 
-    def _add_door(self, door: PlacedDoor) -> _Placed:
-        T = door.T_base_door.copy()
-        T[:3, 3] += T[:3, :3] @ (0.5 * door.size)
-        shape = coal.Box(*door.size)
-        index = self._geometry.addGeometryObject(_object(DOOR, 0, pin.SE3(T), shape))
-        return _Placed(DOOR, 0, np.zeros((0, 3)), 0.0, int(index))
+    def _add_box(self, name: str, low: FloatArray, high: FloatArray, T_base_door: FloatArray) -> _Placed:
+        """A box between two corners of the door frame."""
+        T = T_base_door.copy()
+        T[:3, 3] += T[:3, :3] @ (0.5 * (low + high))
+        shape = coal.Box(*(high - low))
+        index = self._geometry.addGeometryObject(_object(name, 0, pin.SE3(T), shape))
+        return _Placed(name, 0, np.zeros((0, 3)), 0.0, int(index))
 
 
 def _object(name: str, joint: int, place: pin.SE3, shape: coal.CollisionGeometry) -> pin.GeometryObject:

@@ -8,6 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.correction.loads import Loads
+from doormill_ros.frames import cross
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.elastic.knowledge import KnowingModel
 from doormill_ros.robot_model.gravity.model import SaggingModel
@@ -38,7 +39,7 @@ def felt(model: ComplianceModel, loads: Loads, q: FloatArray, axis: FloatArray) 
     force = knower.knowledge().force
     if force is not None:
         known = ~loads.bounded & np.isin(loads.kind, force.kinds)
-        turn = np.concatenate([np.cross(axis, wrench[:, :3]), np.cross(axis, wrench[:, 3:])], axis=1)
+        turn = np.concatenate([cross(axis, wrench[:, :3]), cross(axis, wrench[:, 3:])], axis=1)
         by_doors = np.stack([force.factor_std * loads.wrench, force.angle_std * turn], axis=1)
         spread[:, :2] = np.where(known[:, None, None], by_doors, spread[:, :2])
     return replace(loads, wrench=wrench, spread=spread)

@@ -14,6 +14,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read
 from doormill_ros.frames import rotation_from_vector, transform
 from doormill_ros.localization.errors import BadCameraFile
+from doormill_ros.localization.marks import Marks
 from doormill_ros.resources import resource
 from doormill_ros.values import Array, Count, Finite, Section, Vector3
 
@@ -47,6 +48,7 @@ class CameraModel:
         size: Picture width and height [px].
         position: x, y at a door width of zero, z of the projection centre in base [m], shape (3,).
         rotation_vector: Turn from the nominal viewing directions, camera axes [rad], shape (3,).
+        marks: What stands still beside the door and tells whether the camera does; None in a cell without.
     """
 
     k: FloatArray
@@ -54,6 +56,7 @@ class CameraModel:
     size: tuple[int, int]
     position: FloatArray
     rotation_vector: FloatArray
+    marks: Marks | None = None
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays.
@@ -70,6 +73,11 @@ class CameraModel:
             object.__setattr__(self, name, _frozen(getattr(self, name), shape, name))
         width, height = (int(v) for v in self.size)
         object.__setattr__(self, "size", (width, height))
+        if self.marks is not None and self.marks.x <= self.position[0]:
+            raise BadCameraFile(
+                f"the marks stand at x = {self.marks.x:g} m, allowed is beyond the camera's {self.position[0]:g} m; "
+                "correct marks.x"
+            )
         if min(width, height) < 1 or self.k[0, 0] <= 0 or self.k[1, 1] <= 0:
             raise BadCameraFile(
                 f"camera of {width} x {height} px has focal lengths {self.k[0, 0]:g} and {self.k[1, 1]:g} px, "
@@ -163,6 +171,7 @@ class _CameraFile(Section):
     distortion: _Distortion
     mounting: _Mounting
     chessboard: Any = None
+    marks: Marks | None = None
     localizer: Any = None
 
 
@@ -182,6 +191,7 @@ def load_camera(path: Path | None = None) -> CameraModel:
             size=content.size,
             position=np.array([mounting.x, mounting.slider_y, mounting.z]),
             rotation_vector=mounting.rotation_vector,
+            marks=content.marks,
         )
     except BadCameraFile as error:
         raise BadCameraFile(f"{path}: {error.message}", path=str(path)) from error

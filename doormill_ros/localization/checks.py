@@ -58,14 +58,7 @@ def check_input(
         raise CameraInfoMissing(
             "no camera info came with the picture; start the camera's driver with its calibration"
         )
-    height, width = picture.shape
-    if (width, height) != camera.size:
-        raise CameraInfoSize(
-            f"the camera info is for {camera.size[0]} x {camera.size[1]} px, the picture has {width} x {height} px; "
-            "set the camera to the size it was calibrated with",
-            info=camera.size,
-            picture=(width, height),
-        )
+    check_size(picture.shape[::-1], camera)
     if age < -FUTURE:
         raise StalePicture(
             f"the picture's stamp is {-age:.2f} s in the future; set the clocks of camera and PC", age=age
@@ -73,6 +66,21 @@ def check_input(
     if not age <= settings.max_age:
         raise StalePicture(
             f"the picture is {age:.2f} s old, allowed are {settings.max_age:.2f} s; take a new one", age=age
+        )
+
+
+def check_size(size: tuple[int, ...], camera: CameraModel) -> None:
+    """Whether a picture of that width and height [px] belongs to the camera info.
+
+    Raises:
+        CameraInfoSize: It does not.
+    """
+    if size != camera.size:
+        raise CameraInfoSize(
+            f"the camera info is for {camera.size[0]} x {camera.size[1]} px, the picture has {size[0]} x {size[1]} px; "
+            "set the camera to the size it was calibrated with",
+            info=camera.size,
+            picture=size,
         )
 
 

@@ -30,7 +30,7 @@ class StalePicture(LocalizationError):
 
 
 class BadPicture(LocalizationError):
-    """Not a picture of shape (h, w) and type uint8."""
+    """The picture is of a kind that is not read, or it is damaged."""
 
     code = 211
 
@@ -45,5 +45,11 @@ CameraInfoSize = LocalizationError.row("CameraInfoSize", 210, "The intrinsics ar
 BadDoorFace = LocalizationError.row("BadDoorFace", 213, "The door's width or thickness is that of no door.")
 BadCameraInfo = LocalizationError.row(
     "BadCameraInfo", 214, "The intrinsics that came are none of a usable camera."
+)
+CameraMoved = LocalizationError.row(
+    "CameraMoved", 215, "The camera no longer stands or sees as it was calibrated."
+)
+MarksMissing = LocalizationError.row(
+    "MarksMissing", 216, "The cell's marks are not seen well enough to check the camera."
 )
 BadCameraFile = LocalizationError.row("BadCameraFile", 212, "A key is missing or a value is out of bounds.")

@@ -9,6 +9,7 @@ from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.coarse import search, search_bands
+from doormill_ros.localization.drift import Drift, drift_in
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import CornerFit, fit_corner
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
@@ -49,6 +50,7 @@ def localize(
     checks.check_face(width, thickness)
     view = face_view(camera, layout, float(width), float(thickness))
     checks.check_view(view.pixel)
+    drift = drift_in(picture, camera, float(width), layout.T_base_door(width, thickness)[:3, 3])
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness)
     checks.check_square(fit, settings)
@@ -61,13 +63,14 @@ def localize(
     return Localization(
         T_base_door=layout.T_base_door(width, thickness, offset),
         offset=offset,
-        parts=_parts(fit, view, settings),
+        parts=_parts(fit, view, settings, drift),
         residual=float(np.sqrt(np.mean(residual**2))),
         inlier_share=float(inlier.mean()),
         quality=_quality(traces, fit.covariance, settings),
         corner=view.pixels(fit.pose[:2]),
         pixel=float(view.pixel),
         edges=(_edge_trace(view, traces[HINGE], fit), _edge_trace(view, traces[BOTTOM], fit)),
+        drift=drift,
     )
 
 
@@ -98,16 +101,19 @@ def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> Float
         raise
 
 
-def _parts(fit: CornerFit, view: FaceView, settings: LocalizerSettings) -> CovarianceParts:
+def _parts(
+    fit: CornerFit, view: FaceView, settings: LocalizerSettings, drift: Drift | None
+) -> CovarianceParts:
     """Covariance of the pose from the picture, and from what it cannot tell."""
     sight = np.array([*view.sight(fit.pose[:2]), 0.0])  # shift of the corner per distance of the face
     across = np.outer(sight, sight)
     lens = (settings.lens_deviation * view.distance) ** 2 * across
+    moved = np.zeros((3, 3)) if drift is None else np.outer(drift.door, drift.door)
     return CovarianceParts(
         scatter=fit.covariance,
         shape=settings.straightness_deviation**2 * np.diag([1.0, 1.0, 0.0]),
         thickness=settings.thickness_deviation**2 * across,
-        calibration=np.diag(np.square(settings.mounting_deviation)) + lens,
+        calibration=np.diag(np.square(settings.mounting_deviation)) + lens + moved,
     )
 
 

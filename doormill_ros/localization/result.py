@@ -8,6 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.localization.drift import Drift
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +70,7 @@ class Localization:
         corner: The door's corner in the picture, u, v [px], shape (2,).
         pixel: Size of a pixel on the door's face [m].
         edges: The hinge edge and the bottom edge.
+        drift: What the cell's marks say of the camera; None in a cell without.
     """
 
     T_base_door: FloatArray
@@ -80,6 +82,7 @@ class Localization:
     corner: FloatArray
     pixel: float
     edges: tuple[EdgeTrace, EdgeTrace]
+    drift: Drift | None = None
 
     @property
     def covariance(self) -> FloatArray:

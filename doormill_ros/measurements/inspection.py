@@ -71,6 +71,11 @@ class Inspection:
     def __len__(self) -> int:
         return len(self.deviation)
 
+    @property
+    def largest(self) -> float:
+        """How far the worst point is off [m]."""
+        return float(np.abs(self.deviation).max())
+
     def refuse(self, key: str, problem: str) -> DataSetError:
         """The error for a value of inspection.yaml, with line and column."""
         return self.document.fail((key,), problem)

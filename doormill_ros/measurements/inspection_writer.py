@@ -43,7 +43,13 @@ class MeasuredPoints(Protocol):
 
 
 def write_inspection(
-    folder: Path, bag: Path, run_id: str, measured_at: datetime, noise: float, points: MeasuredPoints
+    folder: Path,
+    bag: Path,
+    run_id: str,
+    measured_at: datetime,
+    noise: float,
+    points: MeasuredPoints,
+    datum: str = CAMERA,
 ) -> None:
     """Write both files, the description last: who finds it finds the points too.
 
@@ -53,7 +59,8 @@ def write_inspection(
         run_id: The run that milled the door.
         measured_at: With its zone.
         noise: Standard deviation of one deviation [m].
-        points: What was measured, against where the recorded pose put the door.
+        points: What was measured.
+        datum: What it was measured against; by default where the recorded pose put the door.
 
     Raises:
         OSError: A file cannot be written.
@@ -71,6 +78,6 @@ def write_inspection(
         "bag": os.path.relpath(bag, folder),
         "measured_at": f"{measured_at:%Y-%m-%dT%H:%M:%SZ}",
         "noise": f"{noise:.1e}",
-        "datum": CAMERA,
+        "datum": datum,
     }
     write_atomically(folder / DESCRIPTION, "".join(f"{key}: {value}\n" for key, value in lines.items()))

@@ -6,15 +6,17 @@ bag is replayed by what a node computes with.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.frames import from_xyzw
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.errors import BadCameraInfo, BadPicture
+from doormill_ros.localization.errors import BadCameraInfo
+from doormill_ros.messages.picture import LARGEST, SMALLEST
 from doormill_ros.recipes.documents import parse_json
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.chain import JOINTS
@@ -25,13 +27,10 @@ from doormill_ros.units import ns_to_s
 
 FARTHEST = 100.0  # m that a door may be away
 UNIT = 1e-3  # by which the length of a quaternion may differ from 1
-CHANNELS = {"mono8": 1, "8UC1": 1, "rgb8": 3, "bgr8": 3}
 #: Names of the lens model with k1, k2, p1, p2, k3; the second one has more, which have to be zero.
 BROWN = ("plumb_bob", "rational_polynomial")
 MOST_DISTORTION = 10.0
-SMALLEST, LARGEST = 16, 32_767  # px, what the picture filters take
 FOCAL = (0.1, 50.0)  # of the picture's longer side
-GREY = {"rgb8": np.array([0.299, 0.587, 0.114]), "bgr8": np.array([0.114, 0.587, 0.299])}
 #: Numbers of doormill_interfaces/Motion.kind.
 KINDS = (MotionKind.JOINT, MotionKind.LINEAR, MotionKind.CIRCULAR, MotionKind.ABSOLUTE)
 
@@ -69,6 +68,11 @@ def door_pose_of(pose: Any) -> FloatArray:
     return transform_of(pose)
 
 
+def positions_of(points: Iterable[Any]) -> FloatArray:
+    """Coordinates of geometry_msgs/Points or Vector3s, shape (n, 3)."""
+    return np.array([(p.x, p.y, p.z) for p in points], dtype=float).reshape(-1, 3)
+
+
 def transforms_of(poses: list[Any]) -> FloatArray:
     """T_a_b, shape (n, 4, 4), all at once: one by one the calls cost more than the arithmetic."""
     if not poses:
@@ -89,56 +93,6 @@ def twist_of(message: Any) -> FloatArray:
     """Shape (6,), translation first [m, rad], from a geometry_msgs/Twist."""
     v, w = message.linear, message.angular
     return np.array([v.x, v.y, v.z, w.x, w.y, w.z])
-
-
-def picture_of(message: Any) -> ByteArray:
-    """Grey picture, shape (height, width) uint8, from a sensor_msgs/Image.
-
-    Raises:
-        BadPicture: An encoding other than mono8, 8UC1, rgb8 or bgr8, or too few bytes.
-    """
-    channels = CHANNELS.get(message.encoding)
-    if channels is None:
-        raise BadPicture(
-            f"picture has encoding {message.encoding!r}, allowed are {', '.join(CHANNELS)}; "
-            "set the camera driver to mono8",
-            encoding=message.encoding,
-        )
-    rows = _rows(message, channels)
-    if channels == 1:
-        return np.ascontiguousarray(rows)
-    colour = rows.reshape(message.height, message.width, 3)
-    grey: FloatArray = colour @ GREY[message.encoding] + 0.5
-    return grey.astype(np.uint8)
-
-
-def colours_of(message: Any) -> ByteArray:
-    """Colour picture, shape (height, width, 3) uint8, from a sensor_msgs/Image in rgb8.
-
-    Raises:
-        BadPicture: Another encoding, or too few bytes.
-    """
-    if message.encoding != "rgb8":
-        raise BadPicture(f"picture has encoding {message.encoding!r}, allowed is rgb8; send it in colours")
-    return _rows(message, 3).reshape(message.height, message.width, 3)
-
-
-def _rows(message: Any, channels: int) -> ByteArray:
-    """Bytes of the pixels, shape (height, width * channels)."""
-    data = np.frombuffer(message.data, dtype=np.uint8)
-    if (
-        not message.width
-        or not message.height
-        or message.step < message.width * channels
-        or data.size < message.height * message.step
-    ):
-        raise BadPicture(
-            f"picture of {message.width} x {message.height} pixels came with {data.size} bytes in rows of "
-            f"{message.step}, needed are {message.height * message.width * channels}; check the camera driver",
-            size=int(data.size),
-        )
-    rows: ByteArray = data[: message.height * message.step].reshape(message.height, message.step)
-    return rows[:, : message.width * channels]
 
 
 def camera_of(message: Any, mounted: CameraModel) -> CameraModel:

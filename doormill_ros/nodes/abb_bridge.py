@@ -16,6 +16,7 @@ from doormill_interfaces.msg import AbbStatus, DoorLocalization, TargetArray
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
+from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
 from doormill_ros.cell.errors import NodeDoubledError
@@ -23,6 +24,7 @@ from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.attendance import CellAttendance
 from doormill_ros.nodes.controller_monitor import ControllerMonitor
+from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.expect_door import ExpectDoorServer
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.mill_door import MillDoorServer
@@ -120,6 +122,10 @@ class AbbBridge(ManagedNode):
         look_round = self.create_timer(0.1, self.guarded(self._look_round), callback_group=self._apart)
         self.keep(self.destroy_timer, look_round)
         self.every(0.5, self._watch)
+
+    def rehearse(self) -> None:
+        """Read a program from its message, render its file and check that."""
+        rehearse(program_of(program_into(TargetArray(), PROGRAM)))
 
     def stop(self) -> None:
         """Give up the run in hand; the handshake lowers ready and removes the file."""

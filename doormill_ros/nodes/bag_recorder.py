@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import socket
 import sys
 import threading
 import time
@@ -15,7 +16,11 @@ from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import deserialize_message
 
+from doormill_ros.catalogue.bag_rows import topic_of
+from doormill_ros.catalogue.filler import RunFiller
+from doormill_ros.catalogue.run_collector import CELL, SOFTWARE
 from doormill_ros.cell.clock import EvenClock
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name
@@ -27,6 +32,7 @@ from doormill_ros.recording.bag_filler import BagFiller
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received
 from doormill_ros.recording.errors import UnknownTypeError
+from doormill_ros.software import software
 
 DISCOVERY_PERIOD = 0.5  # s
 SETTLING = 0.2  # s, for messages on their way when the recording ends
@@ -43,6 +49,11 @@ class BagRecorder(ManagedNode):
         NodeParameter("exclude", "", "topics that are not recorded, separated by spaces"),
         NodeParameter("include_hidden_topics", False, "record what actions publish too: feedback and status"),
         NodeParameter("split_size", 512 << 20, "begin a new file at this size [bytes]; 0: never", 0, 1 << 40),
+        NodeParameter(
+            "catalogue",
+            "",
+            "database that each run is noted in, URL or file; empty: $DOORMILL_CATALOGUE or the user's; none: no",
+        ),
         NodeParameter("queue_size", 256 << 20, "most that may wait for the disk [bytes]", 1 << 20, 1 << 36),
     )
 
@@ -60,8 +71,11 @@ class BagRecorder(ManagedNode):
         self._skipped: set[str] = set()
         self._discovering = threading.Lock()
         self._queue = BoundedQueue(self.value("queue_size"))
-        self._writer = BagWriter(Path(folder), self.value("split_size"))
+        device = f"{socket.gethostname()}{self.get_namespace()}".rstrip("/")
+        recorder = {SOFTWARE: software(), CELL: device}
+        self._writer = BagWriter(Path(folder), self.value("split_size"), device=device, custom=recorder)
         self._filler = BagFiller(self._queue, self._writer)
+        self._runs = self._run_filler(Path(folder), recorder)
         self._even_clock = EvenClock()  # readers sort by it
         self._wanted = False
         self._excluded = {self.resolve_topic_name(name) for name in self.value("exclude").split()}
@@ -70,6 +84,8 @@ class BagRecorder(ManagedNode):
             if name not in self._excluded:
                 self._record(name, type_name(topic.type), topic.type, topic.offered)
         self._filler.start()
+        if self._runs is not None:
+            self._runs.start()
         self.every(DISCOVERY_PERIOD, self._discover)
         self.get_logger().info(f"recording into {folder}")
 
@@ -90,8 +106,23 @@ class BagRecorder(ManagedNode):
         try:
             self._filler.stop()
         finally:
+            if self._runs is not None:
+                self._runs.stop()
+                if self._runs.failure:
+                    self.get_logger().warning(self._runs.failure)
             if self._queue.dropped:
                 self.get_logger().warning(_dropped_text(self._queue.dropped))
+
+    def _run_filler(self, bag: Path, recorder: dict[str, str]) -> RunFiller | None:
+        if self.value("catalogue") == "none":
+            return None
+        types = {topic.name: topic.type for topic in topics.ALL}
+        return RunFiller(
+            self.value("catalogue"),
+            bag,
+            recorder,
+            lambda topic, data: deserialize_message(data, types[topic]),
+        )
 
     def _discover(self) -> None:
         # Activation and timer may come at once from two threads; one subscription each is wanted.
@@ -123,6 +154,7 @@ class BagRecorder(ManagedNode):
 
     def _record(self, name: str, kind: str, message_type: Any, offered: QoSProfile) -> None:
         self._filler.add_topic(name, kind, [qos_document(offered)])
+        told = topic_of(name)
         latest: deque[tuple[Any, Any]] = deque(maxlen=REMEMBERED)
 
         # Both arguments are needed: with one, rclpy does not tell when the message was sent.
@@ -134,6 +166,8 @@ class BagRecorder(ManagedNode):
             if self._wanted or offered.durability == DurabilityPolicy.TRANSIENT_LOCAL:
                 now = self._even_clock.now()
                 self._queue.put(Received(name, bytes(data), now, sample[0] or now))
+                if told is not None and self._runs is not None:
+                    self._runs.take(told, bytes(data), now)
 
         requested = QoSProfile(
             depth=max(10, offered.depth), reliability=offered.reliability, durability=offered.durability
@@ -165,6 +199,8 @@ class BagRecorder(ManagedNode):
             self.report(ERROR, f"{self._filler.failure}; {_dropped_text(self._queue.dropped)}", **counts)
         elif dropped:
             self.report(WARN, _dropped_text(self._queue.dropped), **counts)
+        elif self._runs is not None and self._runs.failure:
+            self.report(WARN, self._runs.failure, **counts)
         else:
             self.report(OK, "recording", bag=str(self._writer.folder), **counts)
 

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import threading
 import zlib
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from sensor_msgs.msg import CameraInfo, Image
-from std_msgs.msg import Bool, Header
+from std_msgs.msg import Header
 
-from doormill_interfaces.msg import DoorPlacement, DoorRecipe, RunResult
+from doormill_interfaces.msg import DoorPlacement, DoorRecipe
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
-from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, NodeParameter
+from doormill_ros.nodes.requested_camera import RequestedCamera
 from doormill_ros.nodes.simulated_shift import WORLD_PARAMETERS, SimulatedShift
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.picture.picture import render_picture
@@ -28,7 +27,7 @@ from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera, Sen
 UNSET = 999.0
 
 
-class CameraSimulator(ManagedNode):
+class CameraSimulator(RequestedCamera):
     """Plays the handling robot and the camera: a door for each recipe, a picture for each request."""
 
     PARAMETERS = (
@@ -81,22 +80,10 @@ class CameraSimulator(ManagedNode):
         self._shift = SimulatedShift(self.value("world"), self.value("door_number"))
         self._camera = SceneCamera.load()
         self._layout = load_layout()
-        self._run_id = ""
         self._picture: Image | None = None
-        self._request = False
-        self._lock = threading.Lock()
-        self._image = self.publisher(topics.IMAGE)
-        self._info = self.publisher(topics.CAMERA_INFO)
         self._placement = self.publisher(topics.DOOR_PLACEMENT)
+        self.open_camera(self.value("retry_period"))
         self.subscribe(topics.DOOR_RECIPE, self._place)
-        self.subscribe(topics.ABB_REQUEST, self._take_request)
-        self.subscribe(topics.ABB_READY, self._take_ready)
-        self.subscribe(topics.RUN_RESULT, self._take_result)
-        self.every(self.value("retry_period"), self._expose)
-
-    def start(self) -> None:
-        """Tell the intrinsics once; they go out with every picture too."""
-        self._info.publish(self._camera_info(Header(stamp=self.get_clock().now().to_msg())))
 
     @property
     def _seed(self) -> list[int]:
@@ -117,7 +104,7 @@ class CameraSimulator(ManagedNode):
         return replace(real, read_noise=share * real.read_noise, gain=share**2 * real.gain)
 
     def _place(self, message: DoorRecipe) -> None:
-        if message.run_id == self._run_id:
+        if not self.is_new(message.run_id):
             return
         recipe = recipe_of(message)
         moved, turn = self._shift.begin().camera_moved
@@ -133,8 +120,7 @@ class CameraSimulator(ManagedNode):
         picture = render_picture(
             scene, zlib.crc32(" ".join(map(str, [*self._seed, recipe.door_id])).encode())
         )
-        with self._lock:
-            self._run_id, self._picture = message.run_id, picture_message(picture, Header())
+        self._picture = picture_message(picture, Header())
         placement = DoorPlacement(
             run_id=message.run_id,
             door_id=recipe.door_id,
@@ -146,38 +132,14 @@ class CameraSimulator(ManagedNode):
         placement.header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
         self._placement.publish(placement)
         self.report(OK, "door clamped", door_id=recipe.door_id)
-        self._expose()
+        self.want(message.run_id)
 
-    def _take_request(self, request: Bool) -> None:
-        rose = request.data and not self._request
-        self._request = request.data
-        if rose:
-            self._expose()
+    def picture(self, run_id: str) -> Image | None:
+        """What was rendered for the door that stands."""
+        return self._picture if self.value("pictures") else None
 
-    def _take_ready(self, ready: Bool) -> None:
-        if ready.data:
-            self._forget()
-
-    def _take_result(self, result: RunResult) -> None:
-        if result.run_id == self._run_id:
-            self._forget()
-
-    def _forget(self) -> None:
-        with self._lock:
-            self._picture = None
-
-    def _expose(self) -> None:
-        """Take the picture once door and request are there; again until the targets are ready."""
-        with self._lock:
-            picture = self._picture
-        if picture is None or not self._request or not self.value("pictures"):
-            return
-        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=CAMERA_FRAME)
-        self._info.publish(self._camera_info(header))
-        picture.header = header
-        self._image.publish(picture)
-
-    def _camera_info(self, header: Header) -> CameraInfo:
+    def camera_info(self, header: Header) -> CameraInfo:
+        """Of the true camera."""
         header.frame_id = CAMERA_FRAME
         rows, columns = self._camera.shape
         return camera_info_message(self._camera.matrix, self._camera.brown, (columns, rows), header)

@@ -25,6 +25,7 @@ from doormill_ros.nodes.composition import Composition
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
@@ -51,7 +52,7 @@ class CellOptions:
 
     Attributes:
         parameters: By node name.
-        page: Serve the operator's page.
+        page: Serve the operator's page, and question inspected doors.
         token: Allows control from that page, or one for each role; None: it only shows.
         namespace: Of every node, such as "/cell1"; empty: none. Cells in namespaces of their own share nothing.
         controller: The controller of doors that were milled before; None for one of the cell's own.
@@ -68,8 +69,14 @@ class CellOptions:
         chosen: dict[str, dict[str, Any]] = {
             "bag_recorder": {"bag": folder.bag},
             "abb_bridge": {"address": folder.controller, "archive": folder.targets},
-            "controller_simulator": {"home": folder.controller},
+            "controller_simulator": {"home": folder.controller, "gauged": self.page},
             "operator_page": {"history": folder.root},
+            "path_generator": {"models": folder.models},
+            "model_monitor": {
+                "inspections": folder.inspections,
+                "bags": folder.shift or folder.root,
+                "models": folder.models,
+            },
         }
         for node, values in self.parameters.items():
             chosen.setdefault(node, {}).update(values)
@@ -104,7 +111,7 @@ class Cell:
         options = options or CellOptions()
         nodes: list[Callable[[], ManagedNode]] = [*NODES, partial(ControllerSimulator, options.controller)]
         if options.page:
-            nodes.append(partial(OperatorPage, options.token))
+            nodes += [ModelMonitor, partial(OperatorPage, options.token)]
         self._composition = Composition(options.arguments(folder), nodes, CellDriver, THREADS)
 
     def __enter__(self) -> Cell:

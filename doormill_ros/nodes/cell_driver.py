@@ -112,6 +112,8 @@ class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
             report=str(folder.report),
             largest_correction=result.largest_correction,
             expected_error=0.0 if targets is None else targets.expected_error,
+            robot_model=result.robot_model,
+            model_version=result.model_version,
             times=StageDurations(**{f.name: getattr(result.times, f.name) for f in fields(StageDurations)}),
             localization_error=localization_error(_offset(found), _offset(true)) if known else DoorOffset(),
             feature_error=FeatureError()

@@ -13,10 +13,11 @@ from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunRe
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
-from doormill_ros.measurements.inspection_writer import write_inspection
+from doormill_ros.measurements.inspection_writer import MeasuredPoints, write_inspection
 from doormill_ros.messages.from_message import program_of, recipe_of, transform_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.executed import executed_message, milled_message, verdict_message
+from doormill_ros.nodes.convert.inspection import inspection_message
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.simulated_shift import WORLD_PARAMETERS, SimulatedShift
@@ -54,6 +55,7 @@ class ControllerSimulator(ManagedNode):
         NodeParameter(
             "web_services_certificates", "out/controller", "folder that rws2 writes controller.crt and key to"
         ),
+        NodeParameter("gauged", False, "measure every milled door and tell it on door/inspection"),
         *WORLD_PARAMETERS,
         NodeParameter(
             "shift_began", 0.0, "begin of the shift [s since the epoch]; 0: of the node", 0.0, 1e11
@@ -100,6 +102,7 @@ class ControllerSimulator(ManagedNode):
         self._milled = self.publisher(topics.MILLED_DOOR)
         self._judged_cell = load_cell()
         self._verdict = self.publisher(topics.RUN_VERDICT)
+        self._gauged = self.publisher(topics.DOOR_INSPECTION)
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_PLACEMENT, self._take_placement)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
@@ -180,15 +183,19 @@ class ControllerSimulator(ManagedNode):
         self._verdict.publish(verdict_message(verdict, header, placement))
         corrected = inspect(door, T_base_door, executed)
         uncorrected = inspect(door, T_base_door, uncorrected_path)
-        if self.value("inspection"):
-            points = gauge(door, T_base_door, executed, self._door.drawn(GAUGE))
-            folder = Path(self.value("inspection"))
-            write_inspection(
-                folder, folder.parent / BAG, placement.run_id, self._shift.ended(), NOISE, points
-            )
+        if self.value("inspection") or self.value("gauged"):
+            self._tell_gauged(gauge(door, T_base_door, executed, self._door.drawn(GAUGE)), placement.run_id)
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
         self._milled.publish(milled_message(door, corrected, uncorrected, TOLERANCE, header, placement))
         self.report(OK, "door milled", door_id=placement.door_id, deviation=corrected.max_deviation)
+
+    def _tell_gauged(self, points: MeasuredPoints, run_id: str) -> None:
+        ended = self._shift.ended()
+        if self.value("inspection"):
+            folder = Path(self.value("inspection"))
+            write_inspection(folder, folder.parent / BAG, run_id, ended, NOISE, points)
+        if self.value("gauged"):
+            self._gauged.publish(inspection_message(points, run_id, ended, NOISE))
 
 
 def switch_on(

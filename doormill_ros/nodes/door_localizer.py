@@ -6,28 +6,34 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
-from geometry_msgs.msg import PoseStamped
-from sensor_msgs.msg import CameraInfo, Image
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.arrays import ByteArray
+from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
+from doormill_ros.localization.drift import Drift
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import prepare
+from doormill_ros.localization.mark_watch import MarkWatch
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
+from doormill_ros.localization.rehearsal import FACE, drawn_door
 from doormill_ros.localization.result import Localization
-from doormill_ros.messages.from_message import camera_of, nanoseconds_of, picture_of
+from doormill_ros.messages.from_message import camera_of, nanoseconds_of, seconds_of
+from doormill_ros.messages.picture import picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import picture_message
-from doormill_ros.nodes.frame_publisher import frame_publisher
+from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
@@ -35,6 +41,7 @@ from doormill_ros.pipeline.look import look
 from doormill_ros.robot.urdf import LinkPose
 from doormill_ros.units import ns_to_s
 
+Picture: TypeAlias = Image | CompressedImage
 FREE = (1, 2, 3)  # rows of the 6 x 6 pose covariance: y, z, rotation about x
 
 
@@ -57,28 +64,47 @@ class DoorLocalizer(ManagedNode):
             "overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8, live=True
         ),
         NodeParameter("frames", True, "publish the frames of camera and door"),
+        NodeParameter("image_transport", "raw", f"how pictures come: {', '.join(topics.PICTURES)}"),
     )
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("door_localizer", **kwargs)
 
     def setup(self) -> None:
-        """Load camera mounting and cell layout; subscribe."""
+        """Load camera mounting and cell layout; subscribe.
+
+        Raises:
+            BadParameterError: No such way for pictures.
+        """
+        transport = self.value("image_transport")
+        if transport not in topics.PICTURES:
+            raise BadParameterError(
+                f"image_transport is {transport!r}, allowed are {', '.join(topics.PICTURES)}; correct it"
+            )
         self._layout = load_layout()
         self._mounted = load_camera()
         self._camera: CameraModel | None = None
         self._unusable: LocalizationError | None = None  # why the latest camera info is
         self._intrinsics: tuple[Any, ...] = ()
         self._recipe: DoorRecipe | None = None
-        self._waiting: tuple[Image, float] | None = None
+        self._waiting: tuple[Picture, float] | None = None
         self._pose = self.publisher(topics.DOOR_POSE)
         self._localization = self.publisher(topics.DOOR_LOCALIZATION)
+        self._marks = MarkWatch()
+        self._moved = self.publisher(topics.CAMERA_MOVED) if self._mounted.marks is not None else None
         self._overlay = self.publisher(topics.DOOR_OVERLAY)
-        self._frames = frame_publisher(self) if self.value("frames") else None
+        self._frames = FramePublisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
-        self.subscribe(topics.IMAGE, self._take_picture)
+        self.subscribe(topics.PICTURES[transport], self._take_picture)
         self.every(0.05, self._give_up_waiting)
+
+    def rehearse(self) -> None:
+        """Look at a drawn door and draw what is shown of it."""
+        picture = picture_message(drawn_door(self._mounted, self._layout), Header())
+        found = look(picture, self._mounted, self._layout, FACE)
+        picture_message(draw_overlay(picture_of(picture), found)[::2, ::2], Header())
+        pose_message(found.T_base_door)
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         self._recipe = recipe
@@ -108,7 +134,7 @@ class DoorLocalizer(ManagedNode):
             self.report(WARN, error.message, error_code=error.code)
         self._prepare()
 
-    def _take_picture(self, picture: Image) -> None:
+    def _take_picture(self, picture: Picture) -> None:
         if self._camera is None and self._unusable is None:
             self._waiting = (picture, time.monotonic() + self.value("camera_info_wait"))
         else:
@@ -119,7 +145,7 @@ class DoorLocalizer(ManagedNode):
             (picture, _), self._waiting = self._waiting, None
             self._localize(picture)
 
-    def _localize(self, message: Image) -> None:
+    def _localize(self, message: Picture) -> None:
         recipe = self._recipe
         if recipe is None:
             self.report(WARN, "a picture came while no recipe is in hand; it is left aside")
@@ -142,16 +168,34 @@ class DoorLocalizer(ManagedNode):
             answer.error_code = error.code
             answer.reason = error.message
             self._localization.publish(answer)
-            self.report(WARN, f"door {recipe.door_id}: {error.message}", error_code=error.code)
+            said = f"door {recipe.door_id}: {error.message}"
+            drift = error.data.get("drift")
+            if drift is not None:
+                said = said.replace(drift.sentence, self._tell_drift(drift, answer.header))
+            self.report(WARN, said, error_code=error.code)
             reason = error
             self.later("show", lambda: self._show_refusal(message, reason))
             return
         answer.duration = time.perf_counter() - begun
         self._publish(answer, found)
-        self.report(OK, "door found", door_id=recipe.door_id, residual=found.residual, quality=found.quality)
+        values = {"door_id": recipe.door_id, "residual": found.residual, "quality": found.quality}
+        told = "" if found.drift is None else self._tell_drift(found.drift, answer.header)
+        if found.drift is not None:
+            values["camera"] = f"{found.drift.share:.2f} of what marks.limit allows"
+        self.report(WARN if told else OK, f"door found, but {told}" if told else "door found", **values)
         self.later("show", lambda: self._show(message, found, recipe.width))
 
-    def _show(self, message: Image, found: Localization, width: float) -> None:
+    def _tell_drift(self, drift: Drift, header: Header) -> str:
+        """Put on record how the camera stands; what is to be said of it."""
+        if self._moved is not None:
+            message = TwistStamped(header=header)
+            twist = message.twist
+            twist.linear.x, twist.linear.y, twist.linear.z = drift.nearer, *map(float, drift.moved[1:])
+            twist.angular.x, twist.angular.y, twist.angular.z = map(float, drift.turned)
+            self._moved.publish(message)
+        return self._marks.told(drift, seconds_of(header.stamp))
+
+    def _show(self, message: Picture, found: Localization, width: float) -> None:
         """What people look at."""
         if self._frames is not None:
             T_base_camera = (self._camera or self._mounted).T_base_camera(width)
@@ -163,14 +207,14 @@ class DoorLocalizer(ManagedNode):
             )
         self._show_overlay(message, lambda picture: draw_overlay(picture, found))
 
-    def _show_refusal(self, message: Image, reason: DoormillError) -> None:
+    def _show_refusal(self, message: Picture, reason: DoormillError) -> None:
         """Where the picture was refused for what; nothing of a picture that is none."""
         try:
             self._show_overlay(message, lambda picture: draw_refusal(picture, reason))
         except LocalizationError:
             return
 
-    def _show_overlay(self, message: Image, draw: Callable[[ByteArray], ByteArray]) -> None:
+    def _show_overlay(self, message: Picture, draw: Callable[[ByteArray], ByteArray]) -> None:
         step = self.value("overlay_step")
         if step:
             self._overlay.publish(picture_message(draw(picture_of(message))[::step, ::step], message.header))

@@ -1,15 +1,16 @@
-"""Frames for viewers: on /tf and /tf_static, and one by one where tf2's messages are not installed."""
+"""Frames for viewers, on /tf and /tf_static."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Transform, TransformStamped, Vector3
 from std_msgs.msg import Header
 
+from doormill_interfaces.msg import TFMessage
 from doormill_ros.arrays import FloatArray
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
@@ -19,35 +20,20 @@ from doormill_ros.robot.urdf import LinkPose
 PERIOD = 1.0  # s; a viewer that joins late sees the frames on /tf after this
 
 
-class FramePublisher(Protocol):
-    """Publishes the frames of one node."""
-
-    def show(self, poses: Iterable[LinkPose]) -> None:
-        """Publish frames now and for late joiners; those with the same child take the place of earlier ones."""
-
-    def show_static(self, poses: Iterable[LinkPose]) -> None:
-        """Publish frames that stay."""
-
-
-def frame_topics() -> tuple[topics.Topic, ...]:
-    """/tf and /tf_static; without tf2_msgs `frames`."""
+def frame_topics() -> tuple[topics.Topic, topics.Topic]:
+    """/tf and /tf_static."""
     message = tf_message_class()
-    if message is None:
-        return (topics.FRAMES,)
-    kinds = (("/tf", topics.TRANSFORMS), ("/tf_static", topics.STATE))
-    return tuple(topics.Topic(name, message, qos, qos) for name, qos in kinds)
+    return (
+        topics.Topic("/tf", message, topics.TRANSFORMS, topics.TRANSFORMS),
+        topics.Topic("/tf_static", message, topics.STATE, topics.STATE),
+    )
 
 
-def frame_publisher(node: ManagedNode) -> FramePublisher:
-    """What publishes a node's frames with the messages that are installed; make it in the node's `setup`."""
-    used = frame_topics()
-    return SingleFrames(node) if used == (topics.FRAMES,) else TreeFrames(node, *used)
+class FramePublisher:
+    """Frames of one node on /tf, again and again, and on /tf_static, latched; make it in the node's `setup`."""
 
-
-class TreeFrames:
-    """Frames on /tf, again and again, and on /tf_static, latched."""
-
-    def __init__(self, node: ManagedNode, moving: topics.Topic, static: topics.Topic) -> None:
+    def __init__(self, node: ManagedNode) -> None:
+        moving, static = frame_topics()
         self._node = node
         self._message: Any = moving.type
         self._moving: dict[str, LinkPose] = {}
@@ -56,12 +42,12 @@ class TreeFrames:
         node.every(PERIOD, self._publish)
 
     def show(self, poses: Iterable[LinkPose]) -> None:
-        """See `FramePublisher`."""
+        """Publish frames now and for late joiners; those with the same child take the place of earlier ones."""
         self._moving |= {pose.child: pose for pose in poses}
         self._publish()
 
     def show_static(self, poses: Iterable[LinkPose]) -> None:
-        """See `FramePublisher`."""
+        """Publish frames that stay."""
         self._static |= {pose.child: pose for pose in poses}
         # Latched with depth 1: each message has to hold all of them.
         self._tf_static.publish(self._filled(self._static))
@@ -75,32 +61,12 @@ class TreeFrames:
         return self._message(transforms=transform_messages(poses.values(), now))
 
 
-class SingleFrames:
-    """Frames one by one on a topic of the cell's own, latched; says so once."""
-
-    def __init__(self, node: ManagedNode) -> None:
-        self._node = node
-        self._frames = node.publisher(topics.FRAMES)
-        node.get_logger().info(
-            f"no frames on /tf: tf2_msgs is not installed; topic '{topics.FRAMES.name}' has them instead"
-        )
-
-    def show(self, poses: Iterable[LinkPose]) -> None:
-        """See `FramePublisher`."""
-        for transform in transform_messages(poses, self._node.get_clock().now().to_msg()):
-            self._frames.publish(transform)
-
-    def show_static(self, poses: Iterable[LinkPose]) -> None:
-        """See `FramePublisher`."""
-        self.show(poses)
-
-
 def tf_message_class() -> Any:
-    """tf2_msgs/TFMessage, None where that package is not installed: the wheels have none."""
+    """tf2_msgs/TFMessage, and where that package is not installed (the wheels have none) ours of the same fields."""
     try:
         return import_module("tf2_msgs.msg").TFMessage
     except ImportError:
-        return None
+        return TFMessage
 
 
 def transform_message(parent: str, child: str, T_parent_child: FloatArray, stamp: Time) -> TransformStamped:

@@ -50,7 +50,7 @@ class LiveOptions:
 
     Attributes:
         rate: Times the recorded speed; infinite to wait for answers only.
-        robot_model: For the path generator; empty for the joint springs.
+        robot_model: For the path generator; empty for the one that the recording names.
         database: URL of the recipe database that is asked; empty for one that holds the recorded recipe,
             or, when the run had none, the shipped ones.
     """
@@ -81,7 +81,7 @@ def replay_live(run: RecordedRun, options: LiveOptions) -> list[Answer]:
         arguments = ["replay", "--ros-args", "-r", f"__ns:=/replay_{os.getpid()}"]
         nodes = _nodes(run, options, folder)
         with (
-            Composition(arguments, nodes, ReplayDriver, THREADS) as cell,
+            Composition(arguments, nodes, partial(ReplayDriver, run.image_transport), THREADS) as cell,
             RecordedController(home, events, options.rate, _reason_of_fault(run)) as controller,
         ):
             live = LiveRun(run, cell.driver, options.rate, repeats_the_end(run))
@@ -125,11 +125,18 @@ def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callabl
     bridge = {"address": str(folder / "HOME"), "archive": str(folder / "targets"), **limits}
     database = {"database_url": options.database or _database(run, folder), "ship_recipes": False}
     # A recorded picture is old, nobody looks at its overlay, and /tf is the running cell's.
-    localizer = {"check_age": False, "overlay_step": 0, "frames": False}
+    localizer = {
+        "check_age": False,
+        "overlay_step": 0,
+        "frames": False,
+        "image_transport": run.image_transport,
+    }
+    recorded = next((str(message.robot_model) for message in run.targets), "")
+    model = options.robot_model or recorded
     chosen = (
         (RecipeDatabaseNode, database),
         (DoorLocalizer, localizer),
-        (PathGenerator, {"robot_model": options.robot_model, "frames": False}),
+        (PathGenerator, {"robot_model": model, "models": "", "frames": False}),
         (AbbBridge, bridge),
     )
     return [

@@ -8,8 +8,8 @@ from rclpy.action import ActionClient
 from rclpy.callback_groups import ReentrantCallbackGroup
 
 from doormill_interfaces.action import MillDoor
-from doormill_interfaces.srv import ListRecipes
-from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageTimeoutError
+from doormill_interfaces.srv import AcceptModel, ListRecipes, RevertModel
+from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefusedError, StageTimeoutError
 from doormill_ros.nodes.futures import result_of
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.operator.state import ViewStore
@@ -17,6 +17,7 @@ from doormill_ros.operator.state import ViewStore
 ACTION = "mill_door"
 OFFERED_DOORS = 20
 DATABASE_LIMIT = 5.0  # s
+MODEL_LIMIT = 10.0  # s
 
 
 class ActionControl:
@@ -36,6 +37,10 @@ class ActionControl:
         )
         self._recipes = node.keep(
             node.destroy_client, node.create_client(ListRecipes, "recipes/list", callback_group=group)
+        )
+        self._accepts, self._reverts = (
+            node.keep(node.destroy_client, node.create_client(kind, name, callback_group=group))
+            for kind, name in ((AcceptModel, "model/accept"), (RevertModel, "model/revert"))
         )
         # With no goal named, the action ends whatever run is in hand, no matter who started it.
         self._cancel = node.keep(
@@ -64,6 +69,27 @@ class ActionControl:
         self._node.get_logger().info("the run in hand is canceled from the operator's page")
         self._cancel.call_async(MillDoor.Impl.CancelGoalService.Request())
         return "the run in hand, if any, is canceled"
+
+    def accept(self, version: int, who: str, why: str) -> str:
+        """Put a model in use."""
+        return self._order(self._accepts, AcceptModel.Request(version=version, who=who, why=why))
+
+    def revert(self, version: int, who: str, why: str) -> str:
+        """Take the model in use back."""
+        return self._order(self._reverts, RevertModel.Request(version=version, who=who, why=why))
+
+    def _order(self, client: Any, request: Any) -> str:
+        missing = "the monitor of the model does not answer; check that /model_monitor is running"
+        if not client.service_is_ready():
+            raise NodeInactiveError(missing)
+        try:
+            response = result_of(client.call_async(request), MODEL_LIMIT, missing)
+        except StageTimeoutError:
+            raise NodeInactiveError(missing) from None
+        if not response.success:
+            raise StageRefusedError(response.message, response.error_code)
+        self._node.get_logger().info(f"from the operator's page, by {request.who}: {response.message}")
+        return str(response.message)
 
     def doors(self, prefix: str) -> list[str]:
         """Doors of the recipe database."""

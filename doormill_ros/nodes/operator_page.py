@@ -12,16 +12,18 @@ from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Image
 
 from doormill_interfaces.action import MillDoor
-from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe, RunResult
+from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe, ModelVerdict, RunResult
 from doormill_ros.arrays import ByteArray
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import colours_of, picture_of, seconds_of
+from doormill_ros.messages.from_message import seconds_of
+from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.history import append_history, load_history
+from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.page_server import PageServer, is_loopback
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.operator.server import create_app
@@ -82,6 +84,7 @@ class OperatorPage(ManagedNode):
         self.subscribe(topics.IMAGE, self._pictures.append)
         self.subscribe(topics.RUN_RESULT, self._take_result)
         self.subscribe(topics.DIAGNOSTICS, self._take_diagnostics)
+        self.subscribe(topics.MODEL_VERDICT, self._take_verdict)
         self.subscribe(FEEDBACK, self._take_feedback)
         self.every(1.0, self._look_for_bridge)
         self.get_logger().info(f"operator's page at {self.url}")
@@ -139,6 +142,25 @@ class OperatorPage(ManagedNode):
         self.store.update(lambda view: view.with_ended(ended))
         if not known:
             append_history(self._history, ended)
+
+    def _take_verdict(self, said: ModelVerdict) -> None:
+        doors = tuple(TrendDoor(d.door_id, d.run_id, d.model_version, d.largest) for d in said.doors)
+        model = ModelView(
+            said.sentence,
+            said.next_measurement,
+            tuple(said.remarks),
+            said.version,
+            said.proposed,
+            said.expected_error,
+            said.expected_error_proposed,
+            said.limit,
+            said.stopped,
+            said.message,
+            said.asking,
+            said.waiting,
+            doors,
+        )
+        self.store.update(lambda view: view.with_model(model))
 
     def _take_diagnostics(self, array: DiagnosticArray) -> None:
         for status in array.status:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import sys
 import time
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
 
@@ -18,14 +20,16 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.messages.from_message import door_pose_of, nanoseconds_of, recipe_of, seconds_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.geometry import path_message
+from doormill_ros.nodes.convert.geometry import path_message, pose_message
 from doormill_ros.nodes.convert.markers import body_markers, no_markers, program_markers
 from doormill_ros.nodes.convert.program import program_into
-from doormill_ros.nodes.frame_publisher import frame_publisher
+from doormill_ros.nodes.convert.recipe import recipe_message
+from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
-from doormill_ros.pipeline.plan import load_setup, plan
+from doormill_ros.pipeline.model_in_use import SetupInUse, VersionedSetup
+from doormill_ros.pipeline.plan import plan, prepare, rehearse
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
 from doormill_ros.robot_model.extended_model import unknown_on_path
@@ -41,6 +45,11 @@ class PathGenerator(ManagedNode):
             "robot_model", "", "model.yaml of a diagnosis used for the correction; empty: joint springs"
         ),
         NodeParameter(
+            "models",
+            "",
+            "folder of the store of models; one in use there takes the place of robot_model; empty: none",
+        ),
+        NodeParameter(
             "frames",
             True,
             "publish frames of the robot at its first target; false where its driver does that",
@@ -52,7 +61,12 @@ class PathGenerator(ManagedNode):
 
     def setup(self) -> None:
         """Load robot and compliance model; subscribe."""
-        self._setup = load_setup(self.value("robot"), self.value("robot_model"))
+        store = self.value("models")
+        self._in_use = SetupInUse(
+            self.value("robot"), self.value("robot_model"), Path(store) if store else None
+        )
+        self._setup = self._in_use.now
+        self._unfit: Exception | None = None
         self._recipe: DoorRecipe | None = None
         self._door: Recipe | None = None
         self._early: PoseStamped | None = None
@@ -63,28 +77,58 @@ class PathGenerator(ManagedNode):
         self._joints = self.publisher(topics.PATH_JOINT_STATES)
         self._description = self.publisher(topics.ROBOT_DESCRIPTION)
         self._bodies = self.publisher(topics.CELL_BODIES)
-        self._frames = frame_publisher(self) if self.value("frames") else None
+        self._frames = FramePublisher(self) if self.value("frames") else None
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_POSE, self._take_pose)
 
+    def rehearse(self) -> None:
+        """Plan a shipped door, and carry it there and back as its messages."""
+        recipe, T_base_door, planned = rehearse(self._setup.setup)
+        recipe_of(recipe_message(recipe, "", Header()))
+        door_pose_of(pose_message(T_base_door))
+        answer = program_into(TargetArray(), planned.program)
+        deserialize_message(serialize_message(answer), TargetArray)
+        program_markers(planned.program, recipe, T_base_door, Header())
+
     def start(self) -> None:
         """Describe the robot to who draws it."""
-        self._description.publish(String(data=self._setup.robot.urdf.read_text(encoding="utf-8")))
-        self._bodies.publish(body_markers(self._setup.robot, self._setup.layout))
-        for sentence in unknown_on_path(self._setup.model):
-            self.get_logger().info(f"robot model {self._setup.model_name}: {sentence}")
+        setup = self._setup.setup
+        self._description.publish(String(data=setup.robot.urdf.read_text(encoding="utf-8")))
+        self._bodies.publish(body_markers(setup.robot, setup.layout))
+        self._tell_of(self._setup)
+
+    def _tell_of(self, used: VersionedSetup) -> None:
+        name = used.setup.model_name
+        self.get_logger().info(f"targets are corrected by version {used.version} of the model, {name}")
+        for sentence in unknown_on_path(used.setup.model):
+            self.get_logger().info(f"robot model {name}: {sentence}")
+
+    def _choose_model(self) -> None:
+        """Take the model in use for the run that begins; what is wrong with it is said when the pose comes."""
+        before, self._unfit = self._setup, None
+        try:
+            self._setup = self._in_use.for_next_run()
+        except Exception as error:
+            self._unfit = error
+        if self._setup is not before:
+            self._tell_of(self._setup)
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         if self._recipe is not None and self._recipe.run_id != recipe.run_id:
             # What is shown belongs to the door before; it must not stand for a door that is refused.
             header = Header(stamp=recipe.header.stamp, frame_id=BASE_FRAME)
             self.later("show", lambda: self._clear(header))
+        if self._recipe is None or self._recipe.run_id != recipe.run_id:
+            self._choose_model()
         self._recipe, self._door = recipe, None
         with suppress(DoormillError):  # said when the pose comes
             self._door = recipe_of(recipe)
         if self._early is not None:
             pose, self._early = self._early, None
             self._take_pose(pose)
+        elif self._door is not None:
+            with suppress(DoormillError):  # likewise
+                prepare(self._door, self._setup.setup)
 
     def _take_pose(self, pose: PoseStamped) -> None:
         recipe, now = self._recipe, self.get_clock().now().to_msg()
@@ -105,14 +149,17 @@ class PathGenerator(ManagedNode):
             run_id=recipe.run_id,
             door_id=recipe.door_id,
             recipe_version=recipe.version,
-            robot_model=self._setup.model_name,
+            robot_model=self._setup.setup.model_name,
+            model_version=self._setup.version,
             header=Header(stamp=pose.header.stamp, frame_id=BASE_FRAME),
         )
         begun = time.perf_counter()
         try:
+            if self._unfit is not None:
+                raise self._unfit
             door = self._door if self._door is not None else recipe_of(recipe)
             T_base_door = door_pose_of(pose.pose)
-            planned = plan(door, T_base_door, self._setup)
+            planned = plan(door, T_base_door, self._setup.setup)
         except Exception as unexpected:  # whatever it is, the run waits for an answer
             error = self.as_refusal(unexpected)
             answer.duration = time.perf_counter() - begun
@@ -145,7 +192,8 @@ class PathGenerator(ManagedNode):
 
     def _show_robot(self, header: Header, q: FloatArray) -> None:
         """The robot in the posture of the program's first target."""
-        urdf = self._setup.robot.urdf
+        setup = self._setup.setup
+        urdf = setup.robot.urdf
         # Joint states have no use for a frame, but viewers report an empty one as missing.
         self._joints.publish(
             JointState(header=header, name=joint_names(urdf), position=[float(v) for v in q])
@@ -153,9 +201,7 @@ class PathGenerator(ManagedNode):
         if self._frames is not None:
             links = link_poses(urdf, q)
             self._frames.show(links)
-            self._frames.show_static(
-                [LinkPose(links[-1].child, TOOL_FRAME, self._setup.layout.T_flange_tool)]
-            )
+            self._frames.show_static([LinkPose(links[-1].child, TOOL_FRAME, setup.layout.T_flange_tool)])
 
 
 def main() -> int:

@@ -42,6 +42,11 @@ class RecipeDatabaseNode(ManagedNode):
         self.serve(ListRecipes, "recipes/list", self._list)
         self.serve(ImportRecipes, "recipes/import", self._import)
 
+    def rehearse(self) -> None:
+        """Read a recipe, if there is one."""
+        for record in self._database.list("", 1):
+            recipe_message(self._database.get(record.door_id), "", Header())
+
     def teardown(self) -> None:
         """Close the database."""
         self._database.close()

@@ -31,7 +31,8 @@ Value = TypeVar("Value")
 class ReplayDriver(Node):  # type: ignore[misc]  # rclpy has no types
     """Plays who asks for a door, and its camera, as an `AnsweringCell` does."""
 
-    def __init__(self) -> None:
+    def __init__(self, transport: str = "raw") -> None:
+        """Send pictures the way that `image_transport` names so."""
         super().__init__("live_replay")
         self._changed = threading.Condition()
         self._heard: dict[tuple[str, int], Any] = {}
@@ -42,7 +43,7 @@ class ReplayDriver(Node):  # type: ignore[misc]  # rclpy has no types
         self._action = ActionClient(self, MillDoor, "mill_door")
         self._pictures = {
             t.name: self.create_publisher(t.type, t.name, t.offered)
-            for t in (topics.CAMERA_INFO, topics.IMAGE)
+            for t in (topics.CAMERA_INFO, topics.PICTURES[transport])
         }
         for topic in (topics.DOOR_LOCALIZATION, topics.PATH_TARGETS):
             self._listen(topic, partial(self._keep, topic.name))
@@ -83,11 +84,11 @@ class ReplayDriver(Node):  # type: ignore[misc]  # rclpy has no types
         """See `AnsweringCell`."""
         now = time.time_ns() - s_to_ns(age)
         stamp = Time(sec=now // 1_000_000_000, nanosec=now % 1_000_000_000)
-        for topic in (topics.CAMERA_INFO, topics.IMAGE):
-            if topic.name in data:
-                message = deserialize_message(data[topic.name], topic.type)
+        for name, publisher in self._pictures.items():
+            if name in data:
+                message = deserialize_message(data[name], publisher.msg_type)
                 message.header.stamp = stamp
-                self._pictures[topic.name].publish(message)
+                publisher.publish(message)
         localization = self._answer(topics.DOOR_LOCALIZATION, now)
         return localization, self._answer(topics.PATH_TARGETS, now) if localization.accepted else None
 

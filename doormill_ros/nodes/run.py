@@ -24,7 +24,7 @@ from doormill_ros.resources import resource
 THREADS = 4
 STOP_LIMIT = 1.0  # s
 # Parameters of glibc's mallopt.
-_TRIM_THRESHOLD, _TOP_PAD, _MMAP_THRESHOLD = -1, -2, -3
+_TRIM_THRESHOLD, _TOP_PAD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -2, -3, -8
 _MEGABYTE = 1 << 20
 
 
@@ -117,13 +117,15 @@ def _keep_freed_memory() -> None:
     """Let the allocator keep what is freed.
 
     By default a picture's buffers go back to the system each time, and touching new pages costs more
-    than copying the picture. Where there is no glibc nothing changes.
+    than copying the picture. All threads share one heap: with one for each, every new thread would keep what the
+    largest picture or program of its life took. Where there is no glibc nothing changes.
     """
     with contextlib.suppress(OSError, AttributeError):
         mallopt = ctypes.CDLL(None).mallopt
         mallopt(_MMAP_THRESHOLD, 32 * _MEGABYTE)
         mallopt(_TRIM_THRESHOLD, 256 * _MEGABYTE)
         mallopt(_TOP_PAD, 16 * _MEGABYTE)
+        mallopt(_ARENA_MAX, 1)
 
 
 def _spare_collector() -> None:

@@ -6,21 +6,23 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Path
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import CameraInfo, Image, JointState
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState
 from std_msgs.msg import Bool, String
 from visualization_msgs.msg import MarkerArray
 
 from doormill_interfaces.msg import (
     AbbStatus,
     ControllerState,
+    DoorInspection,
     DoorLocalization,
     DoorPlacement,
     DoorRecipe,
     ExecutedPath,
     MilledDoor,
+    ModelVerdict,
     RunResult,
     RunVerdict,
     TargetArray,
@@ -47,8 +49,6 @@ PICTURE = _qos(5)
 PICTURE_FALLBACK = _qos(5, reliability=ReliabilityPolicy.BEST_EFFORT)
 #: What tf2's own broadcasters offer on /tf; /tf_static is STATE.
 TRANSFORMS = _qos(100)
-#: Latched one by one: deep enough for all frames of one node, late joiners get them.
-LATCHED_FRAMES = _qos(10, DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,12 @@ def _topic(name: str, message_type: Any, qos: QoSProfile, fallback: QoSProfile |
 
 
 IMAGE = _topic("camera/image_raw", Image, PICTURE, PICTURE_FALLBACK)
+COMPRESSED = _topic("camera/image_raw/compressed", CompressedImage, PICTURE, PICTURE_FALLBACK)
+#: As `image_transport` names the ways that pictures take.
+PICTURES = {"raw": IMAGE, "compressed": COMPRESSED}
 CAMERA_INFO = _topic("camera/camera_info", CameraInfo, PICTURE, PICTURE_FALLBACK)
+#: Way [m] and turn [rad] of the camera since its calibration, in base axes; there in cells with marks.
+CAMERA_MOVED = _topic("camera/moved", TwistStamped, EVENT)
 DOOR_POSE = _topic("door/pose", PoseStamped, EVENT)
 DOOR_LOCALIZATION = _topic("door/localization", DoorLocalization, EVENT)
 DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE, PICTURE_FALLBACK)
@@ -88,9 +93,10 @@ RUN_RESULT = _topic("run/result", RunResult, STATE)
 DOOR_PLACEMENT = _topic("simulation/door_placement", DoorPlacement, STATE)
 EXECUTED_PATH = _topic("simulation/executed_path", ExecutedPath, STATE)
 MILLED_DOOR = _topic("simulation/milled_door", MilledDoor, STATE)
+#: Several doors may be measured at once, and none shall be lost.
+DOOR_INSPECTION = _topic("door/inspection", DoorInspection, _qos(100))
+MODEL_VERDICT = _topic("model/verdict", ModelVerdict, STATE)
 RUN_VERDICT = _topic("simulation/verdict", RunVerdict, STATE)
-#: Where tf2_msgs is missing; Foxglove takes single transforms from any topic.
-FRAMES = _topic("frames", TransformStamped, LATCHED_FRAMES)
 DIAGNOSTICS = _topic("/diagnostics", DiagnosticArray, EVENT)
 
 ALL: tuple[Topic, ...] = (
@@ -117,5 +123,7 @@ ALL: tuple[Topic, ...] = (
     EXECUTED_PATH,
     MILLED_DOOR,
     RUN_VERDICT,
+    DOOR_INSPECTION,
+    MODEL_VERDICT,
     DIAGNOSTICS,
 )

@@ -68,6 +68,7 @@ def next_step(
     faults: Mapping[str, str],
     spoiled: bool = False,
     milled: bool = False,
+    stopped: str = "",
 ) -> Advice:
     """What to do now.
 
@@ -79,6 +80,7 @@ def next_step(
         faults: What nodes in error say of themselves, by node.
         spoiled: The last door was milled out of tolerance.
         milled: The robot reported the end of milling of the last run, however that ended.
+        stopped: Why no door is milled before somebody decides; empty when they are.
     """
     if not bridge_present or not state:
         return Advice(
@@ -91,6 +93,8 @@ def next_step(
     if faults:
         node, message = next(iter(faults.items()))
         return Advice("fault", f"Put right what {node} reports, or call maintenance: {message}")
+    if stopped and not run_in_hand:
+        return Advice("act", f"Mill no door before the engineer has decided: {stopped}")
     if refusal and not run_in_hand and spoiled:
         return _SPOILED
     if refusal and not run_in_hand and milled:

@@ -18,6 +18,7 @@ from doormill_ros.operator.tries import Tries
 Value = TypeVar("Value")
 
 LONGEST_ID = 100  # characters
+LONGEST_REASON = 500  # characters
 SHOWN_ENTRIES = 500
 
 
@@ -38,6 +39,20 @@ class Control(Protocol):
             DoormillError: There is nobody to end it.
         """
 
+    def accept(self, version: int, who: str, why: str) -> str:
+        """Put a model in use.
+
+        Raises:
+            DoormillError: It cannot be, or nobody answers.
+        """
+
+    def revert(self, version: int, who: str, why: str) -> str:
+        """Take the model in use back.
+
+        Raises:
+            DoormillError: It cannot be, or nobody answers.
+        """
+
     def doors(self, prefix: str) -> list[str]:
         """Some of the doors whose id starts so.
 
@@ -50,6 +65,14 @@ class MillRequest(BaseModel):
     """Body of a request to mill a door."""
 
     door_id: str = Field(min_length=1, max_length=LONGEST_ID)
+
+
+class ModelOrderRequest(BaseModel):
+    """Body of an order about a version of the model."""
+
+    version: int = Field(ge=1, lt=2**32)
+    who: str = Field(min_length=1, max_length=LONGEST_ID)
+    why: str = Field(min_length=1, max_length=LONGEST_REASON)
 
 
 class Doorkeeper:
@@ -106,7 +129,7 @@ def serve_orders(app: FastAPI, control: Control, doorkeeper: Doorkeeper, audit: 
     """
     operate, engineer = doorkeeper.needs(Role.OPERATE), doorkeeper.needs(Role.ENGINEER)
 
-    async def answer(action: Callable[..., Value], *arguments: str) -> Value:
+    async def answer(action: Callable[..., Value], *arguments: Any) -> Value:
         try:
             return await run_in_threadpool(action, *arguments)
         except DoormillError as error:
@@ -128,6 +151,21 @@ def serve_orders(app: FastAPI, control: Control, doorkeeper: Doorkeeper, audit: 
     @app.post("/control/cancel", dependencies=[operate], status_code=202)
     async def cancel() -> dict[str, str]:
         return {"message": await answer(control.cancel)}
+
+    async def change_model(
+        action: Callable[[int, str, str], str], wanted: ModelOrderRequest
+    ) -> dict[str, str]:
+        if audit is not None:
+            await answer(audit.require)
+        return {"message": await answer(action, wanted.version, wanted.who, wanted.why)}
+
+    @app.post("/control/accept", dependencies=[engineer])
+    async def accept(wanted: ModelOrderRequest) -> dict[str, str]:
+        return await change_model(control.accept, wanted)
+
+    @app.post("/control/revert", dependencies=[engineer])
+    async def revert(wanted: ModelOrderRequest) -> dict[str, str]:
+        return await change_model(control.revert, wanted)
 
     @app.get("/control/audit", dependencies=[engineer])
     async def entries() -> list[dict[str, Any]]:

@@ -45,6 +45,69 @@ function showPicture(picture) {
   write("caption", picture.caption);
 }
 
+const millimetres = (metres) => (metres < 0 ? "not known" : `${(1000 * metres).toFixed(2)} mm`);
+let model = null;
+
+function mark(parent, kind, attributes, title) {
+  const element = document.createElementNS(byId("trend").namespaceURI, kind);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  if (title) mark(element, "title", {}).textContent = title;
+  parent.append(element);
+  return element;
+}
+
+function showTrend(doors, limit) {
+  const drawing = byId("trend");
+  drawing.replaceChildren();
+  if (!doors.length) return;
+  const most = 1.1 * Math.max(limit, ...doors.map((door) => door.largest), 1e-6);
+  const x = (i) => 20 + 960 * (doors.length === 1 ? 0.5 : i / (doors.length - 1));
+  const y = (value) => 210 - 200 * (value / most);
+  mark(drawing, "line", { class: "axis", x1: 10, x2: 990, y1: y(0), y2: y(0) });
+  if (limit > 0) mark(drawing, "line", { class: "limit", x1: 10, x2: 990, y1: y(limit), y2: y(limit) });
+  doors.forEach((door, i) => {
+    const changed = i > 0 && door.model_version !== doors[i - 1].model_version;
+    if (changed) {
+      const between = (x(i) + x(i - 1)) / 2;
+      mark(drawing, "line", { class: "version", x1: between, x2: between, y1: 10, y2: 210 });
+    }
+    const text = `${door.door_id}, run ${door.run_id}: ${millimetres(door.largest)}, version ${door.model_version}`;
+    const beyond = limit > 0 && door.largest > limit ? "beyond" : "within";
+    mark(drawing, "circle", { class: beyond, cx: x(i), cy: y(door.largest), r: 6 }, text);
+  });
+}
+
+function showModel(found, control) {
+  model = found;
+  byId("model").hidden = !found;
+  if (!found) return;
+  write("verdict", found.sentence || "No inspected door was questioned yet.");
+  write("measure-next", found.next_measurement ? `Measure this next: ${found.next_measurement}.` : "");
+  write("model-message", found.message);
+  byId("model-message").hidden = !found.message;
+  const waiting = found.waiting ? `; ${found.waiting} inspections wait for their bag` : "";
+  write("expected", `expected error ${millimetres(found.expected)}${found.asking ? ", being worked out anew" : ""}${waiting}`);
+  const proposed = found.proposed
+    ? `version ${found.proposed} is proposed: ${millimetres(found.expected_proposed)}`
+    : "none is proposed";
+  write("version", `${found.version || "that of the start"} in use; ${proposed}`);
+  const count = found.doors.length;
+  const drawn = `Largest deviation of the last ${count} inspected doors`;
+  const lines = found.limit > 0 ? `; red: the limit of ${millimetres(found.limit)}` : "";
+  write("trend-caption", count ? `${drawn}${lines}; dashed: another version.` : "No door was inspected yet.");
+  showTrend(found.doors, found.limit);
+  byId("remarks").replaceChildren(...found.remarks.map((text) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    return item;
+  }));
+  byId("model-control").hidden = !control;
+  byId("accept").textContent = found.proposed ? `Accept version ${found.proposed}` : "Accept";
+  byId("accept").disabled = !found.proposed;
+  byId("revert").textContent = found.version ? `Take version ${found.version} back` : "Take back";
+  byId("revert").disabled = !found.version;
+}
+
 function show(view) {
   // A refusal waits for the operator too, but nobody shall take it for a success from afar.
   byId("step").className = view.refusal ? `${view.urgency} refused` : view.urgency;
@@ -62,6 +125,7 @@ function show(view) {
   showPicture(view.picture);
   showHistory(view.history);
   byId("control").hidden = !view.control;
+  showModel(view.model, view.control);
 }
 
 function alive() {
@@ -81,8 +145,8 @@ function connect() {
   });
 }
 
-async function order(path, body) {
-  const buttons = [byId("mill"), byId("cancel")];
+async function order(path, body, told = "answer", buttons = [byId("mill"), byId("cancel")],
+  wrong = "the door id is empty or too long") {
   buttons.forEach((button) => { button.disabled = true; });
   try {
     // An Authorization header: the token is in no address and no history.
@@ -92,13 +156,19 @@ async function order(path, body) {
       body: JSON.stringify(body),
     });
     const answer = await response.json();
-    const detail = typeof answer.detail === "string" ? answer.detail : "the door id is empty or too long";
-    write("answer", answer.message || detail);
+    const detail = typeof answer.detail === "string" ? answer.detail : wrong;
+    write(told, answer.message || detail);
   } catch {
-    write("answer", "the cell did not answer; look whether it is still running");
+    write(told, "the cell did not answer; look whether it is still running");
   } finally {
     buttons.forEach((button) => { button.disabled = false; });
+    if (model) showModel(model, true);
   }
+}
+
+function orderModel(path, version) {
+  const body = { version, who: byId("who").value.trim(), why: byId("why").value.trim() };
+  order(path, body, "model-answer", [byId("accept"), byId("revert")], "your name and why are wanted");
 }
 
 let asked = null;
@@ -126,5 +196,7 @@ byId("wanted").addEventListener("input", offerDoors);
 byId("token").addEventListener("input", (event) => { token = event.target.value.trim().replace(/[^!-~]/g, ""); });
 byId("mill").addEventListener("click", () => order("/control/mill", { door_id: byId("wanted").value.trim() }));
 byId("cancel").addEventListener("click", () => order("/control/cancel", {}));
+byId("accept").addEventListener("click", () => orderModel("/control/accept", model.proposed));
+byId("revert").addEventListener("click", () => orderModel("/control/revert", model.version));
 setInterval(() => { if (Date.now() - heard > SILENCE) byId("lost").hidden = false; }, 1000);
 connect();

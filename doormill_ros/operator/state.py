@@ -10,6 +10,7 @@ from typing import Any
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.cell.inspection import outcome
 from doormill_ros.operator.advice import next_step
+from doormill_ros.operator.model_view import ModelView
 from doormill_ros.operator.situation import Situation, situation
 
 HISTORY = 50  # runs
@@ -67,6 +68,7 @@ class CellView:
         faults: What a node in error says of itself, by node.
         history: Ended runs, the newest first.
         picture: The latest picture worth showing.
+        model: What the monitor of the model said last; None where there is none.
     """
 
     bridge_present: bool = False
@@ -84,6 +86,7 @@ class CellView:
     faults: dict[str, str] = field(default_factory=dict)
     history: tuple[EndedRun, ...] = ()
     picture: EncodedPicture | None = None
+    model: ModelView | None = None
 
     def with_bridge(self, present: bool) -> CellView:
         """The bridge was heard of lately, or not."""
@@ -159,6 +162,16 @@ class CellView:
         number = self.picture.number + 1 if self.picture else 1
         return replace(self, picture=EncodedPicture(data, media_type, _short(caption), number))
 
+    def with_model(self, model: ModelView) -> CellView:
+        """The monitor of the model said something."""
+        texts = (model.sentence, model.next_measurement, model.message)
+        sentence, next_measurement, message = map(_short, texts)
+        remarks = tuple(map(_short, model.remarks))
+        short = replace(
+            model, sentence=sentence, next_measurement=next_measurement, message=message, remarks=remarks
+        )
+        return replace(self, model=short)
+
     def _situation(self) -> Situation:
         """State and reason of the door that the page speaks of; the next step follows from the same."""
         last = self.history[0].run_id if self.history else ""
@@ -183,6 +196,7 @@ class CellView:
             self.faults,
             last is not None and last.error_code == OutOfToleranceError.code,
             seen.state == "done" and last is not None and last.run_id == self.state_run,
+            self.model.message if self.model is not None and self.model.stopped else "",
         )
         return {
             "state": seen.state if self.bridge_present else "",
@@ -200,6 +214,7 @@ class CellView:
             "picture": None
             if self.picture is None
             else {"number": self.picture.number, "caption": self.picture.caption},
+            "model": None if self.model is None else self.model.document(),
         }
 
 

@@ -21,7 +21,7 @@ class Role(IntEnum):
     OPERATE = 1
     """Start and cancel runs."""
     ENGINEER = 2
-    """Read the audit log."""
+    """Put models in use and take them back, read the audit log."""
 
     @property
     def word(self) -> str:

@@ -73,6 +73,7 @@ class Course:
             self.end.recipe_version = self._fetch_recipe()
             targets, request_number = self._measure()
             self.end.largest_correction = targets.largest_correction
+            self.end.robot_model, self.end.model_version = targets.robot_model, targets.model_version
             self._need(MILLING)
             data = self._handover.submit(targets, request_number)
             self._tell("targets", 0.4)

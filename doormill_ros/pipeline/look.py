@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 from doormill_ros.cell.layout import CellLayout
+from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.result import Localization
-from doormill_ros.messages.from_message import picture_of
+from doormill_ros.messages.picture import packed_size, picture_of
 
 
 class DoorFace(Protocol):
@@ -24,7 +25,7 @@ def look(
     """Find the door in a picture message.
 
     Args:
-        picture: A sensor_msgs/Image, from a camera or from a bag.
+        picture: A sensor_msgs/Image or sensor_msgs/CompressedImage, from a camera or from a bag.
         camera: The mounted camera with the intrinsics that came with the picture; None when none came.
         layout: Where the nominal door stands and how far it may be off.
         door: Its width and thickness [m].
@@ -36,4 +37,7 @@ def look(
     Raises:
         LocalizationError: One of its leaves, the reason for a refusal.
     """
+    size = packed_size(picture)
+    if size is not None and camera is not None:  # before anything of a wrong size is unpacked
+        checks.check_size(size, camera)
     return localize(picture_of(picture), camera, layout, door.width, door.thickness, age=age)

@@ -24,10 +24,12 @@ class ControllerHandshake(Protocol):
 
 
 class Targets(StageAnswer, Protocol):
-    """The answer of the path generator; `largest_correction` in m."""
+    """The answer of the path generator; `largest_correction` in m, `model_version` 0 for the model of the start."""
 
     targets: Sized
     largest_correction: float
+    robot_model: str
+    model_version: int
 
 
 class Handover(Protocol):

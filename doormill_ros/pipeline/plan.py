@@ -8,15 +8,19 @@ from dataclasses import dataclass
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.correction.gravity import with_gravity
+from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.extended_model import load_model_of
 from doormill_ros.toolpath.door_checks import DoorCheck, check_door
+from doormill_ros.toolpath.door_plan import door_plan, whole_door
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings, load_settings
+
+REHEARSED = "standard_door"
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +68,29 @@ def load_setup(robot: str = "", model: str = "") -> MillingSetup:
     name = model or arm.name
     sagging = with_gravity(load_model_of(arm, name), arm, layout.gravity)
     return MillingSetup(layout, arm, sagging, name, load_settings())
+
+
+def rehearse(setup: MillingSetup) -> tuple[Recipe, FloatArray, PlannedProgram]:
+    """Plan a shipped door with all that a door has, so that the next one is as fast as any.
+
+    Returns:
+        Recipe, T_base_door of shape (4, 4) and program.
+
+    Raises:
+        PathError: The robot of this setup cannot mill that door.
+    """
+    recipe = load_recipe(REHEARSED)
+    T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness)
+    return recipe, T_base_door, plan(recipe, T_base_door, setup)
+
+
+def prepare(recipe: Recipe, setup: MillingSetup) -> None:
+    """Work out what does not depend on where the door stands, so that its pose need not wait for it; see `plan`.
+
+    Raises:
+        PathError: NothingToMillError or ToolFitError.
+    """
+    door_plan(recipe, whole_door(recipe), setup.settings)
 
 
 def plan(

@@ -55,6 +55,7 @@ def preview(recipe: Recipe, robots: int = 1, model: str | None = None) -> list[P
         shares = [("only", T_base_door, None)]
     else:
         both = split(recipe, T_base_door, setup.settings)
+        setup = replace(setup, layout=setup.layout.with_rear_free())
         shares = [(share.robot, share.T_base_door, share.operations) for share in both if share.operations]
     previews = []
     second = replace(setup, layout=setup.layout.seen_from(setup.settings.second_robot.T_base_second))

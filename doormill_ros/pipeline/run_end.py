@@ -27,6 +27,8 @@ class RunEnd:
         sha256: Of the target file; empty after a refusal.
         recipe_version: Of the recipe that was milled.
         largest_correction: Of the program [m].
+        robot_model: That the targets were corrected with.
+        model_version: Of it in the store of models; 0 for the model that the path generator was started with.
         inspection: How the door came out.
         times: How long each stage took.
     """
@@ -41,6 +43,8 @@ class RunEnd:
     sha256: str = ""
     recipe_version: int = 0
     largest_correction: float = 0.0
+    robot_model: str = ""
+    model_version: int = 0
     inspection: MeasuredDoor = field(default_factory=MeasuredDoor)
     times: StageDurations = field(default_factory=StageDurations)
 

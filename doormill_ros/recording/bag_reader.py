@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,8 @@ from rosbags.typesys.store import Typestore
 
 from doormill_ros.recording.errors import BagError, UnreadableBagError
 from doormill_ros.recording.mcap_chunks import check_chunks
-from doormill_ros.recording.mcap_scan import is_complete, scan
+from doormill_ros.recording.mcap_scan import ScannedMessage, is_complete, scan
+from doormill_ros.recording.repeats import repeated_in
 
 
 @dataclass(frozen=True)
@@ -84,19 +86,23 @@ def topics_of(folder: Path) -> list[str]:
         raise _unreadable(folder, error) from error
 
 
-def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagMessage]:
+def read_bag(
+    folder: Path, topics: Sequence[str] | Callable[[str], object] | None = None
+) -> Iterator[BagMessage]:
     """Messages in the order in which they were recorded.
 
-    A bag whose recorder was killed is read as far as it was written.
+    A bag whose recorder was killed is read as far as it was written. What a further file repeats of earlier ones is
+    left out, unless that file is read alone.
 
     Args:
         folder: Bag folder with metadata.yaml, or a file of one.
-        topics: Full topic names to read; None for all.
+        topics: Full topic names to read, or what tells of one whether to; None for all.
 
     Raises:
         UnreadableBagError: No such bag, or damaged beyond reading.
     """
-    messages = _scanned(folder, topics) if is_broken_off(folder) else _indexed(folder, topics)
+    wanted = topics if callable(topics) else lambda name: topics is None or name in topics
+    messages = _scanned(folder, wanted) if is_broken_off(folder) else _indexed(folder, wanted)
     try:
         for path in _files(folder):
             check_chunks(path)
@@ -107,22 +113,25 @@ def read_bag(folder: Path, topics: Sequence[str] | None = None) -> Iterator[BagM
         raise _unreadable(folder, error) from error
 
 
-def _indexed(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]:
+def _indexed(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessage]:
     with Reader(folder) as reader:
-        chosen = [c for c in reader.connections if topics is None or c.topic in topics]
+        chosen = [c for c in reader.connections if wanted(c.topic)]
         if not chosen:
             return
         store = typestore_of((c.msgtype, c.msgdef.data) for c in chosen)
+        repeated = sum((repeated_in(path) for path in _files(folder)[1:]), Counter())
         for connection, stamp_ns, data in reader.messages(connections=chosen):
+            if repeated and _is_repeated(repeated, connection.topic, stamp_ns):
+                continue
             message = store.deserialize_cdr(data, connection.msgtype)
             yield BagMessage(connection.topic, stamp_ns, message, bytes(data), connection.msgtype)
 
 
-def _scanned(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]:
+def _scanned(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessage]:
     store, known = typestore_of(()), set()
     for path in _files(folder):
-        for item in scan(path):
-            if topics is not None and item.channel.topic not in topics:
+        for item in scan(path) if path == _files(folder)[0] else scan_further(path):
+            if not wanted(item.channel.topic):
                 continue
             name = item.schema.name
             if name not in known:
@@ -132,6 +141,22 @@ def _scanned(folder: Path, topics: Sequence[str] | None) -> Iterator[BagMessage]
             yield BagMessage(
                 item.channel.topic, item.message.log_time, message, bytes(item.message.data), name
             )
+
+
+def scan_further(path: Path) -> Iterator[ScannedMessage]:
+    """As `scan`, for a file that continues another one: without what it repeats."""
+    repeated = repeated_in(path)
+    for item in scan(path):
+        if not _is_repeated(repeated, item.channel.topic, item.message.log_time):
+            yield item
+
+
+def _is_repeated(repeated: Counter[tuple[str, int]], topic: str, stamp_ns: int) -> bool:
+    """Count down: repeated messages come before others of their stamp."""
+    if repeated[topic, stamp_ns] <= 0:
+        return False
+    repeated[topic, stamp_ns] -= 1
+    return True
 
 
 def _files(folder: Path) -> list[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import time
 from collections import Counter
 from collections.abc import Mapping
@@ -17,10 +18,14 @@ from mcap.writer import CompressionType, Writer
 from doormill_ros.recording.errors import BagExistsError
 from doormill_ros.recording.mcap_scan import scan
 from doormill_ros.recording.metadata import BagRecord, FileRecord, TopicRecord
+from doormill_ros.recording.repeats import RECORD, LatchedMemory, repeats_record
 from doormill_ros.recording.schema import Schema, load_schema
 
 CHUNK_SIZE = 1 << 20  # bytes
 FLUSH_PERIOD = 0.25  # s; what a kill can cost at most
+REPEATED_SHARE = 0.25  #: of `split_size`, for latched messages at the start of a further file
+#: Metadata record by which Foxglove's platform knows the device and takes no recording twice.
+FOXGLOVE = "foxglove"
 
 
 class BagWriter:
@@ -30,20 +35,31 @@ class BagWriter:
         folder: Made by the writer; must not exist or be empty.
         split_size: A new file is begun once one has this many bytes; 0 for never.
         ros_distro: Goes into metadata.yaml.
+        device: What records, under Foxglove's name for it; empty: left out.
+        custom: Goes there too, as custom data.
 
     Raises:
         BagExistsError: The folder holds files.
     """
 
-    def __init__(self, folder: Path, split_size: int = 0, ros_distro: str = "") -> None:
+    def __init__(
+        self,
+        folder: Path,
+        split_size: int = 0,
+        ros_distro: str = "",
+        device: str = "",
+        custom: Mapping[str, str] | None = None,
+    ) -> None:
         self.folder = Path(folder)
         if self.folder.exists() and any(self.folder.iterdir()):
             raise BagExistsError(
                 f"bag folder {self.folder} is not empty; choose another or remove it", folder=str(self.folder)
             )
         self.folder.mkdir(parents=True, exist_ok=True)
-        self.record = BagRecord(ros_distro or os.environ.get("ROS_DISTRO", ""))
+        self.record = BagRecord(ros_distro or os.environ.get("ROS_DISTRO", ""), custom=dict(custom or {}))
         self.split_size = split_size
+        self._device = device
+        self._latched = LatchedMemory()
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, Schema] = {}
         self._stream: BufferedWriter
@@ -72,20 +88,39 @@ class BagWriter:
         """
         if name in self.record.topics:
             return
-        schema = self._schemas.setdefault(type_name, schema or load_schema(type_name))
-        self.record.topics[name] = TopicRecord(name, type_name, schema.type_hash, qos_profiles or [])
+        schema = schema or load_schema(type_name)
+        schema = self._schemas.setdefault(schema.name, schema)
+        self.record.topics[name] = TopicRecord(name, schema.name, schema.type_hash, qos_profiles or [])
+        self._latched.know(name, qos_profiles or [])
         self._register(self.record.topics[name])
         self.record.write(self.folder)
 
     def write(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int | None = None) -> None:
         """Append a serialized (CDR) message of a known topic."""
-        self._writer.add_message(self._channels[topic], log_time_ns, data, publish_time_ns or log_time_ns)
-        self.record.topics[topic].message_count += 1
-        self._in_file[topic] += 1
-        self.record.files[-1].count(log_time_ns)
+        published_ns = publish_time_ns or log_time_ns
+        self._append(topic, data, log_time_ns, published_ns)
+        self._latched.take(topic, data, published_ns)
         if self.split_size and self._stream.tell() >= self.split_size:
             self._close_file()
             self._open_file()
+            self._repeat_latched()
+
+    def _append(self, topic: str, data: bytes, log_time_ns: int, published_ns: int) -> None:
+        self._writer.add_message(self._channels[topic], log_time_ns, data, published_ns)
+        self.record.topics[topic].message_count += 1
+        self._in_file[topic] += 1
+        self.record.files[-1].count(log_time_ns)
+
+    def _repeat_latched(self) -> None:
+        """Begin a further file with what late joiners get, after all that was written."""
+        messages = self._latched.chosen(REPEATED_SHARE * self.split_size)
+        if not messages:
+            return
+        stamp_ns = 1 + max(file.end_ns for file in self.record.files if file.end_ns is not None)
+        self._writer.add_metadata(RECORD, repeats_record(messages, stamp_ns))
+        for message in messages:
+            self._append(message.topic, message.data, stamp_ns, message.published_ns)
+            self._repeated[message.topic] += 1
 
     def flush(self, force: bool = False) -> None:
         """Hand the open chunk to the operating system, at most every quarter of a second."""
@@ -124,19 +159,28 @@ class BagWriter:
         found: Counter[str] = Counter()
         with suppress(OSError):
             found.update(item.channel.topic for item in scan(self.folder / file.name))
-        lost = {topic: count - found[topic] for topic, count in self._in_file.items() if count > found[topic]}
-        for topic, count in lost.items():
-            self.record.topics[topic].message_count -= count
-            file.message_count -= count
+        lost: dict[str, int] = {}
+        for topic, count in self._in_file.items():
+            gone = count - found[topic]
+            self.record.topics[topic].message_count -= gone
+            file.message_count -= gone
+            # What is repeated comes first in the file, and is in the one before.
+            own = count - max(found[topic], self._repeated[topic])
+            if own > 0:
+                lost[topic] = own
         return lost
 
     def _open_file(self) -> None:
         name = f"{self.folder.name}_{len(self.record.files)}.mcap"
         self.record.files.append(FileRecord(name))
         self._in_file: Counter[str] = Counter()
+        self._repeated: Counter[str] = Counter()
         self._stream = open(self.folder / name, "wb")  # noqa: SIM115  closed by _close_file
         self._writer = Writer(self._stream, chunk_size=CHUNK_SIZE, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="doormill_ros")
+        # Another key for each file: contents that differ must not have one key.
+        device = {"deviceName": self._device} if self._device else {}
+        self._writer.add_metadata(FOXGLOVE, {**device, "key": secrets.token_hex(16)})
         self._channels.clear()
         for topic in self.record.topics.values():
             self._register(topic)

@@ -11,6 +11,7 @@ import yaml
 from doormill_ros.files import write_atomically
 
 VERSION = 9
+INFORMATION = "rosbag2_bagfile_information"  #: the one key of the document
 
 
 @dataclass
@@ -55,7 +56,7 @@ class BagRecord:
         ends = [f.end_ns for f in self.files if f.end_ns is not None]
         start = min(starts, default=0)
         return {
-            "rosbag2_bagfile_information": {
+            INFORMATION: {
                 "version": VERSION,
                 "storage_identifier": "mcap",
                 "duration": {"nanoseconds": max(ends, default=0) - start},

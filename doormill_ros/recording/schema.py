@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
 from doormill_ros.recording.errors import UnknownTypeError
 
 SEPARATOR = "=" * 80
@@ -19,6 +21,8 @@ PRIMITIVES = {
 #: What an action publishes while it works on a goal; no .msg file holds its definition.
 FEEDBACK = re.compile(r"(\w+)/action/(\w+)_FeedbackMessage")
 IDENTIFIER = "unique_identifier_msgs/UUID"
+#: Messages of our own that stand for those of a package that the wheels lack, and are recorded as those.
+STANDS_FOR = {"doormill_interfaces/msg/TFMessage": "tf2_msgs/msg/TFMessage"}
 FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+\w+")
 
 
@@ -85,7 +89,7 @@ def _feedback_message(package: str, action: str) -> tuple[list[str], list[str]]:
 
 @cache
 def load_schema(name: str) -> Schema:
-    """Definition and hash of a message type, from the ament index.
+    """Definition and hash of a message type, from the ament index; that of another type which it stands for.
 
     Raises:
         UnknownTypeError: The type's package is not installed.
@@ -102,7 +106,17 @@ def load_schema(name: str) -> Schema:
         package, _, message = used.split("/")
         parts.append(_part(f"{package}/{message}", used_text))
         pending.extend(further)
+    text = "\n".join(parts)
+    if name in STANDS_FOR:
+        return Schema(STANDS_FOR[name], text, _hash(STANDS_FOR[name], text))
     described = f"{feedback[1]}/action/{feedback[2]}" if feedback else name
     description = json.loads(_share_file(described, ".json").read_text(encoding="utf-8"))
     type_hash = next(e["hash_string"] for e in description["type_hashes"] if e["type_name"] == name)
-    return Schema(name, "\n".join(parts), type_hash)
+    return Schema(name, text, type_hash)
+
+
+def _hash(name: str, text: str) -> str:
+    """RIHS01 hash of a type that is not installed, from its definition."""
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(text, name))
+    return str(store.hash_rihs01(name))

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import Ellipse, Rectangle
 
-from doormill_ros.messages.from_message import picture_of, transform_of
+from doormill_ros.messages.from_message import transform_of
+from doormill_ros.messages.picture import picture_of
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.pages.charts import BLUE, GREEN, GREY, RED, sheet, styled, svg
 from doormill_ros.report.run_record import HandshakeStep

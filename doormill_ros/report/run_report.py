@@ -98,7 +98,10 @@ def _facts(record: RunRecord) -> dict[str, str]:
     if result.target_file:
         facts["RAPID file"] = f"{result.target_file} (sha256 {result.sha256})"
     if targets is not None:
-        facts["robot model"] = targets.robot_model
+        version = getattr(targets, "model_version", 0)  # bags of older software have none
+        facts["robot model"] = f"{targets.robot_model}, " + (
+            f"version {version}" if version else "as the path generator was started"
+        )
     return facts
 
 

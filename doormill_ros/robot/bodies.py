@@ -69,7 +69,7 @@ class Body(Section):
             )
         return document
 
-    @property
+    @functools.cached_property
     def T_frame_body(self) -> FloatArray:
         """Middle of the body with z along a capsule's axis, in the frame it is given in, shape (4, 4)."""
         if self.position is not None and self.rotation is not None:
@@ -89,7 +89,7 @@ class Body(Section):
             raise TypeError(f"{self.name} is a {self.shape}, only a capsule has ends")
         return self.start, self.end
 
-    @property
+    @functools.cached_property
     def corners(self) -> FloatArray:
         """Points whose hull, widened by `margin`, is the body, in the frame it is given in, shape (n, 3) [m]."""
         if self.size is None:

@@ -191,7 +191,14 @@ def _load(path: Path) -> Robot:
         links=content.links,
     )
     if robot.unmeasured():
-        _log.warning("%s: nobody measured %s; see %s", robot.label, ", ".join(robot.unmeasured()), path)
+        figures = ", ".join(name.replace("_", " ") for name in robot.unmeasured())
+        _log.warning(
+            "%s: %s are from data sheets or assumed; that does for a simulated cell, before a real robot moves compare "
+            "them with its manual: %s",
+            robot.label,
+            figures,
+            path,
+        )
     return robot
 
 

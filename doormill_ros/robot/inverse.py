@@ -8,7 +8,7 @@ negative.
 from __future__ import annotations
 
 import functools
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 
 import numpy as np
 import py_opw_kinematics as opw
@@ -24,6 +24,7 @@ _TURN = 2.0 * np.pi
 _SLOT_OF_BRANCH = [4 * (b & 1) + 2 * (b >> 2 & 1) + (b >> 1 & 1) for b in range(BRANCHES)]
 _FLAT_WRIST = 1e-3  # sine of axis 5 below which the library's arc cosine loses digits
 _NUDGE = 1e-5  # rad
+_NUDGED = rotation_x(_NUDGE)
 _ALIGNED_WRIST = 1e-10  # sine of axis 5 below which only the sum of axes 4 and 6 is defined
 # Limits that nothing satisfies: the library then skips singular values that nobody asked for.
 _NO_LIMITS = np.tile([1e3, 1e3 + 1.0], (JOINTS, 1))
@@ -42,7 +43,7 @@ def inverse_branches(robot: Robot, T_base_flange: FloatArray) -> FloatArray:
     Raises:
         GeometryError: The robot has no closed-form inverse here.
     """
-    arm = ortho_parallel(robot.dh, robot.label)
+    arm = _arm_of(robot)
     T_base_flange = np.asarray(T_base_flange, dtype=float)
     q = _library_branches(arm, T_base_flange)
     # Where axis 5 is straight the library may take the arc cosine of a hair more than one and give
@@ -83,17 +84,32 @@ def inverse_near(robot: Robot, T_base_flange: FloatArray, q: FloatArray) -> Floa
 
 
 def _library_branches(arm: OrthoParallel, T_base_flange: FloatArray) -> FloatArray:
-    poses = opw.RigidTransform.from_matrix(T_base_flange)
-    joints: FloatArray = _solver(arm).reach(poses, _NO_LIMITS).joints
+    joints: FloatArray = _solver(arm).reach(_Poses(T_base_flange), _NO_LIMITS).joints
     return joints[:, _SLOT_OF_BRANCH]
+
+
+@dataclass(frozen=True, eq=False)
+class _Poses:
+    """What the library asks of SciPy's RigidTransform, without making each rotation orthogonal once more."""
+
+    matrix: FloatArray
+
+    def as_matrix(self) -> FloatArray:
+        """Shape (n, 4, 4)."""
+        return self.matrix
 
 
 def _turned_about_wrist(arm: OrthoParallel, T_base_flange: FloatArray) -> FloatArray:
     turned = T_base_flange.copy()
     wrist = T_base_flange[:, :3, 3] - arm.c4 * T_base_flange[:, :3, 2]
-    turned[:, :3, :3] = T_base_flange[:, :3, :3] @ rotation_x(_NUDGE)
+    turned[:, :3, :3] = T_base_flange[:, :3, :3] @ _NUDGED
     turned[:, :3, 3] = wrist + arm.c4 * turned[:, :3, 2]
     return turned
+
+
+@functools.lru_cache(maxsize=8)
+def _arm_of(robot: Robot) -> OrthoParallel:
+    return ortho_parallel(robot.dh, robot.label)
 
 
 @functools.cache

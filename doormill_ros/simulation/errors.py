@@ -28,3 +28,12 @@ BodiesError = DoormillError.row(
 WorldFileError = DoormillError.row(
     "WorldFileError", 857, "The world file of a simulated shift cannot be used."
 )
+WoodTornOut = DoormillError.row(
+    "WoodTornOut", 858, "In a simulated run the mill came out of the wood where nothing backed it."
+)
+PlungedDown = DoormillError.row(
+    "PlungedDown", 859, "In a simulated run a mill that does not cut with its middle went straight down."
+)
+MilledWrongWay = DoormillError.row(
+    "MilledWrongWay", 870, "In a simulated run a wall was not milled the way round that its recipe says."
+)

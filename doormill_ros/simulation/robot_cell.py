@@ -148,7 +148,7 @@ class RobotCell:
             controller.program.restore(self._controller.program.persistent_data())
             controller.event_log[:0] = self._controller.event_log
         # Whatever became of the door before: it was taken out and the robot was led home.
-        for name in ("doorInHand", "doorSpent"):
+        for name in ("doorInHand", "doorSpent", "nameTaken"):
             controller.program.write(name, "FALSE")
         controller.program.write("stopReason", "0")
         self._controller = controller

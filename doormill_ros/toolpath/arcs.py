@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import cross
 from doormill_ros.toolpath.errors import ArcError
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.units import deg_to_rad, m_to_mm, rad_to_deg
@@ -58,25 +59,28 @@ def circle(
     a, b = via - start, end - via
     chord = end - start
     # The angle at the circle point stands over half of the arc that lies opposite.
-    turned = 2.0 * math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+    normal = cross(a, b)
+    across = float(np.linalg.norm(normal))
+    turned = 2.0 * math.atan2(across, float(a @ b))
     if turned < STRAIGHT:
         direction = chord / max(float(np.linalg.norm(chord)), 1e-12)
         return float(np.linalg.norm(a) + np.linalg.norm(b)), math.inf, direction, direction
     radius = float(np.linalg.norm(chord)) / (2.0 * abs(math.sin(0.5 * turned)))
-    normal = np.cross(a, b) / np.linalg.norm(np.cross(a, b))
-    along = a / np.linalg.norm(a)
+    normal = normal / across
+    before, behind = float(np.linalg.norm(a)), float(np.linalg.norm(b))
+    along = a / before
     # Between a chord and the tangent lies half the angle that the chord spans, asin of half of it over the radius.
-    first = math.asin(min(1.0, float(np.linalg.norm(a)) / (2.0 * radius)))
-    last = math.asin(min(1.0, float(np.linalg.norm(b)) / (2.0 * radius)))
-    onward = b / np.linalg.norm(b)
-    begin = math.cos(first) * along - math.sin(first) * np.cross(normal, along)
-    finish = math.cos(last) * onward + math.sin(last) * np.cross(normal, onward)
+    first = math.asin(min(1.0, before / (2.0 * radius)))
+    last = math.asin(min(1.0, behind / (2.0 * radius)))
+    onward = b / behind
+    begin = math.cos(first) * along - math.sin(first) * cross(normal, along)
+    finish = math.cos(last) * onward + math.sin(last) * cross(normal, onward)
     return radius * turned, radius, begin, finish
 
 
 def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
     """Angles between vectors, shapes (n, 3) -> (n,) [rad]."""
-    angle: FloatArray = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ni,ni->n", a, b))
+    angle: FloatArray = np.arctan2(np.linalg.norm(cross(a, b), axis=1), np.einsum("ni,ni->n", a, b))
     return angle
 
 

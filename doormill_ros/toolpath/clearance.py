@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.collision.sweep import RESERVE, Contact, contact_along, contact_on_line
 from doormill_ros.collision.world import World
+from doormill_ros.frames import cross
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_near
 from doormill_ros.toolpath.errors import AirMoveError, BodyContactError, HolderError, ReachError
@@ -21,6 +22,7 @@ from doormill_ros.units import m_to_mm
 
 OUTLINE_ERROR = 1e-3  #: of the polygon whose extent is that of a feature [m]
 SMALLEST_CELL = 1e-4  #: parts of a feature's space are not divided further [m]
+_Cell = tuple[FloatArray, FloatArray, FloatArray]  #: lowest and highest place, and postures of shape (9, 6)
 _CORNERS = np.array(np.meshgrid(*[[0.0, 1.0]] * 3)).reshape(3, -1).T  # (8, 3)
 
 
@@ -98,7 +100,7 @@ def _in_air(steps: Sequence[Step], index: int) -> bool:
     if step.cutting:
         return False
     way = step.curve.end - step.curve.start
-    aside = np.linalg.norm(np.cross(way, step.R_door_tool[:, 2]))
+    aside = np.linalg.norm(cross(way, step.R_door_tool[:, 2]))
     return not step.feature or bool(aside > 1e-6)
 
 
@@ -138,14 +140,22 @@ def check_feature(
     reach = world.reach[pairs].T
     R_base_flange = T_base_door[:3, :3] @ item.R_door_tool @ T_tool_flange[:3, :3]
     arm = T_base_door[:3, :3] @ item.R_door_tool @ T_tool_flange[:3, 3]
-    cells = [(low, high)]
-    while cells:
-        low, high = cells.pop()
-        places = np.concatenate([low + _CORNERS * (high - low), 0.5 * (low + high)[None]])  # (9, 3)
+
+    def with_postures(*parts: tuple[FloatArray, FloatArray]) -> list[_Cell]:
+        """Parts of the box with the postures at their corners and in their middle, solved in one go."""
+        boxes = [
+            np.concatenate([low + _CORNERS * (high - low), 0.5 * (low + high)[None]]) for low, high in parts
+        ]
+        places = np.concatenate(boxes)
         poses = np.tile(np.eye(4), (len(places), 1, 1))
         poses[:, :3, :3] = R_base_flange
         poses[:, :3, 3] = ((places @ R.T) + p) @ T_base_door[:3, :3].T + T_base_door[:3, 3] + arm
-        postures = inverse_near(robot, poses, q)
+        postures = inverse_near(robot, poses, q).reshape(len(parts), -1, 6)
+        return [(*part, own) for part, own in zip(parts, postures, strict=True)]
+
+    cells = with_postures((low, high))
+    while cells:
+        low, high, postures = cells.pop()
         if np.isnan(postures).any():
             raise ReachError(
                 f"{item.feature.id}: {robot.label} cannot draw the tool straight out of it everywhere; move the "
@@ -171,7 +181,7 @@ def check_feature(
             middle = 0.5 * (low[axis] + high[axis])
             first, second = high.copy(), low.copy()
             first[axis] = second[axis] = middle
-            cells += [(low, first), (second, high)]
+            cells += with_postures((low, first), (second, high))
 
 
 def meeting(found: Contact, world: World) -> str:

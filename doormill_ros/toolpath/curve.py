@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.frames import cross
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,9 +136,23 @@ def arc_about(start: FloatArray, centre: FloatArray, normal: FloatArray, sweep: 
     """
     start, centre = np.asarray(start, dtype=float), np.asarray(centre, dtype=float)
     arm = start - centre
-    across = np.cross(normal, arm) * np.sign(sweep)
+    across = cross(normal, arm) * np.sign(sweep)
     end = centre + np.cos(sweep) * arm + np.sin(abs(sweep)) * across
     return Arc(start, end, centre, across, abs(float(sweep)))
+
+
+def arc_through(start: FloatArray, via: FloatArray, end: FloatArray) -> Arc:
+    """The arc that a MoveC from `start` makes, all of shape (3,) [m], not on one line."""
+    first, chord = via - start, end - start
+    normal = np.cross(first, chord)
+    squared = float(normal @ normal)
+    centre = start + (
+        float(chord @ chord) * np.cross(normal, first) + float(first @ first) * np.cross(chord, normal)
+    ) / (2.0 * squared)
+    axis = normal / math.sqrt(squared)
+    arm, last = start - centre, end - centre
+    sweep = math.atan2(float(axis @ np.cross(arm, last)), float(arm @ last)) % (2.0 * math.pi)
+    return Arc(start, end, centre, np.cross(axis, arm), sweep)
 
 
 def points_of(curves: Sequence[Curve], index: IntArray, fraction: FloatArray) -> FloatArray:

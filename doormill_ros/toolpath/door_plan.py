@@ -49,9 +49,9 @@ def door_plan(
     """Nominal path on the door.
 
     A door of the program Path_20 gets exactly the thesis' targets and motions, if one robot mills
-    it, its turns are wide enough for arcs through three targets and its pockets narrow enough to be
-    cleared by them. Any other is milled feature by feature: with a MoveJ to the first one and wherever
-    the spindle has to swing, in straight lines in front of the face otherwise.
+    it with a mill that may go straight down, its turns are wide enough for arcs through three targets and its pockets
+    narrow enough to be cleared by them. Any other is milled feature by feature: with a MoveJ to the first one and
+    wherever the spindle has to swing, in straight lines in front of the face otherwise.
 
     Args:
         recipe: The door.
@@ -75,7 +75,8 @@ def door_plan(
         recipe.program is Program.PATH_20
         and fits_path_20([item.feature for item in operations])
         and all(
-            SMALLEST_TURN <= turn_radius(item.feature) <= item.feature.tool.radius - OVERLAP
+            item.feature.tool.centre_cutting
+            and SMALLEST_TURN <= turn_radius(item.feature) <= item.feature.tool.radius - OVERLAP
             for item in operations
         )
     ):
@@ -106,7 +107,9 @@ def _at_one_speed(cuts: list[Step], before: float, item: Operation, settings: Pa
     return [step.changed(spindle_speed=before) for step in cuts]
 
 
-@functools.lru_cache(maxsize=64)  # a plan is made anew for every way that is tried between features
+@functools.lru_cache(
+    maxsize=128
+)  # a plan is made anew for every way between features that is tried, and for every door
 def _cuts(item: Operation, material: Material, settings: PathSettings) -> tuple[Step, ...]:
     steps = pocket_steps(item, settings)
     return tuple(

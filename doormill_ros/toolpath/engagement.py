@@ -16,7 +16,7 @@ from doormill_ros.correction.cutting_force import (
     plunge_force,
     rim_directions,
 )
-from doormill_ros.frames import inverse
+from doormill_ros.frames import cross, inverse
 from doormill_ros.recipes.door import R_FEATURE_TOOL, Material
 from doormill_ros.toolpath.curve import Arc
 from doormill_ros.toolpath.operation import Operation
@@ -27,6 +27,7 @@ TURN = deg_to_rad(90.0)  #: longest arc with one force: the force turns with the
 PLACES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  #: fractions of a cut at which its engagement is looked at
 INSIDE = 1e-5  #: how far inside its rim a mill looks for wood: a wall that it only brushes is none [m]
 FLAT = 0.5  #: slope above which a cut is a plunge
+RAMP = 1e-5  #: what goes down less is flat [m]
 QUARTER = 12  #: corners of a quarter circle of what was swept
 
 
@@ -47,7 +48,8 @@ def with_forces(steps: Sequence[Step], operation: Operation, material: Material,
 
 def _short(step: Step, blend: float) -> list[Step]:
     curve = step.curve
-    if not isinstance(curve, Arc) or curve.sweep <= TURN or curve.length <= blend:
+    ramp = float((curve.end - curve.start) @ step.R_door_tool[:, 2]) > RAMP
+    if not isinstance(curve, Arc) or curve.sweep <= TURN or curve.length <= blend or ramp:
         return [step]
     ends = np.linspace(0.0, 1.0, math.ceil(curve.sweep / TURN - 1e-9) + 1)
     return [step.part(float(a), float(b)) for a, b in itertools.pairwise(ends)]
@@ -60,10 +62,20 @@ class _Wood:
         self.feature, self.coefficients = operation.feature, COEFFICIENTS[material]
         self.T_feature_door = inverse(operation.T_door_feature)
         self.radius = self.feature.tool.radius
-        depths = sorted({round(float(self._at(s.curve.end)[2]), 7) for s in steps if s.cutting})
+        depths = sorted({round(depth, 7) for s in steps if s.cutting for depth in self._depths(s)})
         self.bottom = np.array([depth for depth in depths if depth > 0.0])
         self.top = np.concatenate([[0.0], self.bottom[:-1]])
         self.swept: list[shapely.Geometry] = [shapely.Polygon() for _ in self.bottom]
+
+    def _depths(self, step: Step) -> list[float]:
+        """Depths at which a step ends; of a straight ramp that in its middle too."""
+        start, end = float(self._at(step.curve.start)[2]), float(self._at(step.curve.end)[2])
+        straight = not step.curve.is_arc and self._is_flat(step)
+        return [0.5 * (start + end), end] if straight and end - start > RAMP else [end]
+
+    def _is_flat(self, step: Step) -> bool:
+        way = self._at(step.curve.end) - self._at(step.curve.start)
+        return step.curve.is_arc or bool(abs(way[2]) <= FLAT * float(np.linalg.norm(way[:2])))
 
     def _at(self, point: FloatArray) -> FloatArray:
         place: FloatArray = self.T_feature_door[:3, :3] @ point + self.T_feature_door[:3, 3]
@@ -76,10 +88,12 @@ class _Wood:
     def _cut(self, step: Step) -> Step:
         start, end = self._at(step.curve.start), self._at(step.curve.end)
         reached = np.flatnonzero(self.bottom <= max(start[2], end[2]) + 1e-6)
-        flat = (
-            abs(end[2] - start[2]) <= FLAT * float(np.linalg.norm(end[:2] - start[:2])) or step.curve.is_arc
-        )
-        wrench = self._across(step, reached) if flat else self._down(step, end, reached)
+        flat = self._is_flat(step)
+        wrench = np.zeros(6)
+        if flat:
+            wrench += self._across(step, reached)
+        if end[2] - start[2] > RAMP:
+            wrench += self._down(step, start, end, reached)
         self._sweep(step, reached)
         R_tool_feature = R_FEATURE_TOOL.T
         force, moment = R_tool_feature @ wrench[:3], R_tool_feature @ wrench[3:]
@@ -98,32 +112,46 @@ class _Wood:
         centre = np.array([self._at(p)[:2] for p in step.curve.points(np.array(PLACES))])  # (k, 2)
         feed = np.array([(R @ step.curve.tangent(t))[:2] for t in PLACES])
         rim = centre[:, None] + (self.radius - INSIDE) * rim_directions()  # (k, d, 2)
-        depth = float(self._at(step.curve.end)[2])
+        # A ramp cuts half as deep as it ends, below where it began, in the mean.
+        depth = 0.5 * float(self._at(step.curve.start)[2] + self._at(step.curve.end)[2])
         wrench = np.zeros(6)
         for layer in reached:
             free = shapely.contains_xy(self.swept[layer], rim[..., 0], rim[..., 1])
             by_depth = mean_force(~free, feed, cutting.chip(tool), tool.flutes, self.coefficients)
             top, bottom = self.top[layer], min(self.bottom[layer], depth)
+            if bottom <= top:
+                continue
             force = np.array([*by_depth.mean(axis=0), 0.0]) * (bottom - top)
             wrench[:3] += force
-            wrench[3:] += np.cross([0.0, 0.0, 0.5 * (top + bottom) - depth], force)
+            wrench[3:] += cross(np.array([0.0, 0.0, 0.5 * (top + bottom) - depth]), force)
         return wrench
 
-    def _down(self, step: Step, end: FloatArray, reached: IntArray) -> FloatArray:
-        """Wrench of a cut along the tool axis, feature axes, shape (6,) [N, N m]."""
+    def _down(self, step: Step, start: FloatArray, end: FloatArray, reached: IntArray) -> FloatArray:
+        """Wrench of what a cut goes down along the tool axis, feature axes, shape (6,) [N, N m]."""
         if not len(reached):
             return np.zeros(6)
         disc = shapely.Point(end[:2]).buffer(self.radius, quad_segs=QUARTER)
         share = disc.difference(self.swept[reached[-1]]).area / disc.area
         tool, cutting = self.feature.tool, self.feature.cutting
-        chip = step.speed / (tool.flutes * cutting.spindle(tool) / (2.0 * math.pi))
+        sine = float(end[2] - start[2]) / max(step.curve.length, 1e-9)
+        chip = sine * step.speed / (tool.flutes * cutting.spindle(tool) / (2.0 * math.pi))
         out = plunge_force(share, self.radius, chip, tool.flutes, self.coefficients)
         return np.array([0.0, 0.0, -out, 0.0, 0.0, 0.0])
 
     def _sweep(self, step: Step, reached: IntArray) -> None:
-        share = np.linspace(0.0, 1.0, 9) if step.curve.is_arc else np.array([0.0, 1.0])
-        points = [self._at(point)[:2] for point in step.curve.points(share)]
-        taken = shapely.LineString(points).buffer(self.radius, quad_segs=QUARTER)
+        shares = np.linspace(0.0, 1.0, 9) if step.curve.is_arc else np.array([0.0, 1.0])
+        start, end = float(self._at(step.curve.start)[2]), float(self._at(step.curve.end)[2])
+        ramp = end - start > RAMP and self._is_flat(step)
+        whole = None if ramp else self._taken(step, shares)
         for layer in reached:
+            # A layer counts as taken where the tip is below its middle.
+            middle = 0.5 * (self.top[layer] + self.bottom[layer])
+            first = float(np.clip((middle - start) / (end - start), 0.0, 1.0)) if ramp else 0.0
+            taken = whole if whole is not None else self._taken(step, first + shares * (1.0 - first))
             self.swept[layer] = shapely.union(self.swept[layer], taken)
             shapely.prepare(self.swept[layer])
+
+    def _taken(self, step: Step, shares: FloatArray) -> shapely.Geometry:
+        """What the mill covers along a part of a step, at fractions of its length, shape (k,)."""
+        points = [self._at(point)[:2] for point in step.curve.points(shares)]
+        return shapely.LineString(points).buffer(self.radius, quad_segs=QUARTER)

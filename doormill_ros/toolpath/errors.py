@@ -66,3 +66,6 @@ ExpectedErrorError = PathError.row(
     "ExpectedErrorError", 322, "A wall is expected to be further off than its tolerance."
 )
 CycleTimeError = PathError.row("CycleTimeError", 330, "The program takes longer than the cycle allows.")
+UnbackedHoleError = PathError.row(
+    "UnbackedHoleError", 340, "A hole comes out where nothing keeps the wood from tearing out."
+)

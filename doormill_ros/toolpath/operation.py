@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +18,7 @@ from doormill_ros.toolpath.curve import Curve, Line, arc_about
 
 BREAKTHROUGH = 0.001  #: how far the tool comes out behind a through hole [m]
 OVERLAP = 0.001  #: how far two half holes from either side overlap [m]
+LONG = 0.99  #: of the longest straight piece of a contour: others as long will do, too
 TINY = 1e-7  #: outline segments shorter than this are left out [m]
 _NORMAL = np.array([0.0, 0.0, 1.0])
 _OTHER_SIDE = {Side.FRONT: Side.REAR, Side.REAR: Side.FRONT}
@@ -73,6 +76,7 @@ class Operation:
         return [(curve.backwards(), name) for curve, name in reversed(pieces)]
 
 
+@functools.lru_cache(maxsize=128)  # so that whoever works on one and the same finds what he made of it
 def operation(feature: Feature, door: DoorSize, half: bool = False, far_side: bool = False) -> Operation:
     """A feature as one robot mills it.
 
@@ -104,8 +108,36 @@ def from_longest_line(pieces: list[tuple[Curve, str]], ahead: float = 0.0) -> li
     """
     lengths = [0.0 if curve.is_arc else curve.length for curve, _ in pieces]
     first = int(np.argmax(lengths))
+    curve, _ = pieces[first]
+    return _starting(pieces, first, min(0.5 + ahead / curve.length, 0.75))
+
+
+def from_line_near(
+    pieces: list[tuple[Curve, str]], at: FloatArray, ahead: float = 0.0
+) -> list[tuple[Curve, str]]:
+    """The closed contour, starting ahead of a place on one of its longest straight pieces, in their middle half.
+
+    Args:
+        pieces: The contour.
+        at: Where the tool comes from, shape (3,) [m].
+        ahead: How far ahead of it, along the piece [m].
+    """
+    longest = max((curve.length for curve, _ in pieces if not curve.is_arc), default=0.0)
+    best, chosen = math.inf, (0, 0.5)
+    for i, (curve, _) in enumerate(pieces):
+        if curve.is_arc or curve.length < LONG * longest:
+            continue
+        wanted = float((at - curve.start) @ curve.tangent(0.0)) + ahead
+        share = min(max(wanted / curve.length, 0.25), 0.75)
+        # Where the middle half is left, the tool would have to turn back.
+        missed = abs(wanted - share * curve.length) + math.dist(at, curve.points([share])[0])
+        if missed < best:
+            best, chosen = missed, (i, share)
+    return from_longest_line(pieces) if math.isinf(best) else _starting(pieces, *chosen)
+
+
+def _starting(pieces: list[tuple[Curve, str]], first: int, share: float) -> list[tuple[Curve, str]]:
     curve, name = pieces[first]
-    share = min(0.5 + ahead / curve.length, 0.75)
     head: tuple[Curve, str] = (curve.part(0.0, share), name)
     tail: tuple[Curve, str] = (curve.part(share, 1.0), name)
     return [tail, *pieces[first + 1 :], *pieces[:first], head]

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import cross
 from doormill_ros.toolpath.arcs import circle
 from doormill_ros.toolpath.curve import Arc
 from doormill_ros.toolpath.plan import Step
@@ -136,4 +137,4 @@ def _way(
 
 
 def _angle(a: FloatArray, b: FloatArray) -> float:
-    return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+    return math.atan2(float(np.linalg.norm(cross(a, b))), float(a @ b))

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import cross
 from doormill_ros.recipes.features.base import CLEARING, PLUNGE
 from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_about
+from doormill_ros.toolpath.entry import centred, descent, straight_descent
 from doormill_ros.toolpath.errors import ToolFitError
-from doormill_ros.toolpath.operation import Operation, from_longest_line
+from doormill_ros.toolpath.operation import Operation, from_line_near, from_longest_line
 from doormill_ros.toolpath.pace import eased
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
@@ -32,6 +35,9 @@ CLOSING = 0.005  #: how far the wall pass runs past its start, so that no mark s
 ABOVE_FLOOR = 0.002  #: where the way down changes from rapid to plunge feed [m]
 SMALLEST_CHORD = 1e-4  #: a MoveC needs more than this from its start to its circle point [m]
 LARGEST_ARC = deg_to_rad(180.0)  #: longer arcs are divided; MoveC allows about 240 degrees
+AROUND = 0.8  #: of the room beside the mill: how far from the middle it goes down before a wall pass
+LIFT = ABOVE_FLOOR  #: above the surface where a ramp begins [m]
+NEAR = 1e-9  #: two places are one [m]
 SHARP = deg_to_rad(5.0)  #: the tool stops at a corner of the wall pass sharper than this
 
 
@@ -102,6 +108,7 @@ class _Pocket:
             spindle_speed=cutting.spindle(self.feature.tool),
         )
         self.inward = operation.T_door_feature[:3, 2]
+        self.slope = self.feature.tool.max_ramp  # of ramps down to contours
         self.result: list[Step] = []
         self.at: FloatArray = operation.T_door_feature[:3, 3]
 
@@ -112,26 +119,45 @@ class _Pocket:
         rough = min(self.radius + passes.finish_allowance, max(self.radius, self.half - SMALLEST_CHORD))
         finish = rough > self.radius
         floor = 0.0
-        for level in levels(depth, passes.depth_step):
+        for level in [depth] if self._helical(rough) else levels(depth, passes.depth_step):
             contours = rings(rough, self.half, self.radius)
             for number, inset in enumerate(contours):
                 last = number == len(contours) - 1
-                self._contour(inset, level, floor, wall=last and not finish)
+                self._contour(inset, level, floor, wall=last and not finish, more=not last)
             floor = level
         if finish:
             self._contour(self.radius, depth, floor, wall=True)
         self._retract(depth)
         return eased(self.result, self.radius, self.settings)
 
-    def _contour(self, inset: float, depth: float, floor: float, wall: bool) -> None:
+    def _helical(self, inset: float) -> bool:
+        """True where one helix leads down to the floor of a round hole, no turn of it deeper than the depth step."""
+        shape, tool = self.feature.shape.inset(inset), self.feature.tool
+        pitch = 2.0 * shape.width * math.tan(tool.max_ramp)
+        return (
+            not tool.centre_cutting
+            and max(shape.width, shape.length) - 2.0 * shape.radius < NEAR
+            and len(rings(inset, self.half, self.radius)) == 1
+            and pitch <= self.feature.passes.depth_step
+        )
+
+    def _contour(self, inset: float, depth: float, floor: float, wall: bool, more: bool = False) -> None:
         corner = 0.0 if wall else CORNER * self.radius
         # Behind another contour the way in lies ahead: the tool need not turn back for it.
         ahead = AHEAD * (self._lead_radius(inset) or 0.0) if wall and self.result else 0.0
-        pieces = from_longest_line(self.operation.contour(inset, depth, corner), ahead)
-        pieces = [part for curve, name in pieces for part in _followable(curve, name)]
+        pieces = self._pieces(inset, depth, corner, wall, ahead)
+        # Above the surface the corner into the ramp is flown by.
+        down = float((pieces[0][0].start - self.at) @ self.inward) if self.result else depth + LIFT
+        entering = down > NEAR and not self.feature.tool.centre_cutting
+        if entering and not wall:
+            pieces = self._down_along(pieces, down, more)
         start, tangent = pieces[0][0].start, pieces[0][0].tangent(0.0)
         lead = self._lead(start, tangent, inset) if wall else None
-        self._go(start if lead is None else lead.start, depth, floor)
+        begin = start if lead is None else lead.start
+        if entering and wall:
+            room = 0.0 if pieces[-1][0].is_arc else pieces[-1][0].length - (self._lead_radius(inset) or 0.0)
+            self._down_to(begin, tangent, down, room)
+        self._go(begin, depth, floor)
         if lead is not None:
             self._cut(lead, pieces[0][1], wall)
         for curve, name in pieces:
@@ -142,6 +168,65 @@ class _Pocket:
             if leave is not None:
                 self._cut(leave, None, wall)
             self._mark_corners()
+
+    def _pieces(
+        self, inset: float, depth: float, corner: float, wall: bool = False, ahead: float = 0.0
+    ) -> list[tuple[Curve, str]]:
+        contour = self.operation.contour(inset, depth, corner)
+        ramps = not self.feature.tool.centre_cutting
+        if ramps and not wall and all(curve.is_arc for curve, _ in contour):
+            pieces = contour  # as few arcs as can be
+        elif ramps and self.result:
+            pieces = from_line_near(contour, self.at, ahead)
+        else:
+            pieces = from_longest_line(contour, ahead)
+        return [part for curve, name in pieces for part in _followable(curve, name)]
+
+    def _down_along(
+        self, pieces: list[tuple[Curve, str]], drop: float, more: bool
+    ) -> list[tuple[Curve, str]]:
+        """Down along a contour that clears, from where the tool stands if that is on it; the contour from there on."""
+        slope = self.feature.tool.max_ramp
+        # The next contour begins near the middle of a line; before a contour that stands alone the tool waits there.
+        at = self.at
+        if not (self.result or more or pieces[0][0].is_arc):
+            step, ahead = self.feature.passes.depth_step, AHEAD * (self._lead_radius(self.radius) or 0.0)
+            drops = np.diff([-LIFT, *levels(self.operation.depth, step)]).tolist()
+            at, self.slope = centred(pieces, drops, slope, ahead)
+        found = descent(pieces, at, drop, self.slope, self.inward, arriving=more)
+        self._ramp(found.ramp, found.slope)
+        return list(found.lap)
+
+    def _down_to(self, end: FloatArray, tangent: FloatArray, drop: float, room: float) -> None:
+        """Down to where the wall pass begins: straight if there is room for it, else round the middle and across."""
+        slope = self.feature.tool.max_ramp
+        if drop <= room * math.tan(slope):
+            self._ramp([straight_descent(end, tangent, drop, slope, self.inward)], slope)
+            return
+        inset = self.half - AROUND * (self.half - self.radius)
+        depth = float((end - self.operation.T_door_feature[:3, 3]) @ self.inward)
+        found = descent(self._pieces(inset, depth, CORNER * self.radius), self.at, drop, slope, self.inward)
+        self._ramp(found.ramp, found.slope)
+
+    def _ramp(self, curves: Sequence[Curve], slope: float) -> None:
+        """Along curves down into the wood, no faster down than the plunge feed."""
+        begin = curves[0].start
+        if self.result:
+            self._line(begin, cutting=True, name=CLEARING)
+        else:
+            self._line_in(begin)
+        speed = min(self.feed, self.plunge_feed / math.sin(slope))
+        for curve in curves:
+            self._cut(curve, PLUNGE, False)
+            self.result[-1] = self.result[-1].changed(speed=speed)
+
+    def _line_in(self, point: FloatArray) -> None:
+        """From in front of the surface to a place just above it."""
+        below = float((point - self.operation.T_door_feature[:3, 3]) @ self.inward)
+        front = point - (below + self.approach.clearance) * self.inward
+        self.at = front
+        self._line(front, speed=self.approach.rapid_speed, zone="fine")
+        self._line(point, speed=self.approach.plunge_speed)
 
     def _lead_radius(self, inset: float) -> float | None:
         """Radius of lead-in and lead-out [m], None where there is no room for them."""
@@ -173,7 +258,7 @@ class _Pocket:
         if radius is None:
             return None
         # The pocket lies to the right of climb milling, seen from inside the wood, else to the left.
-        side = np.cross(tangent, self.inward)
+        side = cross(tangent, self.inward)
         middle = self.operation.T_door_feature[:3, 3] - point
         turn = -1.0 if side @ middle > 0.0 else 1.0
         centre = point - turn * radius * side

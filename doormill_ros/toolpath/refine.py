@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.frames import cross
 from doormill_ros.toolpath.curve import Arc, Line
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
@@ -47,13 +48,13 @@ def bends(places: FloatArray, arc: BoolArray) -> FloatArray:
     """
     way = places - places[:, :1]
     via, end = way[:, VIA], way[:, -1]
-    normal = np.cross(via, end)
+    normal = cross(via, end)
     square = np.einsum("mi,mi->m", normal, normal)[:, None]
     bent = arc & (square[:, 0] > (STRAIGHT * np.einsum("mi,mi->m", end, end)) ** 2)
-    beside = np.linalg.norm(np.cross(way, _unit(end)[:, None]), axis=-1)
+    beside = np.linalg.norm(cross(way, _unit(end)[:, None]), axis=-1)
     square = np.where(bent[:, None], square, 1.0)
-    centre = np.cross(normal, via) * np.einsum("mi,mi->m", end, end)[:, None]
-    centre = (centre + np.cross(end, normal) * np.einsum("mi,mi->m", via, via)[:, None]) / (2.0 * square)
+    centre = cross(normal, via) * np.einsum("mi,mi->m", end, end)[:, None]
+    centre = (centre + cross(end, normal) * np.einsum("mi,mi->m", via, via)[:, None]) / (2.0 * square)
     arm = way - centre[:, None]
     out = np.einsum("mki,mi->mk", arm, _unit(normal))
     within = np.sqrt(np.maximum(np.einsum("mki,mki->mk", arm, arm) - out**2, 0.0))

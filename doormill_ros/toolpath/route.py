@@ -27,6 +27,7 @@ from doormill_ros.toolpath.errors import (
     PathSingularityError,
     ProgramSizeError,
 )
+from doormill_ros.toolpath.far_side import check_far_side
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.plan import Plan
 from doormill_ros.toolpath.reach import JointPath, joint_path
@@ -70,6 +71,7 @@ def route(
         PathError: The leaf says which feature cannot be served, and why.
     """
     check_holder(operations, settings.approach, layout.clearance)
+    check_far_side(operations, recipe.size, layout.boards)
     mill = Mill(settings.approach.nose, settings.approach.mill_radius)
     size = np.array([recipe.thickness, recipe.width, recipe.height])
     world = World(robot, layout, mill, PlacedDoor(size, T_base_door))

@@ -1,4 +1,4 @@
-"""calibrate: the camera, `calibrate intrinsics|extrinsics|lens`.
+"""calibrate: the camera, `calibrate intrinsics|extrinsics|marks|lens`.
 
 Lengths on the command line and in the list of moves are millimetres.
 """
@@ -19,6 +19,7 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.localization.calibration.camera_file import (
     read_document,
     with_intrinsics,
+    with_marks,
     with_mounting,
     write_document,
 )
@@ -27,6 +28,7 @@ from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.calibration.extrinsics import MovedDoor, calibrate_extrinsics
 from doormill_ros.localization.calibration.intrinsics import calibrate_intrinsics
 from doormill_ros.localization.calibration.lens_check import check_lens
+from doormill_ros.localization.calibration.mark_places import measure_marks
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.picture_file import read_picture
 from doormill_ros.localization.sensors.corner_edges import PictureQuality
@@ -150,6 +152,18 @@ def _extrinsics(arguments: argparse.Namespace) -> list[str]:
     return [*lines, f"chi-square per degree of freedom {share:.2f}; {arguments.out}"]
 
 
+def _marks(arguments: argparse.Namespace) -> list[str]:
+    pictures = [read_picture(path) for path in arguments.pictures]
+    found = measure_marks(pictures, load_camera(arguments.camera), mm_to_m(arguments.width))
+    write_document(with_marks(read_document(arguments.camera), found), arguments.out)
+    lines = [
+        f"mark {i + 1}: y = {m_to_mm(y):.3f} mm at a door width of zero, z = {m_to_mm(z):.3f} mm, "
+        f"{m_to_mm(moved):.3f} mm from where the file had it"
+        for i, ((y, z), moved) in enumerate(zip(found.places, found.moved, strict=True))
+    ]
+    return [*lines, f"standard deviation {m_to_mm(found.deviation):.4f} mm; {arguments.out}"]
+
+
 def _lens(arguments: argparse.Namespace) -> list[str]:
     camera = load_camera(arguments.camera)
     shipped = (camera.distortion[0], camera.distortion[1], camera.distortion[4])
@@ -192,14 +206,21 @@ def _parser() -> argparse.ArgumentParser:
     )
     extrinsics.set_defaults(run=_extrinsics)
 
-    for command in (intrinsics, extrinsics):
+    marks = commands.add_parser("marks", help="places of the cell's marks, by the calibrated camera")
+    marks.add_argument("pictures", nargs="+", type=Path)
+    marks.add_argument(
+        "--width", type=float, required=True, help="door width for which the slider stands [mm]"
+    )
+    marks.set_defaults(run=_marks)
+
+    for command in (intrinsics, extrinsics, marks):
         command.add_argument("--out", type=Path, required=True, help="camera file to write")
     lens = commands.add_parser("lens", help="what distortion coefficients do inside the picture")
     lens.add_argument(
         "radial", nargs="*", type=float, help="k1 k2 k3; those of the camera file when left out"
     )
     lens.set_defaults(run=_lens)
-    for command in (intrinsics, extrinsics, lens):
+    for command in (intrinsics, extrinsics, marks, lens):
         command.add_argument("--camera", type=Path, default=shipped, help="camera file to start from")
     return parser
 

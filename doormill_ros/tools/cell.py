@@ -6,6 +6,7 @@ import argparse
 import itertools
 import re
 import sys
+from contextlib import nullcontext
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from doormill_ros.cell.run_folder import point_latest
 from doormill_ros.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
 OUT_OF_TOLERANCE_STATUS = 3
+VERDICT_LIMIT = 3600.0  # s after the last door
 NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 
 
@@ -31,6 +33,11 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     )
     parser.add_argument(
         "--world", type=Path, metavar="FILE", help="how the simulated cell really is, see docs/world.md"
+    )
+    parser.add_argument(
+        "--monitor",
+        action="store_true",
+        help="run /model_monitor beside a shift: it questions doors, proposes models, stops milling at its limit",
     )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="where the run's files go; default: out/latest"
@@ -66,13 +73,15 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--engineer",
         action="store_true",
-        help="print a second token, with which its audit log is read as well",
+        help="print a second token, with which models are put in use and the audit log is read as well",
     )
     options = parser.parse_args(arguments)
     if options.ui is None and (options.control or options.engineer or options.ui_host):
         parser.error("--control, --engineer and --ui-host belong to the operator's page: add --ui")
     if options.doors is None and (options.world or len(options.door) > 1):
         options.doors = len(options.door)
+    if options.monitor and options.doors is None:
+        parser.error("--monitor belongs to a shift: add --doors (the page of --ui has a monitor without it)")
     if options.doors is not None:
         if options.doors < 1:
             parser.error(f"--doors is {options.doors}, allowed is a positive whole number")
@@ -166,6 +175,7 @@ def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, obj
     from doormill_ros.cell.summary import RunSummary
     from doormill_ros.errors import DoormillError
     from doormill_ros.nodes.cell import CellOptions
+    from doormill_ros.nodes.monitor_beside import ModelMonitorBeside
     from doormill_ros.nodes.shift import run_shift
     from doormill_ros.report.run_report import write_report
     from doormill_ros.simulation.robot_cell import load_effects
@@ -187,10 +197,21 @@ def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, obj
     except DoormillError as error:
         print(f"cell: {error.message}", file=sys.stderr)
         return 2
-    shift = run_shift(
-        doors, folder, CellOptions(parameters, namespace=options.namespace), options.world, effects, milled
-    )
+    if options.monitor:
+        parameters["controller_simulator"] = {"gauged": True}
+    cell = CellOptions(parameters, namespace=options.namespace)
+    with ModelMonitorBeside(folder, cell) if options.monitor else nullcontext() as beside:
+        shift = run_shift(doors, folder, cell, options.world, effects, milled)
+        state = None if beside is None else beside.verdict(VERDICT_LIMIT)
     print(shift.table())
+    if state is not None:
+        print(
+            f"verdict     {state.finding.sentence if state.finding else state.message or 'no door was inspected'}"
+        )
+        print(f"next        {state.finding.next_measurement if state.finding else 'inspect a door'}")
+        print(
+            f"models      version {state.version} in use, {state.proposed or 'none'} proposed, in {folder / 'models'}"
+        )
     print(f"summary     {ShiftFolder(folder).summary}")
     print(f"diagnosis   diagnose --inspections {folder} --out {folder / 'diagnosis'}")
     return 0 if shift.success else 1

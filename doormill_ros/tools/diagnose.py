@@ -16,7 +16,10 @@ from rich.console import Console
 
 from doormill_ros.diagnosis import kinds
 from doormill_ros.diagnosis.core.kind import run
+from doormill_ros.diagnosis.parts.kind import Inspections
 from doormill_ros.errors import DoormillError
+
+SPRINGS = "springs"  #: for --in-use: no model.yaml, the robot's own springs
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -33,6 +36,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only"
     )
+    parser.add_argument(
+        "--in-use",
+        metavar="MODEL",
+        help="of --inspections: model.yaml that the next door is corrected with, to tell what it leaves; springs: none",
+    )
     parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
     parser.add_argument("--quiet", action="store_true", help="print the verdict only")
     chosen = parser.parse_args(arguments)
@@ -41,6 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.exit(
             2, f"diagnose: --check was given with --thesis, allowed is --check with {others}; leave one out\n"
         )
+    if chosen.in_use is not None and chosen.inspections is None:
+        parser.exit(2, "diagnose: --in-use was given without --inspections; leave it out\n")
     logging.basicConfig(level=logging.ERROR)
     console = Console(stderr=True, quiet=chosen.quiet, log_path=False)
     try:
@@ -57,6 +67,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             else:
                 named = [kind for option, kind in own.items() if getattr(chosen, option) is not None]
                 kind = named[0] if named else kinds.kind_of([*chosen.data, *chosen.check])
+                if chosen.in_use is not None:
+                    kind = Inspections("" if chosen.in_use == SPRINGS else chosen.in_use)
                 data = [getattr(chosen, kind.option)] if named else chosen.data
                 verdict = run(kind, data, chosen.check, chosen.out, progress)
     except DoormillError as error:

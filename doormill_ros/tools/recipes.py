@@ -34,7 +34,7 @@ def parser() -> argparse.ArgumentParser:
     for name, purpose in (
         ("show", "print a recipe"),
         ("draw", "draw a door with its features, and with its tool path"),
-        ("check", "generate a door's tool path and print its margins and times"),
+        ("check", "print a door's cutting data, generate its tool path, print its margins and times"),
     ):
         command = commands.add_parser(name, help=purpose)
         command.add_argument("id", help="door id, or bar code with --bar-code")
@@ -131,19 +131,22 @@ def _draw(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
 
 def _check(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
     from doormill_ros.pipeline.preview import preview
+    from doormill_ros.recipes.cutting_advice import cutting_table
     from doormill_ros.toolpath.door_checks import cycle_budget, text_table
     from doormill_ros.toolpath.errors import PathError
 
-    robots = preview(_chosen(database, arguments), arguments.robots, arguments.robot_model)
+    recipe = _chosen(database, arguments)
+    robots = preview(recipe, arguments.robots, arguments.robot_model)
     for robot in robots:
         print(f"{robot.robot} robot")
         print(text_table(robot.check))
+    print(cutting_table(recipe.features))
     whole = cycle_budget([robot.check for robot in robots])
     if len(robots) > 1:
         print(whole)
     elif not whole.kept:
         try:
-            both = preview(_chosen(database, arguments), 2, arguments.robot_model)
+            both = preview(recipe, 2, arguments.robot_model)
         except PathError as error:
             print(f"two robots cannot mill it: {error.message}")
         else:

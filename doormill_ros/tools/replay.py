@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
 from pathlib import Path
 
 from doormill_ros.errors import DoormillError
+from doormill_ros.tools.command_line import counted
 
 EQUAL, DIFFERENT, UNREADABLE = 0, 1, 2
+WORDS = EQUAL_WORD, DIFFERENT_WORD, UNREADABLE_WORD = "equal", "differs", "unreadable"
 
 
 def _rate(text: str) -> float:
@@ -22,6 +25,18 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(prog="replay", description=__doc__)
     parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder of one or more runs")
+    parser.add_argument(
+        "--many",
+        action="store_true",
+        help="every bag in these folders, by as many processes as there are cores",
+    )
+    parser.add_argument("--workers", type=int, default=0, metavar="N", help="of --many: processes")
+    parser.add_argument(
+        "--scheduler",
+        default="",
+        metavar="ADDRESS",
+        help="of --many: workers of a Dask scheduler, tcp://HOST:8786",
+    )
     parser.add_argument("--live", action="store_true", help="send the inputs to the nodes over DDS")
     parser.add_argument("--rate", type=_rate, default=1.0, help="of --live: times recorded speed, or max")
     parser.add_argument("--update", action="store_true", help="let today's answers be the expectation")
@@ -38,6 +53,12 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     options = parser.parse_args(arguments)
     if options.live and options.update:
         parser.error("--update compares offline; leave out --live")
+    if not options.many and (options.workers or options.scheduler):
+        parser.error("--workers and --scheduler belong to --many: add it")
+    if options.many and (options.live or options.update or options.all):
+        parser.error("--many tells a line a bag: leave out --live, --update and --all")
+    if options.workers < 0 or (options.workers and options.scheduler):
+        parser.error("--workers is a positive number of processes here; leave it out with --scheduler")
     return options
 
 
@@ -73,9 +94,51 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
     return DIFFERENT if outcome.found else EQUAL
 
 
+def _replay_many(options: argparse.Namespace) -> int:
+    """A line a bag as it is done; 1 when anything differs, else 2 when a bag or the workers cannot be used."""
+    from doormill_ros.many.each import each
+    from doormill_ros.many.workplace import Workplace
+    from doormill_ros.recording.bag_folders import bags_in
+    from doormill_ros.recording.replay.bag_verdict import judge_bag
+    from doormill_ros.recording.replay.offline import OfflineOptions
+
+    # A worker may stand in another folder.
+    bags = [str(bag.resolve()) for bag in bags_in(options.bags)]
+    chosen = OfflineOptions(robot_model=options.robot_model, database=options.database)
+    place = Workplace(options.scheduler, options.workers)
+    found = dict.fromkeys(WORDS, 0)
+    print("verdict\tbag\truns\tcompared\tdiffering\tseconds\tfirst", flush=True)
+    try:
+        with counted("replaying", len(bags)) as done:
+            for answer in each(partial(judge_bag, options=chosen), bags, place):
+                verdict = answer.value
+                if verdict is None:
+                    word, numbers, first = (
+                        UNREADABLE_WORD,
+                        ("", "", ""),
+                        f"{answer.reason} ({answer.error_code})",
+                    )
+                else:
+                    word = EQUAL_WORD if verdict.equal else DIFFERENT_WORD
+                    numbers = (str(verdict.runs), str(verdict.compared), str(verdict.differing))
+                    first = verdict.first
+                found[word] += 1
+                done(1)
+                print("\t".join((word, answer.thing, *numbers, f"{answer.seconds:.3f}", first)), flush=True)
+    except DoormillError as error:
+        print(f"replay: {error.message}", file=sys.stderr)
+        return DIFFERENT if found[DIFFERENT_WORD] else UNREADABLE
+    print(
+        f"replay: {len(bags)} bags: " + ", ".join(f"{n} {word}" for word, n in found.items()), file=sys.stderr
+    )
+    return DIFFERENT if found[DIFFERENT_WORD] else UNREADABLE if found[UNREADABLE_WORD] else EQUAL
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Replay; 0 when everything is equal, 1 when something differs, 2 when a bag cannot be replayed."""
     options = parse(arguments)
+    if options.many:
+        return _replay_many(options)
     status = EQUAL
     for bag in options.bags:
         try:

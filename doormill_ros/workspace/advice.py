@@ -149,6 +149,7 @@ def plan_shares(
     """
     refused, planned, reason = 0, 0, ""
     limits, second = layout.limits, layout.seen_from(settings.second_robot.T_base_second)
+    first = layout.with_rear_free()
     for recipe, sign in itertools.product(recipes, (-1.0, 1.0)):
         offset = DoorOffset(sign * limits.y, sign * limits.z, sign * limits.rotation)
         T_base_door = layout.T_base_door(recipe.width, recipe.thickness, offset)
@@ -156,7 +157,7 @@ def plan_shares(
         for share in split(recipe, T_base_door, settings):
             if not share.operations:
                 continue
-            place = layout if share.robot == "first" else second
+            place = first if share.robot == "first" else second
             try:
                 route(recipe, share.operations, share.T_base_door, place, robot, settings)
             except DoormillError as error:

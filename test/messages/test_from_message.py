@@ -11,13 +11,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.errors import BadCameraInfo, BadPicture
+from doormill_ros.localization.errors import BadCameraInfo
 from doormill_ros.messages.from_message import (
     camera_of,
-    colours_of,
     door_pose_of,
     nanoseconds_of,
-    picture_of,
     recipe_of,
     seconds_of,
     transform_of,
@@ -27,16 +25,6 @@ from doormill_ros.messages.from_message import (
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.errors import RecipeError
 from doormill_ros.toolpath.errors import DoorPoseError
-
-ROWS, COLUMNS = 3, 5
-
-
-def picture(encoding: str, values: np.ndarray, padding: int = 0) -> Message:
-    rows = values.reshape(ROWS, -1)
-    padded = np.pad(rows, ((0, 0), (0, padding)), constant_values=77)
-    return Message(
-        encoding=encoding, height=ROWS, width=COLUMNS, step=padded.shape[1], data=bytes(padded.tobytes())
-    )
 
 
 def test_times_are_exact_to_the_nanosecond() -> None:
@@ -58,35 +46,6 @@ def test_wrench_and_twist_keep_their_halves_in_order() -> None:
     first, second = Message(x=1.0, y=2.0, z=3.0), Message(x=4.0, y=5.0, z=6.0)
     assert wrench_of(Message(force=first, torque=second)).tolist() == [1, 2, 3, 4, 5, 6]
     assert twist_of(Message(linear=first, angular=second)).tolist() == [1, 2, 3, 4, 5, 6]
-
-
-@pytest.mark.parametrize("padding", [0, 3])
-@pytest.mark.parametrize("encoding", ["mono8", "8UC1"])
-def test_a_grey_picture_comes_as_it_is(encoding: str, padding: int) -> None:
-    values = np.arange(ROWS * COLUMNS, dtype=np.uint8).reshape(ROWS, COLUMNS)
-    found = picture_of(picture(encoding, values, padding))
-    assert found.dtype == np.uint8
-    assert np.array_equal(found, values)
-
-
-@pytest.mark.parametrize(("encoding", "order"), [("rgb8", (0, 1, 2)), ("bgr8", (2, 1, 0))])
-def test_colours_become_grey_by_how_bright_they_look(encoding: str, order: tuple[int, ...]) -> None:
-    colours = np.random.default_rng(1).integers(0, 256, (ROWS, COLUMNS, 3), dtype=np.uint8)
-    red, green, blue = np.moveaxis(colours.astype(float), 2, 0)
-    found = picture_of(picture(encoding, colours[:, :, list(order)]))
-    assert np.abs(found - (0.299 * red + 0.587 * green + 0.114 * blue)).max() <= 0.5 + 1e-9
-
-
-def test_a_picture_that_cannot_be_read_says_why() -> None:
-    values = np.zeros((ROWS, COLUMNS), dtype=np.uint8)
-    with pytest.raises(BadPicture, match=r"'mono16', allowed are mono8, 8UC1, rgb8, bgr8"):
-        picture_of(picture("mono16", values))
-    short = picture("mono8", values)
-    short.data = short.data[:-1]
-    with pytest.raises(BadPicture, match="14 bytes"):
-        picture_of(short)
-    with pytest.raises(BadPicture, match="needed are 45"):
-        picture_of(picture("rgb8", values))
 
 
 def test_a_camera_info_changes_the_intrinsics_and_leaves_the_mounting() -> None:
@@ -145,28 +104,6 @@ def test_lens_models_that_say_the_same_give_the_same_camera() -> None:
     assert np.array_equal(first.distortion, second.distortion)
     plain = camera_of(Message(**{**GOOD_INFO, "distortion_model": "", "d": []}), load_camera())
     assert not plain.distortion.any()
-
-
-@pytest.mark.parametrize(
-    "encoding", ["mono16", "16UC1", "bayer_rggb8", "bayer_rggb12", "yuv422", "", "32FC1"]
-)
-def test_encodings_that_are_not_read_are_named(encoding: str) -> None:
-    message = picture("mono8", np.zeros((ROWS, COLUMNS), dtype=np.uint8))
-    message.encoding = encoding
-    with pytest.raises(BadPicture, match=f"encoding '{encoding}', allowed are mono8"):
-        picture_of(message)
-
-
-@pytest.mark.parametrize(
-    ("width", "height", "step"), [(0, 0, 0), (0, 9, 5), (4_294_967_295, 1, 4_294_967_295)]
-)
-def test_sizes_that_cannot_be_are_refused(width: int, height: int, step: int) -> None:
-    sized = Message(encoding="mono8", data=bytes(100), width=width, height=height, step=step)
-    with pytest.raises(BadPicture, match=f"{width} x {height}"):
-        picture_of(sized)
-    sized.encoding = "rgb8"
-    with pytest.raises(BadPicture, match=f"{width} x {height}"):
-        colours_of(sized)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, 0.0])

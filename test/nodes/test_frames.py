@@ -1,4 +1,4 @@
-"""Frames on /tf where tf2's messages are installed, one by one and everything else where they are not."""
+"""Frames on /tf, with tf2's messages where they are installed and with ours where they are not."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
+from doormill_interfaces.msg import TFMessage
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import from_xyzw, rotation_x, transform
 from doormill_ros.localization.camera import load_camera
@@ -28,7 +29,7 @@ from doormill_ros.messages.from_message import transform_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.recipe import recipe_message
-from doormill_ros.nodes.frame_publisher import tf_message_class, transform_message
+from doormill_ros.nodes.frame_publisher import frame_topics, tf_message_class, transform_message
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag
@@ -113,8 +114,22 @@ def without_tf2(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "tf2_msgs.msg", None)
 
 
-def test_without_tf2_s_messages_all_else_is_published(without_tf2: None, running: Generator) -> None:
-    assert tf_message_class() is None
+def test_without_tf2_s_messages_a_late_joiner_gets_the_latest_robot(
+    without_tf2: None, running: Generator
+) -> None:
+    assert tf_message_class() is TFMessage
+    targets = running.hear(topics.PATH_TARGETS.type, topics.PATH_TARGETS.name, topics.PATH_TARGETS.requested)
+    running.generate()
+    running.wait(lambda: targets)
+    late = [running.hear(topic.type, topic.name, topic.requested) for topic in frame_topics()]
+    running.wait(lambda: all(late))
+    frames = chain(t for heard in late for message in heard for t in message.transforms)
+    assert set(frames) == ROBOT_FRAMES
+    corrected = transform_of(targets[-1].targets[0].corrected)
+    assert np.abs(in_base(frames, "tool") - corrected).max() < 1e-6
+
+
+def test_what_else_is_shown_is_published_too(running: Generator) -> None:
     kept = [topics.PATH_TARGETS, topics.PATH_CORRECTED, topics.PATH_JOINT_STATES, topics.ROBOT_DESCRIPTION]
     heard = {t.name: running.hear(t.type, t.name, t.requested) for t in kept}
     running.generate()
@@ -123,7 +138,6 @@ def test_without_tf2_s_messages_all_else_is_published(without_tf2: None, running
     assert targets.accepted
     assert list(joints.position) == list(targets.targets[0].joint_positions)
     assert heard["robot_description"][0].data == load_robot(load_layout().robot).urdf.read_text()
-    assert "/tf" not in dict(running.node.get_topic_names_and_types())
 
 
 def test_what_a_door_before_left_to_be_seen_is_taken_away_when_the_next_begins(running: Generator) -> None:
@@ -139,32 +153,6 @@ def test_what_a_door_before_left_to_be_seen_is_taken_away_when_the_next_begins(r
     assert not corrected[-1].poses
     running.generate("r3")
     running.wait(lambda: len(markers[-1].markers) == 5)
-
-
-def test_without_them_a_late_joiner_gets_the_latest_robot_one_frame_a_message(
-    without_tf2: None, running: Generator
-) -> None:
-    targets = running.hear(topics.PATH_TARGETS.type, topics.PATH_TARGETS.name, topics.PATH_TARGETS.requested)
-    early = running.hear(topics.FRAMES.type, topics.FRAMES.name, topics.FRAMES.requested)
-    running.generate()
-    running.wait(lambda: len(early) >= len(ROBOT_FRAMES))
-    running.generate()
-    running.wait(lambda: len(early) >= 2 * len(ROBOT_FRAMES))
-    late = running.hear(topics.FRAMES.type, topics.FRAMES.name, topics.FRAMES.requested)
-    running.wait(lambda: len(late) >= topics.LATCHED_FRAMES.depth)
-    frames = chain(late)
-    assert set(frames) == ROBOT_FRAMES
-    corrected = transform_of(targets[-1].targets[0].corrected)
-    assert np.abs(in_base(frames, "tool") - corrected).max() < 1e-6
-
-
-def test_the_absence_is_told_once(
-    without_tf2: None, capfd: pytest.CaptureFixture[str], request: pytest.FixtureRequest
-) -> None:
-    request.getfixturevalue("running")
-    told = [line for line in capfd.readouterr().err.splitlines() if "tf2_msgs" in line]
-    assert len(told) == 1
-    assert "[INFO]" in told[0]
 
 
 ROBOT_FRAMES = {"flange", "tool", *(f"link_{n}" for n in range(1, 7))}
@@ -203,10 +191,15 @@ rosidl_generate_interfaces(${PROJECT_NAME} "msg/TFMessage.msg" DEPENDENCIES geom
 ament_package()"""
 
 
+def python_path() -> str:
+    """This tree before what is installed."""
+    return os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+
+
 def with_tf2(folder: Path) -> dict[str, str]:
     """An environment that has tf2's messages: as it is where they are installed, else they are built here."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
-    if tf_message_class() is not None:
+    environment = os.environ | {"PYTHONPATH": python_path()}
+    if tf_message_class() is not TFMessage:
         return environment
     source = folder / "src" / "tf2_msgs"
     (source / "msg").mkdir(parents=True)
@@ -227,8 +220,9 @@ def with_tf2(folder: Path) -> dict[str, str]:
     return environment
 
 
-def test_with_them_the_bag_of_a_run_holds_every_frame(tmp_path: Path) -> None:
-    environment = with_tf2(tmp_path)
+@pytest.mark.parametrize("installed", [False, True], ids=["as the wheels are", "with tf2"])
+def test_the_bag_of_a_run_holds_every_frame_under_tf2_s_name(tmp_path: Path, installed: bool) -> None:
+    environment = with_tf2(tmp_path) if installed else {**os.environ, "PYTHONPATH": python_path()}
     command = [
         sys.executable,
         "-m",

@@ -14,7 +14,6 @@ from rclpy.context import Context
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
 
-from doormill_interfaces.msg import DoorLocalization
 from doormill_ros.localization.errors import BadCameraInfo, BadDoorFace, BadPicture, StalePicture
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
@@ -27,6 +26,7 @@ from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import NODES, CellProcesses
 from support.hostile.messages import hostile
+from support.localizer_node import Localizer, up
 from support.source_tree import ROOT
 
 DOOR = "thesis_190_0deg"
@@ -46,16 +46,6 @@ def context() -> Iterator[Context]:
     rclpy.init(context=context)
     yield context
     rclpy.shutdown(context=context)
-
-
-def up(kind: type[ManagedNode], context: Context, **values: Any) -> Any:
-    """An active node that nobody spins: the test calls its callbacks."""
-    overrides = [Parameter(name, value=value) for name, value in values.items()]
-    node = kind(context=context, parameter_overrides=overrides)
-    node.trigger_configure()
-    node.trigger_activate()
-    assert node.active
-    return node
 
 
 def values_of(kind: type[ManagedNode], folder: Path) -> dict[str, Any]:
@@ -86,40 +76,6 @@ def test_no_message_meets_a_node_unexpectedly(
     assert [message for message in said if "unexpected" in message] == []
     node.close()
     node.destroy_node()
-
-
-class Answers(list[Any]):
-    """Takes the place of a publisher."""
-
-    publish = list.append
-
-
-class Localizer:
-    """A localizer with the recipe and the messages of a recorded run."""
-
-    def __init__(self, recorded: dict[str, bytes], context: Context) -> None:
-        self.node = up(DoorLocalizer, context, check_age=False)
-        self.node._localization = self.answers = Answers()
-        self.good = {
-            topic.name: deserialize_message(recorded[f"/{topic.name}"], topic.type)
-            for topic in (topics.DOOR_RECIPE, topics.CAMERA_INFO, topics.IMAGE)
-        }
-        self.send(topics.DOOR_RECIPE)
-
-    def send(self, topic: topics.Topic, **changes: Any) -> None:
-        message = deserialize_message(
-            rclpy.serialization.serialize_message(self.good[topic.name]), topic.type
-        )
-        for name, value in changes.items():
-            setattr(message, name, value)
-        (tap,) = (t for t in self.node.subscriptions if t.topic_name == f"/{topic.name}")
-        tap.callback(message)
-
-    def answer(self) -> DoorLocalization:
-        before = len(self.answers)
-        self.send(topics.IMAGE)
-        assert len(self.answers) == before + 1
-        return self.answers[-1]
 
 
 @pytest.fixture
@@ -163,7 +119,7 @@ def test_pictures_and_doors_of_no_use_are_answered_under_the_run(localizer: Loca
     run_id = localizer.answer().run_id
     for changes in (
         {"encoding": "mono16"},
-        {"encoding": "bayer_rggb8"},
+        {"encoding": "bayer_rggb12"},
         {"data": []},
         {"width": 0, "step": 0},
     ):

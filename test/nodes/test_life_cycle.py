@@ -20,11 +20,13 @@ REACHED = {
     Transition.TRANSITION_DEACTIVATE: "inactive",
     Transition.TRANSITION_CLEANUP: "unconfigured",
 }
+ALL = (*NODES, "model_monitor")
 
 
 @pytest.fixture(scope="module")
 def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcesses]:
-    with CellProcesses(tmp_path_factory.mktemp("cell")) as running:
+    with CellProcesses(tmp_path_factory.mktemp("cell"), nodes=ALL) as running:
+        running.wait_until_active("model_monitor")
         yield running
 
 
@@ -80,7 +82,7 @@ def test_the_bridge_waits_for_a_folder_that_is_not_there_yet(cell: CellProcesses
 
 
 def test_all_processes_are_there(cell: CellProcesses) -> None:
-    assert sorted(cell.processes) == sorted(NODES)
+    assert sorted(cell.processes) == sorted(ALL)
 
 
 def test_processes_interrupted_until_their_end_end_cleanly(cell: CellProcesses) -> None:
@@ -92,5 +94,5 @@ def test_processes_interrupted_until_their_end_end_cleanly(cell: CellProcesses) 
         for process in running.values():
             process.send_signal(signal.SIGINT)
         time.sleep(0.002)
-    assert {name: cell.stop(name) for name in list(cell.processes)} == dict.fromkeys(NODES, 0)
-    assert not [name for name in NODES if "Traceback" in cell.log(name)]
+    assert {name: cell.stop(name) for name in list(cell.processes)} == dict.fromkeys(ALL, 0)
+    assert not [name for name in ALL if "Traceback" in cell.log(name)]

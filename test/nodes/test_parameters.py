@@ -16,6 +16,7 @@ from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.cell import NODES
+from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.run import run_nodes
 
 
@@ -27,7 +28,7 @@ def context() -> Iterator[rclpy.Context]:
     rclpy.shutdown(context=context)
 
 
-@pytest.mark.parametrize("make", NODES, ids=lambda make: make.__name__)
+@pytest.mark.parametrize("make", [*NODES, ModelMonitor], ids=lambda make: make.__name__)
 def test_every_number_has_a_range(make: Any) -> None:
     numbers = [
         p for p in make.PARAMETERS if isinstance(p.default, (int, float)) and type(p.default) is not bool

@@ -10,6 +10,7 @@ import httpx
 import pytest
 
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
+from doormill_ros.models.errors import UnknownVersionError
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.server import create_app
@@ -38,6 +39,16 @@ class ControlSpy:
     def cancel(self) -> str:
         self.orders.append("cancel")
         return "canceled"
+
+    def accept(self, version: int, who: str, why: str) -> str:
+        if version == 99:
+            raise UnknownVersionError("version 99 of the model was never proposed")
+        self.orders.append(f"accept {version}, {who}: {why}")
+        return f"version {version} is in use"
+
+    def revert(self, version: int, who: str, why: str) -> str:
+        self.orders.append(f"revert {version}, {who}: {why}")
+        return "version 0 is in use"
 
     def doors(self, prefix: str) -> list[str]:
         if prefix == "silent":

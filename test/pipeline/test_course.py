@@ -49,6 +49,8 @@ class Answer:
     reason: str = ""
     targets: tuple[Target, ...] = ()
     largest_correction: float = 0.0
+    robot_model: str = "irb"
+    model_version: int = 0
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +81,10 @@ class World:
         self.was_set: list[float] = []
         self.run = Run("run-1", DOOR, Clock(self.turn, self.wall, self._was_set))
         self.recipe = RecipeAnswer(True, 0, "", 4)
-        self.localization, self.targets = Answer(), Answer(targets=program.targets, largest_correction=2e-3)
+        self.localization, self.targets = (
+            Answer(),
+            Answer(targets=program.targets, largest_correction=2e-3, model_version=7),
+        )
         self.end_signal = signals.DONE
         self.absent: set[str] = set()
         self.at: dict[str, Callable[[], None]] = {}
@@ -216,6 +221,7 @@ def test_a_door_goes_through_all_stages(world: World) -> None:
     ]
     assert (end.run_id, end.door_id, end.recipe_version, end.error_code) == ("run-1", DOOR, 4, 0)
     assert end.largest_correction == 2e-3
+    assert (end.robot_model, end.model_version) == ("irb", 7)
     assert len(read_target_file(world.read).targets) == len(world.program.targets)
     assert Path(end.target_file).read_bytes() == world.read
     assert end.sha256 == hashlib.sha256(world.read).hexdigest()

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import random
-import string
-import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -22,34 +19,11 @@ from bags.repack import repack_bag
 from doormill_ros.recording.bag_reader import bag_files, is_broken_off, read_bag, topics_of
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.errors import BagExistsError, UnreadableBagError
+from support.bag_content import SIZE, noise, offered, text
 from support.source_tree import ROOT
 
-QOS = [
-    {
-        "history": "keep_last",
-        "depth": 7,
-        "reliability": "reliable",
-        "durability": "transient_local",
-        "deadline": {"sec": 9223372036, "nsec": 854775807},
-        "lifespan": {"sec": 9223372036, "nsec": 854775807},
-        "liveliness": "automatic",
-        "liveliness_lease_duration": {"sec": 9223372036, "nsec": 854775807},
-        "avoid_ros_namespace_conventions": False,
-    }
-]
-SIZE = 1000  # characters of a text
+QOS = offered()
 LARGE = 10_000  # bytes
-
-
-def text(content: str) -> bytes:
-    """std_msgs/String in CDR, little endian."""
-    data = content.encode() + b"\0"
-    return b"\0\x01\0\0" + struct.pack("<I", len(data)) + data
-
-
-def noise(seed: int) -> str:
-    """A text that does not compress well."""
-    return "".join(random.Random(seed).choices(string.ascii_letters, k=SIZE))
 
 
 def write(folder: Path, count: int, split_size: int = 0, close: bool = True) -> BagWriter:

@@ -9,11 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rclpy
+from geometry_msgs.msg import TransformStamped
 from rclpy.serialization import serialize_message
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from doormill_interfaces.action import MillDoor
+from doormill_interfaces.msg import TFMessage
 from doormill_ros.recording.errors import UnknownTypeError
 from doormill_ros.recording.schema import load_schema
 from support.source_tree import ROOT
@@ -21,6 +23,7 @@ from support.source_tree import ROOT
 LIMIT = 60.0  # s
 FEEDBACK = "doormill_interfaces/action/MillDoor_FeedbackMessage"
 OWN = [f"doormill_interfaces/msg/{p.stem}" for p in sorted((ROOT / "doormill_interfaces/msg").glob("*.msg"))]
+FRAMES, TF2_FRAMES = "doormill_interfaces/msg/TFMessage", "tf2_msgs/msg/TFMessage"
 FOREIGN = [
     "builtin_interfaces/msg/Time",
     "diagnostic_msgs/msg/DiagnosticArray",
@@ -39,13 +42,29 @@ def test_there_are_types_to_check() -> None:
     assert len(OWN) >= 12
 
 
-@pytest.mark.parametrize("name", [*OWN, *FOREIGN, FEEDBACK, "action_msgs/msg/GoalStatusArray"])
+@pytest.mark.parametrize(
+    "name", sorted({*OWN, *FOREIGN, FEEDBACK, "action_msgs/msg/GoalStatusArray"} - {FRAMES})
+)
 def test_hash_is_what_rosbags_computes_from_the_text(name: str) -> None:
     """Text and hash come from different files of the install tree; rosbags derives one from the other."""
     schema = load_schema(name)
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(schema.text, name))
     assert store.hash_rihs01(name) == schema.type_hash
+
+
+def test_our_message_of_frames_travels_as_the_one_of_tf2() -> None:
+    """Held to the definition and hash of tf2_msgs that rosbags brings along."""
+    schema, theirs = load_schema(FRAMES), get_typestore(Stores.ROS2_JAZZY)
+    assert (schema.name, schema.type_hash) == (TF2_FRAMES, theirs.hash_rihs01(TF2_FRAMES))
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(schema.text, TF2_FRAMES))
+    stamped = TransformStamped(child_frame_id="door")
+    stamped.transform.translation.y = 0.5
+    data = serialize_message(TFMessage(transforms=[stamped]))
+    for reader in (store, theirs):
+        (read,) = reader.deserialize_cdr(data, TF2_FRAMES).transforms
+        assert (read.child_frame_id, read.transform.translation.y) == ("door", 0.5)
 
 
 @pytest.mark.parametrize("name", FOREIGN)

@@ -68,6 +68,12 @@ class CellProcesses:
             "bag_recorder": {"bag": folder / "bag"},
             "abb_bridge": {"address": folder / "HOME", "archive": folder / "targets", **PATIENT},
             "cell_simulator": {"controller_simulator:home": folder / "HOME"},
+            "path_generator": {"models": folder / "models"},
+            "model_monitor": {
+                "inspections": folder / "inspections",
+                "bags": folder,
+                "models": folder / "models",
+            },
         }
         for name, values in (parameters or {}).items():
             self._parameters.setdefault(name, {}).update(values)

@@ -250,10 +250,11 @@ def thesis_doors(draw):
         hinge |= draw(_work(OBLONG, "mill_19", depth))
         features.append(hinge | {"passes": {"depth_step_mm": depth}, "direction": "climb"})
     document = {**_document(door), "program": "path_20", "features": features}
+    document["tools"]["mill_19"] |= {"centre_cutting": True}  # Path_20 goes straight down
     return document, draw(_placements())
 
 
-def door_with(kind, height, width, thickness):
+def door_with(kind, height, width, thickness, centre_cutting=False):
     """A door of a given size with one feature of a kind, under the forces of table 4.8 all round."""
     features = {
         "hinge_oblong": {"backset_mm": 25, "width_mm": 30, "length_mm": 120, "depth_mm": 5, "points": 6},
@@ -278,5 +279,6 @@ def door_with(kind, height, width, thickness):
         "forces": KNOWN,
     }
     document = _document({"height_mm": height, "width_mm": width, "thickness_mm": thickness})
+    document["tools"]["mill_16"] |= {"centre_cutting": centre_cutting}
     feature = {"kind": kind, "id": kind, "side": side, "height_mm": 500}
     return Recipe.from_document({**document, "features": [feature | features[kind] | work]})

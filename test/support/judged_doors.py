@@ -113,6 +113,8 @@ def judge_doors(count: int, number: int, tools: int | None = None, robots: int =
         checks = replace(setup.settings.checks, tools=tools)
         setup = replace(setup, settings=replace(setup.settings, checks=checks))
     T_first_second = setup.settings.second_robot.T_base_second
+    if robots > 1:
+        setup, cell = replace(setup, layout=setup.layout.with_rear_free()), replace(cell, boards=())
     places = {
         "first": (setup, cell),
         "second": (

@@ -236,6 +236,8 @@ class WatchedController(VirtualController):
             self.cell.set_input("diDoorClamped", self.clamped)
         if self.program.has_data("expectedDoor"):
             self.program.write("expectedDoor", f'"{self.expected}"')
+            # While it is loaded: a name that a door before had is forgotten with the start.
+            self.program.write("nameTaken", "FALSE")
         super().run(*args, **kwargs)
 
     @property

@@ -1,21 +1,19 @@
 """Seeded stops of a milling robot, an operator who follows the pendant, and a judge who sees only the motion.
 
 One run: two doors, one after the other, on the modules in rapid/ and the virtual controller. While the first door is
-milled something happens: a stop, an emergency stop, an open guard, a loss of power, of the spindle or of the clamp.
-The operator closes the guard, switches the motors on, answers dialogs by one of their buttons, presses start, and now
-and then moves the pointer to main first. He knows nothing else. The judge looks at the tool, the spindle and the guard:
-
-- no feed into uncut wood with a spindle below its speed,
-- no spindle that is told to turn while the guard is open, and no motion then,
-- no door reported as done that is not milled, and the second door is milled completely.
+milled something happens: a stop, an emergency stop, an open guard, a loss of power, of the spindle or of the clamp; or
+the door is exchanged for another while the robot stands, from its request on.
+The operator closes the guard, switches the motors on, answers dialogs by one of their buttons, names a door where he is
+asked to, presses start, and now and then moves the pointer to main first. He knows nothing else. `stops_judge` judges;
+besides, no door is reported as done that is not milled, and the last door is milled completely.
 """
 
 from __future__ import annotations
 
 import random
 import tempfile
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -30,6 +28,8 @@ from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTranspor
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.recipes.documents import load_recipe
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.simulation.controller.arm import ControllerArm
@@ -41,20 +41,23 @@ from doormill_ros.simulation.controller.operation.panel import ControlPanel
 from doormill_ros.simulation.controller.operation.states import ControllerState, OperatingMode, StopMode
 from doormill_ros.simulation.controller.rapid.errors import OrderRefusedError
 from doormill_ros.toolpath.generate import generate_program
-from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.program import MillingProgram, MotionKind
+from support.stops_judge import Judge, Verdict, Wood, cell_of
 
-DOOR = "thesis_190_0deg"
+#: Shallow pockets in one pass, and deep ones in several levels with rings.
+SHALLOW, DEEP = "thesis_190_0deg", "nine_point_door"
 ROBOT = "irb6600_175_255"
 KINDS = (
     "program stop", "quick stop", "stop after instruction", "emergency stop 0", "emergency stop 1", "guard",
     "power failure", "motors off", "mode change", "spindle loss", "clamp loss",
+    "exchange at a stop", "exchange without power",
 )  # fmt: skip
-#: Edge of the cells in which wood is counted [m].
-CELL = 1e-3
-#: A spindle below this share of its speed does not cut; at-speed falls there.
-AT_SPEED = 0.9
-#: After the spindle fell below its speed a stop may take so long, after the guard opened likewise [s].
-REACTION, GUARD_REACTION = 0.3, 0.6
+#: From the request until the tool has begun to cut, about [s].
+PREPARATION = 5.0
+#: From the picture of a door until its file is there [s].
+THINKING = 3.0
+#: How long after the stop the clamp opens, and closes on the other door [s].
+EXCHANGE = 0.6, 1.2
 #: When a run has not come to its end [s of simulated time].
 LIMIT = 300.0
 #: How often PC, plant and operator act [s].
@@ -63,164 +66,75 @@ PC_STEP, OPERATOR_STEP = 0.1, 0.5
 
 @dataclass(frozen=True)
 class Incident:
-    """What happens in a run: its kind, and when since the first door's file was accepted [s]."""
+    """What happens in a run.
+
+    Attributes:
+        seed: Of the run.
+        kind: One of KINDS.
+        delay: When, since the first door's first motion, of an exchange since its request [s].
+        door: What is milled.
+    """
 
     seed: int
     kind: str
     delay: float
-
-
-@dataclass
-class Verdict:
-    """What the judge saw.
-
-    Attributes:
-        feeds: Times of feeds into wood with a spindle below its speed [s].
-        turning: Times at which the spindle was told to turn with an open guard [s].
-        moving: Times of motions with an open guard [s].
-        struck: The incident happened.
-        done_unmilled: A door was reported as done that was not.
-        recovered: The second door was milled completely and reported as done.
-        remarks: What else there is to say.
-    """
-
-    feeds: list[float] = field(default_factory=list)
-    turning: list[float] = field(default_factory=list)
-    moving: list[float] = field(default_factory=list)
-    struck: bool = False
-    done_unmilled: bool = False
-    recovered: bool = False
-    remarks: list[str] = field(default_factory=list)
-
-    @property
-    def safe(self) -> bool:
-        """Nothing was broken and nobody hurt."""
-        return not (self.feeds or self.turning or self.moving)
-
-    @property
-    def passed(self) -> bool:
-        """Safe, and the work went on."""
-        return self.safe and self.recovered and not self.done_unmilled and self.struck
+    door: str = SHALLOW
 
 
 def draw(seed: int) -> Incident:
     """The incident of a seed."""
     chance = random.Random(f"stops/{seed}")
-    return Incident(seed, KINDS[seed % len(KINDS)], chance.uniform(0.0, milling_time()))
+    kind, door = KINDS[seed % len(KINDS)], DEEP if seed % 5 == 4 else SHALLOW
+    longest = PREPARATION if "exchange" in kind else milling_time(door)
+    return Incident(seed, kind, chance.uniform(0.0, longest), door)
+
+
+def _place(door: str) -> tuple[Recipe, FloatArray]:
+    """The recipe and T_base_door, shape (4, 4)."""
+    recipe = load_recipe(door)
+    return recipe, load_layout().T_base_door(recipe.width, recipe.thickness, DoorOffset(0.0, 0.0, 0.0))
 
 
 @cache
-def door_program() -> MillingProgram:
-    """What is milled: the same on every door."""
-    layout, robot, recipe = load_layout(), load_robot(ROBOT), load_recipe(DOOR)
-    T_base_door = layout.T_base_door(recipe.width, recipe.thickness, DoorOffset(0.0, 0.0, 0.0))
-    return generate_program(recipe, T_base_door, layout, robot, JointSpringModel(robot))
+def door_program(door: str) -> MillingProgram:
+    """What is milled into every door of a run."""
+    recipe, T_base_door = _place(door)
+    robot = load_robot(ROBOT)
+    return generate_program(recipe, T_base_door, load_layout(), robot, JointSpringModel(robot))
 
 
 @cache
-def milling_time() -> float:
+def milling_time(door: str) -> float:
     """How long milling takes by its programmed speeds alone [s]."""
-    program = door_program()
+    program = door_program(door)
     points = np.array([t.T_base_tool_corrected[:3, 3] for t in program.targets])
-    ways = np.linalg.norm(np.diff(points[[m.target for m in program.motions]], axis=0), axis=1)
-    return float(sum(w / m.speed for w, m in zip(ways, program.motions[1:], strict=True)))
-
-
-def _cell(point: FloatArray) -> tuple[int, int, int]:
-    x, y, z = np.floor(point / CELL).astype(int)
-    return int(x), int(y), int(z)
-
-
-_AROUND = [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]
-
-
-def _grown(cells: Iterable[tuple[int, int, int]]) -> set[tuple[int, int, int]]:
-    """The cells and their neighbours."""
-    return {(x + i, y + j, z + k) for x, y, z in cells for i, j, k in _AROUND}
+    motions = [m for m in program.motions if m.kind is not MotionKind.ABSOLUTE]
+    ways = np.linalg.norm(np.diff(points[[m.target for m in motions]], axis=0), axis=1)
+    return float(sum(w / m.speed for w, m in zip(ways, motions[1:], strict=True)))
 
 
 @cache
-def wood() -> frozenset[tuple[int, int, int]]:
-    """Cells through which the tool centre point cuts when nothing stops it, from an undisturbed run."""
-    cell = Run(Incident(0, "nothing", 0.0), doors=1)
+def wood_of(door: str) -> Wood:
+    """The wood of a door; what is cut of it comes from an undisturbed run."""
+    recipe, T_base_door = _place(door)
+    size = np.array([recipe.thickness, recipe.width, recipe.size.height])
+    uncut = Wood(T_base_door, size)
+    cell = Run(Incident(0, "nothing", 0.0, door), doors=1, wood=uncut)
     cell.mill()
     path = cell.robot.executed_path()
     cut = path.cutting & path.at_speed
-    return frozenset(_cell(point) for point in path.T_base_tool_commanded[cut, :3, 3])
-
-
-class Judge:
-    """Watches tool, spindle and guard."""
-
-    def __init__(self, robot: VirtualController, verdict: Verdict, known: bool) -> None:
-        """Judge into a verdict; `known` tells whether it is known where the wood is."""
-        self._robot, self._verdict = robot, verdict
-        self._wood = _grown(wood()) if known else set()
-        self._seen, self._time, self._share = 0, 0.0, 0.0
-        self._slow_since: float | None = 0.0
-        self._open_since: float | None = None
-        self.cut: set[tuple[int, int, int]] = set()
-
-    def new_door(self) -> None:
-        """Another door stands there: all of its wood is uncut."""
-        self.cut.clear()
-
-    def complete(self) -> bool:
-        """Whether all that should be milled of the present door is."""
-        return wood() <= _grown(self.cut)
-
-    def watch(self) -> None:
-        """Look at what has happened since the last look."""
-        robot, now = self._robot, self._robot.now()
-        cell = robot.cell
-        told = cell.read(cell.spindle_drive) == 1.0
-        step, self._time = now - self._time, now
-        change = step / cell.spindle_time
-        self._share = float(
-            np.clip(self._share + (change if told and cell.spindle_works else -change), 0.0, 1.0)
-        )
-        if self._share >= AT_SPEED:
-            self._slow_since = None
-        elif self._slow_since is None:
-            self._slow_since = now
-        self._look_at_the_guard(now, told)
-        recording = robot.recording
-        for i in range(self._seen, len(recording.time)):
-            driven = recording.driven[i]
-            moved = i > 0 and np.abs(recording.q[i] - recording.q[i - 1]).max() > 1e-7
-            self._look_at_the_tool(recording.time[i], recording.poses[i][:3, 3], moved and driven)
-        self._seen = len(recording.time)
-
-    def _look_at_the_guard(self, now: float, told: bool) -> None:
-        if self._robot.panel.guard_closed:
-            self._open_since = None
-            return
-        if self._open_since is None:
-            self._open_since = now
-        if now - self._open_since <= GUARD_REACTION:
-            return
-        if told:
-            self._verdict.turning.append(now)
-        manual = self._robot.panel.state.mode is not OperatingMode.AUTO
-        if self._robot.moving and not manual:
-            self._verdict.moving.append(now)
-
-    def _look_at_the_tool(self, time: float, point: FloatArray, feeding: bool) -> None:
-        place = _cell(point)
-        if self._share > 0.3:
-            self.cut.add(place)
-            return
-        slow = self._slow_since is not None and time - self._slow_since > REACTION
-        if feeding and slow and place in self._wood and not _grown([place]) & self.cut:
-            self._verdict.feeds.append(time)
+    return Wood(T_base_door, size, frozenset(cell_of(p) for p in path.T_base_tool_commanded[cut, :3, 3]))
 
 
 class Operator:
     """Brings the robot back to work by what the pendant shows."""
 
-    def __init__(self, robot: VirtualController, chance: random.Random) -> None:
-        """Work at a robot; `chance` is his mood."""
-        self._robot, self._chance = robot, chance
+    def __init__(
+        self, robot: VirtualController, chance: random.Random, name_door: Callable[[], None]
+    ) -> None:
+        """Work at a robot; `chance` is his mood, `name_door` his bar code reader."""
+        self._robot, self._chance, self._name_door = robot, chance, name_door
+        self._read = 0
         self._patience = chance.uniform(2.0, 8.0)
         self._stopped_since: float | None = None
         self.answers: list[str] = []
@@ -232,6 +146,10 @@ class Operator:
         self._answer()
         if panel.running:
             self._stopped_since = None
+            lines = self._robot.pendant_lines
+            if "Waiting for the name of the door." in lines[self._read :]:
+                self._name_door()
+            self._read = len(lines)
             return
         if self._stopped_since is None:
             self._stopped_since = now
@@ -274,10 +192,25 @@ class Operator:
 class Run:
     """Two doors, an incident, and everybody who takes part."""
 
-    def __init__(self, incident: Incident, doors: int = 2, limits: ControllerLimits | None = None) -> None:
-        """Set the cell up in a folder of its own."""
+    def __init__(
+        self,
+        incident: Incident,
+        doors: int = 2,
+        limits: ControllerLimits | None = None,
+        wood: Wood | None = None,
+        modules: Sequence[Path] | None = None,
+    ) -> None:
+        """Set the cell up in a folder of its own.
+
+        Args:
+            incident: What happens.
+            doors: How many doors are milled.
+            limits: Of the controller; None for config/controller.yaml.
+            wood: Of the door; None for `wood_of` its name.
+            modules: Instead of those in rapid/, as its SYS.cfg needs them.
+        """
         self._folder = tempfile.TemporaryDirectory(prefix="stops-")
-        home = Path(self._folder.name)
+        home = self._home = Path(self._folder.name)
         robot = load_robot(ROBOT)
         self._incident, self._doors, self._placed, self._runs = incident, doors, 1, 0
         self.verdict = Verdict()
@@ -286,20 +219,28 @@ class Run:
             ControllerArm(robot.dh, robot.lower, robot.upper, robot.max_velocity),
             io=FolderIo(home),
             limits=limits,
-            expected_door=DOOR,
+            modules=modules,
+            system_parameters=resource("rapid/SYS.cfg"),
+            expected_door=incident.door,
             on_wait=lambda _: None,
             on_stopped=lambda _: None,
             on_time=lambda _: self._watch(),
         )
-        self._judge = Judge(self.robot, self.verdict, known=doors > 1)
-        self._operator = Operator(self.robot, random.Random(f"operator/{incident.seed}"))
+        wood = wood or wood_of(incident.door)
+        self._judge = Judge(self.robot, self.verdict, wood, self._accepted)
+        chance = random.Random(f"operator/{incident.seed}")
+        self._operator = Operator(self.robot, chance, self._name_door)
         self._handshake = Handshake(
             SimulatedFolderTransport(home, timeout=60.0), clock=self.robot.now, check=check_handover
         )
         self._handshake.on_start()
         self._acted = self._worked = 0.0
+        self._pictured, self._pictured_at = 0, 0.0
         self._struck = False
+        self._limit = LIMIT + 4.0 * milling_time(incident.door)
+        self._asked: float | None = None
         self._begun: float | None = None
+        self._exchange: list[float] = []
         self._ended_since: float | None = None
         self._swap: float | None = None
 
@@ -320,8 +261,9 @@ class Run:
     def _watch(self) -> None:
         """Everybody's turn as time passes."""
         now = self.robot.now()
+        self._exchange_door(now)
         self._judge.watch()
-        if now > LIMIT:
+        if now > self._limit:
             self.robot.stop()
         if now - self._worked >= PC_STEP:
             self._worked = now
@@ -333,27 +275,60 @@ class Run:
             self._operator.act()
 
     def _work(self) -> None:
-        """The PC: a file for each request."""
+        """The PC: takes a picture at each request, and has a file some time later."""
         if not self.robot.panel.state.powered:
             return
         self._handshake.step()
         now = self._handshake.snapshot
-        if now.accepts_submission and now.state is State.REQUESTED:
+        if not now.accepts_submission or now.state is not State.REQUESTED:
+            return
+        if now.request_number != self._pictured:
+            self._pictured, self._pictured_at = now.request_number, self.robot.now()
             self._runs += 1
+        if self.robot.now() - self._pictured_at >= THINKING:
             run_id = f"run-{self._runs}"
-            data = render_target_file(door_program(), run_id)
-            self._handshake.submit(run_id, DOOR, data, now.request_number)
+            data = render_target_file(door_program(self._incident.door), run_id)
+            self._handshake.submit(run_id, self._incident.door, data, self._pictured)
             self._handshake.step()
 
     def _strike(self, now: float) -> None:
         """Let the incident happen."""
         if self._begun is None and self.robot.context.index >= 0:
             self._begun = now
-        if self._begun is None or self._struck or self._incident.kind == "nothing":
+        if self._asked is None and self.robot.io.read(signals.REQUEST):
+            self._asked = now
+        exchange = "exchange" in self._incident.kind
+        begin = self._asked if exchange else self._begun
+        if begin is None or self._struck or self._incident.kind == "nothing":
             return
-        if now >= self._begun + self._incident.delay and self.robot.panel.running:
+        if now >= begin + self._incident.delay and self.robot.panel.running:
             self._struck = self.verdict.struck = True
             ACTIONS[self._incident.kind](self.robot.panel, self.robot)
+            if exchange:
+                self._exchange = [now + delay for delay in EXCHANGE]
+
+    def _exchange_door(self, now: float) -> None:
+        """Behind the back of a program that stands: another door of the same kind, named as each is."""
+        if not self._exchange or now < self._exchange[0]:
+            return
+        self._exchange.pop(0)
+        opens = bool(self._exchange)
+        self.robot.cell.set_input(DOOR_CLAMPED, float(not opens))
+        if opens:
+            self._judge.new_door(self._runs)
+            self._name_door()
+
+    def _name_door(self) -> None:
+        """The bar code reader."""
+        (self._home / signals.EXPECTED_FILE).write_text(f"{self._incident.door}\n")
+
+    def _accepted(self) -> int:
+        """Number of the file that the robot said last that it accepted."""
+        try:
+            text = (self._home / signals.ACCEPTED_FILE).read_text()
+        except OSError:
+            return 0
+        return int(text.splitlines()[0].removeprefix("run-"))
 
     def _serve_doors(self, now: float) -> None:
         """The plant: takes a door out that is done or failed, and clamps the next one."""
@@ -364,9 +339,9 @@ class Run:
             if now >= self._swap:
                 self._swap = None
                 self._placed += 1
-                self._judge.new_door()
+                self._judge.new_door(self._runs)
                 if self.robot.program.has_data("expectedDoor"):
-                    self.robot.program.write("expectedDoor", f'"{DOOR}"')
+                    self.robot.program.write("expectedDoor", f'"{self._incident.door}"')
                 cell.set_input(DOOR_CLAMPED, 1.0)
             return
         if self._doors == 1 and self._begun is not None and self.robot.context.index < 0:
@@ -406,6 +381,8 @@ ACTIONS: dict[str, Callable[[ControlPanel, VirtualController], None]] = {
     "mode change": lambda panel, _: panel.set_mode(OperatingMode.MANUAL_REDUCED),
     "spindle loss": _lose_spindle,
     "clamp loss": lambda _, robot: robot.cell.set_input(DOOR_CLAMPED, 0.0),
+    "exchange at a stop": lambda panel, _: panel.stop(),
+    "exchange without power": lambda panel, _: panel.fail_power(),
 }
 
 

@@ -37,10 +37,15 @@ class Cell:
         p = recipe.placement
         return self.T_base_door(recipe) if p is None else self.T_base_door(recipe, p.y, p.z, p.rotation)
 
-    def program(self, recipe, T_base_door, model=None, **options):
+    def program(self, recipe, T_base_door, model=None, layout=None, **options):
         return generate_program(
-            recipe, T_base_door, self.layout, self.robot, model or self.springs, **options
+            recipe, T_base_door, layout or self.layout, self.robot, model or self.springs, **options
         )
+
+    def program_of(self, recipe, share):
+        """One robot's share in a cell of two, which has nothing behind the door but the second robot."""
+        bare = self.layout.with_rear_free()
+        return self.program(recipe, share.T_base_door, layout=bare, operations=share.operations)
 
     def execute(self, program, model=None, corrected=True, **options):
         return _execute.execute(

@@ -28,7 +28,7 @@ def shared(cell, standard):
     """Programs of the two robots, with their shares."""
     recipe, T_base_door, _ = standard
     shares = split(recipe, T_base_door, load_settings())
-    return [(s, cell.program(recipe, s.T_base_door, operations=s.operations)) for s in shares]
+    return [(s, cell.program_of(recipe, s)) for s in shares]
 
 
 def test_standard_door_is_milled_within_five_hundredths(cell, standard):

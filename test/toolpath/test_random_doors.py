@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, Phase, event, given, settings
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.recipes.program import Program
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.toolpath.door_plan import OVERLAP, SMALLEST_TURN, turn_radius
 from doormill_ros.toolpath.errors import (
@@ -21,6 +22,7 @@ from doormill_ros.toolpath.errors import (
     NoWayError,
     PathError,
     ProgramSizeError,
+    UnbackedHoleError,
 )
 from doormill_ros.toolpath.settings import load_settings
 from support import doors
@@ -64,6 +66,8 @@ def cause_is_there(recipe, T_base_door, refusal):
     if isinstance(refusal, ConfigurationChangeError | AirMoveError | JointSpeedError | NoWayError):
         return True
     at = [f.id for f in recipe.features].index(refusal.data["feature"])
+    if isinstance(refusal, UnbackedHoleError):
+        return not backed(recipe, recipe.features[at])
     on_way = refusal.message.startswith("the way to")
     first, front = (max(0, at - 1), EDGE_FRONT) if on_way else (at, FRONT)
     search = WaySearch(recipe, T_base_door)
@@ -71,6 +75,17 @@ def cause_is_there(recipe, T_base_door, refusal):
         not len(search.postures(feature, turns=(0.0,), front=front, mill_radius=MILL_RADIUS)[0])
         for feature in recipe.features[first : at + 1]
     )
+
+
+def backed(recipe, hole):
+    """Whether the judge's board stays behind the hole and all wood within 3 mm about it."""
+    size = np.array([recipe.thickness, recipe.width, recipe.height])
+    y, z = recipe.T_door_feature(hole)[1:3, 3]
+    low, high = load_cell().boards[0].span(size)
+    ring = [
+        [y, z] + (hole.diameter / 2 + 3e-3) * np.array([np.cos(a), np.sin(a)]) for a in np.arange(0, 6.3, 0.1)
+    ]
+    return hole.side.value == "front" and all((low <= p).all() and (p <= high).all() for p in ring)
 
 
 def shared_targets_leave(cell, program):

@@ -58,11 +58,7 @@ def test_without_correction_it_is_worse(cell, door):
 def test_two_robots_mill_it_too(cell, name):
     recipe = SHIPPED[name]
     shares = split(recipe, cell.T_base_door(recipe, *PLACEMENTS[1]), load_settings())
-    done = [
-        (s.T_base_door, cell.program(recipe, s.T_base_door, operations=s.operations))
-        for s in shares
-        if s.operations
-    ]
+    done = [(s.T_base_door, cell.program_of(recipe, s)) for s in shares if s.operations]
     ways = [(T, cell.execute(program, cell.springs)) for T, program in done]
     (T_base_door, first), *others = ways
     part = inspect(recipe, T_base_door, first, others=others)

@@ -9,7 +9,6 @@ from pathlib import Path
 from doormill_ros.abb.credentials import load_credentials
 from doormill_ros.abb.link_errors import UnknownTransportError
 from doormill_ros.abb.transport import Transport
-from doormill_ros.abb.transports.rws import connect_rws1, connect_rws2
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 
 
@@ -28,12 +27,26 @@ class TransportOptions:
     insecure: bool = False
 
 
+def _rws1(options: TransportOptions) -> Transport:
+    from doormill_ros.abb.transports.rws import (
+        connect_rws1,  # late: its libraries take a fifth of the bridge's start
+    )
+
+    return connect_rws1(options.address, load_credentials())
+
+
+def _rws2(options: TransportOptions) -> Transport:
+    from doormill_ros.abb.transports.rws import connect_rws2  # late, as above
+
+    return connect_rws2(
+        options.address, load_credentials(), certificate=options.certificate, insecure=options.insecure
+    )
+
+
 TRANSPORTS: dict[str, Callable[[TransportOptions], Transport]] = {
     "simulated_folder": lambda o: SimulatedFolderTransport(o.address),
-    "rws1": lambda o: connect_rws1(o.address, load_credentials()),
-    "rws2": lambda o: connect_rws2(
-        o.address, load_credentials(), certificate=o.certificate, insecure=o.insecure
-    ),
+    "rws1": _rws1,
+    "rws2": _rws2,
 }
 
 

@@ -17,6 +17,7 @@ from doormill_ros.diagnosis.core.wording import Words
 from doormill_ros.diagnosis.parts.changes import change_sentences, changes_document, changes_of
 from doormill_ros.diagnosis.parts.charts import charts_of
 from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.in_use import in_use_document
 from doormill_ros.diagnosis.parts.matching import matched_points
 from doormill_ros.diagnosis.parts.model import door_model_document, usable
 from doormill_ros.diagnosis.parts.next_door import PLACES, next_sentence, places_of
@@ -43,12 +44,20 @@ class InspectedDoor:
 
 
 class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
-    """Inspected doors of the robot in the cell, taken together."""
+    """Inspected doors of the robot in the cell, taken together.
+
+    Args:
+        in_use: Robot or model.yaml that the next door is corrected with, "" for the robot's joint springs; None where
+            nobody asks what it leaves.
+    """
 
     schema = SCHEMA
     option = "inspections"
     help = "one or many inspected doors"
     words = Words("simulation", "points", "deviation", "deviation", "features", METHOD)
+
+    def __init__(self, in_use: str | None = None) -> None:
+        self._in_use = in_use
 
     def read(self, folder: Path, progress: Progress) -> Sequence[InspectedDoor]:
         """One inspection, or those in a folder, each matched with the run that milled its door.
@@ -98,6 +107,9 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
             "changes": changes_document(diagnosis, changes),
             "charts": charts.document(),
         }
+        if self._in_use is not None:
+            first = max((change.door for change in changes), default=0)
+            sections["in_use"] = in_use_document(diagnosis, self._in_use, first)
         names = [one.name for one in diagnosis.problem.doors]
         source = names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"
         return replace(
@@ -141,6 +153,8 @@ def inspected_door(inspection: Inspection, cut: RecordedCut) -> InspectedDoor:
         placing=cut.placing if inspection.datum == CAMERA else None,
         corner=cut.T_base_door[:3, 3],
         eye=load_camera().T_base_camera(cut.recipe.width)[:3, 3],
+        largest=inspection.largest,
+        robot_model=cut.robot_model,
     )
     return InspectedDoor(inspection, door)
 

@@ -52,6 +52,8 @@ class GaugedDoor:
         placing: Covariance of y, z and rotation of its pose, shape (3, 3); None where it is not known where it stood.
         corner: Origin of the door, base frame, shape (3,) [m].
         eye: Where the camera stood, base frame, shape (3,) [m].
+        largest: How far its worst measured point is off, matched or not [m].
+        robot_model: Robot or model.yaml that its path was corrected with; "" for the robot's joint springs.
     """
 
     name: str
@@ -63,6 +65,8 @@ class GaugedDoor:
     placing: FloatArray | None
     corner: FloatArray
     eye: FloatArray
+    largest: float = 0.0
+    robot_model: str = ""
 
 
 class DoorProblem(Examined[InTime]):

@@ -14,7 +14,8 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.bag_reader import read_bag, topics_of
 
 EXECUTED_PATH, LOCALIZATION, RECIPE = "/simulation/executed_path", "/door/localization", "/door/recipe"
-_TOPICS = (EXECUTED_PATH, LOCALIZATION, RECIPE)
+RESULT = "/run/result"
+_TOPICS = (EXECUTED_PATH, LOCALIZATION, RECIPE, RESULT)
 #: Of y, z and the rotation about x in the covariance of a pose.
 _IN_PLANE = (1, 2, 3)
 
@@ -33,6 +34,7 @@ class RecordedCut:
         time: Shape (m,) [s].
         cutting: Samples in the wood, shape (m,).
         feature: Name of the feature of each sample.
+        robot_model: That the path was corrected with; "" where the run is older than that its end tells it.
     """
 
     recipe: Recipe
@@ -44,6 +46,7 @@ class RecordedCut:
     time: FloatArray
     cutting: BoolArray
     feature: tuple[str, ...]
+    robot_model: str = ""
 
 
 def recorded_cut(inspection: Inspection) -> RecordedCut:
@@ -78,4 +81,5 @@ def recorded_cut(inspection: Inspection) -> RecordedCut:
         time=np.array(path.time, dtype=float),
         cutting=np.array(path.cutting, dtype=bool),
         feature=tuple(path.feature),
+        robot_model=str(getattr(run.get(RESULT), "robot_model", "")),
     )

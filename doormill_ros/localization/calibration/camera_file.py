@@ -14,6 +14,7 @@ from doormill_ros.files import write_atomically
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.calibration.extrinsics import Extrinsics
 from doormill_ros.localization.calibration.intrinsics import Intrinsics
+from doormill_ros.localization.calibration.mark_places import MarkPlaces
 
 
 def read_document(path: Path) -> dict[str, Any]:
@@ -71,6 +72,12 @@ def with_mounting(document: dict[str, Any], found: Extrinsics) -> dict[str, Any]
         worst = np.max(list(found.door_deviation.values()), axis=0)
         changed["localizer"] = document["localizer"] | {"mounting_deviation": _plain(worst)}
     return changed
+
+
+def with_marks(document: dict[str, Any], found: MarkPlaces) -> dict[str, Any]:
+    """A camera document with marks, their places replaced."""
+    changed = {"deviation": found.deviation, "places": _plain(found.places)}
+    return document | {"marks": document["marks"] | changed}
 
 
 def write_document(document: dict[str, Any], path: Path) -> None:

@@ -12,7 +12,7 @@ from doormill_interfaces.msg import Touch as TouchMessage
 from doormill_ros.nodes.convert.geometry import pose_message, wrench_message
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.judge.verdict import Touch, Verdict, WoodGone
+from doormill_ros.simulation.judge.verdict import Harm, Touch, Verdict, WoodGone
 from doormill_ros.simulation.milled_part import MilledPart
 
 
@@ -71,7 +71,6 @@ def milled_message(
 def verdict_message(verdict: Verdict, header: Header, placement: DoorPlacement) -> RunVerdict:
     """What a run touched, bodies first."""
     error = verdict.error
-    touches: list[Touch | WoodGone] = [*verdict.touches, *verdict.gone]
     return RunVerdict(
         header=header,
         run_id=placement.run_id,
@@ -82,11 +81,11 @@ def verdict_message(verdict: Verdict, header: Header, placement: DoorPlacement) 
         judged=verdict.judged,
         touched=verdict.touched_samples,
         volume=verdict.volume,
-        touches=[_touch_message(touch) for touch in touches],
+        touches=[_touch_message(touch) for touch in verdict.harm],
     )
 
 
-def _touch_message(touch: Touch | WoodGone) -> TouchMessage:
+def _touch_message(touch: Harm) -> TouchMessage:
     x, y, z = touch.place.tolist()
     return TouchMessage(
         body=touch.body if isinstance(touch, Touch) else "mill",
@@ -96,6 +95,6 @@ def _touch_message(touch: Touch | WoodGone) -> TouchMessage:
         time=touch.time,
         depth=touch.depth,
         place=Point(x=x, y=y, z=z),
-        volume=0.0 if isinstance(touch, Touch) else touch.volume,
+        volume=touch.volume if isinstance(touch, WoodGone) else 0.0,
         samples=len(touch.samples),
     )

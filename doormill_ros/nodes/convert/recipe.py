@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING
 
 from std_msgs.msg import Header
 
@@ -10,7 +11,9 @@ from doormill_interfaces.msg import DoorFeature, DoorRecipe, RecipeSummary
 from doormill_ros.frames import DOOR_FRAME
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.recipes.store.database import RecipeRecord
+
+if TYPE_CHECKING:  # the database's libraries are of use to its own node alone
+    from doormill_ros.recipes.store.database import RecipeRecord
 
 
 def recipe_message(recipe: Recipe, run_id: str, header: Header) -> DoorRecipe:

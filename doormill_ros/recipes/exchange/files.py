@@ -20,7 +20,6 @@ from doormill_ros.recipes.errors import (
 from doormill_ros.recipes.exchange.cells import located
 from doormill_ros.recipes.exchange.csv_file import format_csv, parse_csv
 from doormill_ros.recipes.exchange.thesis_text import decode, format_thesis_text, parse_thesis_text
-from doormill_ros.recipes.exchange.xlsx_file import format_xlsx, read_xlsx
 from doormill_ros.recipes.recipe import Recipe
 
 ENDINGS = (".xlsx", ".csv", ".txt", ".yaml", ".yml", ".json")
@@ -39,6 +38,8 @@ def read_file(path: str | Path) -> list[Recipe]:
     if ending == ".xlsx":
         if not path.is_file():
             raise UnreadableFile(f"{path}: no such file")
+        from doormill_ros.recipes.exchange.xlsx_file import read_xlsx  # late: a node rarely meets one
+
         recipes = read_xlsx(path)
     elif ending == ".txt":
         recipes = [parse_thesis_text(decode(_bytes(path), str(path)), str(path), path.stem)]
@@ -65,11 +66,17 @@ def write_file(path: str | Path, recipes: Sequence[Recipe]) -> None:
     """
     path = Path(path)
     ending = _ending(path)
-    content = format_xlsx(recipes) if ending == ".xlsx" else _text(ending, path, recipes).encode()
+    content = _sheet(recipes) if ending == ".xlsx" else _text(ending, path, recipes).encode()
     try:
         path.write_bytes(content)
     except OSError as error:
         raise UnreadableFile(f"{path}: cannot be written, {error.strerror}") from error
+
+
+def _sheet(recipes: Sequence[Recipe]) -> bytes:
+    from doormill_ros.recipes.exchange.xlsx_file import format_xlsx  # late, as above
+
+    return format_xlsx(recipes)
 
 
 def _text(ending: str, path: Path, recipes: Sequence[Recipe]) -> str:

@@ -52,7 +52,13 @@ NUMBERS = {
     "Tool Cutting Length": "tool.cutting_length_mm",
     "Tool Max Speed": "tool.max_spindle_speed_rpm",
     "Tool Max Chip Load": "tool.max_chip_load_mm",
+    "Tool Min Chip Load": "tool.min_chip_load_mm",
+    "Tool Min Surface Speed": "tool.min_surface_speed_m_min",
+    "Tool Max Surface Speed": "tool.max_surface_speed_m_min",
+    "Tool Max Ramp": "tool.max_ramp_deg",
 }
+SWITCHES = {"Tool Centre Cutting": "tool.centre_cutting"}
+WORDS = {"yes": True, "no": False}
 COUNT, POSITION, GEOMETRY = "Number of Hinges", "Hinge Position", "Hinge Geometry"
 GEOMETRY_KEYS = ("backset_mm", "width_mm", "length_mm", "depth_mm", "points")
 DISPLACEMENT, FORCE = "Hinge Force Displacement", "Milling Force"
@@ -120,7 +126,7 @@ def parse_thesis_text(text: str, name: str, door_id: str) -> Recipe:
     rows = _rows(text, name)
     document: dict[str, Any] = {"schema": SCHEMA, "door_id": door_id}
     shared: dict[str, Any] = {}
-    for labels, convert in ((TEXTS, _one_text), (NUMBERS, _one_number)):
+    for labels, convert in ((TEXTS, _one_text), (NUMBERS, _one_number), (SWITCHES, _one_switch)):
         for label, path in labels.items():
             if label in rows:
                 target = shared if path.startswith("*") else document
@@ -139,7 +145,7 @@ def parse_thesis_text(text: str, name: str, door_id: str) -> Recipe:
 
 
 def _rows(text: str, name: str) -> dict[str, list[str]]:
-    known = {label.lower(): label for label in (*TEXTS, *NUMBERS, COUNT, POSITION, GEOMETRY)}
+    known = {label.lower(): label for label in (*TEXTS, *NUMBERS, *SWITCHES, COUNT, POSITION, GEOMETRY)}
     rows: dict[str, list[str]] = {}
     for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1):
         label, *cells = line.split("\t")
@@ -213,6 +219,7 @@ def _defaults(document: dict[str, Any], shared: dict[str, Any]) -> None:
         document["mass_kg"] = round(DENSITY_DEFAULT * volume, 3)
     if "tool" not in document:
         document["tool"] = dict(TOOL_DEFAULT)
+    document["tool"].setdefault("centre_cutting", True)
     if "cutting" not in shared:
         shared["cutting"] = {"spindle_speed_rpm": 3200.0, "feed_mm_s": 50.0}
     shared.setdefault("wrench_point_mm", WRENCH_POINT_DEFAULT)
@@ -235,6 +242,13 @@ def _one_text(cells: list[str], path: str, where: str) -> str:
     if len(cells) != 1:
         raise BadTable(f"{where}: found {len(cells)} cells behind the label, allowed is 1")
     return cells[0]
+
+
+def _one_switch(cells: list[str], path: str, where: str) -> bool:
+    word = _one_text(cells, path, where).strip().lower()
+    if word not in WORDS:
+        raise BadTable(f"{where}: found {cells[0]!r}, allowed is {' or '.join(WORDS)}")
+    return WORDS[word]
 
 
 def _one_number(cells: list[str], path: str, where: str) -> float:
@@ -276,7 +290,7 @@ def format_thesis_text(recipe: Recipe) -> str:
     document["tool"] = document["tools"][first["tool"]]
     lines: list[tuple[str, list[Any]]] = []
     write: Callable[[str, list[Any]], None] = lambda label, cells: lines.append((label, cells))  # noqa: E731
-    for label, path in {**TEXTS, **NUMBERS}.items():
+    for label, path in {**TEXTS, **NUMBERS, **SWITCHES}.items():
         value = _get(first if path.startswith("*") else document, path.lstrip("*"))
         if value is not None and value != "":
             write(label, [value])
@@ -298,4 +312,6 @@ def format_thesis_text(recipe: Recipe) -> str:
 
 
 def _cell(value: Any) -> str:
+    if isinstance(value, bool):
+        return next(word for word, meant in WORDS.items() if meant is value)
     return format_number(value) if isinstance(value, int | float) else str(value)

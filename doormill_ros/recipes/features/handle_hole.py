@@ -24,7 +24,7 @@ class HandleHole(Feature):
         backset: Distance of the centre from the lock edge [m].
         diameter: Diameter [m].
         from_both_sides: True when, in a cell with a robot on either side, each mills half the
-            thickness (thesis appendix A.1); a single robot mills all of it.
+            thickness (thesis appendix A.1); a single robot mills all of it, against a board behind the door.
         lock_case: Identifier of the lock case that the hole leads through, or None.
     """
 

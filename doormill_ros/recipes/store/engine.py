@@ -11,9 +11,10 @@ import sqlalchemy as sa
 from sqlalchemy.pool import StaticPool
 
 from doormill_ros.recipes.errors import DatabaseUnreachable
+from doormill_ros.resources import site_folder
 from doormill_ros.units import s_to_ms
 
-ENVIRONMENT = "DOORMILL_DATABASE"
+ENVIRONMENT, FILE = "DOORMILL_DATABASE", "recipes.sqlite"
 BUSY_SECONDS = 30  #: how long a SQLite writer waits for another
 _SWITCH_PAUSE = 0.01  # s
 POSTGRESQL_ARGUMENTS = {"connect_timeout": 5}  # s
@@ -21,12 +22,9 @@ WRITE = "doormill_write"  #: execution option of a connection that is going to w
 READ = "doormill_read"  #: execution option of a connection on which each statement stands alone
 
 
-def default_url() -> str:
-    """$DOORMILL_DATABASE, or a SQLite file in the user's data folder."""
-    if os.environ.get(ENVIRONMENT):
-        return os.environ[ENVIRONMENT]
-    data = os.environ.get("XDG_DATA_HOME") or str(Path.home() / ".local" / "share")
-    return f"sqlite:///{Path(data) / 'doormill_ros' / 'recipes.sqlite'}"
+def default_url(variable: str = ENVIRONMENT, file: str = FILE) -> str:
+    """What an environment variable holds, else a SQLite file of this name in the site's folder."""
+    return os.environ.get(variable) or f"sqlite:///{site_folder() / file}"
 
 
 def make_engine(url: str | None = None) -> sa.Engine:

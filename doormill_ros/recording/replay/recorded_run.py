@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from doormill_ros.messages.from_message import nanoseconds_of
-from doormill_ros.recording.bag_reader import BagMessage, read_bag, topics_of
+from doormill_ros.recording.bag_reader import BagMessage, read_bag
 from doormill_ros.recording.errors import EmptyBagError
 from doormill_ros.recording.replay.answer import (
     Answer,
@@ -20,6 +20,7 @@ from doormill_ros.recording.replay.answer import (
 )
 
 RECIPE, PICTURE, CAMERA_INFO = "door/recipe", "camera/image_raw", "camera/camera_info"
+COMPRESSED = f"{PICTURE}/compressed"  #: counts where the picture itself is not in the bag
 POSE, LOCALIZATION, TARGETS = "door/pose", "door/localization", "path/targets"
 TARGET_FILE, RUN_RESULT = "abb/target_file", "run/result"
 STATUS = "abb/status"
@@ -63,6 +64,11 @@ class RecordedRun:
     def door_id(self) -> str:
         """Door of the run."""
         return str((self.recipe or self.result).door_id)
+
+    @property
+    def image_transport(self) -> str:
+        """How its pictures came, as `image_transport` names it."""
+        return "compressed" if any(topic == COMPRESSED for topic, _ in self.serialized) else "raw"
 
     def answers(self) -> list[Answer]:
         """What was recorded of every stage."""
@@ -113,8 +119,14 @@ class _Collector:
 
     def _keep(self, run: RecordedRun, item: BagMessage) -> None:
         stamp = nanoseconds_of(item.message.header.stamp)
+        if item.topic.endswith(COMPRESSED):
+            if (PICTURE, stamp) in run.serialized:
+                return
+            run.serialized[COMPRESSED, stamp] = item.data
+        else:
+            run.serialized.pop((COMPRESSED, stamp), None)
+            run.serialized[PICTURE, stamp] = item.data
         run.pictures[stamp] = item.message
-        run.serialized[PICTURE, stamp] = item.data
         if self._info is not None:
             self._keep_info(run, stamp, self._info)
 
@@ -173,6 +185,7 @@ def read_runs(bag: Path) -> list[RecordedRun]:
     take: dict[str, Callable[[BagMessage], None]] = {
         RECIPE: collector.recipe,
         PICTURE: collector.picture,
+        COMPRESSED: collector.picture,
         CAMERA_INFO: collector.camera_info,
         POSE: collector.pose,
         LOCALIZATION: collector.localization,
@@ -181,9 +194,12 @@ def read_runs(bag: Path) -> list[RecordedRun]:
         RUN_RESULT: collector.result,
         STATUS: collector.status,
     }
-    wanted = {t: name for t in topics_of(bag) for name in take if t.endswith("/" + name)}
-    for item in read_bag(bag, list(wanted)) if wanted else ():
-        take[wanted[item.topic]](item)
+
+    def kind(topic: str) -> str | None:
+        return next((name for name in take if topic.endswith("/" + name)), None)
+
+    for item in read_bag(bag, kind):
+        take[str(kind(item.topic))](item)
     runs = [run for run in collector.runs.values() if run.recipe is not None or run.result is not None]
     if not runs:
         raise EmptyBagError(

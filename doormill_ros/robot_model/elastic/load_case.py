@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.frames import rotate_wrench, rotation_z
+from doormill_ros.frames import cross, rotate_wrench, rotation_z
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.circumstances import NOTHING_KNOWN, Circumstances
 
@@ -70,7 +70,7 @@ class LoadCase:
         Returns:
             Displacement and rotation of the point, zero on links before, shape (n, 6).
         """
-        twist = np.concatenate([np.cross(rotation, self.point - self.origin[:, origin]), rotation], axis=1)
+        twist = np.concatenate([cross(rotation, self.point - self.origin[:, origin]), rotation], axis=1)
         twist[self.link < first_link] = 0.0
         return twist
 
@@ -103,7 +103,7 @@ class LoadCase:
                 arm, axis = point - self.origin[:, k], self.axis(k)
                 angle = np.where(self.link > k, give[:, k], 0.0)[:, None]
                 along = np.sum(axis * arm, axis=1, keepdims=True) * axis
-                across = np.cross(axis, arm)
+                across = cross(axis, arm)
                 point = self.origin[:, k] + along + np.cos(angle) * (arm - along) + np.sin(angle) * across
             self.cache["curvature"] = point - self.point - self.springs()[:, :3]
         return self.cache["curvature"]
@@ -151,10 +151,10 @@ def build_load_case(
         wrench = rotate_wrench(sensor, wrench)
     force, couple = wrench[:, :3], wrench[:, 3:]
     load = origin[:, 6] + axes[:, 6] @ np.asarray(load_point, dtype=float)
-    moment = couple[:, None] + np.cross(load[:, None] - origin, force[:, None])
+    moment = couple[:, None] + cross(load[:, None] - origin, force[:, None])
     joint_axes = axes[:, :6, :, 2]
     torque = np.einsum("nki,nki->nk", joint_axes, moment[:, :6])
-    arm = np.cross(joint_axes, load[:, None] - origin[:, :6])
+    arm = cross(joint_axes, load[:, None] - origin[:, :6])
     torque_noise = np.sqrt((noise[0] * np.linalg.norm(arm, axis=2)) ** 2 + noise[1] ** 2)
     if points is None:
         points, links = np.broadcast_to(load_point, (n, 3)), np.full(n, 6)

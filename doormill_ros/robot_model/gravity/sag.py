@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import cross
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import StandingSpread
 from doormill_ros.robot_model.gravity.weights import Weight, torque_by_mass
@@ -104,7 +105,7 @@ class GravitySag:
             places, np.einsum("tij,tcj->tci", J_taught[:, :3], turns(self.taught))
         )
         arm = self._places(q, point) - centre
-        moved[..., :3] -= shift + np.cross(turn, arm[:, None])
+        moved[..., :3] -= shift + cross(turn, arm[:, None])
         moved[..., 3:] -= turn
         return moved
 

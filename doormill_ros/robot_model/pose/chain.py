@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import displacement, vector_from_rotation
+from doormill_ros.frames import cross, displacement, vector_from_rotation
 
 AXES = 6  #: translation x, y, z, rotation x, y, z
 
@@ -98,7 +98,7 @@ def derivatives(T_base_frames: FloatArray, placement: Placement) -> FloatArray:
     axes = np.swapaxes(T_base_frames[..., :3, :3], -1, -2)  # (n, J + 1, axis, component)
     lever = target[:, None, :3] - T_base_frames[..., :3, 3]
     out[:, :, :3, :3] = axes
-    out[:, :, 3:, :3] = np.cross(axes, lever[:, :, None, :])
+    out[:, :, 3:, :3] = cross(axes, lever[:, :, None, :])
     out[:, :, 3:, 3:] = axes
     return out.reshape(n, AXES * count, 6)
 

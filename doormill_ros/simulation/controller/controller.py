@@ -38,7 +38,8 @@ from doormill_ros.units import deg_to_rad
 
 #: What the project ships for the controller.
 OWN_MODULES = tuple(
-    f"rapid/Door{name}.mod" for name in ("Text", "Cell", "Stop", "Link", "Path", "Line", "File", "Mill")
+    f"rapid/Door{name}.mod"
+    for name in ("Text", "Cell", "Stop", "Back", "Link", "Path", "Line", "File", "Mill")
 )
 IO_CONFIGURATION = "rapid/EIO.cfg"
 #: PERS of DoorLink.mod that names the door in the cell.

@@ -12,6 +12,7 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.config import check, read_document
 from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import BodiesError
+from doormill_ros.simulation.judge.boards import Board
 from doormill_ros.simulation.judge.links import BASE, FLANGE, Links, pose
 from doormill_ros.simulation.judge.shapes import box_gap, segment_gap
 from doormill_ros.values import Name, Positive, Section, Vector3
@@ -105,6 +106,7 @@ class JudgedCell:
         obstacles: What stands still beside the door; boxes in base_link.
         T_flange_tool: Tool centre point in the flange, shape (4, 4).
         nose: How far the mill reaches out of the spindle [m].
+        boards: What is pressed against the rear face of a door.
     """
 
     links: Links
@@ -112,6 +114,7 @@ class JudgedCell:
     obstacles: tuple[Box, ...]
     T_flange_tool: FloatArray
     nose: float
+    boards: tuple[Board, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -153,6 +156,7 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
         own = read_document(folder / "bodies.yaml", BodiesError)["bodies"]
         spindle, obstacles = content["spindle"]["bodies"], content["obstacles"]
         T_flange_tool = pose(np.array(content["tool"]["position"], dtype=float), LEVEL)
+        boards = (content.get("backing") or {"boards": []})["boards"]
         nose = float(read_document(resource(PATH), BodiesError)["approach"]["nose"])
         links = Links.read(folder / "robot.urdf")
     except (KeyError, TypeError, ValueError, OSError) as cause:
@@ -172,7 +176,14 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
     standing = [body for body in _shapes(obstacles, path, BASE) if isinstance(body, Box)]
     if len(standing) != len(obstacles):
         raise BodiesError(f"{path}: obstacles hold a capsule, allowed are boxes: enclose it in one")
-    return JudgedCell(links, tuple(b for b in bodies if b.link != BASE), tuple(standing), T_flange_tool, nose)
+    return JudgedCell(
+        links,
+        tuple(b for b in bodies if b.link != BASE),
+        tuple(standing),
+        T_flange_tool,
+        nose,
+        tuple(check(boards, list[Board], BodiesError, str(path))),
+    )
 
 
 def _shapes(content: Any, path: Path, link: str | None = None) -> list[Body]:

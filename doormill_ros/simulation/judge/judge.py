@@ -14,6 +14,7 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import Body, Box, JudgedCell
 from doormill_ros.simulation.judge.links import BASE, FLANGE
+from doormill_ros.simulation.judge.manner import bad_cuts
 from doormill_ros.simulation.judge.mill import TOLERANCE, judge_mill, mill_radius
 from doormill_ros.simulation.judge.shapes import cylinder_gap
 from doormill_ros.simulation.judge.sweep import Meeting, Sweep
@@ -50,8 +51,10 @@ def judge(
     door = Box(DOOR, BASE, T_base_box, size / 2.0)
     pockets = tuple(Pocket.of(recipe, feature) for feature in recipe.features)
     T_door_base = inverse(T_base_door_true)
+    placed = [(board.name, board.box(size)) for board in cell.boards]
+    boards = [Box(name, BASE, T_base_door_true @ box[0], box[1]) for name, box in placed if box is not None]
     for body in cell.bodies:
-        for obstacle in (door, *cell.obstacles):
+        for obstacle in (door, *cell.obstacles, *boards):
             met = _meeting(sweep, body, obstacle)
             if obstacle is door and len(met.place):
                 met = _in_wood(met, sweep, body, T_door_base, size, pockets, mill.cuts)
@@ -60,8 +63,11 @@ def judge(
             )
     for obstacle in cell.obstacles:
         touches += _mill_touches(recipe, executed, sweep, cell, obstacle, T_door_base)
+    for board in boards:
+        touches += _mill_touches(recipe, executed, sweep, cell, board, T_door_base, pockets)
+    bad = bad_cuts(recipe, T_base_door_true, executed)
     touches.sort(key=lambda touch: (touch.time, touch.body, touch.obstacle))
-    return Verdict(len(executed), tuple(touches), mill.gone)
+    return Verdict(len(executed), tuple(touches), mill.gone, mill.torn, tuple(bad))
 
 
 def _meeting(sweep: Sweep, body: Body, obstacle: Box) -> Meeting:
@@ -117,8 +123,9 @@ def _mill_touches(
     cell: JudgedCell,
     obstacle: Box,
     T_door_base: FloatArray,
+    pockets: tuple[Pocket, ...] = (),
 ) -> list[Touch]:
-    """The mill against what is not wood."""
+    """The mill against what is not of the door; of a board it may take what lies behind the feature at hand."""
     radius = mill_radius(recipe, executed)
     T_box_base = inverse(obstacle.at)
 
@@ -129,6 +136,15 @@ def _mill_touches(
 
     extent = float(np.linalg.norm(cell.T_flange_tool[:3, 3])) + float(radius.max())
     met = sweep.met(FLANGE, extent, gap_at)
+    if pockets and len(met.place):
+        T, sample = T_door_base @ sweep.tool(met.place), np.ceil(met.place).astype(int)
+        kept = np.ones(len(sample), dtype=bool)
+        for pocket in pockets:
+            own = np.flatnonzero(executed.feature[sample] == pocket.feature)
+            beside = pocket.excess(T[own, :3, 3], T[own, :3, 2], cell.nose, radius[sample[own]])
+            kept[own] = beside > TOLERANCE
+        left = frozenset(np.floor(met.place[kept]).astype(int).tolist())
+        met = Meeting(met.place[kept], met.depth[kept], left)
     return _touches(met, "mill", obstacle.name, executed, (T_door_base @ sweep.tool(met.place))[:, :3, 3])
 
 

@@ -11,10 +11,11 @@ from doormill_ros.frames import inverse
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import JudgedCell
+from doormill_ros.simulation.judge.exits import torn_out
 from doormill_ros.simulation.judge.links import FLANGE
 from doormill_ros.simulation.judge.shapes import cylinder_gap
 from doormill_ros.simulation.judge.sweep import LEVER, Sweep, between
-from doormill_ros.simulation.judge.verdict import Touch, WoodGone
+from doormill_ros.simulation.judge.verdict import TornOut, Touch, WoodGone
 from doormill_ros.simulation.judge.wood import Cuts, Pocket, below_surface, still_there
 
 TOLERANCE = 0.5e-3  #: how far beside a feature wood may be gone, section 1.3 of the thesis [m]
@@ -52,11 +53,13 @@ class MillJudgement:
         gone: Wood outside the features.
         touches: Wood that a standing mill met.
         cuts: Where it took wood of the features.
+        torn: Wood that it tore out where it came through a face.
     """
 
     gone: tuple[WoodGone, ...]
     touches: tuple[Touch, ...]
     cuts: Cuts
+    torn: tuple[TornOut, ...]
 
 
 def judge_mill(
@@ -104,6 +107,8 @@ def judge_mill(
     fair = looks.turning & (excess <= TOLERANCE)
     spoilt = np.unique(feature[looks.turning & (excess > TOLERANCE) & np.isfinite(excess)])
     beside = looks.turning & np.isfinite(excess) & (excess > SEEN) & np.isin(feature, spoilt)
+    own = looks.part(fair)
+    torn = torn_out(own.sample, own.tip, own.axis, own.radius, size, cell.boards, executed)
     cut = looks.part(fair & ~beside)
     cut = cut.part(_thin(cut, executed))
     cuts = Cuts(cut.place, cut.tip, cut.axis, cut.radius, executed.feature[cut.sample])
@@ -116,7 +121,7 @@ def judge_mill(
             gone += more[0]
             touches += more[1]
     gone.sort(key=lambda item: item.time)
-    return MillJudgement(tuple(gone), tuple(touches), cuts)
+    return MillJudgement(tuple(gone), tuple(touches), cuts, tuple(sorted(torn, key=lambda item: item.time)))
 
 
 def mill_radius(recipe: Recipe, executed: ExecutedPath) -> FloatArray:

@@ -6,7 +6,13 @@ from dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.errors import DoormillError
-from doormill_ros.simulation.errors import BodyTouched, WoodOutsideFeatures
+from doormill_ros.simulation.errors import (
+    BodyTouched,
+    MilledWrongWay,
+    PlungedDown,
+    WoodOutsideFeatures,
+    WoodTornOut,
+)
 from doormill_ros.units import MM, m_to_mm
 
 NO_TOUCH = "nothing was touched but the wood to be cut"
@@ -80,6 +86,40 @@ class WoodGone(Harm):
         return f"the mill took {self.volume / MM**3:.0f} mm^3 of wood outside the features"
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TornOut(Harm):
+    """The mill came out through a face where nothing backed the wood; `depth` is how far its tip came behind it.
+
+    Attributes:
+        face: Which one.
+        area: Of the wood at the face that it tore out [m^2].
+    """
+
+    face: str
+    area: float
+
+    @property
+    def _what(self) -> str:
+        return f"the mill tore {self.area / MM**2:.0f} mm^2 of wood out of the {self.face}, which nothing backs there,"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BadCut(Harm):
+    """A feature cut in a manner that spoils tool or wall; `depth` is how deep the tip was in the feature.
+
+    Attributes:
+        said: What was done and what is allowed.
+        steep: True for a way down, False for the way round.
+    """
+
+    said: str
+    steep: bool
+
+    @property
+    def _what(self) -> str:
+        return self.said
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """What a run touched beside the wood to be cut.
@@ -88,16 +128,25 @@ class Verdict:
         judged: Executed samples that were looked at.
         touches: By body, obstacle and motion, in the order of time.
         gone: Wood outside the features by motion, in the order of time.
+        torn: Wood torn out of faces by motion, in the order of time.
+        bad: Features cut in a manner that spoils tool or wall.
     """
 
     judged: int
     touches: tuple[Touch, ...] = ()
     gone: tuple[WoodGone, ...] = ()
+    torn: tuple[TornOut, ...] = ()
+    bad: tuple[BadCut, ...] = ()
+
+    @property
+    def harm(self) -> tuple[Harm, ...]:
+        """All of it, bodies first."""
+        return (*self.touches, *self.gone, *self.torn, *self.bad)
 
     @property
     def touched_samples(self) -> int:
         """Executed samples in which anything was touched that must not be."""
-        return len(frozenset[int]().union(*(harm.samples for harm in (*self.touches, *self.gone))))
+        return len(frozenset[int]().union(*(harm.samples for harm in self.harm)))
 
     @property
     def volume(self) -> float:
@@ -106,20 +155,34 @@ class Verdict:
 
     @property
     def error(self) -> DoormillError | None:
-        """Why the run failed, None when it touched nothing: BodyTouched or WoodOutsideFeatures."""
-        if not self.touches and not self.gone:
+        """Why the run failed, the gravest of what was found; None when it harmed nothing."""
+        if not self.harm:
             return None
         said = []
-        kinds: tuple[tuple[Harm, ...], ...] = (self.touches, self.gone)
+        kinds: tuple[tuple[Harm, ...], ...] = (self.touches, self.gone, self.torn, self.bad)
         for kind in kinds:
             if kind:
                 worst = max(kind, key=lambda item: item.depth)
                 said += list(dict.fromkeys(item.sentence for item in (kind[0], worst)))
-        sentence = (
-            f"{'; '.join(said)}; allowed is to touch nothing but the wood to be cut, something else was touched in "
-            f"{self.touched_samples} of {self.judged} samples: plan another way, or mill the door in another place"
+        if self.touches or self.gone:
+            rule = (
+                "allowed is to touch nothing but the wood to be cut, something else was touched in "
+                f"{self.touched_samples} of {self.judged} samples: plan another way, or mill the door in another place"
+            )
+        elif self.torn:
+            rule = "allowed is to come out of a face where a board backs the wood: place one, or mill from both sides"
+        else:
+            rule = (
+                "allowed is what tool and recipe say: declare another tool or direction, or plan another way"
+            )
+        sentence = f"{'; '.join(said)}; {rule}"
+        by_weight = (
+            (bool(self.touches), BodyTouched),
+            (bool(self.gone), WoodOutsideFeatures),
+            (bool(self.torn), WoodTornOut),
+            (any(item.steep for item in self.bad), PlungedDown),
         )
-        error = BodyTouched if self.touches else WoodOutsideFeatures
+        error = next((kind for found, kind in by_weight if found), MilledWrongWay)
         return error(sentence, touched=self.touched_samples)
 
     @property

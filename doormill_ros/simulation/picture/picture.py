@@ -121,6 +121,21 @@ class _Painter:
                     corners = np.rint(at * 2**_SUB_BITS).astype(np.int32)
                     cv2.fillPoly(radiance, [corners], float(blot.brightness), cv2.LINE_8, _SUB_BITS)
 
+    def _mark(self, out: Float32Array, ray_x: Float32Array, ray_y: Float32Array, fine: int) -> None:
+        """Put the cell's dots before the background; all of one shape (n, m)."""
+        marks, camera = self.scene.camera.marks, self.scene.camera
+        if marks is None:
+            return
+        ahead = marks.x - float(camera.origin[0])
+        steep = np.float32(fine * float(camera.matrix[0, 0]) / ahead)
+        for across, up in marks.places:
+            y = np.float32(-ahead) * ray_x - np.float32(across - camera.origin[1])
+            z = np.float32(-ahead) * ray_y - np.float32(up - camera.origin[2])
+            away = cv2.magnitude(y, z)
+            for radius, brightness in ((2 * marks.radius, marks.black), (marks.radius, marks.white)):
+                share = np.clip((np.float32(radius) - away) * steep + np.float32(0.5), 0, 1)
+                out += (np.float32(brightness) - out) * share
+
     def radiance(self, block: Block, fine: int) -> Float32Array:
         """What the sub-pixels of a block see, before the lens spreads it; (rows * fine, columns * fine)."""
         scene, shadows = self.scene, self.scene.light.shadows
@@ -129,6 +144,7 @@ class _Painter:
         sample = scene.distance / float(scene.camera.matrix[0, 0]) / fine
         out = self.albedo("background", y, z)
         self.paint(out, block, fine, behind=True)
+        self._mark(out, ray_x, ray_y, fine)
         self._shade(out, [s for s in shadows if s.behind], y, z)
         face = self.albedo("face", y, z)
         self._stripe(face, y, z)

@@ -22,6 +22,25 @@ from doormill_ros.values import Array, Count, Finite, Section
 FORM = "config/camera.yaml"
 
 
+@dataclass(frozen=True)
+class SceneMarks(Section, extra="ignore"):
+    """White dots on black rings of twice their radius, in a plane across base x.
+
+    Attributes:
+        x: Of the plane [m].
+        radius: Of a dot [m].
+        places: y at a door width of zero and z of each dot [m].
+        white: Brightness of a dot.
+        black: Brightness of a ring.
+    """
+
+    x: Finite
+    radius: Finite
+    places: tuple[tuple[Finite, Finite], ...]
+    white: Finite = 0.75
+    black: Finite = 0.04
+
+
 @dataclass(frozen=True, eq=False)
 class SceneCamera:
     """The true camera.
@@ -32,6 +51,7 @@ class SceneCamera:
         shape: Rows and columns of the picture.
         origin: x, slider y and z of the projection centre in base [m], shape (3,).
         turn: Rotation of the camera from its mounting, base x ahead, base y left and base z up; shape (3, 3).
+        marks: Dots of the cell beside the door; they stay where they are when the camera does not.
     """
 
     matrix: FloatArray
@@ -39,6 +59,7 @@ class SceneCamera:
     shape: tuple[int, int]
     origin: FloatArray
     turn: FloatArray = field(default_factory=lambda: np.eye(3))
+    marks: SceneMarks | None = None
 
     @staticmethod
     def load(path: Path | None = None) -> SceneCamera:
@@ -55,6 +76,7 @@ class SceneCamera:
             brown=content.distortion.coefficients,
             shape=(rows, columns),
             origin=np.array([mounting.x, mounting.slider_y, mounting.z]),
+            marks=content.marks,
         )
 
 
@@ -81,6 +103,7 @@ class _CameraFile(Section, extra="ignore"):
     intrinsics: _Intrinsics
     distortion: _Distortion
     mounting: _Mounting
+    marks: SceneMarks | None = None
 
 
 @dataclass(frozen=True)

@@ -263,3 +263,10 @@ def test_the_page_describes_the_files_as_they_are_read(worn, tmp_path, capsys):
     assert columns == "x, y, z, nx, ny, nz"
     for cell in ("feature", "surface", "x, y, z", "nx, ny, nz", "deviation"):
         assert f"\n| {cell} |" in page, cell
+
+
+def test_a_model_in_use_is_asked_about_with_inspections_only(tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        run(capsys, "--data", tmp_path, "--in-use", "springs", "--out", tmp_path / "out")
+    assert ended.value.code == 2
+    assert "--in-use was given without --inspections" in capsys.readouterr().err

@@ -7,7 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from doormill_ros.simulation.controller.rapid.errors import RapidRuntimeError, RapidStoppedError
+from doormill_ros.simulation.controller.rapid.errors import (
+    RapidRuntimeError,
+    RapidStoppedError,
+    RapidUnsupportedError,
+)
 
 EIO = """EIO:CFG_1.0:6:1::
 EIO_SIGNAL:
@@ -78,9 +82,15 @@ def test_a_path_is_put_aside_and_taken_up_again(run):
 
 
 def test_a_cleared_path_is_forgotten_and_the_cycle_begins_anew(run):
-    robot = run("IDelete i; StopMove\\Quick; ClearPath; StartMove; ExitCycle;")
+    robot = run("IDelete i; StopMove; ClearPath; StartMove; ExitCycle;")
     assert robot.read_signal("doA") == 0.0
     assert 200.0 < way(robot)[-1] < 230.0
+
+
+@pytest.mark.parametrize("trap", ["StopMove\\Quick;", "PathRecMoveBwd;"])
+def test_what_not_every_controller_has_is_refused(run, trap):
+    with pytest.raises(RapidUnsupportedError):
+        run(trap)
 
 
 def test_going_on_far_from_the_path_is_refused(run):

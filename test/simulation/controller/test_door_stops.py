@@ -78,10 +78,11 @@ def test_what_fails_in_the_cut_ends_the_door_on_the_path(cutting, signal, reason
     moves = len(robot.moves)
     next_cycle(robot)
     assert_led_home(robot, reason)
-    # Out along the tool's axis, in front of the feature, over the points, home.
+    # Back along the path to in front of the feature, over the points, home.
     back = [move.kind for move in robot.moves[moves:]]
-    assert back[:2] == ["MoveL", "MoveL"]
-    assert set(back[2:]) == {"MoveAbsJ"}
+    out = back.index("MoveAbsJ")
+    assert {"MoveC"} <= set(back[:out]) <= {"MoveC", "MoveL"}
+    assert set(back[out:]) == {"MoveAbsJ"}
 
 
 @pytest.mark.parametrize("motion", [3, 9])
@@ -122,6 +123,36 @@ def test_a_stop_in_the_cut_is_not_gone_on_from(cutting, what, motion):
     assert_led_home(robot, "The robot was stopped while milling.")
     recording = robot._engine.recording
     assert len(recording.time) > 2
+
+
+@pytest.mark.parametrize("power", [True, False])
+def test_a_door_that_may_have_been_exchanged_before_the_spindle_ran_is_not_cut(door, controller, power):
+    """The robot waits for the guard with the path in memory; nobody sees the clamp while the program stands."""
+
+    def exchange(c):
+        c.cell.set_input("diDoorClamped", 0.0)
+        c.cell.set_input("diDoorClamped", 1.0)
+        operator(c)
+
+    def watch(c):
+        if not stopped and "Close the guard." in c.pendant_lines:
+            stopped.append(c.now())
+            (c.panel.stop if power else c.panel.fail_power)()
+
+    stopped: list[float] = []
+    robot = controller(patience=None, on_stopped=exchange, on_time=watch)
+    robot.teach_pendant.operator = lambda dialog: dialog.buttons[0][0]
+    (robot.home / signals.TARGET_FILE).write_bytes(render_target_file(door("thesis_190_0deg"), "run-1"))
+    robot.panel.set_mode(OperatingMode.MANUAL_REDUCED)
+    robot.panel.motors(True)
+    robot.panel.open_guard()
+    robot.run()
+    assert stopped
+    assert robot.moves == []
+    assert robot.io.read("doPathFault") == 1
+    next_cycle(robot)
+    assert robot.moves == []
+    assert (robot.home / signals.REFUSED_FILE).read_text() == "1\nThe robot was stopped while milling.\n"
 
 
 def test_the_door_that_ended_is_taken_out_before_another_is_asked_for(cutting):

@@ -30,7 +30,7 @@ def cell():
 @pytest.fixture(scope="module")
 def door():
     """A door 40 mm thick with one oblong hinge, 30 x 120 x 5 mm, centre 25 mm from the edge, 500 mm up."""
-    return doors.door_with("hinge_oblong", 2000, 800, 40)
+    return doors.door_with("hinge_oblong", 2000, 800, 40, centre_cutting=True)
 
 
 @pytest.fixture(scope="module")
@@ -152,7 +152,7 @@ def test_a_spindle_that_enters_the_door_with_its_mill(cell, door):
 
 
 def test_a_body_within_a_hole_that_was_milled_does_not_touch(cell):
-    door = doors.door_with("handle_hole", 2000, 800, 40)
+    door = doors.door_with("handle_hole", 2000, 800, 40, centre_cutting=True)
     hole = door.features[0]
     ring = hole.outline(inset=RADIUS).points(step=5e-4)
     y, z = 0.75, hole.height

@@ -11,6 +11,7 @@ import numpy as np
 import yaml
 
 from doormill_ros.abb.target_file.target_file import read_target_file
+from doormill_ros.catalogue.bag_rows import read_inspection_row, read_rows
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.calibration.camera_file import read_document
 from doormill_ros.localization.camera import load_camera
@@ -148,6 +149,7 @@ def subjects(folder: Path) -> Iterator[Subject]:
     shutil.copytree(ROOT / "bags/unreachable", door / "bag")
     yield Subject("inspection.yaml", door, "inspection.yaml", _of_folder(read_inspection))
     yield Subject("points.csv", door, "points.csv", _of_folder(read_inspection))
+    yield Subject("inspection of the catalogue", door, "inspection.yaml", _of_folder(read_inspection_row))
     yield Subject(
         "tracker file", text_folder(folder / "tracker", "a.csv", TRACKER), "a.csv", read_tracker_file
     )
@@ -227,7 +229,13 @@ def subjects(folder: Path) -> Iterator[Subject]:
     bag = folder / "bag"
     shutil.copytree(ROOT / "bags/unreachable", bag)
     mcap = next(p.name for p in bag.glob("*.mcap"))
-    for what, read in (("messages", _messages), ("runs", read_runs), ("expectation", read_expectation)):
+    kinds = (
+        ("messages", _messages),
+        ("runs", read_runs),
+        ("expectation", read_expectation),
+        ("rows of the catalogue", read_rows),
+    )
+    for what, read in kinds:
         yield Subject(f"bag {what}", bag, mcap, _of_folder(read))
         yield Subject(f"metadata.yaml {what}", bag, "metadata.yaml", _of_folder(read))
     yield from controller_answers(folder)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import cross
 from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist, index
 from doormill_ros.robot_model.elastic.load_case import LoadCase
@@ -38,8 +39,8 @@ class LinkBending(LinearTwist):
         force = case.force - np.sum(case.force * axis, axis=1, keepdims=True) * axis
         moment = case.moment[:, k + 1]
         moment = moment - np.sum(moment * axis, axis=1, keepdims=True) * axis
-        rotation = length**2 / 2.0 * np.cross(axis, force) + length * moment
-        shift = length**3 / 3.0 * force + length**2 / 2.0 * np.cross(moment, axis)
+        rotation = length**2 / 2.0 * cross(axis, force) + length * moment
+        shift = length**3 / 3.0 * force + length**2 / 2.0 * cross(moment, axis)
         twist = case.rotate(_SCALE * rotation, k + 1, k + 1)
         twist[:, :3] += np.where(case.link[:, None] > k, _SCALE * shift, 0.0)
         return twist[:, :, None]

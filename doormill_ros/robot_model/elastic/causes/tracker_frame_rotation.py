@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import rotation_from_vector
+from doormill_ros.frames import cross, rotation_from_vector
 from doormill_ros.robot_model.candidate import CauseParameter
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.load_case import LoadCase
@@ -34,7 +34,7 @@ class TrackerFrameRotation(ElasticCause):
     def observe_derivative(self, displacement: FloatArray, dt: FloatArray, theta: FloatArray) -> FloatArray:
         """Of the small turn that follows: exact at zero, a fine descent direction elsewhere."""
         turned = self.observe(displacement, dt, theta)
-        return np.stack([np.cross(axis, turned) for axis in np.eye(3)], axis=2)
+        return np.stack([cross(axis, turned) for axis in np.eye(3)], axis=2)
 
     def values(self, theta: FloatArray, case: LoadCase) -> FloatArray:
         """Rotation vector."""

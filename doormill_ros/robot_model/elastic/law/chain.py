@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.frames import cross
 from doormill_ros.robot_model.elastic.law.parts import Motion, shifted
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -13,14 +14,14 @@ def _wrench(case: LoadCase, force: FloatArray, couple: FloatArray) -> FloatArray
     """Twist by the springs of a wrench that the sensor did not read; shapes (n, 3) [N, N m]."""
     arm = case.load[:, None] - case.origin[:, :6]
     axes = case.axes[:, :6, :, 2]
-    torque = np.einsum("nki,nki->nk", axes, np.cross(arm, force[:, None]) + couple[:, None])
+    torque = np.einsum("nki,nki->nk", axes, cross(arm, force[:, None]) + couple[:, None])
     give = torque / case.joint_stiffness
     return sum((give[:, k, None] * case.joint_twist(k) for k in range(6)), np.zeros((len(case), 6)))
 
 
 def _read(case: LoadCase) -> FloatArray:
     """What the sensor reads, sensor axes, shape (n, 6) [N, N m]."""
-    couple = case.moment[:, 6] - np.cross(case.load - case.origin[:, 6], case.force)
+    couple = case.moment[:, 6] - cross(case.load - case.origin[:, 6], case.force)
     parts = [np.einsum("nji,nj->ni", case.sensor, vector) for vector in (case.force, couple)]
     return np.concatenate(parts, axis=1)
 
@@ -55,13 +56,13 @@ def shift(case: LoadCase, where: str) -> list[FloatArray]:
 def turned(case: LoadCase, where: str) -> list[FloatArray]:
     """What a tracker that has turned makes of a displacement; shape (n, 6) each."""
     every = np.ones(len(case), dtype=bool)
-    return [shifted(np.cross(axis, case.springs()[:, :3]), every) for axis in np.eye(3)]
+    return [shifted(cross(axis, case.springs()[:, :3]), every) for axis in np.eye(3)]
 
 
 def turning(case: LoadCase, where: str) -> list[FloatArray]:
     """A tracker that turns between two readings, and shifts, as its place is unknown; shape (n, 6) each."""
     every = np.ones(len(case), dtype=bool)
-    return [*(shifted(np.cross(axis, case.point), every) for axis in np.eye(3)), *shift(case, where)]
+    return [*(shifted(cross(axis, case.point), every) for axis in np.eye(3)), *shift(case, where)]
 
 
 def _lasting(case: LoadCase) -> FloatArray:

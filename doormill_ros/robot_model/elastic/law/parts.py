@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.frames import cross
 from doormill_ros.robot_model.elastic.causes.link_bending import LinkBending
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.law.parts import number_of
@@ -85,15 +86,15 @@ def _across(case: LoadCase, k: int) -> tuple[FloatArray, FloatArray]:
     axis, _ = _line(case, k)
     own = case.axes[:, k + 1]
     aligned = np.abs(np.einsum("nij,ni->nj", own, axis)).mean(axis=0)
-    first = np.cross(axis, own[:, :, int(np.argmin(np.round(aligned, 6)))])
+    first = cross(axis, own[:, :, int(np.argmin(np.round(aligned, 6)))])
     first /= np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-9)
-    return first, np.cross(axis, first)
+    return first, cross(axis, first)
 
 
 def _at_middle(case: LoadCase, k: int, turn: FloatArray) -> FloatArray:
     """Everything beyond the middle of link k + 1 turns about it; points on the link itself stay."""
     middle = 0.5 * (case.origin[:, k] + case.origin[:, k + 1])
-    twist = np.concatenate([np.cross(turn, case.point - middle), turn], axis=1)
+    twist = np.concatenate([cross(turn, case.point - middle), turn], axis=1)
     twist[case.link < k + 1] = 0.0
     return twist
 
@@ -103,7 +104,7 @@ def hinge(case: LoadCase, where: str) -> list[FloatArray]:
     k = number_of(where)
     axes = _across(case, k)
     lever = 0.5 * (case.origin[:, k] + case.origin[:, k + 1]) - case.origin[:, k + 1]
-    moment = case.moment[:, k + 1] + np.cross(-lever, case.force)
+    moment = case.moment[:, k + 1] + cross(-lever, case.force)
     one, two = (np.sum(moment * axis, axis=1, keepdims=True) for axis in axes)
     turns = (one * axes[0], two * axes[1], one * axes[1] + two * axes[0])
     return [_at_middle(case, k, turn) for turn in turns]

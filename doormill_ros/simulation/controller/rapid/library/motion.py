@@ -88,9 +88,9 @@ def wait_rob(context: Context, _in_position: bool, zero_speed: bool) -> None:
             context.machine.wait_in_position()
 
 
-@predefined("PROC StopMove(\\switch Quick)")
-def stop_move(context: Context, _quick: bool) -> None:
-    """Stop the robot on its path."""
+@predefined("PROC StopMove()")
+def stop_move(context: Context) -> None:
+    """Stop the robot on its path; without Quick, which RobotWare 7.21 did not take (docs/rapid.md, [V])."""
     context.machine.stop_motion(clear=False)
 
 

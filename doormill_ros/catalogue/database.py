@@ -1,0 +1,216 @@
+"""The catalogue itself: rows of runs in SQLite or PostgreSQL, by the engine of the recipe database."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.dialects import postgresql, sqlite
+
+from doormill_ros.catalogue import schema
+from doormill_ros.catalogue.errors import CatalogueUnreachableError, UnknownRunError
+from doormill_ros.catalogue.run import CataloguedInspection, CataloguedRun, CatalogueRow
+from doormill_ros.recipes.store.engine import WRITE, default_url, make_engine
+
+ENVIRONMENT, FILE = "DOORMILL_CATALOGUE", "catalogue.sqlite"
+PAGE = 2000  # rows that are read at a time
+_RUN = [field.name for field in fields(CataloguedRun)]
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which runs; what is None or empty does not narrow.
+
+    Attributes:
+        door_id: Of this door.
+        run_id: This one.
+        since_ns, until_ns: Begun from then on, and before then [ns since the epoch].
+        failed: True for those that did not end well or did not end.
+    """
+
+    door_id: str = ""
+    run_id: str = ""
+    since_ns: int | None = None
+    until_ns: int | None = None
+    failed: bool = False
+
+    def conditions(self) -> list[sa.ColumnElement[bool]]:
+        """The same as conditions on `catalogue_run`."""
+        columns = schema.run.c
+        found: list[sa.ColumnElement[bool]] = []
+        if self.door_id:
+            found.append(columns.door_id == self.door_id)
+        if self.run_id:
+            found.append(columns.run_id == self.run_id)
+        if self.since_ns is not None:
+            found.append(columns.begun_ns >= self.since_ns)
+        if self.until_ns is not None:
+            found.append(columns.begun_ns < self.until_ns)
+        if self.failed:
+            found.append(sa.or_(columns.success.is_(None), columns.success.is_(sa.false())))
+        return found
+
+
+class Catalogue:
+    """Runs of one or several cells; a context manager."""
+
+    def __init__(self, url: str | None = None) -> None:
+        """Open it, make it when it is not there.
+
+        Args:
+            url: As for the recipe database; None or empty for $DOORMILL_CATALOGUE, else a SQLite file in the user's
+                data folder.
+
+        Raises:
+            CatalogueUnreachableError: Nothing answers, or it is no database.
+            CatalogueTooNewError: Another release made it.
+            DatabaseUnreachable: Not a URL, or of another kind of database.
+        """
+        self._engine = make_engine(url or default_url(ENVIRONMENT, FILE))
+        self.url = self._engine.url.render_as_string(hide_password=True)
+        try:
+            with self._failures(), self._engine.connect() as connection:
+                found = schema.found_version(connection)
+            if found is None:
+                with self._write() as connection:
+                    schema.make_tables(connection)
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Catalogue:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close every connection."""
+        self._engine.dispose()
+
+    def store(
+        self, bag: str, runs: Sequence[CataloguedRun], inspections: Iterable[CataloguedInspection] = ()
+    ) -> None:
+        """Put the runs of a bag in place of what was known of them, and add inspections: all of it, or nothing.
+
+        Other runs of the cell that were in a bag of this place have lost it. A run whose other bag is the same, byte
+        for byte, and still there stays with that one.
+
+        Args:
+            bag: The bag's folder as it stands in the runs.
+            runs: All that the bag holds so far.
+            inspections: Found beside it.
+        """
+        with self._write() as connection:
+            schema.lock(connection)
+            ids, cells = [run.run_id for run in runs], {run.cell for run in runs}
+            if bag:
+                # Another machine may have a bag of the same path.
+                lost = (
+                    (schema.run.c.bag == bag) & schema.run.c.run_id.not_in(ids) & schema.run.c.cell.in_(cells)
+                )
+                connection.execute(schema.run.update().where(lost).values(bag="", bag_sha256="", bag_bytes=0))
+            for run in sorted(runs, key=lambda run: run.run_id):
+                if not self._is_copy(connection, run):
+                    _put(connection, schema.run, asdict(run))
+            for one in sorted(inspections, key=lambda one: (one.run_id, one.inspection)):
+                _put(connection, schema.inspection, asdict(one))
+
+    @staticmethod
+    def _is_copy(connection: sa.Connection, run: CataloguedRun) -> bool:
+        """True for a run whose known bag is another one with the same content."""
+        columns = schema.run.c
+        query = sa.select(columns.bag).where(
+            columns.run_id == run.run_id, columns.bag_sha256 == run.bag_sha256
+        )
+        known = connection.execute(query).scalar() if run.bag_sha256 else None
+        return known is not None and known != run.bag and Path(known).is_dir()
+
+    def keep(self, run_ids: Sequence[str], reason: str) -> None:
+        """Keep the bags of runs for ever, or no longer so with an empty reason: of all of them, or of none.
+
+        Raises:
+            UnknownRunError: A run is not in the catalogue.
+        """
+        with self._write() as connection:
+            schema.lock(connection)
+            for run_id in run_ids:
+                query = sa.select(schema.run.c.run_id).where(schema.run.c.run_id == run_id)
+                if "\x00" in run_id or connection.execute(query).first() is None:
+                    raise UnknownRunError(
+                        f"found no run {run_id!r} in the catalogue {self.url}; catalogue list names them",
+                        found=run_id,
+                    )
+                if reason:
+                    _put(connection, schema.kept, {"run_id": run_id, "reason": reason})
+                else:
+                    connection.execute(schema.kept.delete().where(schema.kept.c.run_id == run_id))
+
+    def forget_bag(self, bag: str, sha256: str) -> None:
+        """The runs of a bag stay, the bag with this checksum is gone."""
+        with self._write() as connection:
+            schema.lock(connection)
+            gone = schema.run.update().where(schema.run.c.bag == bag, schema.run.c.bag_sha256 == sha256)
+            connection.execute(gone.values(bag="", bag_sha256="", bag_bytes=0))
+
+    def rows(self, selection: Selection | None = None) -> Iterator[CatalogueRow]:
+        """Runs in the order of their names, which begin with the time; read in pages."""
+        columns, last = schema.run.c, ""
+        conditions = (selection or Selection()).conditions()
+        while True:
+            page = sa.select(schema.run).where(columns.run_id > last, *conditions)
+            page = page.order_by(columns.run_id).limit(PAGE)
+            with self._failures(), self._engine.connect() as connection:
+                found = connection.execute(page).mappings().all()
+                if not found:
+                    return
+                ids = [row["run_id"] for row in found]
+                last = ids[-1]
+                inspected = _by_run(connection, schema.inspection, ids, schema.inspection.c.inspected_ns)
+                kept = _by_run(connection, schema.kept, ids, schema.kept.c.reason)
+            for row in found:
+                run_id = row["run_id"]
+                inspection = inspected.get(run_id)
+                yield CatalogueRow(
+                    CataloguedRun(**{name: row[name] for name in _RUN}),
+                    None if inspection is None else CataloguedInspection(**inspection),
+                    kept.get(run_id, {}).get("reason", ""),
+                )
+
+    @contextmanager
+    def _write(self) -> Iterator[sa.Connection]:
+        with self._failures(), self._engine.connect() as connection:
+            connection.execution_options(**{WRITE: True})
+            with connection.begin():
+                yield connection
+
+    @contextmanager
+    def _failures(self) -> Iterator[None]:
+        try:
+            yield
+        except (sa.exc.InterfaceError, sa.exc.DatabaseError) as error:
+            reason = " ".join(str(error.orig).split())
+            raise CatalogueUnreachableError(
+                f"the catalogue {self.url} cannot be used: {reason}; where it is damaged, move it away and fill a new "
+                "one with catalogue rebuild DIR"
+            ) from error
+
+
+def _put(connection: sa.Connection, table: sa.Table, values: dict[str, Any]) -> None:
+    """Insert a row, or put it in place of the one of its key."""
+    dialect = postgresql if connection.dialect.name == "postgresql" else sqlite
+    insert = dialect.insert(table).values(values)
+    others = {name: insert.excluded[name] for name in values if not table.c[name].primary_key}
+    connection.execute(insert.on_conflict_do_update(index_elements=list(table.primary_key), set_=others))
+
+
+def _by_run(
+    connection: sa.Connection, table: sa.Table, ids: list[str], order: sa.Column[Any]
+) -> dict[str, dict[str, Any]]:
+    """The last row of each run in an order."""
+    query = sa.select(table).where(table.c.run_id.in_(ids)).order_by(order, *table.primary_key)
+    return {row["run_id"]: dict(row) for row in connection.execute(query).mappings()}

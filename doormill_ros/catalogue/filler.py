@@ -1,0 +1,91 @@
+"""The thread that notes the runs of a recording in the catalogue as they end."""
+
+from __future__ import annotations
+
+import functools
+import queue
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from doormill_ros.catalogue.bag_rows import finished
+from doormill_ros.catalogue.database import Catalogue
+from doormill_ros.catalogue.run_collector import RunCollector
+from doormill_ros.errors import DoormillError
+
+
+class RunFiller:
+    """Fills the catalogue from one recording; a database that is away costs rows, never messages of the bag.
+
+    Args:
+        url: Of the catalogue, see `Catalogue`.
+        bag: Folder that is recorded into.
+        recorder: What stands in the bag's metadata of its recorder.
+        decode: Makes a message of what was received on a topic.
+
+    Attributes:
+        failure: Why a run is not noted and what to do; empty while all is well.
+    """
+
+    def __init__(
+        self, url: str, bag: Path, recorder: Mapping[str, str], decode: Callable[[str, bytes], Any]
+    ) -> None:
+        self.failure = ""
+        self._url = url
+        self._bag = bag
+        self._decode = decode
+        self._collector = RunCollector(recorder)
+        self._catalogue: Catalogue | None = None
+        self._received: queue.SimpleQueue[tuple[str, bytes, int] | None] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._fill, name="catalogue_filler", daemon=True)
+
+    def start(self) -> None:
+        """Begin to note what is taken."""
+        self._thread.start()
+
+    def take(self, topic: str, data: bytes, stamp_ns: int) -> None:
+        """A message was received, from any thread.
+
+        Args:
+            topic: One of `run_collector.TOPICS`.
+            data: The message, serialized.
+            stamp_ns: When it is recorded [ns since the epoch].
+        """
+        self._received.put((topic, data, stamp_ns))
+
+    def stop(self) -> None:
+        """Note what the closed bag holds, with its checksum and the inspection beside it."""
+        self._received.put(None)
+        self._thread.join()
+        self._try(self._finish)
+        if self._catalogue is not None:
+            self._catalogue.close()
+
+    def _fill(self) -> None:
+        while (item := self._received.get()) is not None:
+            self._try(functools.partial(self._take, *item))
+
+    def _take(self, topic: str, data: bytes, stamp_ns: int) -> None:
+        if self._collector.take(topic, self._decode(topic, data), stamp_ns):
+            bag = str(self._bag.resolve())
+            self._open().store(bag, [replace(run, bag=bag) for run in self._collector.runs()])
+
+    def _finish(self) -> None:
+        rows = finished(self._bag, self._collector)
+        if rows.runs:
+            self._open().store(rows.bag, rows.runs, rows.inspections)
+
+    def _open(self) -> Catalogue:
+        self._catalogue = self._catalogue or Catalogue(self._url)
+        return self._catalogue
+
+    def _try(self, action: Callable[[], None]) -> None:
+        try:
+            action()
+            self.failure = ""
+        except DoormillError as error:
+            self.failure = (
+                f"runs are not in the catalogue: {error.message}; catalogue rebuild {self._bag} adds them"
+            )

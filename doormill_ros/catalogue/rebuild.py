@@ -1,0 +1,64 @@
+"""Fill the catalogue from bags and inspections on a disk."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from doormill_ros.catalogue.bag_rows import DESCRIPTION, read_inspection_row, read_rows
+from doormill_ros.catalogue.database import Catalogue
+from doormill_ros.errors import DoormillError
+from doormill_ros.recording.bag_folders import bags_in, is_bag
+
+
+@dataclass(frozen=True)
+class Filled:
+    """What came of one bag or inspection.
+
+    Attributes:
+        path: Which.
+        runs: How many runs of it are in the catalogue now.
+        refused: Why it is not, or not all of it; empty where it is.
+    """
+
+    path: Path
+    runs: int = 0
+    refused: str = ""
+
+
+def rebuild(catalogue: Catalogue, places: Iterable[Path]) -> Iterator[Filled]:
+    """Put every bag and every inspection in the places into the catalogue, each for itself.
+
+    What is refused does not keep the others out, and what was done stays when somebody ends it in between. Runs whose
+    bags lie elsewhere or are gone stay as they are.
+
+    Raises:
+        CatalogueError: The catalogue itself cannot be used.
+    """
+    places = list(places)
+    inspections = _inspections(places)
+    for bag in bags_in(places):
+        if not is_bag(bag) and any(folder.is_relative_to(bag) for folder in inspections):
+            continue  # a gauge's folder, without bags
+        try:
+            rows = read_rows(bag)
+        except DoormillError as error:
+            yield Filled(bag, 0, error.message)
+            continue
+        catalogue.store(rows.bag, rows.runs, rows.inspections)
+        nothing = "" if rows.runs else f"bag {bag} holds no run; delete it if that is right"
+        yield Filled(bag, len(rows.runs), rows.refused or nothing)
+    for folder in inspections:
+        try:
+            inspection = read_inspection_row(folder)
+        except DoormillError as error:
+            yield Filled(folder, 0, error.message)
+            continue
+        catalogue.store("", (), (inspection,))
+
+
+def _inspections(places: Iterable[Path]) -> list[Path]:
+    found = {Path(name) for place in places for name, _, files in os.walk(place) if DESCRIPTION in files}
+    return sorted(found)

@@ -1,0 +1,168 @@
+"""How long bags stay, and what is kept for ever."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from doormill_ros.catalogue.bag_rows import BESIDE, DESCRIPTION
+from doormill_ros.catalogue.database import Catalogue
+from doormill_ros.catalogue.errors import BadRetentionError
+from doormill_ros.catalogue.run import CatalogueRow
+from doormill_ros.recording.bag_folders import METADATA, content_of_bag
+from doormill_ros.recording.bag_reader import bag_files
+from doormill_ros.recording.replay.expectation import FILE as EXPECTATION
+from doormill_ros.units import days_to_s, gigabytes_to_bytes, s_to_ns
+
+RETIRED = ".retired"  #: end of the name of a bag that is being deleted
+
+
+@dataclass(frozen=True)
+class Retention:
+    """What goes first is the oldest.
+
+    Attributes:
+        days: A bag whose last run began longer ago goes; None for no limit.
+        gigabytes: While the bags together have more, one goes; None for no limit.
+    """
+
+    days: float | None = None
+    gigabytes: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what would delete everything or nothing by mistake.
+
+        Raises:
+            BadRetentionError: Neither is given, or one is no number of at least 0.
+        """
+        given = [value for value in (self.days, self.gigabytes) if value is not None]
+        if not given or not all(math.isfinite(value) and value >= 0.0 for value in given):
+            raise BadRetentionError(
+                f"found {self.days} days and {self.gigabytes} gigabytes, allowed are numbers from 0 on, at least one "
+                "of them"
+            )
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A bag and what becomes of it.
+
+    Attributes:
+        bag: Its folder.
+        sha256: Checksum, see `BagContent`.
+        size: In bytes.
+        begun_ns: When its last run began [ns since the epoch]; 0 where it tells of none.
+        goes: Whether it is deleted.
+        reason: Why it goes, or why it is kept though its time is over; empty where it is not.
+    """
+
+    bag: Path
+    sha256: str
+    size: int
+    begun_ns: int
+    goes: bool
+    reason: str = ""
+
+
+def judge(catalogue: Catalogue, retention: Retention, now_ns: int) -> list[Judged]:
+    """What becomes of every bag that lies on this machine, the oldest first; nothing is deleted.
+
+    Args:
+        catalogue: Names the bags. What it does not know is left alone.
+        retention: How long they stay.
+        now_ns: The time [ns since the epoch].
+    """
+    here = [bag for bag in _bags(catalogue) if bag.path.is_dir() and not bag.path.is_symlink()]
+    bags = sorted(here, key=lambda bag: (bag.begun_ns, bag.path))
+    limit = None if retention.days is None else now_ns - s_to_ns(days_to_s(retention.days))
+    total = sum(bag.size for bag in bags)
+    allowed = math.inf if retention.gigabytes is None else gigabytes_to_bytes(retention.gigabytes)
+    judged = []
+    for bag in bags:
+        over = []
+        if limit is not None and bag.begun_ns < limit:
+            over.append(f"older than {retention.days:g} days")
+        if total > allowed:
+            over.append(f"the bags have more than {retention.gigabytes:g} GB")
+        needed = bag.needed() if over else ""
+        goes = bool(over) and not needed
+        judged.append(Judged(bag.path, bag.sha256, bag.size, bag.begun_ns, goes, needed or ", ".join(over)))
+        total -= bag.size if goes else 0
+    return judged
+
+
+def retain(catalogue: Catalogue, retention: Retention, now_ns: int) -> Iterator[Judged]:
+    """Delete what goes, one bag at a time; arguments as for `judge`. The rows of its runs stay."""
+    for bag in _bags(catalogue):
+        # Whoever was ended in the middle of it left one of these.
+        if _retired(bag.path).is_dir() and not bag.path.exists():
+            _delete(catalogue, bag.path, bag.sha256)
+    for judged in judge(catalogue, retention, now_ns):
+        if judged.goes:
+            # In one step out of everybody's sight: a bag is there or gone, never half of it.
+            judged.bag.rename(_retired(judged.bag))
+            _delete(catalogue, judged.bag, judged.sha256)
+        yield judged
+
+
+def _delete(catalogue: Catalogue, bag: Path, sha256: str) -> None:
+    """Delete a bag that is out of sight; its empty folder stays until the catalogue knows."""
+    retired = _retired(bag)
+    for entry in retired.iterdir():
+        entry.unlink()
+    catalogue.forget_bag(str(bag), sha256)
+    retired.rmdir()
+
+
+@dataclass(frozen=True)
+class _Bag:
+    path: Path
+    sha256: str
+    rows: tuple[CatalogueRow, ...]
+
+    @property
+    def size(self) -> int:
+        return max(row.run.bag_bytes for row in self.rows)
+
+    @property
+    def begun_ns(self) -> int:
+        return max(row.run.begun_ns or row.run.ended_ns or 0 for row in self.rows)
+
+    def needed(self) -> str:
+        """Why it is kept for ever; empty where it may go.
+
+        The disk is asked as well as the catalogue: what was put there since, or cannot be read, needs the bag too.
+        """
+        for row in self.rows:
+            if row.kept:
+                return f"kept: {row.kept}"
+            if row.inspection is not None:
+                return f"the inspection {row.inspection.inspection} needs it"
+        if not self.begun_ns:
+            return "nobody knows how old it is"
+        if (self.path.parent / BESIDE / DESCRIPTION).exists():
+            return f"the inspection {self.path.parent / BESIDE} needs it"
+        if (self.path / EXPECTATION).exists():
+            return f"its {EXPECTATION} is an expectation"
+        own = {METADATA, *(file.name for file in bag_files(self.path))}
+        others = sorted({entry.name for entry in self.path.iterdir()} - own)
+        if others:
+            return f"it holds {others[0]}, which no recorder writes"
+        if not self.sha256 or self.sha256 != content_of_bag(self.path).sha256:
+            return "it is not what the catalogue knows: catalogue rebuild it first"
+        return ""
+
+
+def _bags(catalogue: Catalogue) -> list[_Bag]:
+    """Every bag that the catalogue names, wherever it lies."""
+    by_bag: dict[tuple[str, str], list[CatalogueRow]] = {}
+    for row in catalogue.rows():
+        if row.run.bag:
+            by_bag.setdefault((row.run.bag, row.run.bag_sha256), []).append(row)
+    return [_Bag(Path(bag), sha256, tuple(rows)) for (bag, sha256), rows in by_bag.items()]
+
+
+def _retired(bag: Path) -> Path:
+    return bag.with_name(f".{bag.name}{RETIRED}")

@@ -1,0 +1,68 @@
+"""Whether the cell can take a door, from what its nodes say of themselves every second."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+NEEDED = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "bag_recorder")
+CONTROLLER = "abb_bridge/controller"  #: what the bridge says of the controller; not every transport can tell
+#: A node that has not been heard of for so long counts as gone [s].
+SILENCE = 3.0
+WELL, WARNED, FAILED = 0, 1, 2  #: levels of diagnostics; what is above counts as FAILED
+#: What a managed node says of itself in the states in which it does nothing.
+IDLE = ("inactive", "unconfigured")
+
+
+@dataclass(frozen=True)
+class _Heard:
+    level: int
+    message: str
+    at: float
+
+
+class Readiness:
+    """What was heard of the nodes, and what follows from it.
+
+    Args:
+        needed: Nodes without which no door is milled, relative to the cell's namespace.
+        clock: Monotonic [s].
+    """
+
+    def __init__(self, needed: Sequence[str] = NEEDED, clock: Callable[[], float] = time.monotonic) -> None:
+        self._needed = tuple(needed)
+        self._clock = clock
+        self._heard: dict[str, _Heard] = {}
+
+    def hear(self, name: str, level: int, message: str) -> None:
+        """A node said something of itself; the name is relative to the cell's namespace."""
+        self._heard[name] = _Heard(level, message, self._clock())
+
+    def hindrances(self, camera: bool) -> list[str]:
+        """Why no door can be milled now, a sentence each; empty when the cell is ready.
+
+        A door that was refused hinders nothing: a warning counts only where the controller takes no files.
+
+        Args:
+            camera: Somebody offers pictures.
+        """
+        now = self._clock()
+        found = {name: heard for name, heard in self._heard.items() if now - heard.at < SILENCE}
+        said = []
+        for name in self._needed:
+            if name not in found:
+                said.append(f"{name}: not heard of for {SILENCE:g} s; start it")
+            elif found[name].message in IDLE:
+                said.append(
+                    f"{name}: {found[name].message}; activate it (ros2 lifecycle set), or see its log"
+                )
+        for name, heard in sorted(found.items()):
+            limit = WARNED if name == CONTROLLER else FAILED
+            if heard.level >= limit and heard.message not in IDLE:
+                said.append(
+                    f"{name.replace('/', ' of ') if name != CONTROLLER else 'controller'}: {heard.message}"
+                )
+        if not camera:
+            said.append("camera: nobody offers pictures; start its driver")
+        return said

@@ -1,0 +1,86 @@
+"""Which bag holds which run, in a folder to which recorders add."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from doormill_ros.recording.bag_reader import read_bag, topics_of
+from doormill_ros.recording.errors import BagError
+
+RESULT = "/run/result"
+
+
+@dataclass(frozen=True)
+class RecordedEnd:
+    """Where a run is recorded, and how it ended.
+
+    Attributes:
+        bag: The bag's folder.
+        door_id: What it milled.
+        model_version: It was corrected with; 0 for the model that the path generator was started with.
+    """
+
+    bag: Path
+    door_id: str
+    model_version: int
+
+
+class RecordedRuns:
+    """Runs in the bags below a folder; a bag is read again only when it has grown.
+
+    Args:
+        folder: Anywhere below it bags may be; it need not be there yet.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._known: dict[Path, tuple[int, dict[str, RecordedEnd]]] = {}
+
+    def find(self, run_id: str, bag: Path | None = None) -> RecordedEnd | None:
+        """The run of an id; None where no bag holds its end.
+
+        Args:
+            run_id: Which run.
+            bag: Looked into first; None for the folder only.
+        """
+        for folder in [*([bag] if bag is not None else []), *self._bags()]:
+            found = self._runs(folder).get(run_id)
+            if found is not None:
+                return found
+        return None
+
+    def _bags(self) -> list[Path]:
+        """Folders of bags, the one that was written to last first."""
+        files: dict[Path, float] = {}
+        for file in self._folder.rglob("*.mcap"):
+            try:
+                written = file.stat().st_mtime
+            except OSError:
+                continue
+            files[file.parent] = max(files.get(file.parent, 0.0), written)
+        return sorted(files, key=lambda folder: files[folder], reverse=True)
+
+    def _runs(self, folder: Path) -> dict[str, RecordedEnd]:
+        try:
+            size = sum(file.stat().st_size for file in folder.glob("*.mcap"))
+        except OSError:
+            return {}
+        known = self._known.get(folder)
+        if known is None or known[0] != size:
+            known = self._known[folder] = size, _ends(folder)
+        return known[1]
+
+
+def _ends(bag: Path) -> dict[str, RecordedEnd]:
+    """Runs that ended in a bag, by id; what cannot be read of it holds none."""
+    found: dict[str, RecordedEnd] = {}
+    try:
+        names = [topic for topic in topics_of(bag) if topic.endswith(RESULT)]
+        for item in read_bag(bag, names) if names else ():
+            end = item.message
+            # Bags of older software tell no version.
+            found[end.run_id] = RecordedEnd(bag, end.door_id, int(getattr(end, "model_version", 0)))
+    except BagError:
+        return found
+    return found

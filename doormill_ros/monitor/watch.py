@@ -1,0 +1,330 @@
+"""Follows the inspected doors of a cell: keeps them, has them questioned, proposes models, stops milling at a limit."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from doormill_ros.errors import DoormillError
+from doormill_ros.measurements.inspection import DESCRIPTION, inspections_in
+from doormill_ros.models.record import StoreRecord
+from doormill_ros.models.store import ModelStore
+from doormill_ros.monitor.errors import QuestionError, UnknownRunError
+from doormill_ros.monitor.finding import UNKNOWN, DoorFinding, finding_of
+from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoor, KeptDoors
+from doormill_ros.monitor.questioner import DoorAnswer, DoorQuestion, Questioner
+from doormill_ros.monitor.recorded_runs import RecordedRuns
+from doormill_ros.units import m_to_mm
+
+SHOWN = 100  # doors
+PERIOD = 2.0  # s, between two looks for bags that inspections wait for
+STOP_LIMIT = 5.0  # s
+
+
+@dataclass(frozen=True)
+class WatchSettings:
+    """What a watch goes by; asked anew each time.
+
+    Attributes:
+        doors: How many of the last ones are questioned.
+        since: Run before which doors are left aside; empty: none are.
+        limit: Expected error beyond which no door is milled [m]; 0: none.
+        patience: Seconds that a diagnosis may take.
+        model: Of version 0: robot or model.yaml; "" for the robot's joint springs.
+    """
+
+    doors: int
+    since: str
+    limit: float
+    patience: float
+    model: str
+
+
+@dataclass(frozen=True)
+class WatchState:
+    """What is known at one moment.
+
+    Attributes:
+        finding: What the doors say; None before the first answer.
+        version: In use.
+        proposed: Version of a better model; 0: none.
+        expected, expected_proposed: Error of the next door [m]; UNKNOWN where nobody can tell.
+        limit: Beyond which no door is milled [m].
+        stopped: Why no door is milled; empty when they are.
+        waiting: Inspections that wait for a bag.
+        asking: A newer verdict is on its way.
+        error_code, message: What is wrong; 0 and empty when nothing is.
+        doors: The last inspected ones.
+    """
+
+    finding: DoorFinding | None = None
+    version: int = 0
+    proposed: int = 0
+    expected: float = UNKNOWN
+    expected_proposed: float = UNKNOWN
+    limit: float = 0.0
+    stopped: str = ""
+    waiting: int = 0
+    asking: bool = False
+    error_code: int = 0
+    message: str = ""
+    doors: tuple[KeptDoor, ...] = ()
+
+
+class ModelWatch:
+    """Everything that a cell's monitor does, without ROS; called from any thread.
+
+    Args:
+        folder: For inspections, questions and answers.
+        bags: Where runs are recorded.
+        store: Of models.
+        settings: What to go by now.
+        changed: Called after every change of the state, from any thread.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        bags: Path,
+        store: Path,
+        settings: Callable[[], WatchSettings],
+        changed: Callable[[], None],
+    ) -> None:
+        self._kept = KeptDoors(folder, RecordedRuns(bags))
+        self._store = ModelStore(store)
+        self._settings = settings
+        self._changed = changed
+        self._questioner = Questioner(folder, self._take_verdict, changed, lambda: settings().patience)
+        self._keeping, self._judging = threading.RLock(), threading.RLock()
+        self._came: deque[DoorPoints] = deque()
+        self._wake = threading.Event()
+        self._ended = False
+        self._thread = threading.Thread(target=self._take_in, name="inspections", daemon=True)
+        self._finding: DoorFinding | None = None
+        self._expected: dict[int, float] = {}  # error of the next door by version
+        self._better = 0  # version of the last finding's model
+        self._trouble: DoormillError | None = None
+
+    def start(self) -> None:
+        """Begin with what is kept and was answered before.
+
+        Raises:
+            ModelStoreError: The store cannot be read.
+        """
+        self._store.record()
+        last = self._questioner.last()
+        if last is not None:
+            self._conclude(last)
+        self._questioner.start()
+        self._thread.start()
+        if last is None or last.asked != self._question().asked:
+            self._ask()
+
+    def stop(self) -> None:
+        """Take nothing more; a question in hand is given up and asked again after the next start."""
+        self._ended = True
+        self._wake.set()
+        self._questioner.stop()
+        if self._thread.is_alive():
+            self._thread.join(STOP_LIMIT)
+
+    def state(self) -> WatchState:
+        """What is known now.
+
+        Raises:
+            ModelStoreError: The store cannot be read.
+        """
+        record, doors = self._store.record(), self._kept.doors()
+        trouble = self._trouble
+        stop = record.stop
+        proposed = self._proposed(record)
+        return WatchState(
+            finding=self._finding,
+            version=record.in_use,
+            proposed=proposed,
+            expected=self._expected.get(record.in_use, UNKNOWN),
+            expected_proposed=self._expected.get(proposed, UNKNOWN) if proposed else UNKNOWN,
+            limit=self._settings().limit,
+            stopped=stop.message if stop is not None and stop.version == record.in_use else "",
+            waiting=len(self._kept.waiting),
+            asking=self._questioner.asking,
+            error_code=0 if trouble is None else trouble.code,
+            message="" if trouble is None else trouble.message,
+            doors=tuple(doors[-SHOWN:]),
+        )
+
+    def take(self, points: DoorPoints) -> None:
+        """Keep an inspection as soon as there is time; what is wrong with it becomes part of the state."""
+        self._came.append(points)
+        self._wake.set()
+
+    def hand_in(self, path: Path) -> list[KeptDoor]:
+        """Keep the inspection that a folder or its inspection.yaml is, or those in a folder.
+
+        Raises:
+            DataSetError: One cannot be read; then none is kept.
+            UnknownRunError: No bag holds the run of one of them; the others are kept, and it waits.
+            DoormillError: As `KeptDoors.keep`.
+        """
+        inspections = inspections_in(path.parent if path.name == DESCRIPTION else path)
+        taken, unknown = [], None
+        for inspection in inspections:
+            try:
+                with self._keeping:
+                    taken.append(self._kept.hand_in(inspection))
+            except UnknownRunError as error:
+                unknown = error
+        if taken:
+            self._ask()
+        self._changed()
+        if unknown is not None:
+            raise unknown
+        return taken
+
+    def accept(self, version: int, who: str, why: str) -> int:
+        """As `ModelStore.accept`; the doors are questioned anew."""
+        return self._order(lambda: self._store.accept(version, who, why))
+
+    def revert(self, version: int, who: str, why: str) -> int:
+        """As `ModelStore.revert`; the doors are questioned anew."""
+        return self._order(lambda: self._store.revert(version, who, why))
+
+    def settle(self) -> None:
+        """Go by the settings as they are now.
+
+        Raises:
+            ModelStoreError: The store cannot be read or written.
+        """
+        last = self._questioner.last()
+        if last is None or last.asked != self._question().asked:
+            self._ask()
+        self._judge()
+        self._changed()
+
+    def _order(self, give: Callable[[], int]) -> int:
+        with self._judging:
+            version = give()
+            self._judge()
+        self._ask()
+        self._changed()
+        return version
+
+    def _take_in(self) -> None:
+        while not self._ended:
+            self._wake.wait(PERIOD)
+            self._wake.clear()
+            taken, told = 0, False
+            while self._came and not self._ended:
+                told = True
+                try:
+                    with self._keeping:
+                        self._kept.keep(self._came.popleft())
+                    taken, self._trouble = taken + 1, None
+                except DoormillError as error:
+                    self._trouble = error
+            with self._keeping:
+                found = self._kept.take_up()
+            if found and isinstance(self._trouble, UnknownRunError):
+                self._trouble = None
+            if (taken or found) and not self._ended:
+                self._ask()
+            if taken or found or told:
+                self._changed()
+
+    def _question(self) -> DoorQuestion:
+        settings, doors = self._settings(), self._kept.doors()
+        chosen = [door.run_id for door in doors if door.run_id >= settings.since][-settings.doors :]
+        used = self._store.model(self._store.record().in_use)
+        return DoorQuestion(
+            tuple((run_id, self._kept.folder(run_id)) for run_id in chosen),
+            used.version,
+            used.path or settings.model,
+        )
+
+    def _ask(self) -> None:
+        try:
+            question = self._question()
+        except DoormillError as error:
+            self._trouble = error
+            return
+        if question.doors:
+            self._questioner.ask(question)
+
+    def _take_verdict(self, verdict: DoorAnswer) -> None:
+        try:
+            if verdict.document is None:
+                self._blame(verdict)
+            else:
+                self._conclude(verdict)
+        except DoormillError as error:
+            self._trouble = error
+
+    def _blame(self, verdict: DoorAnswer) -> None:
+        """Set the door aside of which the diagnosis complains, and ask about the others."""
+        spoiled = [run_id for run_id in verdict.asked["runs"] if run_id in verdict.failure]
+        if not spoiled:
+            self._trouble = QuestionError(verdict.failure)
+            return
+        with self._keeping:
+            for run_id in spoiled:
+                self._kept.refuse(run_id, verdict.failure)
+        self._trouble = QuestionError(
+            f"the inspection of run {spoiled[0]} was set aside: {verdict.failure}; hand it in again put right",
+            run_id=spoiled[0],
+        )
+        self._ask()
+
+    def _conclude(self, verdict: DoorAnswer) -> None:
+        """Make a finding of an answer, propose its model if that is better, and stop milling or let it go on."""
+        door_of = {door.run_id: door.door_id for door in self._kept.doors()}
+        try:
+            found = finding_of(verdict.document or {}, door_of)
+        except (KeyError, TypeError, ValueError) as error:
+            raise QuestionError(
+                f"the diagnosis left what nobody can read: {error!r}; it is asked anew"
+            ) from error
+        runs = verdict.asked["runs"]
+        with self._judging:
+            self._finding = found
+            if verdict.asked["version"] == self._store.record().in_use:
+                self._expected, self._better = {verdict.asked["version"]: found.expected}, 0
+                if found.better:
+                    source = f"inspections of {len(runs)} doors, {runs[0]} to {runs[-1]}"
+                    self._better = self._store.propose(verdict.model, source)
+                    self._expected[self._better] = found.expected_found
+                else:
+                    self._store.withdraw()
+            self._judge()
+        if isinstance(self._trouble, QuestionError) and not self._trouble.data:
+            self._trouble = None
+
+    def _proposed(self, record: StoreRecord) -> int:
+        """The better model of the last finding; 0 where there is none or it is in use."""
+        known = self._better != record.in_use and record.version(self._better) is not None
+        return self._better if known else 0
+
+    def _judge(self) -> None:
+        """Stop milling where the error that is expected passes the limit; let it go on where it does not."""
+        with self._judging:
+            record, limit = self._store.record(), self._settings().limit
+            expected = self._expected.get(record.in_use, UNKNOWN)
+            if expected < 0.0 and limit > 0.0:
+                return
+            if limit <= 0.0 or expected <= limit:
+                self._store.stop("")
+                return
+            proposed = self._proposed(record)
+            better = self._expected.get(proposed, UNKNOWN)
+            repair = "put right what model/verdict names, then name the first run after that in since of /model_monitor"
+            would = f"version {proposed} of the model would leave {m_to_mm(better):.2f} mm"
+            if 0.0 <= better <= limit:
+                helps = f"{would}: accept it (model/accept)"
+            else:
+                helps = f"{would}, too much as well: {repair}" if better >= 0.0 else repair
+            self._store.stop(
+                f"the next door is expected to be {m_to_mm(expected):.2f} mm off where {m_to_mm(limit):.2f} mm are "
+                f"allowed, by the last inspected doors and version {record.in_use} of the model; {helps}"
+            )

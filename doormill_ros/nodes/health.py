@@ -1,0 +1,54 @@
+"""Listen to the cell and tell whether it can take a door."""
+
+from __future__ import annotations
+
+import time
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from doormill_ros.cell.readiness import Readiness
+from doormill_ros.nodes import topics
+
+PERIOD = 0.1  # s
+
+
+def listen(namespace: str, limit: float) -> list[str]:
+    """What hinders the cell of a namespace, once it is ready or the limit is over; empty when it is ready.
+
+    Args:
+        namespace: Such as "/cell1"; empty: none.
+        limit: Longest wait [s].
+    """
+    readiness = Readiness()
+    prefix = f"{namespace.strip('/')}/".lstrip("/")
+
+    def take(array: DiagnosticArray) -> None:
+        for status in array.status:
+            name = status.name.lstrip("/")
+            if status.hardware_id == "doormill" and name.startswith(prefix):
+                readiness.hear(name.removeprefix(prefix), ord(status.level), status.message)
+
+    rclpy.init(args=["health"])
+    node = Node(
+        "cell_health", namespace=namespace or None, enable_rosout=False, start_parameter_services=False
+    )
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    # A cell in a namespace has /diagnostics in it, where launched so.
+    for topic in {topics.DIAGNOSTICS.name, node.resolve_topic_name(topics.DIAGNOSTICS.name.lstrip("/"))}:
+        node.create_subscription(topics.DIAGNOSTICS.type, topic, take, topics.DIAGNOSTICS.requested)
+    image = node.resolve_topic_name(topics.IMAGE.name)
+    end = time.monotonic() + limit
+    try:
+        while True:
+            executor.spin_once(timeout_sec=PERIOD)
+            found = readiness.hindrances(node.count_publishers(image) > 0)
+            if not found or time.monotonic() > end:
+                return found
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.try_shutdown()

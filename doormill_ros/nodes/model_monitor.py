@@ -1,0 +1,165 @@
+"""Node /model_monitor: inspected doors in, what they say of the robot's model out; puts models in use on order."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from std_msgs.msg import Header
+
+from doormill_interfaces.msg import DoorInspection
+from doormill_interfaces.srv import AcceptModel, HandInInspection, RevertModel
+from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.errors import DoormillError
+from doormill_ros.measurements.inspection import CAMERA
+from doormill_ros.messages.from_message import positions_of, seconds_of
+from doormill_ros.models.errors import MillingStoppedError
+from doormill_ros.monitor.kept_doors import DoorPoints
+from doormill_ros.monitor.watch import ModelWatch, WatchSettings, WatchState
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.verdict import verdict_of_model
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
+from doormill_ros.nodes.run import run_nodes
+
+PERIOD = 1.0  # s
+
+
+class ModelMonitor(ManagedNode):
+    """Carries inspections to the watch and its state to whoever listens; the diagnosis runs in a process of its own."""
+
+    PARAMETERS = (
+        NodeParameter("inspections", "out/inspections", "folder that keeps inspections and the last verdict"),
+        NodeParameter("bags", "out/bags", "folder below which runs are recorded"),
+        NodeParameter("models", "out/models", "folder of the store of models, as that of /path_generator"),
+        NodeParameter("robot_model", "", "model of version 0, as robot_model of /path_generator"),
+        NodeParameter("doors", 40, "last inspected doors that are questioned", 1, 1000, live=True),
+        NodeParameter("since", "", "run before which doors are left aside; empty: none", live=True),
+        NodeParameter(
+            "limit.expected",
+            TOLERANCE,
+            "expected error of the next door beyond which none is milled [m]; 0: none",
+            0.0,
+            1.0,
+            live=True,
+        ),
+        NodeParameter("limit.diagnosis", 1800.0, "longest diagnosis [s]", 1.0, 86400.0, live=True),
+    )
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("model_monitor", **kwargs)
+
+    def setup(self) -> None:
+        """Open what is kept, subscribe, offer the services."""
+        self._watch = ModelWatch(
+            Path(self.value("inspections")),
+            Path(self.value("bags")),
+            Path(self.value("models")),
+            self._settings,
+            self._tell,
+        )
+        self._settled = self._settings()
+        self._verdict = self.publisher(topics.MODEL_VERDICT)
+        self._watch.start()
+        self.subscribe(topics.DOOR_INSPECTION, self._take)
+        self.serve(HandInInspection, "model/inspect", self._hand_in)
+        self.serve(AcceptModel, "model/accept", self._accept)
+        self.serve(RevertModel, "model/revert", self._revert)
+        self.every(PERIOD, self._look)
+
+    def start(self) -> None:
+        """Tell what is known."""
+        self._tell()
+
+    def teardown(self) -> None:
+        """Give up the question in hand; it is asked again after the next start."""
+        self._watch.stop()
+
+    def state(self) -> WatchState:
+        """What is known now; of a configured node.
+
+        Raises:
+            ModelStoreError: The store of models cannot be read.
+        """
+        return self._watch.state()
+
+    def _settings(self) -> WatchSettings:
+        return WatchSettings(
+            self.value("doors"),
+            self.value("since"),
+            self.value("limit.expected"),
+            self.value("limit.diagnosis"),
+            self.value("robot_model"),
+        )
+
+    def _look(self) -> None:
+        settings = self._settings()
+        if settings != self._settled:
+            self._settled = settings
+            self._watch.settle()
+
+    def _take(self, message: DoorInspection) -> None:
+        self._watch.take(
+            DoorPoints(
+                message.run_id,
+                datetime.fromtimestamp(seconds_of(message.header.stamp), UTC),
+                message.noise,
+                message.datum or CAMERA,
+                list(message.feature),
+                ["wall" if wall else "floor" for wall in message.wall],
+                positions_of(message.point),
+                positions_of(message.normal),
+                message.deviation,
+            )
+        )
+
+    def _hand_in(self, request: Any, response: Any) -> Any:
+        taken = self._watch.hand_in(Path(request.path))
+        response.success = True
+        response.run_ids = [door.run_id for door in taken]
+        response.message = f"{len(taken)} inspections taken from {request.path}"
+        return response
+
+    def _accept(self, request: Any, response: Any) -> Any:
+        return self._order(request, response, self._watch.accept)
+
+    def _revert(self, request: Any, response: Any) -> Any:
+        return self._order(request, response, self._watch.revert)
+
+    def _order(self, request: Any, response: Any, give: Callable[[int, str, str], int]) -> Any:
+        response.version = give(request.version, request.who, request.why)
+        response.success = True
+        response.message = f"version {response.version} of the model is in use from the next run on"
+        self.get_logger().info(f"{response.message}: {request.who}, {request.why}")
+        return response
+
+    def _tell(self) -> None:
+        """Publish the state; called from the watch's threads, too."""
+        if not (self.configured and self.context.ok()):
+            return
+        try:
+            state = self._watch.state()
+        except DoormillError as error:
+            self.report(ERROR, error.message, error_code=error.code)
+            return
+        self._verdict.publish(verdict_of_model(state, Header(stamp=self.get_clock().now().to_msg())))
+        figures = {"version": state.version, "proposed": state.proposed, "expected_error": state.expected}
+        if state.stopped:
+            self.report(WARN, state.stopped, error_code=MillingStoppedError.code, **figures)
+        elif state.message:
+            self.report(WARN, state.message, error_code=state.error_code, **figures)
+        else:
+            said = "no door was inspected yet" if state.finding is None else state.finding.sentence
+            self.report(OK, said, waiting=state.waiting, **figures)
+
+
+def main() -> int:
+    """Run the node."""
+    return run_nodes(ModelMonitor)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

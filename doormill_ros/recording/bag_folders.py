@@ -1,0 +1,70 @@
+"""Bags as folders on a disk: where they lie, what they hold in bytes and as a checksum."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from doormill_ros.recording.bag_reader import bag_files
+from doormill_ros.recording.metadata import INFORMATION
+
+METADATA = "metadata.yaml"
+_HEAD = 4096  # bytes of metadata.yaml in which its key stands
+
+
+@dataclass(frozen=True)
+class BagContent:
+    """What the files of a bag hold.
+
+    Attributes:
+        sha256: Over the checksums of its .mcap files, in their order; empty where there is none.
+        size: Of them [bytes].
+    """
+
+    sha256: str = ""
+    size: int = 0
+
+
+def is_bag(folder: Path) -> bool:
+    """True for a folder with .mcap files, or with the metadata of a bag that has lost them."""
+    try:
+        if any(folder.glob("*.mcap")):
+            return True
+        with (folder / METADATA).open("rb") as stream:
+            return INFORMATION.encode() in stream.read(_HEAD)
+    except OSError:
+        return False
+
+
+def bags_in(places: Iterable[Path]) -> list[Path]:
+    """Bags that the places are or hold at any depth, each once, in the order of their names; no link is followed.
+
+    A place without any stands for itself, so that whoever reads it says what is wrong with it.
+    """
+    found: dict[Path, None] = {}
+    for place in places:
+        inside = sorted(
+            path
+            for name, _, _ in os.walk(place)
+            if not (path := Path(name)).name.startswith(".") and is_bag(path)
+        )
+        found.update(dict.fromkeys(inside or [place]))
+    return list(found)
+
+
+def content_of_bag(folder: Path) -> BagContent:
+    """Checksum and size of a bag.
+
+    Raises:
+        OSError: A file cannot be read.
+    """
+    whole, size = hashlib.sha256(), 0
+    files = bag_files(folder)
+    for path in files:
+        with path.open("rb") as stream:
+            whole.update(hashlib.file_digest(stream, "sha256").digest())
+            size += stream.tell()
+    return BagContent(whole.hexdigest() if files else "", size)

@@ -1,0 +1,113 @@
+"""Write which node may publish, read, ask and answer what: config/security/policies.xml for SROS 2."""
+
+from __future__ import annotations
+
+import re
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+from doormill_ros.cell.run_folder import RunFolder
+from doormill_ros.nodes.cell import Cell
+from doormill_ros.resources import share_directory
+
+FILE = share_directory() / "config" / "security" / "policies.xml"
+#: Two nodes of one process share its enclave.
+PROCESS = {"camera_simulator": "cell_simulator", "controller_simulator": "cell_simulator"}
+#: Their names hold a checksum of the controller's address.
+CLAIMS, EVERY_CLAIM = re.compile(r"/_alive/controller_\w+"), "/_alive/controller_*"
+#: What `health` listens to, and where the recorder takes whatever it finds.
+LISTENER, RECORDER = "cell_health", "bag_recorder"
+SETTLED = 3.0  # s without a change of the graph
+KINDS = (
+    "topics publish",
+    "topics subscribe",
+    "services reply",
+    "services request",
+    "actions execute",
+    "actions call",
+)
+
+Graph = dict[str, dict[str, set[str]]]
+
+
+def graph_of(node: Any, names: list[str]) -> Graph:
+    """What the nodes do, by name and kind, as the ROS graph tells it to one of them."""
+    asked = {
+        "topics publish": node.get_publisher_names_and_types_by_node,
+        "topics subscribe": node.get_subscriber_names_and_types_by_node,
+        "services reply": node.get_service_names_and_types_by_node,
+        "services request": node.get_client_names_and_types_by_node,
+    }
+    found: Graph = {}
+    for name in names:
+        kinds = {kind: {one for one, _ in ask(name, node.get_namespace())} for kind, ask in asked.items()}
+        for kind, action in (("services reply", "actions execute"), ("services request", "actions call")):
+            kinds[action] = {one.split("/_action/")[0] for one in kinds[kind] if "/_action/" in one}
+        for kind in asked:
+            own = {CLAIMS.sub(EVERY_CLAIM, one) for one in kinds[kind]}
+            kinds[kind] = {one for one in own if "/_action/" not in one}
+        # Offered only after a while: that the bridge is the first one.
+        kinds["topics publish"] |= {t for t in kinds["topics subscribe"] if t.startswith(f"/_alive/{name}_")}
+        found[name] = kinds
+    return found
+
+
+@contextmanager
+def cell_graph() -> Iterator[Graph]:
+    """The graph of the cell's nodes, brought up for it."""
+    with tempfile.TemporaryDirectory(prefix="policies-", ignore_cleanup_errors=True) as folder:
+        run = RunFolder(Path(folder))
+        run.prepare()
+        with Cell(run) as cell:
+            composition = cell._composition
+            names = [node.get_name() for node in composition.nodes]
+            found, since = graph_of(composition.driver, names), time.monotonic()
+            while time.monotonic() - since < SETTLED:
+                time.sleep(0.2)
+                again = graph_of(composition.driver, names)
+                if again != found:
+                    found, since = again, time.monotonic()
+            yield found
+
+
+def policies(graph: Graph) -> str:
+    """The text of the policy file."""
+    root = ElementTree.Element("policy", version="0.2.0")
+    root.append(ElementTree.Comment(" Written by python -m scripts.list_policies from a running cell. "))
+    enclaves = ElementTree.SubElement(root, "enclaves")
+    listener = {kind: set[str]() for kind in KINDS}
+    listener["topics subscribe"] = {"/diagnostics"}
+    all_nodes = {**graph, LISTENER: listener}
+    for process in sorted({PROCESS.get(name, name) for name in all_nodes}):
+        path = "health" if process == LISTENER else process
+        enclave = ElementTree.SubElement(enclaves, "enclave", path=f"/doormill/{path}")
+        profiles = ElementTree.SubElement(enclave, "profiles")
+        for name in sorted(n for n in all_nodes if PROCESS.get(n, n) == process):
+            profile = ElementTree.SubElement(profiles, "profile", ns="/", node=name)
+            for kind in KINDS:
+                names = {"*"} if (name, kind) == (RECORDER, "topics subscribe") else all_nodes[name][kind]
+                if names:
+                    tag, does = kind.split()
+                    listed = ElementTree.SubElement(profile, tag, {does: "ALLOW"})
+                    for one in sorted(names):
+                        ElementTree.SubElement(listed, tag.rstrip("s")).text = one
+    ElementTree.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
+
+
+def main() -> int:
+    """Write the file anew."""
+    with cell_graph() as graph:
+        FILE.write_text(policies(graph), encoding="utf-8")
+    print(FILE)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,49 @@
+"""The policies of SROS 2 against the graph of a running cell."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import pytest
+
+from doormill_ros.cell.readiness import NEEDED
+from scripts.list_policies import FILE, KINDS, Graph, cell_graph, policies
+from support.source_tree import ROOT
+
+
+@pytest.fixture(scope="module")
+def graph() -> Graph:
+    with cell_graph() as found:
+        return found
+
+
+def allowed(enclave: str) -> set[tuple[str, str, str]]:
+    """Node, kind and name, of one enclave of the file."""
+    found = set()
+    for profile in (
+        ElementTree.parse(FILE).getroot().findall(f"enclaves/enclave[@path='{enclave}']/profiles/profile")
+    ):
+        for kind in KINDS:
+            tag, does = kind.split()
+            for listed in profile.findall(f"{tag}[@{does}='ALLOW']"):
+                found |= {(profile.get("node", ""), kind, str(one.text)) for one in listed}
+    return found
+
+
+def test_the_file_is_the_one_made_from_the_running_cell(graph: Graph) -> None:
+    assert FILE == ROOT / "config" / "security" / "policies.xml"
+    assert set(graph) == {*NEEDED, "camera_simulator", "controller_simulator"}
+    assert FILE.read_text(encoding="utf-8") == policies(graph), "run python -m scripts.list_policies"
+
+
+def test_only_the_bridge_takes_goals_and_only_the_path_generator_sends_targets() -> None:
+    enclaves = [f"/doormill/{name}" for name in (*NEEDED, "cell_simulator", "health")]
+    said = [(enclave, *row) for enclave in enclaves for row in allowed(enclave)]
+    assert [e for e, _, kind, name in said if (kind, name) == ("actions execute", "/mill_door")] == [
+        "/doormill/abb_bridge"
+    ]
+    assert [e for e, _, kind, name in said if (kind, name) == ("topics publish", "/path/targets")] == [
+        "/doormill/path_generator"
+    ]
+    assert allowed("/doormill/health") == {("cell_health", "topics subscribe", "/diagnostics")}
+    assert ("bag_recorder", "topics subscribe", "*") in allowed("/doormill/bag_recorder")

@@ -1,0 +1,243 @@
+"""Inspections of a shift in a world with a gap and a larger force: what the watch makes of them, without ROS."""
+
+import shutil
+import time
+from dataclasses import replace
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+
+from doormill_ros.errors import DataSetError
+from doormill_ros.measurements.inspection import read_inspection
+from doormill_ros.models.errors import MillingStoppedError, UnknownVersionError
+from doormill_ros.models.store import ModelStore
+from doormill_ros.monitor.errors import InspectionMessageError, QuestionError, UnknownRunError
+from doormill_ros.monitor.kept_doors import DoorPoints
+from doormill_ros.monitor.watch import ModelWatch, WatchSettings
+from support.gauged_shift import HINGE_DOORS, gauged_shift
+from support.source_tree import ROOT
+
+WORLD = {"seed": 5, "force": {"factor": 1.3}, "robot": {"gap": [1e-4, 0.0, 0.0, 0.0, 0.0, 0.0]}}
+SETTINGS = WatchSettings(doors=40, since="", limit=0.6e-3, patience=600.0, model="")
+LIMIT = 240.0  # s, after which a test gives up
+DOORS = HINGE_DOORS[:2]
+
+
+class Watched:
+    """A watch in a folder, with settings that can be changed."""
+
+    def __init__(self, folder, bags=ROOT / "bags", settings=SETTINGS):
+        self.settings = settings
+        self.store = ModelStore(folder / "models")
+        self.watch = ModelWatch(folder / "kept", bags, folder / "models", lambda: self.settings, lambda: None)
+
+    def __enter__(self):
+        self.watch.start()
+        return self
+
+    def __exit__(self, *_):
+        self.watch.stop()
+
+    def answered(self, condition=lambda state: not state.asking):
+        deadline = time.monotonic() + LIMIT
+        while not condition(state := self.watch.state()):
+            assert time.monotonic() < deadline, state
+            time.sleep(0.05)
+        return state
+
+
+@pytest.fixture(scope="module")
+def inspected(tmp_path_factory):
+    """Two gauged doors."""
+    return gauged_shift(tmp_path_factory.mktemp("doors"), WORLD, DOORS, 5)
+
+
+@pytest.fixture(scope="module")
+def asked(inspected, tmp_path_factory):
+    """A folder in which the two doors were questioned, and the state after that."""
+    folder = tmp_path_factory.mktemp("watch")
+    with Watched(folder) as watched:
+        watched.watch.hand_in(inspected)
+        state = watched.answered()
+    return folder, state
+
+
+@pytest.fixture
+def copied(asked, tmp_path_factory):
+    """A copy of that folder, beside it: inspections name their bags by where they lie."""
+    folder = tmp_path_factory.mktemp("copy")
+    shutil.copytree(asked[0], folder, symlinks=True, dirs_exist_ok=True)
+    return folder
+
+
+def points_of(folder, **changes):
+    """An inspection as a message brings it."""
+    read = read_inspection(folder)
+    surface = np.where(read.wall, "wall", "floor").tolist()
+    points = DoorPoints(
+        read.run_id,
+        datetime(2026, 11, 22, 9, tzinfo=UTC),
+        read.noise,
+        read.datum,
+        read.feature,
+        surface,
+        read.point,
+        read.normal,
+        read.deviation,
+    )
+    return replace(points, **changes)
+
+
+def test_the_doors_name_what_the_world_hides_and_a_model_is_proposed(asked):
+    _, state = asked
+    found = state.finding
+    assert {(fault.cause, fault.where) for fault in found.faults} == {
+        ("joint_backlash", "joint 1"),
+        ("process_force", "tool"),
+    }
+    assert "joint backlash at joint 1" in found.sentence
+    assert (state.version, state.proposed, found.questioned) == (0, 1, 2)
+    assert found.next_measurement
+    assert [door.door_id for door in state.doors] == list(DOORS)
+
+
+def test_the_expected_error_is_that_of_the_doors_and_the_proposed_model_leaves_less(asked, inspected):
+    _, state = asked
+    worst = max(np.abs(read_inspection(inspected / f"door_{k:03d}").deviation).max() for k in range(2))
+    assert state.expected == pytest.approx(worst, rel=1e-9)
+    assert state.expected_proposed < 0.8 * state.expected
+
+
+def test_beyond_the_limit_no_door_is_milled_until_the_better_model_is_accepted(copied):
+    with Watched(copied) as watched:
+        state = watched.answered()
+        assert state.expected > SETTINGS.limit
+        with pytest.raises(MillingStoppedError, match=r"version 1 of the model would leave .* accept it"):
+            watched.store.for_next_run()
+        watched.watch.accept(1, "Kari", "as proposed")
+        assert watched.store.for_next_run().version == 1
+        state = watched.answered()
+        assert (state.version, state.proposed, state.stopped) == (1, 0, "")
+        assert 0.0 < state.expected < SETTINGS.limit
+        watched.watch.revert(1, "Kari", "to see it again")
+        state = watched.answered()
+        assert (state.version, state.proposed) == (0, 1)
+        with pytest.raises(MillingStoppedError):
+            watched.store.for_next_run()
+
+
+@pytest.mark.parametrize("limit", [0.0, 1e-2])
+def test_the_limit_can_be_raised_or_taken_away_while_the_cell_runs(copied, limit):
+    with Watched(copied) as watched:
+        assert watched.answered().stopped
+        watched.settings = replace(SETTINGS, limit=limit)
+        watched.watch.settle()
+        assert watched.watch.state().stopped == ""
+        assert watched.store.for_next_run().version == 0
+
+
+def test_a_watch_that_was_ended_knows_its_verdict_again(copied, asked):
+    with Watched(copied) as watched:
+        state = watched.watch.state()
+        assert not state.asking
+        assert replace(state, asking=False) == asked[1]
+
+
+def test_nothing_is_accepted_by_itself_and_no_unknown_version(copied):
+    with Watched(copied) as watched:
+        with pytest.raises(UnknownVersionError):
+            watched.watch.accept(9, "Kari", "a slip")
+        assert watched.store.record().in_use == 0
+
+
+def test_an_inspection_of_an_unknown_run_waits_for_its_bag(inspected, tmp_path):
+    bags = tmp_path / "bags"
+    points = points_of(inspected / "door_000")
+    with Watched(tmp_path / "watch", bags) as watched:
+        watched.watch.take(points)
+        state = watched.answered(lambda state: state.message)
+        assert state.error_code == UnknownRunError.code
+        assert points.run_id in state.message
+        assert (state.waiting, state.doors) == (1, ())
+        shutil.copytree(ROOT / "bags" / DOORS[0], bags / "later")
+        state = watched.answered(lambda state: state.doors and not state.asking)
+        assert [door.run_id for door in state.doors] == [points.run_id]
+        assert (state.waiting, state.error_code) == (0, 0)
+        assert state.finding.questioned == 1
+
+
+BAD = {
+    "no run": {"run_id": ""},
+    "a run that is a path": {"run_id": "a/b"},
+    "a run that is the folder above": {"run_id": ".."},
+    "a column that is too short": {"deviation": np.zeros(1)},
+    "no points": {
+        "feature": [],
+        "surface": [],
+        "point": np.zeros((0, 3)),
+        "normal": np.zeros((0, 3)),
+        "deviation": np.zeros(0),
+    },
+    "a feature of two columns": {"feature": "a,b"},
+}
+
+
+@pytest.mark.parametrize("changes", BAD.values(), ids=BAD)
+def test_a_message_that_contradicts_itself_is_refused_and_leaves_nothing(inspected, tmp_path, changes):
+    points = points_of(inspected / "door_000")
+    if isinstance(changes.get("feature"), str):
+        changes = {"feature": [changes["feature"]] * len(points.feature)}
+    with Watched(tmp_path) as watched:
+        watched.watch.take(replace(points, **changes))
+        state = watched.answered(lambda state: state.message)
+    assert state.error_code == InspectionMessageError.code
+    assert (state.waiting, state.doors) == (0, ())
+
+
+@pytest.mark.parametrize("changes", [{"noise": -1.0}, {"datum": "the wall"}], ids=str)
+def test_a_message_with_a_value_of_no_use_is_refused_and_leaves_nothing(inspected, tmp_path, changes):
+    with Watched(tmp_path) as watched:
+        watched.watch.take(replace(points_of(inspected / "door_000"), **changes))
+        state = watched.answered(lambda state: state.message)
+    assert 500 <= state.error_code < 600
+    assert next(iter(changes)) in state.message
+    assert (state.waiting, state.doors) == (0, ())
+
+
+def test_a_broken_file_is_named_and_keeps_nothing_out_that_was_there(copied, inspected, tmp_path):
+    broken = tmp_path / "broken"
+    shutil.copytree(inspected / "door_001", broken)
+    table = broken / "points.csv"
+    table.write_text(table.read_text().replace("wall", "roof", 1))
+    (broken / "inspection.yaml").write_text(
+        (inspected / "door_001" / "inspection.yaml")
+        .read_text()
+        .replace("bag: ", f"bag: {inspected}/door_001/")
+    )
+    with Watched(copied) as watched:
+        before = watched.watch.state()
+        with pytest.raises(DataSetError, match=r"points\.csv: line 2, column"):
+            watched.watch.hand_in(broken / "inspection.yaml")
+        assert watched.watch.state() == before
+
+
+def test_a_door_that_the_diagnosis_cannot_use_is_set_aside_and_the_others_are_questioned(copied, inspected):
+    points = points_of(inspected / "door_000")
+    with Watched(copied) as watched:
+        watched.watch.take(replace(points, feature=["no_such_feature"] * len(points.feature)))
+        state = watched.answered(lambda state: state.error_code and not state.asking)
+        assert state.error_code == QuestionError.code
+        assert points.run_id in state.message
+        assert "no_such_feature" in state.message
+        assert [door.door_id for door in state.doors] == [DOORS[1]]
+        assert state.finding.questioned == 1
+    assert (copied / "kept" / "refused" / points.run_id / "reason.txt").read_text()
+
+
+def test_doors_before_a_repair_can_be_left_aside(copied, inspected):
+    last = read_inspection(inspected / "door_001").run_id
+    with Watched(copied, settings=replace(SETTINGS, since=last)) as watched:
+        state = watched.answered(lambda state: not state.asking)
+    assert state.finding.questioned == 1
+    assert len(state.doors) == 2
