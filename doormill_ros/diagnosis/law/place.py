@@ -10,7 +10,7 @@ from doormill_ros.robot_model.law.term import Term
 
 
 @dataclass(frozen=True)
-class Place:
+class LawPlace:
     """Where a term acts, what drives it, and what is off there."""
 
     where: str
@@ -24,9 +24,9 @@ class Place:
 
 
 #: Of any candidate of a kind of data.
-Places = Callable[[Any], Place]
+Places = Callable[[Any], LawPlace]
 
 
-def place_of(term: Term[Any]) -> Place:
+def place_of(term: Term[Any]) -> LawPlace:
     """Of a term; two readings of one driver are one."""
-    return Place(term.where, term.driver.partition(" (")[0], term.acts_on)
+    return LawPlace(term.where, term.driver.partition(" (")[0], term.acts_on)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.diagnosis.law.place import Place
+from doormill_ros.diagnosis.law.place import LawPlace
 from doormill_ros.diagnosis.law.place import place_of as of_term
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.elastic.law.term import LawTerm
@@ -27,10 +27,10 @@ _CAUSES = {
 }
 
 
-def place_of(term: ElasticCause) -> Place:
+def place_of(term: ElasticCause) -> LawPlace:
     """Of a term, or of a cause that is not believed."""
     if isinstance(term, LawTerm):
         return of_term(term)
     where, driver = _CAUSES.get(term.name, ("", "constant"))
     spoken = f"reflector {term.where}" if where == "reflector" else where or term.where
-    return Place(spoken, driver, term.name.replace("_", " "))
+    return LawPlace(spoken, driver, term.name.replace("_", " "))

@@ -106,7 +106,7 @@ class Term(Candidate[Case]):
         return self.carrier.size * np.asarray(theta)
 
     def from_values(self, values: FloatArray, case: Case) -> FloatArray:
-        """From the weights."""
+        """From the weights, shape (p,)."""
         return np.asarray(values) / self.carrier.size
 
     def neighbours(self, case: Case) -> list[Self]:

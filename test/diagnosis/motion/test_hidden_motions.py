@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.motion.account import characterised, named_causes, unnamed
+from doormill_ros.diagnosis.motion.account import law_sections, named_causes
 from doormill_ros.diagnosis.motion.diagnosis import diagnose_motions
+from doormill_ros.diagnosis.motion.laws import with_laws
 from doormill_ros.measurements.motion_set import read_motion_set
 from support.motion_world import Recording, hide, record
 
@@ -86,6 +87,7 @@ def test_a_law_that_no_cause_has_gets_no_name(tmp_path):
 def test_a_hardening_spring_is_told_as_a_law_and_no_cause_imitates_it(tmp_path):
     diagnosis, named, _ = diagnosed(tmp_path, 16, ("hardening", 3, 8.0))
     assert named == {}
-    (law,) = unnamed(diagnosis)
+    told = law_sections(with_laws(diagnosis))
+    (law,) = told["unnamed"]
     assert (law["where"], law["driver"]) == ("joint 3", "own torque")
-    assert characterised(diagnosis)["holdout_rmse"] < 1.1 * diagnosis.noise_floor
+    assert told["characterised"]["holdout_rmse"] < 1.1 * diagnosis.noise_floor
