@@ -16,7 +16,7 @@ Pair = Annotated[FloatArray, Array((2,))]
 
 
 @dataclass(frozen=True, eq=False)
-class Board(Section):
+class SolidBoard(Section):
     """A board pressed against the rear face; it ends where the door does.
 
     Attributes:

@@ -12,7 +12,7 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.config import check, read_document
 from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import BodiesError
-from doormill_ros.simulation.judge.boards import Board
+from doormill_ros.simulation.judge.boards import SolidBoard
 from doormill_ros.simulation.judge.links import BASE, FLANGE, Links, pose
 from doormill_ros.simulation.judge.shapes import box_gap, segment_gap
 from doormill_ros.values import Name, Positive, Section, Vector3
@@ -114,7 +114,7 @@ class JudgedCell:
     obstacles: tuple[Box, ...]
     T_flange_tool: FloatArray
     nose: float
-    boards: tuple[Board, ...] = ()
+    boards: tuple[SolidBoard, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -182,7 +182,7 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
         tuple(standing),
         T_flange_tool,
         nose,
-        tuple(check(boards, list[Board], BodiesError, str(path))),
+        tuple(check(boards, list[SolidBoard], BodiesError, str(path))),
     )
 
 

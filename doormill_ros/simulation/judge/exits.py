@@ -13,7 +13,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.judge.boards import Board
+from doormill_ros.simulation.judge.boards import SolidBoard
 from doormill_ros.simulation.judge.verdict import TornOut
 
 GRID = 5e-4  #: distance of the points looked at in a face [m]
@@ -36,7 +36,7 @@ def torn_out(
     axis: FloatArray,
     radius: FloatArray,
     size: FloatArray,
-    boards: Sequence[Board],
+    boards: Sequence[SolidBoard],
     executed: ExecutedPath,
 ) -> list[TornOut]:
     """What the mill tore, by motion and face.

@@ -72,7 +72,13 @@ def manners(recipe: Recipe, T_base_door: FloatArray, executed: ExecutedPath) -> 
 
 
 def bad_cuts(recipe: Recipe, T_base_door: FloatArray, executed: ExecutedPath) -> list[BadCut]:
-    """Mills that went straight down and cannot, and walls that were not milled the recipe's way."""
+    """Mills that went straight down and cannot, and walls that were not milled the recipe's way.
+
+    Args:
+        recipe: The door.
+        T_base_door: Where it really stood, shape (4, 4).
+        executed: What was done.
+    """
     bad = []
     for manner in manners(recipe, T_base_door, executed):
         feature = recipe.feature(manner.feature)

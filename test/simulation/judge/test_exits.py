@@ -12,7 +12,7 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.door import R_DOOR_FEATURE, Side
 from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import BodiesError, BodyTouched, WoodTornOut
-from doormill_ros.simulation.judge.boards import Board
+from doormill_ros.simulation.judge.boards import SolidBoard
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.exits import torn_out
 from doormill_ros.simulation.judge.judge import judge
@@ -28,7 +28,7 @@ WITH_HOLES = {name: r for name, r in shipped_recipes().items() if any(f.through 
 DOOR = doors.door_with("handle_hole", 2000, 800, 40, centre_cutting=True)
 HOLE = DOOR.features[0]
 Y, Z = 0.75, HOLE.height
-BOARD = Board("board", 0.018, np.array([0.010, 0.200]), np.array([0.4, 0.6]))
+BOARD = SolidBoard("board", 0.018, np.array([0.010, 0.200]), np.array([0.4, 0.6]))
 CELL = dataclasses.replace(load_cell(), obstacles=(), boards=())
 
 
