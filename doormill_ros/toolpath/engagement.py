@@ -25,6 +25,7 @@ from doormill_ros.units import deg_to_rad
 
 TURN = deg_to_rad(90.0)  #: longest arc with one force: the force turns with the feed
 PLACES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  #: fractions of a cut at which its engagement is looked at
+DESCENT = (np.arange(32) + 0.5) / 32.0  #: fractions of a ramp at which its depth is looked at
 INSIDE = 1e-5  #: how far inside its rim a mill looks for wood: a wall that it only brushes is none [m]
 FLAT = 0.5  #: slope above which a cut is a plunge
 RAMP = 1e-5  #: what goes down less is flat [m]
@@ -112,18 +113,20 @@ class _Wood:
         centre = np.array([self._at(p)[:2] for p in step.curve.points(np.array(PLACES))])  # (k, 2)
         feed = np.array([(R @ step.curve.tangent(t))[:2] for t in PLACES])
         rim = centre[:, None] + (self.radius - INSIDE) * rim_directions()  # (k, d, 2)
-        # A ramp cuts half as deep as it ends, below where it began, in the mean.
-        depth = 0.5 * float(self._at(step.curve.start)[2] + self._at(step.curve.end)[2])
+        first, last = (float(self._at(p)[2]) for p in (step.curve.start, step.curve.end))
+        tip = first + (last - first) * DESCENT
         wrench = np.zeros(6)
         for layer in reached:
+            # The mean over the way of what a ramp cuts of the layer, and of its moment about the tip.
+            cut = np.clip(tip - self.top[layer], 0.0, self.bottom[layer] - self.top[layer])
+            if not cut.any():
+                continue
             free = shapely.contains_xy(self.swept[layer], rim[..., 0], rim[..., 1])
             by_depth = mean_force(~free, feed, cutting.chip(tool), tool.flutes, self.coefficients)
-            top, bottom = self.top[layer], min(self.bottom[layer], depth)
-            if bottom <= top:
-                continue
-            force = np.array([*by_depth.mean(axis=0), 0.0]) * (bottom - top)
-            wrench[:3] += force
-            wrench[3:] += cross(np.array([0.0, 0.0, 0.5 * (top + bottom) - depth]), force)
+            force = np.array([*by_depth.mean(axis=0), 0.0])
+            arm = float((cut * (self.top[layer] + 0.5 * cut - tip)).mean())
+            wrench[:3] += force * float(cut.mean())
+            wrench[3:] += cross(np.array([0.0, 0.0, arm]), force)
         return wrench
 
     def _down(self, step: Step, start: FloatArray, end: FloatArray, reached: IntArray) -> FloatArray:

@@ -136,6 +136,23 @@ def straight_descent(
     return Line(end - drop / math.tan(slope) * tangent - drop * inward, end)
 
 
+def head_room(before: FloatArray, ramp: Curve, leg: float, inward: FloatArray) -> float:
+    """How far over the floor a ramp has to begin so that the corner into it is flown by over the floor [m].
+
+    A corner is flown by on a parabola. Up to a right angle, seen along `inward`, no part of it is steeper than the
+    ramp; where the tool turns back, it goes down where it goes no way along, and that must not be in the wood.
+
+    Args:
+        before: Direction in which the tool comes, along the floor, shape (3,).
+        ramp: What it turns into.
+        leg: How far behind the corner the parabola ends [m].
+        inward: Unit direction into the wood, shape (3,).
+    """
+    into = ramp.tangent(0.0)
+    down = float(into @ inward)
+    return leg * down if float(before @ (into - down * inward)) < -NEAR else 0.0
+
+
 def _raised(curve: Curve, begin: float, end: float, inward: FloatArray) -> Curve:
     """The curve with its begin and its end that far above its plane [m]."""
     first, middle, last = curve.points([0.0, 0.5, 1.0])

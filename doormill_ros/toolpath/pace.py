@@ -22,6 +22,7 @@ ZONES = {"z0": 0.3e-3, "z1": 1.0e-3}  #: radius of the controller's predefined z
 SMALLEST_MILL = 2.5e-3  #: of a smaller mill's radius a corner cut off by z1 could leave wood standing [m]
 EASY = deg_to_rad(5.0)  #: a corner up to this is passed at the feed
 REVERSAL = deg_to_rad(165.0)  #: beyond it the tool has to stop
+LEVEL = 1e-6  #: sine of a slope that is none
 SLOWEST = 0.005  #: below this a corner is a stop anyway [m/s]
 SPARE = 0.98  #: the file rounds targets and speeds
 
@@ -37,7 +38,7 @@ def eased(steps: Sequence[Step], mill_radius: float, settings: PathSettings) -> 
         settings: Acceleration, and the shortest time of a motion.
     """
     steps = [step.changed(speed=_speed_on(step, settings)) for step in steps]
-    zone = "z1" if mill_radius >= SMALLEST_MILL else "z0"
+    zone = zone_of(mill_radius)
     begin, end = [math.inf] * len(steps), [math.inf] * len(steps)
     for i, (a, b) in enumerate(itertools.pairwise(steps)):
         if not (a.cutting or b.cutting):
@@ -47,7 +48,7 @@ def eased(steps: Sequence[Step], mill_radius: float, settings: PathSettings) -> 
             continue
         legs = min(ZONES[zone], 0.5 * a.curve.length, 0.5 * b.curve.length)
         speed = math.sqrt(SPARE * settings.cycle.acceleration * corner_radius(turn, legs))
-        if turn > REVERSAL or speed < SLOWEST:
+        if turn > REVERSAL or speed < SLOWEST or _plunges(a, b):
             steps[i] = a.changed(zone="fine")
             continue
         steps[i] = a.changed(zone=zone)
@@ -57,6 +58,11 @@ def eased(steps: Sequence[Step], mill_radius: float, settings: PathSettings) -> 
         for step, b, e in zip(steps, begin, end, strict=True)
         for part in _slower(step, b, e, zone, settings)
     ]
+
+
+def zone_of(mill_radius: float) -> str:
+    """The zone with which a mill of that radius [m] flies by its corners in the wood; one of `ZONES`."""
+    return "z1" if mill_radius >= SMALLEST_MILL else "z0"
 
 
 def paced(program: MillingProgram, settings: PathSettings) -> MillingProgram:
@@ -90,6 +96,16 @@ def corner_radius(turn: float, legs: float) -> float:
     # A quadratic Bezier curve over legs of one length is bent most in its middle, by sin(t/2) / (legs cos(t/2)^2).
     sine = math.sin(0.5 * turn)
     return math.inf if sine < 1e-9 else legs * math.cos(0.5 * turn) ** 2 / sine
+
+
+def _plunges(a: Step, b: Step) -> bool:
+    """Whether the corner out of a ramp, flown by, were a plunge: it turns back, seen along the tool, and on, not up.
+
+    So it is in a groove as wide as its mill, at whose ends the mill stops on flat ways too.
+    """
+    axis, before, after = a.R_door_tool[:, 2], a.curve.tangent(1.0), b.curve.tangent(0.0)
+    down, further = float(before @ axis), float(after @ axis)
+    return down > LEVEL and further > -LEVEL and float(before @ after) - down * further < -LEVEL
 
 
 def _speed_on(step: Step, settings: PathSettings) -> float:

@@ -14,10 +14,10 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import cross
 from doormill_ros.recipes.features.base import CLEARING, PLUNGE
 from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_about
-from doormill_ros.toolpath.entry import centred, descent, straight_descent
+from doormill_ros.toolpath.entry import centred, descent, head_room, straight_descent
 from doormill_ros.toolpath.errors import ToolFitError
 from doormill_ros.toolpath.operation import Operation, from_line_near, from_longest_line
-from doormill_ros.toolpath.pace import eased
+from doormill_ros.toolpath.pace import ZONES, eased, zone_of
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import PathSettings
@@ -193,20 +193,48 @@ class _Pocket:
             step, ahead = self.feature.passes.depth_step, AHEAD * (self._lead_radius(self.radius) or 0.0)
             drops = np.diff([-LIFT, *levels(self.operation.depth, step)]).tolist()
             at, self.slope = centred(pieces, drops, slope, ahead)
-        found = descent(pieces, at, drop, self.slope, self.inward, arriving=more)
+        return self._along(pieces, at, drop, self.slope, more)
+
+    def _along(
+        self,
+        pieces: list[tuple[Curve, str]],
+        at: FloatArray,
+        drop: float,
+        slope: float,
+        arriving: bool = False,
+    ) -> list[tuple[Curve, str]]:
+        """Down along a contour; the contour from there on."""
+        found = descent(pieces, at, drop, slope, self.inward, arriving=arriving)
+        over = self._over(found.ramp[0])
+        if over > 0.0:
+            found = descent(pieces, at, drop + over, slope, self.inward, arriving=arriving)
         self._ramp(found.ramp, found.slope)
         return list(found.lap)
 
     def _down_to(self, end: FloatArray, tangent: FloatArray, drop: float, room: float) -> None:
         """Down to where the wall pass begins: straight if there is room for it, else round the middle and across."""
         slope = self.feature.tool.max_ramp
-        if drop <= room * math.tan(slope):
-            self._ramp([straight_descent(end, tangent, drop, slope, self.inward)], slope)
+        needed = drop + self._over(straight_descent(end, tangent, drop, slope, self.inward))
+        if needed <= room * math.tan(slope):
+            self._ramp([straight_descent(end, tangent, needed, slope, self.inward)], slope)
             return
         inset = self.half - AROUND * (self.half - self.radius)
         depth = float((end - self.operation.T_door_feature[:3, 3]) @ self.inward)
-        found = descent(self._pieces(inset, depth, CORNER * self.radius), self.at, drop, slope, self.inward)
-        self._ramp(found.ramp, found.slope)
+        lap = self._along(self._pieces(inset, depth, CORNER * self.radius), self.at, drop, slope)
+        flat, _ = lap[0]
+        if float((end - self.at) @ flat.tangent(0.0)) < 0.0:
+            # A ramp that turned back at its end would be flown by steeper than it is; the flat way on is not.
+            level = flat.part(0.0, min(1.0, 2.0 * ZONES[zone_of(self.radius)] / flat.length))
+            self._cut(level, CLEARING, False)
+
+    def _over(self, ramp: Curve) -> float:
+        """How far over the floor the tool has to begin a ramp that it comes to along the floor [m]."""
+        if not self.result:
+            return 0.0  # it comes from in front of the surface
+        way = ramp.start - self.at
+        if np.linalg.norm(way) < NEAR:
+            way = self.result[-1].curve.tangent(1.0)
+        return head_room(way, ramp, ZONES[zone_of(self.radius)], self.inward)
 
     def _ramp(self, curves: Sequence[Curve], slope: float) -> None:
         """Along curves down into the wood, no faster down than the plunge feed."""

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from doormill_ros.correction.cutting_force import COEFFICIENTS, DIRECTIONS, mean_force
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.door import Material
 from doormill_ros.toolpath.engagement import with_forces
@@ -38,13 +39,35 @@ def test_the_plunge_pushes_the_tool_out_of_the_wood():
     assert not steps[0].wrench_tool[:2].any()
 
 
-def test_a_ramp_pushes_it_out_as_a_plunge_and_across_less_than_the_slot_that_it_becomes(hinge):
-    """It goes down as fast as a plunge, and cuts all round at less than half the depth in the mean."""
+def test_a_ramp_pushes_it_out_as_a_plunge_and_across_as_a_slot_of_its_mean_depth(hinge):
+    """It goes down as fast as a plunge, and cuts all round, where its tip is in the wood.
+
+    Along a ramp from z0 to z1 the depth goes evenly from one to the other; over the surface, below zero, it is none. So
+    its mean is the integral of z from max(z0, 0) to z1, by z1 - z0: (z1^2 - max(z0, 0)^2) / (2 (z1 - z0)). Across the
+    axis moves only the level share of its feed, which is the cosine of its slope.
+    """
     (plunge, *_), _ = cuts("hinge_1", tool=replace(RECIPE.feature("hinge_1").tool, centre_cutting=True))
-    ramp = hinge[0][0]
-    assert ramp.wrench_tool[2] == pytest.approx(plunge.wrench_tool[2])
-    slot = max(np.linalg.norm(s.wrench_tool[:2]) for s in hinge[0][1:])
-    assert 0.1 * slot < np.linalg.norm(ramp.wrench_tool[:2]) < 0.6 * slot
+    steps, item = hinge
+    feature = item.feature
+    assert steps[0].wrench_tool[2] == pytest.approx(plunge.wrench_tool[2])
+    depths = [
+        [float((end - item.T_door_feature[:3, 3]) @ item.T_door_feature[:3, 2]) for end in (c.start, c.end)]
+        for c in (step.curve for step in steps)
+    ]
+    ramps = [(step, z0, z1) for step, (z0, z1) in zip(steps, depths, strict=True) if z1 > z0 + 1e-6]
+    assert ramps[0][1] < 0.0 < ramps[0][2]  # from in front of the surface
+    for step, z0, z1 in ramps:
+        mean = (z1**2 - max(z0, 0.0) ** 2) / (2.0 * (z1 - z0))
+        slope = np.arcsin((z1 - z0) / step.curve.length)
+        slot = mean_force(
+            np.ones(DIRECTIONS, dtype=bool),
+            np.array([np.cos(slope), 0.0]),
+            feature.cutting.chip(feature.tool),
+            feature.tool.flutes,
+            COEFFICIENTS[Material.SOFTWOOD],
+        )
+        across = np.linalg.norm(step.wrench_tool[:2])
+        assert across == pytest.approx(mean * np.linalg.norm(slot), rel=0.01)
 
 
 def test_the_first_ring_is_a_slot_and_the_wall_takes_less():

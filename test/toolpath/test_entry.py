@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from doormill_ros.frames import inverse
 from doormill_ros.recipes.cutting import Passes
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.outline import RoundedRectangle
@@ -20,6 +21,7 @@ from doormill_ros.toolpath.settings import load_settings
 
 RECIPE = load_recipe("standard_door")
 INWARD = np.array([0.0, 0.0, 1.0])
+ZONE = {"z0": 0.3e-3, "z1": 1e-3}  # of the controller [m]
 FINE = np.linspace(0.0, 1.0, 101)
 
 
@@ -148,3 +150,66 @@ def test_a_round_hole_is_one_helix_unless_its_turns_are_deeper_than_the_step():
     shallow = replace(hole, passes=Passes(1e-3, hole.passes.finish_allowance))
     _, stepwise = planned(shallow)
     assert sum(step.cutting and not step.wall for step in stepwise) > 3 * len(laps)
+
+
+def flown_by(steps, op):
+    """Where the tip goes, feature axes, shape (n, 3): corners on parabolas from zone to zone, as a controller goes."""
+    legs = [0.0]
+    for a, b in itertools.pairwise(steps):
+        lengths = (a.curve.length, b.curve.length)
+        legs.append(0.0 if a.zone == "fine" else min(ZONE[a.zone], 0.5 * min(lengths)))
+    points = []
+    for step, after, begin, end in zip(steps, [*steps[1:], None], legs, [*legs[1:], 0.0], strict=True):
+        length = step.curve.length
+        if length < 1e-9:
+            continue
+        shares = np.linspace(begin / length, 1.0 - end / length, max(2, int(length / 2e-4)))
+        points.append(step.curve.points(shares))
+        if end:
+            corner, first, last = (
+                step.curve.end,
+                points[-1][-1],
+                after.curve.points([end / after.curve.length])[0],
+            )
+            t = np.linspace(0.0, 1.0, 42)[1:-1, None]
+            points.append((1.0 - t) ** 2 * first + 2.0 * t * (1.0 - t) * corner + t**2 * last)
+    T = inverse(op.T_door_feature)
+    return np.concatenate(points) @ T[:3, :3].T + T[:3, 3]
+
+
+def wood_taken_steeply(points, radius, slope):
+    """The deepest that it goes into wood in one piece of the way that is steeper than a slope [m].
+
+    Where it was before counts as cut as far as it covered the whole middle, a quarter of the radius, of where it is.
+    """
+    worst = taken = 0.0
+    for i in range(1, len(points)):
+        way = points[i] - points[i - 1]
+        steep = way[2] > 1e-9 and np.arctan2(way[2], np.hypot(*way[:2])) > slope
+        near = np.hypot(*(points[:i, :2] - points[i, :2]).T) < 0.75 * radius
+        new = points[i, 2] - points[:i, 2][near].max(initial=0.0)
+        taken = taken + max(0.0, float(new)) if steep else 0.0
+        worst = max(worst, taken)
+    return worst
+
+
+SIZES = {
+    "turned back to its wall on every level": (19.0, 22.26, 141.321, 10.475, 5.247),
+    "turned back to a ring": (10.0, 27.522, 104.543, 11.097, 3.709),
+    "turned back below the ramp": (20.0, 23.4, 26.4, 13.919, 8.415),
+    "a groove of the mill's width": (10.0, 10.0, 13.0, 7.485, 6.535),
+    "a long groove of the mill's width": (16.0, 16.0, 116.0, 25.0, 8.73),
+}
+
+
+@pytest.mark.parametrize("size", SIZES.values(), ids=SIZES)
+def test_corners_of_ramps_flown_by_take_no_wood_steeper_than_the_ramp(size):
+    diameter, width, length, depth, step = (1e-3 * value for value in size)
+    hinge = RECIPE.feature("hinge_1")
+    tool = replace(hinge.tool, diameter=diameter, cutting_length=0.1)
+    hinge = replace(hinge, tool=tool, width=width, length=length, depth=depth, passes=Passes(step, 0.0))
+    op, steps = planned(hinge)
+    slope = hinge.tool.max_ramp + math.radians(
+        2.0
+    )  # of arcs a little more: a chord of an arc is shorter than it
+    assert wood_taken_steeply(flown_by(steps, op), tool.radius, slope) < 2e-5
