@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import cross
-from doormill_ros.recipes.features.base import CLEARING, PLUNGE
+from doormill_ros.recipes.features.base import CLEARING
 from doormill_ros.toolpath.curve import Arc, Curve, Line, arc_about
+from doormill_ros.toolpath.cut_writer import ABOVE_FLOOR, NEAR, CutWriter
 from doormill_ros.toolpath.entry import centred, descent, head_room, straight_descent
 from doormill_ros.toolpath.errors import ToolFitError
 from doormill_ros.toolpath.operation import Operation, from_line_near, from_longest_line
 from doormill_ros.toolpath.pace import ZONES, eased, zone_of
 from doormill_ros.toolpath.plan import Step
-from doormill_ros.toolpath.program import MotionKind
+from doormill_ros.toolpath.rings import levels, rings
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.units import deg_to_rad, m_to_mm
 
-STEPOVER = 0.8  #: of the tool diameter; below 0.85 no wood is left in the corners of square rings
 #: Of the tool radius: corners of clearing contours. With the stepover s no wood is left between two of them up to
 #: (1 + sqrt(2) / 2 - 2 s) / (1 - sqrt(2) / 2) = 0.365.
 CORNER = 0.35
@@ -31,14 +29,11 @@ LEAD_RADIUS = 0.5  #: of the tool radius
 LEAD_ROOM = 0.5  #: of the width inside the path; in a round hole half of it ends farthest from the wall
 SHORTEST_LEAD = 2e-4  #: below this radius there is no room to lead in on an arc [m]
 AHEAD = 4.0  #: of the lead radius: where a wall pass begins behind another contour
+LIFT = ABOVE_FLOOR  #: above the surface where a ramp begins [m]
 CLOSING = 0.005  #: how far the wall pass runs past its start, so that no mark stays [m]
-ABOVE_FLOOR = 0.002  #: where the way down changes from rapid to plunge feed [m]
 SMALLEST_CHORD = 1e-4  #: a MoveC needs more than this from its start to its circle point [m]
 LARGEST_ARC = deg_to_rad(180.0)  #: longer arcs are divided; MoveC allows about 240 degrees
 AROUND = 0.8  #: of the room beside the mill: how far from the middle it goes down before a wall pass
-LIFT = ABOVE_FLOOR  #: above the surface where a ramp begins [m]
-NEAR = 1e-9  #: two places are one [m]
-SHARP = deg_to_rad(5.0)  #: the tool stops at a corner of the wall pass sharper than this
 
 
 def pocket_steps(operation: Operation, settings: PathSettings) -> list[Step]:
@@ -57,36 +52,11 @@ def pocket_steps(operation: Operation, settings: PathSettings) -> list[Step]:
     return _Pocket(operation, settings).steps()
 
 
-def levels(depth: float, step: float) -> list[float]:
-    """Depths of the cuts: equal ones, none deeper than the step [m]."""
-    count = max(1, math.ceil(depth / step - 1e-9))
-    return [depth * (i + 1) / count for i in range(count)]
-
-
-def rings(inset: float, half: float, radius: float) -> list[float]:
-    """Insets of the contours that clear a pocket, the innermost first [m].
-
-    Args:
-        inset: Inset of the outermost contour.
-        half: Half the width of the pocket.
-        radius: Tool radius.
-    """
-    # The innermost contour must reach the middle; a tenth of the radius to spare.
-    innermost = half - 0.9 * radius
-    if innermost <= inset:
-        return [inset]
-    count = math.ceil((innermost - inset) / (STEPOVER * 2.0 * radius))
-    return [inset + (innermost - inset) * i / count for i in range(count, -1, -1)]
-
-
-class _Pocket:
-    """Builds the steps of one operation; `at` is where the tool stands, door frame."""
+class _Pocket(CutWriter):
+    """Builds the steps of one operation."""
 
     def __init__(self, operation: Operation, settings: PathSettings) -> None:
-        self.operation = operation
-        self.feature = operation.feature
-        self.settings = settings
-        self.approach = settings.approach
+        super().__init__(operation, settings)
         self.radius = self.feature.tool.radius
         self.half = min(self.feature.shape.width, self.feature.shape.length) / 2.0
         if self.radius > self.half + 1e-9:
@@ -96,21 +66,7 @@ class _Pocket:
                 "choose another tool",
                 feature=self.feature.id,
             )
-        cutting = self.feature.cutting
-        self.feed = cutting.feed_rate(self.feature.tool)
-        self.plunge_feed = cutting.plunge(self.feature.tool)
-        self.pattern = Step(
-            MotionKind.LINEAR,
-            Line(np.zeros(3), np.zeros(3)),
-            operation.R_door_tool,
-            self.feed,
-            feature=self.feature.id,
-            spindle_speed=cutting.spindle(self.feature.tool),
-        )
-        self.inward = operation.T_door_feature[:3, 2]
         self.slope = self.feature.tool.max_ramp  # of ramps down to contours
-        self.result: list[Step] = []
-        self.at: FloatArray = operation.T_door_feature[:3, 3]
 
     def steps(self) -> list[Step]:
         """See `pocket_steps`."""
@@ -236,26 +192,6 @@ class _Pocket:
             way = self.result[-1].curve.tangent(1.0)
         return head_room(way, ramp, ZONES[zone_of(self.radius)], self.inward)
 
-    def _ramp(self, curves: Sequence[Curve], slope: float) -> None:
-        """Along curves down into the wood, no faster down than the plunge feed."""
-        begin = curves[0].start
-        if self.result:
-            self._line(begin, cutting=True, name=CLEARING)
-        else:
-            self._line_in(begin)
-        speed = min(self.feed, self.plunge_feed / math.sin(slope))
-        for curve in curves:
-            self._cut(curve, PLUNGE, False)
-            self.result[-1] = self.result[-1].changed(speed=speed)
-
-    def _line_in(self, point: FloatArray) -> None:
-        """From in front of the surface to a place just above it."""
-        below = float((point - self.operation.T_door_feature[:3, 3]) @ self.inward)
-        front = point - (below + self.approach.clearance) * self.inward
-        self.at = front
-        self._line(front, speed=self.approach.rapid_speed, zone="fine")
-        self._line(point, speed=self.approach.plunge_speed)
-
     def _lead_radius(self, inset: float) -> float | None:
         """Radius of lead-in and lead-out [m], None where there is no room for them."""
         shape = self.feature.shape.inset(inset)
@@ -296,76 +232,6 @@ class _Pocket:
         start = centre - radius * tangent
         arc = arc_about(start, centre, self.inward, quarter)
         return replace(arc, end=point)
-
-    def _go(self, point: FloatArray, depth: float, floor: float) -> None:
-        """To the start of a contour: through the cleared part of the pocket, or from in front."""
-        if not self.result:
-            front = point - (depth + self.approach.clearance) * self.inward
-            above = point - (depth - floor + ABOVE_FLOOR) * self.inward
-            self.at = front
-            self._line(front, speed=self.approach.rapid_speed, zone="fine")
-            self._line(above, speed=self.approach.plunge_speed)
-            self._line(point, speed=self.plunge_feed, zone="fine", cutting=True, name=PLUNGE)
-            return
-        down = (point - self.at) @ self.inward
-        self._line(point - down * self.inward, cutting=True, name=CLEARING)
-        if down > 1e-9:
-            self._line(point, speed=self.plunge_feed, zone="fine", cutting=True, name=PLUNGE)
-
-    def _line(
-        self,
-        end: FloatArray,
-        speed: float | None = None,
-        zone: str = "z0",
-        cutting: bool = False,
-        name: str = "",
-    ) -> None:
-        if self.result and np.linalg.norm(end - self.at) < 1e-9:
-            return
-        self.result.append(
-            self.pattern.changed(
-                curve=Line(self.at, end),
-                speed=speed or self.feed,
-                zone=zone,
-                cutting=cutting,
-                **self._load(name if cutting else None),
-            )
-        )
-        self.at = end
-
-    def _cut(self, curve: Curve, name: str | None, wall: bool) -> None:
-        kind = MotionKind.CIRCULAR if curve.is_arc else MotionKind.LINEAR
-        self.result.append(
-            self.pattern.changed(kind=kind, curve=curve, cutting=True, wall=wall, **self._load(name))
-        )
-        self.at = curve.end
-
-    def _load(self, name: str | None) -> dict[str, Any]:
-        """What the recipe says of the force on a segment; None for a cut under none."""
-        if name is None:
-            return {}
-        feature = self.feature
-        return {
-            "wrench_tool": feature.wrench(name),
-            "std_tool": feature.wrench_std(name),
-            "bounded": not feature.force_origin.measured,
-            "kind_of_feature": feature.kind,
-        }
-
-    def _mark_corners(self) -> None:
-        """Stop at sharp corners of the wall pass: a fly-by would leave wood in them."""
-        for i in range(len(self.result) - 1):
-            step, after = self.result[i], self.result[i + 1]
-            if step.wall and after.wall:
-                turn = step.curve.tangent(1.0) @ after.curve.tangent(0.0)
-                if turn < math.cos(SHARP):
-                    self.result[i] = step.changed(zone="fine")
-
-    def _retract(self, depth: float) -> None:
-        # The last cut must end where it ends before the tool is drawn out.
-        self.result[-1] = self.result[-1].changed(zone="fine")
-        front = self.at - (depth + self.approach.clearance) * self.inward
-        self._line(front, speed=self.approach.rapid_speed)
 
 
 def _followable(curve: Curve, name: str) -> list[tuple[Curve, str]]:
