@@ -11,8 +11,8 @@ from pathlib import Path
 
 from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.rebuild import rebuild
-from doormill_ros.many.each import each
-from doormill_ros.many.workplace import Workplace
+from doormill_ros.parallel.each import each
+from doormill_ros.parallel.workplace import Workplace
 from doormill_ros.recording.replay.bag_verdict import judge_bag
 from harness import Entry, entry, limit
 

@@ -104,7 +104,7 @@ RANGES = {
     "workspace": (700, 799),
     "cell": (800, 899),
     "catalogue": (860, 865),
-    "many": (866, 869),
+    "parallel": (866, 869),
     "models": (800, 899),
     "monitor": (800, 899),
 }

@@ -64,7 +64,9 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
             self._last_error = now
             if self._errors >= MANY:
                 raise
-            get_logger("doormill").debug(f"{error}; something was destroyed while it was looked at, going on")
+            get_logger("doormill").warning(
+                f"{error!r}: the executor goes on; whatever was destroyed meanwhile is lost, nothing else"
+            )
 
     def shutdown(self, *args: object, **kwargs: object) -> bool:
         """See the base class."""

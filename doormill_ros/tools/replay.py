@@ -96,8 +96,8 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
 
 def _replay_many(options: argparse.Namespace) -> int:
     """A line a bag as it is done; 1 when anything differs, else 2 when a bag or the workers cannot be used."""
-    from doormill_ros.many.each import each
-    from doormill_ros.many.workplace import Workplace
+    from doormill_ros.parallel.each import each
+    from doormill_ros.parallel.workplace import Workplace
     from doormill_ros.recording.bag_folders import bags_in
     from doormill_ros.recording.replay.bag_verdict import judge_bag
     from doormill_ros.recording.replay.offline import OfflineOptions

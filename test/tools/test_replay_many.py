@@ -143,6 +143,6 @@ def test_options_that_do_not_go_together(
 def test_a_scheduler_that_is_not_there_is_told(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("doormill_ros.many.workplace.CONNECTING", 0.5)
+    monkeypatch.setattr("doormill_ros.parallel.workplace.CONNECTING", 0.5)
     assert main(["--many", str(SMALL), "--scheduler", "tcp://127.0.0.1:1"]) == 2
     assert "replay: no Dask scheduler answers at tcp://127.0.0.1:1" in capsys.readouterr().err

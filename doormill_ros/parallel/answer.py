@@ -11,7 +11,7 @@ from typing import Any
 from distributed import get_worker
 
 from doormill_ros.errors import DoormillError, one_line
-from doormill_ros.many.errors import OtherSoftwareError
+from doormill_ros.parallel.errors import OtherSoftwareError
 from doormill_ros.software import software
 
 

@@ -12,11 +12,11 @@ import distributed
 import pytest
 from distributed import LocalCluster
 
-from doormill_ros.many import answer as answering
-from doormill_ros.many import workplace
-from doormill_ros.many.each import Answered, each
-from doormill_ros.many.errors import NoSchedulerError, NoWorkerError, OtherSoftwareError, WorkersDiedError
-from doormill_ros.many.workplace import Workplace
+from doormill_ros.parallel import answer as answering
+from doormill_ros.parallel import workplace
+from doormill_ros.parallel.each import Answered, each
+from doormill_ros.parallel.errors import NoSchedulerError, NoWorkerError, OtherSoftwareError, WorkersDiedError
+from doormill_ros.parallel.workplace import Workplace
 from support.worker_tasks import Task, square
 
 COUNT = 12

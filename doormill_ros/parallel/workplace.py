@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from distributed import Client, LocalCluster, Security
 
-from doormill_ros.many.errors import NoSchedulerError, NoWorkerError
+from doormill_ros.parallel.errors import NoSchedulerError, NoWorkerError
 
 CONNECTING = 10.0  #: s that a scheduler has to answer
 RETRIES = 1  #: of what a worker of this machine died with; what is suspected is asked once more, alone

@@ -16,9 +16,9 @@ from distributed import Client, Future, KilledWorker, as_completed
 from distributed.client import FutureCancelledError
 
 from doormill_ros.errors import one_line
-from doormill_ros.many.answer import Reply, pack
-from doormill_ros.many.errors import NoSchedulerError, OtherSoftwareError, WorkersDiedError
-from doormill_ros.many.workplace import Workplace
+from doormill_ros.parallel.answer import Reply, pack
+from doormill_ros.parallel.errors import NoSchedulerError, OtherSoftwareError, WorkersDiedError
+from doormill_ros.parallel.workplace import Workplace
 
 Thing = TypeVar("Thing")
 Value = TypeVar("Value")
@@ -122,7 +122,7 @@ def _messenger() -> Callable[[Any], Any]:
 
     def deliver(question: Any) -> Any:
         try:
-            from doormill_ros.many.answer import answer
+            from doormill_ros.parallel.answer import answer
         except Exception as error:
             from distributed import get_worker
 
