@@ -23,6 +23,7 @@ FEEDBACK = re.compile(r"(\w+)/action/(\w+)_FeedbackMessage")
 IDENTIFIER = "unique_identifier_msgs/UUID"
 #: Messages of our own that stand for those of a package that the wheels lack, and are recorded as those.
 STANDS_FOR = {"doormill_interfaces/msg/TFMessage": "tf2_msgs/msg/TFMessage"}
+STAND_INS = {theirs: ours for ours, theirs in STANDS_FOR.items()}
 FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+\w+")
 
 
@@ -92,8 +93,13 @@ def load_schema(name: str) -> Schema:
     """Definition and hash of a message type, from the ament index; that of another type which it stands for.
 
     Raises:
-        UnknownTypeError: The type's package is not installed.
+        UnknownTypeError: The type's package is not installed, nor a message that stands for it.
     """
+    if name in STAND_INS:
+        try:
+            _share_file(name, ".msg")
+        except UnknownTypeError:
+            return load_schema(STAND_INS[name])
     feedback = FEEDBACK.fullmatch(name)
     parts, pending = _feedback_message(*feedback.groups()) if feedback else _message(name)
     seen = {name}

@@ -133,7 +133,7 @@ def test_the_reference_bags_give_what_their_timeline_says(tmp_path: Path) -> Non
     codes = {s.name: s.error_codes for s in scenarios if not s.success}
     assert {n for n, (first, last) in codes.items() if not first <= found[n].error_code <= last} == set()
     hinge, standard = found["thesis_190_0deg"], found["standard_door"]
-    assert (hinge.software, hinge.model_version) == ("", "none")
+    assert (hinge.software, hinge.model_version) == ("", "0")
     assert hinge.robot_model == standard.robot_model != ""
     assert hinge.recipe_digest != standard.recipe_digest
     assert abs(sum(getattr(hinge, name) ** 2 for name in ("qx", "qy", "qz", "qw")) - 1.0) < 1e-9

@@ -57,6 +57,8 @@ def test_our_message_of_frames_travels_as_the_one_of_tf2() -> None:
     """Held to the definition and hash of tf2_msgs that rosbags brings along."""
     schema, theirs = load_schema(FRAMES), get_typestore(Stores.ROS2_JAZZY)
     assert (schema.name, schema.type_hash) == (TF2_FRAMES, theirs.hash_rihs01(TF2_FRAMES))
+    asked = load_schema(TF2_FRAMES)  # as who copies a bag asks
+    assert (asked.name, asked.type_hash) == (schema.name, schema.type_hash)
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(schema.text, TF2_FRAMES))
     stamped = TransformStamped(child_frame_id="door")

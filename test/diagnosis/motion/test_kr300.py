@@ -54,12 +54,13 @@ def test_other_recording_is_predicted(document, where, limit):
     assert document["by_joint"][where]["extended"] < 75e-6
 
 
-def test_model_file_predicts_what_the_document_says(out, document):
-    model = load_motion_model(out)
-    one = next(m for m in read_motion_set(KR300 / "B").motions if m.joint == 2)
-    assert model.of(2).residual(one).std() == pytest.approx(
-        document["checks"][0]["by_joint"]["joint 2"]["extended"], rel=1e-3
-    )
+@pytest.mark.parametrize(("joint", "laws", "name"), [(1, False, "extended"), (2, True, "characterised")])
+def test_model_file_predicts_what_the_document_says(out, document, joint, laws, name):
+    """With its laws, which other joints may drive, where the joint has any."""
+    model, motions = load_motion_model(out).of(joint), read_motion_set(KR300 / "B").motions
+    assert bool(model.laws) == laws
+    left = model.residual(next(one for one in motions if one.joint == joint), company=motions)
+    assert left.std() == pytest.approx(document["checks"][0]["by_joint"][f"joint {joint}"][name], rel=1e-3)
 
 
 def test_report_shows_it(out):
