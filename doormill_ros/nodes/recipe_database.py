@@ -15,6 +15,7 @@ from doormill_ros.nodes.convert.recipe import recipe_message, summary_message
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.tool_wear import ToolWear
 from doormill_ros.recipes.store.database import RecipeDatabase
 
 
@@ -37,6 +38,7 @@ class RecipeDatabaseNode(ManagedNode):
         if self.value("ship_recipes"):
             self._database.add_shipped()
         self._in_hand = DoorRecipe()
+        self._wear = ToolWear(self, self._database.tools)
         self._recipe = self.publisher(topics.DOOR_RECIPE)
         self.serve(GetRecipe, "recipes/get", self._get)
         self.serve(ListRecipes, "recipes/list", self._list)
@@ -60,11 +62,14 @@ class RecipeDatabaseNode(ManagedNode):
             recipe = self._database.get(request.door_id, request.version or None)
         else:
             recipe = self._database.find_bar_code(request.bar_code)
+        if request.run_id:
+            self._database.tools.check(recipe)
         header = Header(stamp=self.get_clock().now().to_msg())
         response.recipe = recipe_message(recipe, request.run_id, header)
         response.success = True
         if request.run_id:
             self._in_hand = response.recipe
+            self._wear.begin(request.run_id, recipe)
             self._recipe.publish(response.recipe)
             self.report(OK, "recipe in hand", door_id=recipe.door_id, version=recipe.version)
         return response

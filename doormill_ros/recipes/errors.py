@@ -51,6 +51,7 @@ ImplausibleMass = FieldError.row("ImplausibleMass", 112, "No wood has the densit
 UnfitForProgram = FieldError.row(
     "UnfitForProgram", 113, "The robot's program asked for cannot mill this door."
 )
+UnknownTool = FieldError.row("UnknownTool", 114, "A tool that neither the recipe nor the table of tools has.")
 LeavesWood = RecipeGeometryError.row(
     "LeavesWood", 120, "A feature reaches beyond an edge or face of the door."
 )
@@ -70,6 +71,9 @@ BarCodeTaken = DatabaseError.row("BarCodeTaken", 143, "Another door has this bar
 SchemaTooNew = DatabaseError.row("SchemaTooNew", 144, "The database was written by a later release.")
 DatabaseUnreachable = DatabaseError.row("DatabaseUnreachable", 145, "The database cannot be opened.")
 DamagedRecord = DatabaseError.row("DamagedRecord", 146, "A stored recipe is not what was stored.")
+NotInTable = DatabaseError.row("NotInTable", 147, "The table of tools has no tool of this name.")
+WornTool = DatabaseError.row("WornTool", 148, "A tool has cut as far as it may.")
+BrokenTool = DatabaseError.row("BrokenTool", 149, "A tool is marked as broken.")
 UnreadableFile = ExchangeError.row("UnreadableFile", 150, "A file is absent or is not what its name says.")
 UnknownFileType = ExchangeError.row("UnknownFileType", 151, "A file name that stands for no exchange format.")
 NotExpressible = ExchangeError.row("NotExpressible", 152, "The format has no place for a part of the recipe.")

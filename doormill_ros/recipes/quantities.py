@@ -23,7 +23,8 @@ from doormill_ros.units import DEG, MM, RPM
 
 Place = tuple[str | int, ...]  #: within a value: keys and numbers of entries
 GRID_DECIMALS = 6
-SCALES = {"mm": MM, "deg": DEG, "rpm": RPM, "mm_s": MM, "m_min": 1.0 / 60.0, "kg": 1.0, "n_nm": 1.0}
+SCALES = {"mm": MM, "m": 1.0, "deg": DEG, "rpm": RPM, "mm_s": MM, "m_min": 1.0 / 60.0, "kg": 1.0}
+SCALES |= {"n_nm": 1.0, "n_mm": 1.0 / MM}  #: newtons and newton metres; newtons a millimetre
 
 
 def complaint(leaf: type[FieldError], text: str, inside: Place = (), **data: Any) -> PydanticCustomError:

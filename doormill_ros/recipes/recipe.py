@@ -30,6 +30,7 @@ from doormill_ros.recipes.quantities import (
     Whole,
 )
 from doormill_ros.recipes.reading import as_mapping, join, read_part, read_value, write_part
+from doormill_ros.recipes.tabled_tool import TABLE, TOOLS, TabledTool, read_tool_table
 from doormill_ros.recipes.tool import Tool
 from doormill_ros.values import Section
 
@@ -114,12 +115,16 @@ class Recipe(Section):
 
     def to_document(self) -> dict[str, Any]:
         """Plain dict of text, numbers, lists and dicts; `from_document` gives an equal recipe."""
-        tools = {name: write_part(tool, without="name") for name, tool in self.tools.items()}
+        own = {
+            n: write_part(t, without="name") for n, t in self.tools.items() if not isinstance(t, TabledTool)
+        }
+        table = {n: write_part(t, without="name") for n, t in self.tools.items() if isinstance(t, TabledTool)}
         features = [{"kind": feature.kind, **write_part(feature)} for feature in self.features]
         return {
             "schema": SCHEMA,
             **write_part(self, without="features"),
-            "tools": tools,
+            TOOLS: own,
+            **({TABLE: table} if table else {}),
             "features": features,
         }
 
@@ -153,8 +158,8 @@ class Recipe(Section):
             raise MissingField("schema", f"is missing, allowed is {SCHEMA!r}", found=None)
         if document["schema"] != SCHEMA:
             raise NotAChoice("schema", f"found {document['schema']!r}, allowed is {SCHEMA!r}")
-        recipe = read_part(cls, document, "", beside=("schema", "tools", "features"))
-        tools = _read_tools(document.get("tools"))
+        recipe = read_part(cls, document, "", beside=("schema", TOOLS, TABLE, "features"))
+        tools = _with_table(_read_tools(document.get(TOOLS)), document.get(TABLE, {}))
         return replace(recipe, features=_read_features(document.get("features"), tools))
 
 
@@ -170,6 +175,15 @@ def _read_tools(document: Any) -> dict[str, Tool]:
             raise DuplicateName(join(path, "name"), f"the name {name!r} is already given, leave it out")
         tools[name] = read_part(Tool, {"name": name, **content}, path)
     return tools
+
+
+def _with_table(own: dict[str, Tool], document: Any) -> dict[str, Tool]:
+    table = read_tool_table(document)
+    for name in own.keys() & table.keys():
+        raise DuplicateName(
+            join(TABLE, name), f"the recipe lists {name!r} among its own tools too, take one away"
+        )
+    return own | table
 
 
 def _read_features(document: Any, tools: dict[str, Tool]) -> tuple[Feature, ...]:

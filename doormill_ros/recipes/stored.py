@@ -17,6 +17,7 @@ import sqlalchemy as sa
 
 from doormill_ros.recipes.errors import DamagedRecord
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.tabled_tool import TABLE, LookUp, completed
 
 STAMP = ("version", "author", "created")  #: columns of their own, not part of the stored text
 RULE_FILES = (
@@ -30,6 +31,7 @@ RULE_FILES = (
     "reading.py",
     "recipe.py",
     "solid.py",
+    "tabled_tool.py",
     "tool.py",
     "wrench.py",
     "features/*.py",
@@ -52,8 +54,8 @@ def rules() -> str:
 
 
 def content_of(recipe: Recipe) -> str:
-    """The text that is stored: the recipe's document without its stamp, one line of JSON."""
-    document = {key: value for key, value in recipe.to_document().items() if key not in STAMP}
+    """The text that is stored, one line of JSON: the recipe's document without its stamp and the table's tools."""
+    document = {key: value for key, value in recipe.to_document().items() if key not in (*STAMP, TABLE)}
     return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
@@ -63,12 +65,17 @@ def seal(content: str, checked_by: str) -> str:
     return hashlib.sha256(sealed.encode()).hexdigest()
 
 
-def recipe_of(row: sa.Row[Any]) -> Recipe:
-    """The recipe of a row of `recipe_version`.
+def recipe_of(row: sa.Row[Any], look_up: LookUp) -> Recipe:
+    """The recipe of a row of `recipe_version`, with the table's tools as they are now.
+
+    Args:
+        row: Of the database.
+        look_up: Gives those of some tools that the table has, by name.
 
     Raises:
         DamagedRecord: The stored text is not what was stored.
-        FieldError: It was checked by other rules, and those of this installation refuse it.
+        UnknownTool: It names a tool that the table no longer has.
+        FieldError: It was checked by other rules or with other tools, and those of this installation refuse it.
     """
     if seal(row.document, row.rules) != row.sha256:
         raise DamagedRecord(
@@ -77,4 +84,7 @@ def recipe_of(row: sa.Row[Any]) -> Recipe:
         )
     document = json.loads(row.document)
     document.update((name, getattr(row, name)) for name in STAMP)
-    return Recipe.from_checked(document) if row.rules == rules() else Recipe.from_document(document)
+    document = completed(document, look_up)
+    # With what figures of the table it was checked nobody knows.
+    known = row.rules == rules() and TABLE not in document
+    return Recipe.from_checked(document) if known else Recipe.from_document(document)

@@ -54,6 +54,10 @@ ProgramSizeError = PathError.row("ProgramSizeError", 304, "More targets than a c
 ToolFitError = PathError.row("ToolFitError", 305, "The tool does not fit the feature.")
 ArcError = PathError.row("ArcError", 306, "An arc is beyond what a MoveC can follow.")
 ToolChangeError = PathError.row("ToolChangeError", 307, "The tool must be changed between two features.")
+ToolLifeError = PathError.row("ToolLifeError", 308, "A tool would be worn before the door is milled.")
+ToolLengthError = PathError.row(
+    "ToolLengthError", 309, "A tool stands out of the spindle by another length than the paths are made for."
+)
 ReachError = PathError.row("ReachError", 310, "A target is out of the robot's reach.")
 JointSpeedError = PathError.row("JointSpeedError", 314, "A joint would have to turn faster than it can.")
 HolderError = PathError.row("HolderError", 316, "A pocket is deeper than the mill reaches.")

@@ -11,6 +11,7 @@ from doormill_ros.correction.loaded_robot import LoadedRobot
 from doormill_ros.correction.worth import worth_of
 from doormill_ros.frames import check_transform
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.tabled_tool import TabledTool
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
@@ -18,15 +19,17 @@ from doormill_ros.toolpath.adapt import adapted, straightened
 from doormill_ros.toolpath.arcs import check_arcs, unfollowable
 from doormill_ros.toolpath.assemble import assembled, steps_of
 from doormill_ros.toolpath.door_plan import whole_door
-from doormill_ros.toolpath.errors import ToolChangeError
+from doormill_ros.toolpath.errors import ToolChangeError, ToolLengthError
 from doormill_ros.toolpath.joint_speed import followable
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.pace import paced
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.route import route
-from doormill_ros.toolpath.settings import Checks, PathSettings, load_settings
+from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.stations import stations_of
+from doormill_ros.toolpath.tool_life import check_life
+from doormill_ros.units import m_to_mm
 
 
 def generate_program(
@@ -63,7 +66,7 @@ def generate_program(
     if operations is None:
         check_placement(T_base_door, recipe, layout)
         operations = whole_door(recipe)
-    _check_tools(operations, settings.checks)
+    _check_tools(operations, settings)
     loaded = LoadedRobot(
         Kinematics(robot),
         model,
@@ -85,26 +88,30 @@ def generate_program(
         program = assembled(recipe, plan, stations, q, loaded, robot, settings, layout.home)
     if flat:
         check_arcs(program)
+    check_life(program, recipe)
     return program if plan.fixed else paced(program, settings)
 
 
-def _check_tools(operations: Sequence[Operation], checks: Checks) -> None:
-    """Refuse a robot's share of a door that takes more tools than its spindle holds.
+def _check_tools(operations: Sequence[Operation], settings: PathSettings) -> None:
+    """Refuse a robot's share of a door that takes more tools than its spindle holds, or another one.
 
     Neither the target file nor the RAPID module has a tool change, and the tool centre point is
     that of one tool: a feature milled with the tool of another would come out too wide or too narrow.
 
     Args:
         operations: What one robot mills, in order.
-        checks: How many tools it has.
+        settings: How many tools it has, and how far they stand out of the spindle.
 
     Raises:
         ToolChangeError: They are too few.
+        ToolLengthError: One is longer or shorter.
     """
+    for item in operations:
+        _check_length(item, settings)
     first: dict[str, str] = {}
     for item in operations:
         first.setdefault(item.feature.tool.name, item.feature.id)
-    allowed = checks.tools
+    allowed = settings.checks.tools
     if len(first) > allowed:
         feature = list(first.values())[allowed]
         found = ", ".join(f"{tool} for {name}" for tool, name in first.items())
@@ -114,4 +121,17 @@ def _check_tools(operations: Sequence[Operation], checks: Checks) -> None:
             feature=feature,
             found=len(first),
             allowed=allowed,
+        )
+
+
+def _check_length(item: Operation, settings: PathSettings) -> None:
+    tool, nose, play = item.feature.tool, settings.approach.nose, settings.checks.tool_length
+    if isinstance(tool, TabledTool) and abs(tool.length - nose) > play:
+        raise ToolLengthError(
+            f"{item.feature.id}: tool {tool.name!r} stands {m_to_mm(tool.length):g} mm out of the spindle, allowed are "
+            f"{m_to_mm(nose):g} mm +- {m_to_mm(play):g} mm; clamp it so and correct the table, or teach the robot this "
+            "mill and set tool.position (cell.yaml) and approach.nose (toolpath.yaml)",
+            feature=item.feature.id,
+            found=tool.length,
+            allowed=nose,
         )

@@ -75,6 +75,7 @@ class Checks(Section):
     Attributes:
         targets: Most targets of a program.
         tools: Most tools that a program of one robot may need.
+        tool_length: How much longer or shorter than `approach.nose` a tool of the table may stand out [m].
         joint_margin: Distance kept from each joint limit [rad].
         wrist: Smallest angle of axis 5 from straight [rad].
         elbow: Smallest angle of the forearm from in line with the lower arm [rad].
@@ -85,6 +86,7 @@ class Checks(Section):
 
     targets: Count
     tools: Count
+    tool_length: Positive
     joint_margin: Positive
     wrist: Positive
     elbow: Positive

@@ -40,7 +40,7 @@ def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatAr
     motions = program.motions
     stop = [_stops(program, i) for i in range(n)]
     straight = [i for i in range(1, n) if motions[i].kind not in JOINT_MOTIONS]
-    lengths = {i: _length(program, i) for i in straight}
+    lengths = {i: motion_length(program, i) for i in straight}
     passed = _passed(program, lengths, stop, cycle.acceleration)
     tool = _Tool(program, robot)
     q, spindle = program.home, 0.0
@@ -157,7 +157,7 @@ def _stretch(length: float, speed: float, acceleration: float, begin: float, end
     return (2.0 * speed - begin - end) / acceleration + (length - ramps) / speed
 
 
-def _length(program: MillingProgram, index: int) -> float:
+def motion_length(program: MillingProgram, index: int) -> float:
     """Length of a MoveL or MoveC on the nominal path [m]."""
     motion, before = program.motions[index], program.motions[index - 1]
     if before.kind is MotionKind.ABSOLUTE:

@@ -1,9 +1,8 @@
-"""recipes: import, list, show, export, draw and check the recipes of the factory."""
+"""recipes: import, list, show, export, draw and check the recipes of the factory, and keep its table of tools."""
 
 from __future__ import annotations
 
 import argparse
-import getpass
 import sys
 from pathlib import Path
 
@@ -14,6 +13,8 @@ from doormill_ros.recipes.errors import UnknownFileType
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.database import RecipeDatabase, RecipeRecord
 from doormill_ros.recipes.store.engine import ENVIRONMENT
+from doormill_ros.tools.tool_table import add_tools_command, tools_command
+from doormill_ros.tools.user import user_name
 
 
 def parser() -> argparse.ArgumentParser:
@@ -57,6 +58,7 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument("ids", nargs="*", help="door ids; default is all")
     command = commands.add_parser("history", help="list every version of a door")
     command.add_argument("id")
+    add_tools_command(commands)
     return top
 
 
@@ -81,7 +83,7 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def _import(database: RecipeDatabase, arguments: argparse.Namespace) -> None:
-    author = arguments.author if arguments.author is not None else _user()
+    author = arguments.author if arguments.author is not None else user_name()
     report = database.import_file(arguments.file, author)
     for record in report.saved:
         print(f"saved {record.door_id} version {record.version}")
@@ -169,13 +171,6 @@ def _print_records(records: tuple[RecipeRecord, ...]) -> None:
         print(f"{record.door_id}\t{record.version}\t{record.bar_code}\t{record.author}\t{moment}")
 
 
-def _user() -> str:
-    try:
-        return getpass.getuser()
-    except (KeyError, OSError):  # a user id without a name, as in some containers
-        return "unknown"
-
-
 COMMANDS = {
     "import": _import,
     "list": _list,
@@ -184,6 +179,7 @@ COMMANDS = {
     "history": _history,
     "draw": _draw,
     "check": _check,
+    "tools": tools_command,
 }
 
 if __name__ == "__main__":

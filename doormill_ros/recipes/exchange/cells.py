@@ -17,6 +17,7 @@ from doormill_ros.recipes.errors import BadTable, DuplicateName, FieldError
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.recipes.quantities import Choice
 from doormill_ros.recipes.recipe import SCHEMA, Recipe
+from doormill_ros.recipes.tabled_tool import TABLE, LookUp, completed
 from doormill_ros.recipes.tool import Tool
 from doormill_ros.values import Section, keys, plain
 
@@ -51,8 +52,9 @@ class Row:
 
 
 def rows_of(recipe: Recipe) -> list[Row]:
-    """Door, tool and feature rows of a recipe, in this order."""
+    """Door, tool and feature rows of a recipe, in this order; tools of the table of tools have none."""
     document = recipe.to_document()
+    document.pop(TABLE, None)
     tools, features = document.pop("tools"), document.pop("features")
     door_id = {"door_id": recipe.door_id}
     rows = [Row(RowKind.DOOR, _flatten(document))]
@@ -61,12 +63,13 @@ def rows_of(recipe: Recipe) -> list[Row]:
     return rows
 
 
-def recipes_of(rows: Iterable[Row], name: str) -> list[Recipe]:
+def recipes_of(rows: Iterable[Row], name: str, look_up: LookUp | None = None) -> list[Recipe]:
     """The checked recipes of a table.
 
     Args:
         rows: Rows in any order; features are milled in the order of their rows.
         name: File name, for messages.
+        look_up: Gives those of some tools that the table of tools has, by name; None where there is none.
 
     Raises:
         BadTable: A row belongs to no door, or nothing is there.
@@ -92,7 +95,7 @@ def recipes_of(rows: Iterable[Row], name: str) -> list[Recipe]:
         if door_id not in doors:
             raise BadTable(f"{name} {row.place}: door {door_id!r} has no row of its own")
         _add(doors[door_id], places[door_id], row, name)
-    return [_build(document, places[door_id], name) for door_id, document in doors.items()]
+    return [_build(document, places[door_id], name, look_up) for door_id, document in doors.items()]
 
 
 def _add(document: dict[str, Any], places: dict[str, str], row: Row, name: str) -> None:
@@ -111,9 +114,9 @@ def _add(document: dict[str, Any], places: dict[str, str], row: Row, name: str) 
         document["features"].append(_unflatten(row, kind, skip="door_id"))
 
 
-def _build(document: dict[str, Any], places: dict[str, str], name: str) -> Recipe:
+def _build(document: dict[str, Any], places: dict[str, str], name: str, look_up: LookUp | None) -> Recipe:
     try:
-        return Recipe.from_document(document)
+        return Recipe.from_document(completed(document, look_up))
     except FieldError as error:
         head = ".".join(error.field.split(".")[:2])
         raise located(error, f"{name} {places.get(head, places[''])}".strip()) from error

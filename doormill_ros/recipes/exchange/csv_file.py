@@ -9,14 +9,20 @@ from collections.abc import Sequence
 from doormill_ros.recipes.errors import BadTable
 from doormill_ros.recipes.exchange.cells import Row, RowKind, format_number, recipes_of, rows_of
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.tabled_tool import LookUp
 
 RECORD = "record"
 DELIMITERS = ";\t,"  #: a comma last: it may stand inside a number of a table with another delimiter
 MAX_CELL = 1_000_000
 
 
-def parse_csv(text: str, name: str) -> list[Recipe]:
+def parse_csv(text: str, name: str, look_up: LookUp | None = None) -> list[Recipe]:
     """Recipes of a CSV text; `;`, tab or `,` between cells, with the first two also 1,5 for 1.5.
+
+    Args:
+        text: Of the file.
+        name: Of the file, for messages.
+        look_up: Gives those of some tools that the table of tools has, by name; None where there is none.
 
     Raises:
         BadTable: A row or the header is wrong.
@@ -39,7 +45,7 @@ def parse_csv(text: str, name: str) -> list[Recipe]:
             rows.append(_row(columns, cells, f"{name} {place}", place, delimiter != ","))
     except csv.Error as error:
         raise BadTable(f"{name} row {reader.line_num}: not CSV, {error}") from error
-    return recipes_of(rows, name)
+    return recipes_of(rows, name, look_up)
 
 
 def check_header(cells: Sequence[object], name: str, needed: Sequence[str]) -> list[str]:

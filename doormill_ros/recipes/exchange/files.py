@@ -21,12 +21,17 @@ from doormill_ros.recipes.exchange.cells import located
 from doormill_ros.recipes.exchange.csv_file import format_csv, parse_csv
 from doormill_ros.recipes.exchange.thesis_text import decode, format_thesis_text, parse_thesis_text
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.tabled_tool import LookUp, completed
 
 ENDINGS = (".xlsx", ".csv", ".txt", ".yaml", ".yml", ".json")
 
 
-def read_file(path: str | Path) -> list[Recipe]:
+def read_file(path: str | Path, look_up: LookUp | None = None) -> list[Recipe]:
     """The checked recipes of a file, in its order.
+
+    Args:
+        path: The file.
+        look_up: Gives those of some tools that the table of tools has, by name; None where there is none.
 
     Raises:
         UnknownFileType: The ending stands for no format.
@@ -40,14 +45,14 @@ def read_file(path: str | Path) -> list[Recipe]:
             raise UnreadableFile(f"{path}: no such file")
         from doormill_ros.recipes.exchange.xlsx_file import read_xlsx  # late: a node rarely meets one
 
-        recipes = read_xlsx(path)
+        recipes = read_xlsx(path, look_up)
     elif ending == ".txt":
         recipes = [parse_thesis_text(decode(_bytes(path), str(path)), str(path), path.stem)]
     elif ending == ".csv":
-        recipes = parse_csv(decode(_bytes(path), str(path)), str(path))
+        recipes = parse_csv(decode(_bytes(path), str(path)), str(path), look_up)
     else:
         parse = parse_json if ending == ".json" else parse_yaml
-        recipes = _documents(parse(read_text(path), str(path)), path)
+        recipes = _documents(parse(read_text(path), str(path)), path, look_up)
     seen: set[str] = set()
     for recipe in recipes:
         if recipe.door_id in seen:
@@ -94,13 +99,13 @@ def _text(ending: str, path: Path, recipes: Sequence[Recipe]) -> str:
     return yaml.safe_dump(documents, sort_keys=False, allow_unicode=True, width=110)
 
 
-def _documents(document: Any, path: Path) -> list[Recipe]:
+def _documents(document: Any, path: Path, look_up: LookUp | None) -> list[Recipe]:
     """A file holds one document or a list of them."""
     many = document if isinstance(document, list) else [document]
     recipes = []
     for index, item in enumerate(many):
         try:
-            recipes.append(Recipe.from_document(item))
+            recipes.append(Recipe.from_document(completed(item, look_up)))
         except FieldError as error:
             where = f"{path} document {index + 1}" if len(many) > 1 else str(path)
             raise located(error, where) from error

@@ -287,6 +287,11 @@ def format_thesis_text(recipe: Recipe) -> str:
                 f"feature {hinge['id']!r} of door {recipe.door_id!r} has no place in the thesis' text table, "
                 "allowed are equal oblong hinges hinge_1, hinge_2, ... on the front, heights from the bottom"
             )
+    if first["tool"] not in document["tools"]:
+        raise NotExpressible(
+            f"the tool {first['tool']!r} of door {recipe.door_id!r} has no place in the thesis' text table, allowed "
+            "are tools of the recipe's own; export to another format"
+        )
     document["tool"] = document["tools"][first["tool"]]
     lines: list[tuple[str, list[Any]]] = []
     write: Callable[[str, list[Any]], None] = lambda label, cells: lines.append((label, cells))  # noqa: E731

@@ -17,13 +17,18 @@ from doormill_ros.recipes.errors import BadTable, UnreadableFile
 from doormill_ros.recipes.exchange.cells import Row, RowKind, recipes_of, rows_of
 from doormill_ros.recipes.exchange.csv_file import check_header
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.tabled_tool import LookUp
 
 SHEETS = {record: f"{record.value}s" for record in RowKind}
 MAX_BYTES = 200_000_000  #: unpacked; a small file can hold a very large table
 
 
-def read_xlsx(path: Path) -> list[Recipe]:
+def read_xlsx(path: Path, look_up: LookUp | None = None) -> list[Recipe]:
     """Recipes of a workbook; other sheets in it are left alone.
+
+    Args:
+        path: The file.
+        look_up: Gives those of some tools that the table of tools has, by name; None where there is none.
 
     Raises:
         UnreadableFile: Not a workbook, or unpacks to more than 200 MB.
@@ -36,7 +41,7 @@ def read_xlsx(path: Path) -> list[Recipe]:
         raise
     except Exception as error:  # archive, XML and number formats each let errors of their own through
         raise UnreadableFile(f"{path}: not an Excel workbook, {error}") from error
-    return recipes_of(rows, str(path))
+    return recipes_of(rows, str(path), look_up)
 
 
 def _unpacked(path: Path) -> list[Row]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,7 +14,6 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.errors import (
     BadText,
     DatabaseError,
-    DatabaseUnreachable,
     UnknownBarCode,
     UnknownDoor,
     UnknownVersion,
@@ -23,7 +21,7 @@ from doormill_ros.recipes.errors import (
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store import schema
-from doormill_ros.recipes.store.engine import WRITE, make_engine, make_reader
+from doormill_ros.recipes.store.connection import StoreConnection
 from doormill_ros.recipes.store.statements import (
     BY_BAR_CODE,
     BY_DOOR,
@@ -33,7 +31,9 @@ from doormill_ros.recipes.store.statements import (
     first_version,
     next_version,
 )
+from doormill_ros.recipes.store.tool_table import ToolTable
 from doormill_ros.recipes.stored import content_of, recipe_of, rules, seal
+from doormill_ros.recipes.tabled_tool import completed
 
 SHIPPER = "doormill_ros"  #: author of the recipes that ship
 
@@ -63,7 +63,12 @@ class ImportReport:
 
 
 class RecipeDatabase:
-    """Recipes of one factory; several cells may share it."""
+    """Recipes of one factory; several cells may share it.
+
+    Attributes:
+        url: Where it is, without its password.
+        tools: The table of tools that recipes name.
+    """
 
     def __init__(self, url: str | None = None, clock: Callable[[], datetime] | None = None) -> None:
         """Open the database, make it when it is not there, migrate it when it is old.
@@ -77,18 +82,9 @@ class RecipeDatabase:
             SchemaTooNew: A later release has written it.
         """
         self._clock = clock or (lambda: datetime.now(UTC))
-        self._engine = make_engine(url)
-        self._reader = make_reader(self._engine)
-        self.url = self._engine.url.render_as_string(hide_password=True)
-        try:
-            with self._failures(), self._reader.connect() as connection:
-                current = schema.current_revision(connection)
-            if current != schema.REVISIONS[-1]:
-                with self._write() as connection:
-                    schema.migrate(connection)
-        except BaseException:
-            self.close()
-            raise
+        self._store = StoreConnection(url)
+        self.url = self._store.url
+        self.tools = ToolTable(self._store, self._clock)
 
     def __enter__(self) -> RecipeDatabase:
         return self
@@ -98,8 +94,7 @@ class RecipeDatabase:
 
     def close(self) -> None:
         """Close every connection."""
-        self._reader.dispose()
-        self._engine.dispose()
+        self._store.close()
 
     def get(self, door_id: str, version: int | None = None) -> Recipe:
         """The recipe of a door, the newest version unless one is given.
@@ -112,12 +107,12 @@ class RecipeDatabase:
         if not _storable(door_id):
             raise _unknown_door(door_id)
         if version is None:
-            rows = self._read(BY_DOOR, {"door_id": door_id})
+            rows = self._store.read(BY_DOOR, {"door_id": door_id})
             if not rows:
                 raise _unknown_door(door_id)
         else:
             wanted = version if 0 < version < 2**31 else 0  # the column holds no others
-            rows = self._read(BY_VERSION, {"door_id": door_id, "wanted": wanted})
+            rows = self._store.read(BY_VERSION, {"door_id": door_id, "wanted": wanted})
             if not rows:
                 versions = [record.version for record in self.history(door_id)]
                 raise UnknownVersion(
@@ -125,7 +120,7 @@ class RecipeDatabase:
                     f"{versions[-1]}",
                     found=version,
                 )
-        return recipe_of(rows[0])
+        return recipe_of(rows[0], self.tools.look_up)
 
     def find_bar_code(self, code: str) -> Recipe:
         """The newest recipe of the door with this bar code.
@@ -134,12 +129,12 @@ class RecipeDatabase:
             UnknownBarCode: No door has it now.
             DamagedRecord: The stored text is not what was stored.
         """
-        rows = self._read(BY_BAR_CODE, {"bar_code": code}) if _storable(code) else ()
+        rows = self._store.read(BY_BAR_CODE, {"bar_code": code}) if _storable(code) else ()
         if not rows:
             raise UnknownBarCode(
                 f"found no recipe for bar code {code!r}; import one, or read the code again", found=code
             )
-        return recipe_of(rows[0])
+        return recipe_of(rows[0], self.tools.look_up)
 
     def list(self, prefix: str = "", limit: int | None = None) -> tuple[RecipeRecord, ...]:
         """The newest version of every door, sorted by door id.
@@ -155,7 +150,7 @@ class RecipeDatabase:
         query = sa.select(*RECORD).select_from(schema.recipe_version.join(schema.door, newest))
         query = query.where(schema.door.c.door_id.startswith(prefix, autoescape=True))
         query = query.order_by(schema.recipe_version.c.door_id).limit(limit)
-        rows = self._read(query)
+        rows = self._store.read(query)
         return tuple(sorted((_record(row) for row in rows), key=lambda record: record.door_id))
 
     def history(self, door_id: str) -> tuple[RecipeRecord, ...]:
@@ -163,7 +158,7 @@ class RecipeDatabase:
         if not _storable(door_id):
             raise _unknown_door(door_id)
         query = sa.select(*RECORD).where(schema.recipe_version.c.door_id == door_id)
-        rows = self._read(query.order_by(schema.recipe_version.c.version))
+        rows = self._store.read(query.order_by(schema.recipe_version.c.version))
         if not rows:
             raise _unknown_door(door_id)
         return tuple(_record(row) for row in rows)
@@ -187,7 +182,7 @@ class RecipeDatabase:
     def save_all(self, recipes: Iterable[Recipe], author: str) -> tuple[Recipe, ...]:
         """Store several recipes in one transaction: all of them, or none. See `save`."""
         checked = [self._checked(recipe, author) for recipe in recipes]
-        with self._write() as connection:
+        with self._store.write() as connection:
             # In one order everywhere, so that two savers cannot wait for each other.
             saved = {}
             for index in sorted(range(len(checked)), key=lambda index: checked[index].door_id):
@@ -207,9 +202,9 @@ class RecipeDatabase:
             FieldError: A recipe or the author is wrong.
             BarCodeTaken: Another door has a bar code.
         """
-        checked = [self._checked(recipe, author) for recipe in read_file(path)]
+        checked = [self._checked(recipe, author) for recipe in read_file(path, self.tools.look_up)]
         saved, unchanged = [], []
-        with self._write() as connection:
+        with self._store.write() as connection:
             for recipe in sorted(checked, key=lambda recipe: recipe.door_id):
                 row = connection.execute(BY_DOOR, {"door_id": recipe.door_id}).one_or_none()
                 if row is not None and row.document == content_of(recipe):
@@ -239,14 +234,14 @@ class RecipeDatabase:
         """
         wanted = []
         for recipe in shipped_recipes().values():
-            rows = self._read(BY_DOOR, {"door_id": recipe.door_id})
+            rows = self._store.read(BY_DOOR, {"door_id": recipe.door_id})
             if not rows or self._is_earlier(rows[0], recipe, author):
                 wanted.append(recipe)
         if not wanted:
             return ()
         checked = [self._checked(recipe, author) for recipe in wanted]
         saved = []
-        with self._write() as connection:
+        with self._store.write() as connection:
             for recipe in sorted(checked, key=lambda recipe: recipe.door_id):
                 # Another cell may be at the same: the first one is waited for.
                 connection.execute(LOCK_DOOR, {"door_id": recipe.door_id})
@@ -265,45 +260,11 @@ class RecipeDatabase:
         """True when an earlier release has stored another recipe, and nobody else one since."""
         return bool(row.author == author and row.document != content_of(recipe))
 
-    def _read(self, query: sa.Select[Any], values: dict[str, object] | None = None) -> Sequence[sa.Row[Any]]:
-        """Every row of one statement, which is all that a look-up is: no transaction round it."""
-        with self._failures():
-            try:
-                return self._rows(query, values)
-            except sa.exc.DBAPIError as error:
-                if not error.connection_invalidated:
-                    raise
-                # The server was started anew since the last look-up. To ask it before each one
-                # whether it is still there would cost a journey every time.
-                return self._rows(query, values)
-
-    def _rows(self, query: sa.Select[Any], values: dict[str, object] | None) -> Sequence[sa.Row[Any]]:
-        with self._reader.connect() as connection:
-            return connection.execute(query, values).all()
-
-    @contextmanager
-    def _write(self) -> Iterator[sa.Connection]:
-        """A transaction that is going to write."""
-        with self._failures(), self._engine.connect() as connection:
-            connection.execution_options(**{WRITE: True})
-            with connection.begin():
-                yield connection
-
-    @contextmanager
-    def _failures(self) -> Iterator[None]:
-        """A failure of the database itself becomes DatabaseUnreachable."""
-        try:
-            yield
-        except (sa.exc.InterfaceError, sa.exc.DatabaseError) as error:
-            if isinstance(error, sa.exc.IntegrityError):
-                raise
-            reason = " ".join(str(error.orig).split())
-            raise DatabaseUnreachable(f"the recipe database {self.url} cannot be used: {reason}") from error
-
     def _checked(self, recipe: Recipe, author: str) -> Recipe:
         if not author.strip():
             raise BadText("author", f"found {author!r}, allowed are 1 to 100 printable characters")
-        return Recipe.from_document({**recipe.to_document(), "author": author})
+        document = completed(recipe.to_document(), self.tools.look_up)
+        return Recipe.from_document({**document, "author": author})
 
     def _save(self, connection: sa.Connection, recipe: Recipe, author: str, version: int) -> Recipe:
         """Store a checked recipe under a version drawn for it."""

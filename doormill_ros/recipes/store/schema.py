@@ -2,7 +2,9 @@
 
 `door` holds the newest version number and bar code of each door; `recipe_version` holds every
 version as the JSON text of its document, with who and when, a seal, and the rules by which it was
-checked. Rows of `recipe_version` are final: triggers refuse to change or delete them.
+checked. Rows of `recipe_version` are final: triggers refuse to change or delete them. `tool` holds the
+tools that recipes name, each with what it has cut; `tool_use` what each run cuts with which, and whether
+that is in the sum already.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ import sqlalchemy as sa
 
 from doormill_ros.recipes.errors import SchemaTooNew
 
-REVISIONS = ("0001", "0002", "0003")  #: of the migrations, oldest first
+REVISIONS = ("0001", "0002", "0003", "0004")  #: of the migrations, oldest first
 MIGRATIONS = Path(__file__).parent / "migrations"
 LOCK = 0x646F6F72  #: key of PostgreSQL's advisory lock during a migration
 
@@ -39,6 +41,26 @@ recipe_version = sa.Table(
     sa.Column("document", sa.Text, nullable=False),
     sa.Column("sha256", sa.String(64), nullable=False),
     sa.Column("rules", sa.String(16), nullable=False, server_default=sa.text("''")),
+)
+
+tool = sa.Table(
+    "tool",
+    metadata,
+    sa.Column("name", sa.String(64), primary_key=True),
+    sa.Column("document", sa.Text, nullable=False),
+    sa.Column("cut", sa.Double, nullable=False),
+    sa.Column("broken", sa.Boolean, nullable=False),
+    sa.Column("author", sa.String(100), nullable=False),
+    sa.Column("changed", sa.String(32), nullable=False),
+)
+
+tool_use = sa.Table(
+    "tool_use",
+    metadata,
+    sa.Column("run_id", sa.String(64), primary_key=True),
+    sa.Column("tool", sa.String(64), primary_key=True),
+    sa.Column("metres", sa.Double, nullable=False),
+    sa.Column("counted", sa.Boolean, nullable=False),
 )
 
 

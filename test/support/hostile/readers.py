@@ -32,6 +32,7 @@ from doormill_ros.recipes.documents import load_recipe, to_json
 from doormill_ros.recipes.exchange.csv_file import format_csv
 from doormill_ros.recipes.exchange.files import read_file
 from doormill_ros.recipes.exchange.thesis_text import format_thesis_text
+from doormill_ros.recipes.exchange.tool_file import read_tool_file
 from doormill_ros.recipes.exchange.xlsx_file import format_xlsx
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.expectation import read_expectation
@@ -131,6 +132,9 @@ def subjects(folder: Path) -> Iterator[Subject]:
     xlsx.mkdir(parents=True)
     (xlsx / "doors.xlsx").write_bytes(format_xlsx([recipe]))
     yield Subject("recipes.xlsx", xlsx, "doors.xlsx", read_file)
+    yield Subject(
+        "tools.yaml", _copied(folder / "tools", config / "tools.yaml"), "tools.yaml", read_tool_file
+    )
     text = format_thesis_text(load_recipe("thesis_190_0deg"))
     yield Subject("thesis text", text_folder(folder / "thesis", "door.txt", text), "door.txt", read_file)
 
