@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import getpass
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,6 +19,24 @@ class OneLineParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Leave with the complaint."""
         self.exit(2, f"{self.prog}: {message}\n")
+
+
+def add_database(parser: argparse.ArgumentParser, variable: str) -> None:
+    """The option that names a database, which an environment variable names too."""
+    parser.add_argument(
+        "--database",
+        metavar="URL",
+        help="sqlite:///FILE, a file name, or postgresql://USER:PASSWORD@HOST/NAME; "
+        f"default is ${variable}, else a SQLite file in the site's folder",
+    )
+
+
+def user_name() -> str:
+    """Name of the user, for what is stored with an author."""
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):  # a user id without a name, as in some containers
+        return "unknown"
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from typing import Any
 from doormill_ros.recipes.exchange.tool_file import format_tool, read_tool_file
 from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recipes.store.tool_table import ToolRecord
-from doormill_ros.tools.user import user_name
+from doormill_ros.tools.command_line import user_name
 from doormill_ros.units import m_to_mm
 
 AUTHOR_HELP = "who says so; default is the user's name"

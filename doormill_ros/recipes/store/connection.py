@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import Any
 
 import sqlalchemy as sa
 
 from doormill_ros.recipes.errors import DatabaseUnreachable
 from doormill_ros.recipes.store import schema
-from doormill_ros.recipes.store.engine import WRITE, make_engine, make_reader
+from doormill_ros.recipes.store.engine import make_reader
+from doormill_ros.recipes.store.transactions import Transactions
 
 
-class StoreConnection:
+class StoreConnection(Transactions):
     """A database of recipes that is open, made where it is not there, migrated where it is old.
 
     Args:
@@ -22,15 +22,11 @@ class StoreConnection:
     Raises:
         DatabaseUnreachable: Nothing answers, or it is not a database of recipes.
         SchemaTooNew: A later release has written it.
-
-    Attributes:
-        url: Where it is, without its password.
     """
 
     def __init__(self, url: str | None = None) -> None:
-        self._engine = make_engine(url)
+        super().__init__(url)
         self._reader = make_reader(self._engine)
-        self.url = self._engine.url.render_as_string(hide_password=True)
         try:
             with self._failures(), self._reader.connect() as connection:
                 current = schema.current_revision(connection)
@@ -44,7 +40,7 @@ class StoreConnection:
     def close(self) -> None:
         """Close every connection."""
         self._reader.dispose()
-        self._engine.dispose()
+        super().close()
 
     def read(self, query: sa.Select[Any], values: dict[str, object] | None = None) -> Sequence[sa.Row[Any]]:
         """Every row of one statement, which is all that a look-up is: no transaction round it."""
@@ -62,21 +58,7 @@ class StoreConnection:
         with self._reader.connect() as connection:
             return connection.execute(query, values).all()
 
-    @contextmanager
-    def write(self) -> Iterator[sa.Connection]:
-        """A transaction that is going to write."""
-        with self._failures(), self._engine.connect() as connection:
-            connection.execution_options(**{WRITE: True})
-            with connection.begin():
-                yield connection
-
-    @contextmanager
-    def _failures(self) -> Iterator[None]:
-        """A failure of the database itself becomes DatabaseUnreachable."""
-        try:
-            yield
-        except (sa.exc.InterfaceError, sa.exc.DatabaseError) as error:
-            if isinstance(error, sa.exc.IntegrityError):
-                raise
-            reason = " ".join(str(error.orig).split())
-            raise DatabaseUnreachable(f"the recipe database {self.url} cannot be used: {reason}") from error
+    def _told(self, error: sa.exc.InterfaceError | sa.exc.DatabaseError, reason: str) -> Exception:
+        if isinstance(error, sa.exc.IntegrityError):
+            return error
+        return DatabaseUnreachable(f"the recipe database {self.url} cannot be used: {reason}")
