@@ -119,7 +119,7 @@ class Oracle:
             named.setdefault(key, value)
         found = named.get("#door"), named.get("#run")
         if stood is None or found != (stood.door_id, stood.run_id):
-            return f"milled {found}; in the clamp: {stood}"
+            return f"milled {found}, ready seen high last at {start.at:.3f}; in the clamp: {stood}"
         seen, good = stood.place.seen(targets_of(start.data)), self._good[stood.door_id]
         if seen.shape != good.shape:
             return f"milled {found} by {len(seen)} targets instead of {len(good)}; in the clamp: {stood}"
