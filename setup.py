@@ -10,6 +10,7 @@ NODES = [
     "abb_bridge",
     "bag_recorder",
     "model_monitor",
+    "operator_page",
     "cell_simulator",
     "folder_camera",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import secrets
+import stat
 from pathlib import Path
 
 
@@ -27,6 +28,45 @@ class ReadBackError(OSError):
             f"{path} reads back with {self.found} bytes and first differs at byte {self.position}, "
             f"written were {self.size} bytes: check that nothing else writes there, and the disk"
         )
+
+
+class NotPrivateError(OSError):
+    """A file of secrets that is no file, that others may read, or that is somebody else's.
+
+    Attributes:
+        mode: Its mode in octal digits where that is why, else empty.
+    """
+
+    def __init__(self, problem: str, mode: str = "") -> None:
+        super().__init__(problem)
+        self.mode = mode
+
+
+def read_private(path: Path, most: int) -> bytes:
+    """What a file of secrets holds.
+
+    Args:
+        path: The file; nobody but its owner may read it, who is this user or root.
+        most: Bytes that are read at most.
+
+    Raises:
+        OSError: It cannot be opened.
+        NotPrivateError: It is not as described.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        # Of the open file, not of the path: nobody can exchange it between check and reading.
+        status = os.fstat(descriptor)
+        mode = stat.S_IMODE(status.st_mode)
+        if not stat.S_ISREG(status.st_mode):
+            raise NotPrivateError("is not a regular file")
+        if mode & 0o077:
+            raise NotPrivateError(f"has mode {mode:o}, allowed are 600 and 400", f"{mode:o}")
+        if status.st_uid not in (os.geteuid(), 0):
+            raise NotPrivateError(f"belongs to user {status.st_uid}, not to you or root")
+        return os.read(descriptor, most)
+    finally:
+        os.close(descriptor)
 
 
 def write_atomically(

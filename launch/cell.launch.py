@@ -10,6 +10,7 @@ from launch.actions import DeclareLaunchArgument
 from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 
 from launch import LaunchDescription
 
@@ -20,6 +21,7 @@ NODES = (
     "abb_bridge",
     "bag_recorder",
     "model_monitor",
+    "operator_page",
     "cell_simulator",
     "folder_camera",
 )
@@ -35,6 +37,13 @@ ARGUMENTS = {
     "autostart": ("true", "bring the nodes up; false: an operator does"),
     "simulate": ("true", "simulated camera, controller and robot"),
     "pictures": ("", "folder of pictures in place of the simulated camera"),
+    "page": ("true", "serve the operator's page"),
+    "page_host": ("127.0.0.1", "address of that page, unencrypted"),
+    "page_port": ("8080", "TCP port of that page; each cell needs its own"),
+    "page_tokens": (
+        "",
+        "file with the tokens of who may give orders there, made where there is none; empty: nobody",
+    ),
     "respawn": ("true", "start what died again"),
     "log_level": ("info", "of every node: debug, info, warn, error"),
     "use_sim_time": ("false", "take the time from /clock"),
@@ -62,10 +71,17 @@ def cell_node(name):
             "bags": in_out("bags"),
             "models": in_out("models"),
         },
+        "operator_page": {
+            "history": in_out("runs"),
+            "host": ParameterValue(LaunchConfiguration("page_host"), value_type=str),
+            "port": LaunchConfiguration("page_port"),
+            "tokens": ParameterValue(LaunchConfiguration("page_tokens"), value_type=str),
+        },
         "cell_simulator": {"home": in_out("controller", "HOME"), "gauged": True},
         "folder_camera": {"folder": LaunchConfiguration("pictures")},
     }
     conditions = {
+        "operator_page": IfCondition(LaunchConfiguration("page")),
         "cell_simulator": IfCondition(LaunchConfiguration("simulate")),
         "folder_camera": IfCondition(brought("!=")),
     }

@@ -13,7 +13,8 @@ from typing import Any
 from xml.etree import ElementTree
 
 from doormill_ros.cell.run_folder import RunFolder
-from doormill_ros.nodes.cell import Cell
+from doormill_ros.nodes.cell import Cell, CellOptions
+from doormill_ros.operator.token import new_token
 from doormill_ros.resources import share_directory
 
 FILE = share_directory() / "config" / "security" / "policies.xml"
@@ -64,7 +65,9 @@ def cell_graph() -> Iterator[Graph]:
     with tempfile.TemporaryDirectory(prefix="policies-", ignore_cleanup_errors=True) as folder:
         run = RunFolder(Path(folder))
         run.prepare()
-        with Cell(run) as cell:
+        # With the page in a mode in which it asks for most.
+        page = CellOptions({"operator_page": {"port": 0}}, page=True, token=new_token())
+        with Cell(run, page) as cell:
             composition = cell._composition
             names = [node.get_name() for node in composition.nodes]
             found, since = graph_of(composition.driver, names), time.monotonic()

@@ -73,7 +73,7 @@ def test_shell_commands_run(block: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("block", [b for b in SHELL if " & " in b])
 def test_nodes_started_in_the_background_come_up_and_stop(block: str, tmp_path: Path) -> None:
     names = re.findall(r"(\w+) &", block)
-    assert len(names) == 7
+    assert len(names) == 8
     log = tmp_path / "log.txt"
     process = run(f"exec > {log} 2>&1\n{block}\nwait", tmp_path)
     try:
@@ -103,6 +103,6 @@ def test_tools_and_nodes_named_in_the_readme_are_installed() -> None:
     before_dependencies = README.split("## Why each dependency")[0]
     cells = re.findall(r"^\| (`\w+`(?:, `\w+`)*) \|", before_dependencies, flags=re.MULTILINE)
     names = [name for cell in cells for name in re.findall(r"\w+", cell)]
-    assert len(names) == 22
+    assert len(names) == 23
     for name in names:
         assert (Path(prefix) / "lib" / "doormill_ros" / name).is_file(), name

@@ -6,7 +6,6 @@ They are no node parameters: those are readable by everybody on the graph and en
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from doormill_ros.abb.link_errors import (
     CredentialsMissingError,
     CredentialsPermissionError,
 )
+from doormill_ros.files import NotPrivateError, read_private
 from doormill_ros.yaml_text import parse
 
 USER_VARIABLE = "DOORMILL_CONTROLLER_USER"
@@ -83,33 +83,20 @@ def load_credentials(environment: Mapping[str, str] = os.environ, file: Path | N
 
 def _read_private(path: Path) -> bytes:
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        return read_private(path, _MAX_SIZE + 1)
+    except NotPrivateError as error:
+        told = f"credentials file {path} {error}"
+        if error.mode:
+            told += f": run 'chmod 600 {path}' and change the password, others may have read it"
+            raise CredentialsPermissionError(told, path=str(path), mode=error.mode) from None
+        raise CredentialsPermissionError(
+            f"{told}; name a file of yours with mode 600", path=str(path)
+        ) from None
     except OSError as error:
         raise CredentialsMissingError(
             f"credentials file {path} cannot be opened: {error.strerror}; create it with mode 600",
             path=str(path),
         ) from None
-    with os.fdopen(descriptor, "rb") as file:
-        # Of the open file, not of the path: nobody can exchange it between check and reading.
-        status = os.fstat(file.fileno())
-        mode = stat.S_IMODE(status.st_mode)
-        if not stat.S_ISREG(status.st_mode):
-            raise CredentialsPermissionError(
-                f"credentials {path} are not a regular file; name a file with mode 600", path=str(path)
-            )
-        if mode & 0o077:
-            raise CredentialsPermissionError(
-                f"credentials file {path} has mode {mode:o}, allowed are 600 and 400: run 'chmod 600 {path}' "
-                "and change the password, others may have read it",
-                path=str(path),
-                mode=f"{mode:o}",
-            )
-        if status.st_uid not in (os.geteuid(), 0):
-            raise CredentialsPermissionError(
-                f"credentials file {path} belongs to user {status.st_uid}; it must be yours or root's",
-                path=str(path),
-            )
-        return file.read(_MAX_SIZE + 1)
 
 
 def _parse(path: Path, data: bytes) -> Credentials:

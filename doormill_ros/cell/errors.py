@@ -44,4 +44,7 @@ RunCutOffError = CellError.row(
 BadParameterError = CellError.row(
     "BadParameterError", 811, "A node was started with a value that a parameter cannot have."
 )
+RunNoteError = CellError.row(
+    "RunNoteError", 883, "It cannot be written down which run is in hand, so none is begun."
+)
 BadCellFile = CellError.row("BadCellFile", 806, "The cell's file lacks a key or is out of bounds.")

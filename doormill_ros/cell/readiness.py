@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 NEEDED = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "bag_recorder")
+#: Started with them; milling goes on without.
+BESIDE = ("model_monitor", "operator_page")
 CONTROLLER = "abb_bridge/controller"  #: what the bridge says of the controller; not every transport can tell
 #: A node that has not been heard of for so long counts as gone [s].
 SILENCE = 3.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from doormill_ros.cell.errors import RunNoteError
 from doormill_ros.files import write_atomically
 
 NOTE = "run-in-hand.json"
@@ -24,10 +25,18 @@ class RunNote:
         """A run begins.
 
         Raises:
-            OSError: The note cannot be written.
+            RunNoteError: The note cannot be written.
         """
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(self._path, json.dumps({"run_id": run_id, "door_id": door_id}) + "\n")
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(self._path, json.dumps({"run_id": run_id, "door_id": door_id}) + "\n")
+        except OSError as error:
+            raise RunNoteError(
+                f"{self._path} cannot be written ({error.strerror or error}); without it a restarted bridge would not "
+                "know which door was in hand, so none is begun: check folder, rights and disk, or choose another "
+                "with the parameter archive of /abb_bridge",
+                path=str(self._path),
+            ) from error
 
     def clear(self) -> None:
         """The run has ended, and everybody was told.

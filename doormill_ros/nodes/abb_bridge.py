@@ -164,10 +164,8 @@ class AbbBridge(ManagedNode):
         Raises:
             TargetFileWriteError: The copy could not be written.
         """
-        archive = Path(self.value("archive"))
-        archive.mkdir(parents=True, exist_ok=True)
-        path = (archive / f"{run_id}.txt").resolve()
-        write_target_file(path, data)
+        path = (Path(self.value("archive")) / f"{run_id}.txt").resolve()
+        write_target_file(path, data, make_folder=True)
         self._file.publish(String(data=data.decode("ascii")))
         return path
 

@@ -33,6 +33,7 @@ from doormill_ros.simulation.world.door_truth import GAUGE
 from doormill_ros.simulation.world.gauge import NOISE, gauge
 
 STOP_LIMIT = 5.0  # s
+CLAMP_PERIOD = 0.05  # s
 BAG = "bag"  #: of a run, beside its inspection
 
 
@@ -54,6 +55,12 @@ class ControllerSimulator(ManagedNode):
         NodeParameter("web_services_port", 8090, "their TCP port on 127.0.0.1; 0: any free one", 0, 65535),
         NodeParameter(
             "web_services_certificates", "out/controller", "folder that rws2 writes controller.crt and key to"
+        ),
+        NodeParameter(
+            "clamped",
+            True,
+            "false: somebody opens the clamp of the door that stands; the next is clamped",
+            live=True,
         ),
         NodeParameter("gauged", False, "measure every milled door and tell it on door/inspection"),
         *WORLD_PARAMETERS,
@@ -92,6 +99,7 @@ class ControllerSimulator(ManagedNode):
         )
         # What it signaled before it was started is over, as after a real controller's restart.
         self._cell.reset()
+        self._clamped = True  # as it was last asked for
         self._ended = ""  # run whose door is out of the clamp
         self._recipe: DoorRecipe | None = None
         self._placement: DoorPlacement | None = None
@@ -107,6 +115,7 @@ class ControllerSimulator(ManagedNode):
         self.subscribe(topics.DOOR_PLACEMENT, self._take_placement)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.RUN_RESULT, self._take_result)
+        self.every(CLAMP_PERIOD, self._look_at_clamp)
 
     def stop(self) -> None:
         """Stop the program and the robot."""
@@ -116,6 +125,12 @@ class ControllerSimulator(ManagedNode):
         """End the web services."""
         if self._web_services is not None:
             self._web_services.stop()
+
+    def _look_at_clamp(self) -> None:
+        clamped = self.value("clamped")
+        if self._clamped and not clamped and self._run is not None:
+            self._run.open_clamp()
+        self._clamped = clamped
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         self._recipe = recipe

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections import deque
 from contextlib import suppress
@@ -21,6 +22,7 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
+from doormill_ros.nodes.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.history import append_history, load_history
 from doormill_ros.operator.model_view import ModelView, TrendDoor
@@ -29,6 +31,7 @@ from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.state import EndedRun, ViewStore
 from doormill_ros.operator.token import Keys
+from doormill_ros.operator.token_file import load_keys
 
 BRIDGE = "abb_bridge"
 CONTROLLER = "/controller"  # what the bridge tells of it
@@ -40,13 +43,18 @@ FEEDBACK = topics.Topic(
 
 
 class OperatorPage(ManagedNode):
-    """Shows the cell on a web page; the tokens for control are handed over here, never as parameters."""
+    """Shows the cell on a web page; tokens for control are handed over here or stand in a file, never in parameters."""
 
     PARAMETERS = (
         NodeParameter(
             "host", "127.0.0.1", "address the page is served at, unencrypted; 0.0.0.0: every network"
         ),
         NodeParameter("port", 8080, "TCP port of the page; 0: any free one", 0, 65535),
+        NodeParameter(
+            "tokens",
+            "",
+            "file with tokens of the roles operate and engineer, made where there is none; empty: only shown",
+        ),
         NodeParameter(
             "history", "out/runs", "folder that keeps the ended runs, the summaries of single runs too"
         ),
@@ -58,9 +66,9 @@ class OperatorPage(ManagedNode):
     )
 
     def __init__(self, token: str | Keys | None = None, **kwargs: Any) -> None:
-        """Show only, unless a token is given that allows control, or one for each role."""
+        """Show only, unless a token is given that allows control, or one for each role, or a file of them is named."""
         super().__init__("operator_page", **kwargs)
-        self._token = token
+        self._given = token
         self.url = ""
 
     def setup(self) -> None:
@@ -70,11 +78,13 @@ class OperatorPage(ManagedNode):
         self.store.update(lambda view: view.with_history(load_history(self._history)))
         self._bridge_heard = float("-inf")
         self._pictures: deque[Image] = deque(maxlen=KEPT_PICTURES)
-        host = self.value("host")
-        control = ActionControl(self, self.store) if self._token else None
+        host, tokens = self.value("host"), self.value("tokens")
+        token = self._given or (load_keys(Path(tokens)) if tokens else None)
+        control = ActionControl(self, self.store) if token else None
         hosts = (host, "127.0.0.1", "localhost", "[::1]") if is_loopback(host) else ("*",)
         audit = AuditLog(Path(self.value("audit") or self._history / "audit"))
-        app = create_app(self.store, control, self._token, hosts, audit)
+        app = create_app(self.store, control, token, hosts, audit)
+        self._controls = control is not None
         self._server = PageServer(app, host, self.value("port")).start()
         self.url = self._server.url
         self.subscribe(topics.ABB_STATUS, self._take_status)
@@ -91,7 +101,7 @@ class OperatorPage(ManagedNode):
 
     def start(self) -> None:
         """Say where the page is."""
-        self.report(OK, "serving", url=self.url, control=bool(self._token))
+        self.report(OK, "serving", url=self.url, control=self._controls)
 
     def teardown(self) -> None:
         """Stop serving."""
@@ -179,3 +189,12 @@ class OperatorPage(ManagedNode):
     def _look_for_bridge(self) -> None:
         present = time.monotonic() - self._bridge_heard < SILENCE
         self.store.update(lambda view: view.with_bridge(present))
+
+
+def main() -> int:
+    """Run the node."""
+    return run_nodes(OperatorPage)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -68,6 +68,10 @@ class RobotCellRun:
         """Stop program and robot; from any thread."""
         self._controller.stop()
 
+    def open_clamp(self) -> None:
+        """Somebody opens the clamp, whatever the program does; from any thread."""
+        self._controller.cell.set_input(DOOR_CLAMPED, 0.0)
+
     @property
     def pendant_lines(self) -> tuple[str, ...]:
         """What the program showed on the pendant."""

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
+import subprocess
+from fnmatch import fnmatch
+from pathlib import Path
 
+import pytest
 import yaml
 
-from doormill_ros.cell.readiness import NEEDED
+from doormill_ros.cell.readiness import BESIDE, NEEDED
 from support.source_tree import ROOT
 
 FOLDER = ROOT / "deploy" / "container"
 FILE = (FOLDER / "Containerfile").read_text()
+SHELL = ["/bin/bash", "-euo", "pipefail", "-c"]
+COMMANDS = [
+    command.replace("\\\n", "").strip()
+    for command in re.findall(r"^RUN ((?:.*\\\n)*.*)$", FILE, re.MULTILINE)
+]
 COMPOSE = yaml.safe_load((FOLDER / "compose.yaml").read_text())
 
 
@@ -42,9 +52,9 @@ def test_what_it_copies_and_starts_is_there() -> None:
 
 def test_every_node_has_its_container_a_bounded_log_and_no_privileges() -> None:
     services = COMPOSE["services"]
-    assert set(services) == {*NEEDED, "cell_simulator"}
+    assert set(services) == {*NEEDED, *BESIDE, "cell_simulator"}
     assert all(service["command"] == [name] for name, service in services.items())
-    for name in (*NEEDED, "cell_simulator"):
+    for name in (*NEEDED, *BESIDE, "cell_simulator"):
         service = services[name]
         assert service["logging"]["options"] == {"max-size": "10m", "max-file": "5"}
         assert (service["cap_drop"], service["restart"]) == (["ALL"], "unless-stopped")
@@ -55,3 +65,61 @@ def test_every_node_has_its_container_a_bounded_log_and_no_privileges() -> None:
         "/opt/doormill/deploy/doormill-run",
         "health",
     ]
+
+
+def ignored(name: str) -> bool:
+    """Whether .dockerignore keeps a file out of the image."""
+    patterns = (ROOT / ".dockerignore").read_text(encoding="utf-8").split()
+    parts = Path(name).parts
+    above = ["/".join(parts[: number + 1]) for number in range(len(parts))]
+    return any(
+        fnmatch(Path(folder).name, pattern[3:]) if pattern.startswith("**/") else fnmatch(folder, pattern)
+        for pattern in patterns
+        for folder in above
+    )
+
+
+def test_every_file_of_the_repository_reaches_the_image_and_nothing_of_this_machine_does() -> None:
+    """So the image is built from what `.ci/run` builds from in a new empty folder."""
+    listed = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.split("\n")
+    tracked = [name for name in listed if name]
+    assert len(tracked) > 500
+    assert [name for name in tracked if ignored(name)] == []
+    for name in (
+        ".venv/bin/python",
+        "install/lib/x",
+        "build/x",
+        "out/runs/x",
+        "test/__pycache__/x.pyc",
+        ".git/HEAD",
+    ):
+        assert ignored(name), name
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_its_shell_reads_the_commands(command: str) -> None:
+    assert re.search(rf"^SHELL {re.escape(str(SHELL).replace(chr(39), chr(34)))}$", FILE, re.MULTILINE)
+    done = subprocess.run([SHELL[0], "-n", "-c", command], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_way_to_the_build_runs_where_ros_is_and_where_it_is_not(tmp_path: Path) -> None:
+    """All before and after the build itself changes the machine; a ROS image's set-up asks for variables nobody set."""
+    (command,) = (command for command in COMMANDS if "bootstrap.sh" in command)
+    before = command.split("scripts/bootstrap.sh")[0]
+    assert (ROOT / "scripts" / "bootstrap.sh").stat().st_mode & 0o111
+    found = re.search(r" in (\S+/)\*/setup\.bash", before)
+    assert found
+    for distro in ("", "kilted"):
+        root = tmp_path / f"ros{distro}"
+        (root / distro).mkdir(parents=True)
+        if distro:
+            (root / distro / "setup.bash").write_text("export ROS_DISTRO=kilted; : $NOBODY_SET_THIS\n")
+        script = before.replace(found[1], f"{root}/") + 'printf "%s" "${ROS_DISTRO:-none}"; : $NOR_THIS'
+        done = subprocess.run(
+            [*SHELL, script], cwd=tmp_path, env={"PATH": os.environ["PATH"]}, capture_output=True, text=True
+        )
+        assert done.stdout == (distro or "none")
+        assert "NOR_THIS: unbound variable" in done.stderr  # what comes after is strict again

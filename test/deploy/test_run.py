@@ -6,6 +6,10 @@ import os
 import subprocess
 from pathlib import Path
 
+import pytest
+import yaml
+
+from doormill_ros.cell.readiness import BESIDE, NEEDED
 from support.source_tree import ROOT
 
 RUN = ROOT / "deploy" / "doormill-run"
@@ -32,15 +36,37 @@ def test_a_tool_runs_on_the_site(tmp_path: Path) -> None:
     assert (tmp_path / "site" / "recipes.sqlite").is_file()
 
 
-def test_a_node_takes_the_parameters_of_the_site_and_says_what_is_wrong_with_them(tmp_path: Path) -> None:
+#: Of every node that a service or a container starts, a parameter and a value that it cannot have.
+WRONG = {
+    "recipe_database": ("ship_recipes", 77),
+    "door_localizer": ("overlay_step", 77),
+    "path_generator": ("frames", 77),
+    "abb_bridge": ("limit.recipe", 0.0),
+    "bag_recorder": ("queue_size", 1),
+    "model_monitor": ("doors", 0),
+    "operator_page": ("port", 70000),
+    "cell_simulator": ("web_services_port", 70000),
+    "folder_camera": ("retry_period", 0.0),
+}
+
+
+@pytest.mark.parametrize("node", WRONG)
+def test_a_node_takes_the_parameters_of_the_site_and_says_what_is_wrong_with_them(
+    tmp_path: Path, node: str
+) -> None:
     """With the status after which the service does not start it again."""
+    name, value = WRONG[node]
     (tmp_path / "config").mkdir()
-    (tmp_path / "config" / "nodes.yaml").write_text(
-        "/**/door_localizer:\n  ros__parameters:\n    overlay_step: 77\n"
-    )
-    done = run(tmp_path, "door_localizer", DOORMILL_SITE=str(tmp_path))
-    assert done.returncode == 2
-    assert "overlay_step of /door_localizer is 77" in done.stdout + done.stderr
+    document = {"/**": {"ros__parameters": {name: value}}}
+    (tmp_path / "config" / "nodes.yaml").write_text(yaml.safe_dump(document))
+    done = run(tmp_path, node, DOORMILL_SITE=str(tmp_path))
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert f"parameter {name} of /" in done.stdout + done.stderr
+    assert f"is {value}, allowed is" in done.stdout + done.stderr
+
+
+def test_every_node_is_started_so() -> None:
+    assert set(WRONG) == {*NEEDED, *BESIDE, "cell_simulator", "folder_camera"}
 
 
 def test_what_is_not_there_is_named(tmp_path: Path) -> None:

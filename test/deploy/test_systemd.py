@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.cell.readiness import NEEDED
+from doormill_ros.cell.readiness import BESIDE, NEEDED
 from support.source_tree import ROOT
 
 UNITS = ROOT / "deploy" / "systemd"
-NODES = [f"doormill@{name}.service" for name in (*NEEDED, "cell_simulator")]
+NODES = [f"doormill@{name}.service" for name in (*NEEDED, *BESIDE, "cell_simulator")]
 OTHERS = ["doormill.target", "doormill-backup.service", "doormill-backup.timer"]
 SERVICES = ["doormill@.service", "doormill-backup.service"]
 INSTALLED = "/opt/doormill"
@@ -80,7 +80,7 @@ def test_nodes_come_back_and_come_at_start_up() -> None:
         assert f"\n{line}\n" in node
     target = (UNITS / "doormill.target").read_text()
     assert "WantedBy=multi-user.target" in target
-    assert set(re.findall(r"doormill@(\w+)\.service", target.split("[Unit]")[1])) == set(NEEDED)
+    assert set(re.findall(r"doormill@(\w+)\.service", target.split("[Unit]")[1])) == {*NEEDED, *BESIDE}
 
 
 def test_what_is_started_is_there() -> None:

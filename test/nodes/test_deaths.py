@@ -9,6 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from doormill_ros.abb.errors import TargetFileWriteError
+from doormill_ros.abb.target_file.target_file import write_target_file
+from doormill_ros.cell.errors import RunNoteError
 from doormill_ros.cell.run_in_hand import NOTE, RunNote
 from support.deaths.campaign import Strike, play
 from support.deaths.oracle import Oracle, Place, Placed
@@ -96,3 +99,18 @@ def test_a_run_that_was_cut_off_is_found_after_a_restart(tmp_path: Path) -> None
 def test_a_damaged_note_is_none(tmp_path: Path, content: str) -> None:
     (tmp_path / NOTE).write_text(content)
     assert RunNote(tmp_path).read() is None
+
+
+def test_a_note_that_cannot_be_written_refuses_the_run_with_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / "targets").touch()
+    with pytest.raises(RunNoteError, match="so none is begun: check folder, rights and disk") as caught:
+        RunNote(tmp_path / "targets").write("r1", "oak")
+    assert caught.value.code == 883
+
+
+def test_a_copy_that_cannot_be_filed_away_says_why(tmp_path: Path) -> None:
+    (tmp_path / "targets").touch()
+    with pytest.raises(TargetFileWriteError, match="could not be written"):
+        write_target_file(tmp_path / "targets" / "r1.txt", FILE, make_folder=True)
+    write_target_file(tmp_path / "new" / "r1.txt", FILE, make_folder=True)
+    assert (tmp_path / "new" / "r1.txt").read_bytes() == FILE

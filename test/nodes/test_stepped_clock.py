@@ -3,51 +3,20 @@
 from __future__ import annotations
 
 import threading
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
-from rosgraph_msgs.msg import Clock
 
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import DoorRecipe
 from doormill_ros.cell.errors import StageTimeoutError
 from doormill_ros.nodes import topics
 from support.cell_processes import NODES, CellProcesses
+from support.clock_to_set import ClockToSet
 
 DOOR, OTHER_DOOR = "thesis_190_0deg", "thesis_1350_0deg"
 HOUR = 3600.0
-PERIOD = 0.02  # s between two messages of the clock
-
-
-class ClockToSet:
-    """Sends /clock: what the machine's clock says, and `shift` more."""
-
-    def __init__(self, cell: CellProcesses) -> None:
-        self._publisher = cell.node.create_publisher(Clock, "/clock", 1)
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self.shift = 0.0
-
-    def _run(self) -> None:
-        while not self._ended.wait(PERIOD):
-            now = time.time() + self.shift
-            seconds = int(now)
-            self._publisher.publish(Clock(clock=Time(sec=seconds, nanosec=int((now - seconds) * 1e9))))
-
-    @contextmanager
-    def running(self) -> Iterator[ClockToSet]:
-        """Send until the end of the block."""
-        self._thread.start()
-        try:
-            yield self
-        finally:
-            self._ended.set()
-            self._thread.join()
 
 
 def mill_while_set(
@@ -68,7 +37,7 @@ def mill_while_set(
 def test_a_run_ends_and_the_next_door_is_milled_when_the_clock_is_set(tmp_path: Path) -> None:
     nodes = NODES[1:]
     parameters: dict[str, dict[str, Any]] = {name: {"use_sim_time": True} for name in nodes}
-    with CellProcesses(tmp_path, parameters, nodes) as cell, ClockToSet(cell).running() as clock:
+    with CellProcesses(tmp_path, parameters, nodes) as cell, ClockToSet(cell.node).running() as clock:
         recipes, diagnostics = cell.subscribe(topics.DOOR_RECIPE), cell.subscribe(topics.DIAGNOSTICS)
 
         def said(words: str) -> bool:

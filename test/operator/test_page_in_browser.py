@@ -89,7 +89,7 @@ def test_no_text_becomes_markup(shown: tuple[Any, Page, list[str]]) -> None:
     assert errors == []
 
 
-@pytest.mark.parametrize("size", [(768, 1024), (1024, 768), (360, 640)])
+@pytest.mark.parametrize("size", [(360, 640), (768, 1024), (1024, 768), (1920, 1080)])
 def test_it_fits_the_screen_in_large_type(controlled: Any, size: tuple[int, int]) -> None:
     word = "w" * 120
     controlled.store.update(
@@ -103,6 +103,10 @@ def test_it_fits_the_screen_in_large_type(controlled: Any, size: tuple[int, int]
             "id => parseFloat(getComputedStyle(document.getElementById(id)).fontSize))"
         )
         assert min(sizes) >= 17
+        # What to do now is seen without a touch.
+        box = page.locator("#next-step").bounding_box()
+        assert box is not None
+        assert box["y"] + box["height"] <= size[1]
         assert errors == []
 
 

@@ -123,20 +123,23 @@ def render_target_file(program: MillingProgram, run_id: str) -> bytes:
     return _join([*lines, f"{MARK}sum [{a},{b}]"])
 
 
-def write_target_file(path: Path, data: bytes) -> None:
+def write_target_file(path: Path, data: bytes, make_folder: bool = False) -> None:
     """Replace a target file in one step; what was written is read back and survives a power cut.
 
     On a failure `path` keeps what it held.
 
     Args:
-        path: File to replace or create; its folder exists.
+        path: File to replace or create.
         data: Bytes of the whole file.
+        make_folder: Make its folder where it is missing.
 
     Raises:
         TargetFileWriteError: The content could not be written, reads back differently, or the
             rename failed.
     """
     try:
+        if make_folder:
+            path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, data, durable=True, verify=True)
     except ReadBackError as error:
         raise TargetFileWriteError(

@@ -81,6 +81,8 @@ class Oracle:
         self._good = good
         self._placed: list[Placed] = []
         self.starts: list[Start] = []
+        #: What the controller named as milled to its end; stands for as long as no other run was.
+        self.named: set[bytes] = set()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, daemon=True)
 
@@ -117,7 +119,7 @@ class Oracle:
             named.setdefault(key, value)
         found = named.get("#door"), named.get("#run")
         if stood is None or found != (stood.door_id, stood.run_id):
-            return f"milled {found}; in the clamp: {stood}"
+            return f"milled {found}, ready seen high last at {start.at:.3f}; in the clamp: {stood}"
         seen, good = stood.place.seen(targets_of(start.data)), self._good[stood.door_id]
         if seen.shape != good.shape:
             return f"milled {found} by {len(seen)} targets instead of {len(good)}; in the clamp: {stood}"
@@ -142,6 +144,7 @@ class Oracle:
             data = self._read(target)
             if data and self._read(ready).strip() == b"1":
                 kept, at = data, time.time()
+            self.named.add(self._read(self._home / "Hei2.end"))
             is_busy = self._read(busy).strip() == b"1"
             if is_busy and not was_busy:
                 self.starts.append(Start(kept, at))

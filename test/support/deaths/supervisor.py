@@ -59,6 +59,10 @@ class Supervisor:
             self._struck.add(process.pid)
         process.send_signal(how)
 
+    def process(self, name: str) -> subprocess.Popen[bytes]:
+        """The process of an executable as it is now."""
+        return self._processes[name]
+
     def _start(self, name: str) -> None:
         command = [executable(name), "--ros-args"]
         for key, value in self._parameters[name].items():

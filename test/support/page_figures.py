@@ -1,0 +1,118 @@
+"""Figures of the pages and where each comes from: `test/figures.yaml` read and worked out."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from support.source_tree import ROOT
+
+TABLE = ROOT / "test" / "figures.yaml"
+RESULTS = ROOT / "bench" / "results"
+COUNTED = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+WORDS = {**{word: float(number) for number, word in enumerate(COUNTED)}, "half": 0.5, "quarter": 0.25}
+NUMBER = rf"([+-]?\d+(?:,\d{{3}})*(?:\.\d+)?|{'|'.join(WORDS)})"
+#: What a page may say before a figure that is rounded more coarsely than its digits, and how coarsely.
+ABOUT, COARSE = re.compile(r"\b(about|some)\b"), 0.1
+
+
+@dataclass(frozen=True)
+class Row:
+    """Words of a page with `{}` for each figure, and the source of each."""
+
+    page: str
+    words: str
+    sources: tuple[str, ...]
+
+    def said(self, text: str) -> list[str] | None:
+        """The figures as a page's text has them; None when the words are not there just once."""
+        pattern = re.escape(" ".join(self.words.split())).replace(re.escape("{}"), NUMBER)
+        found = list(re.finditer(pattern, " ".join(text.split())))
+        return [str(figure) for figure in found[0].groups()] if len(found) == 1 else None
+
+    def complaints(self, text: str) -> list[str]:
+        """What a page's text says otherwise than the sources, a line each."""
+        said = self.said(text)
+        if said is None:
+            return [f"{self.page} does not say just once: {self.words}"]
+        if len(said) != len(self.sources):
+            return [f"{self.page}: {len(said)} figures and {len(self.sources)} sources: {self.words}"]
+        coarse = COARSE if ABOUT.search(self.words) else 0.0
+        return [
+            f"{self.page} says {text} in {self.words!r}, {source} is {value:g}"
+            for text, source in zip(said, self.sources, strict=True)
+            if not agrees(text, value := number_of(source), coarse)
+        ]
+
+
+def rows() -> list[Row]:
+    """The table."""
+    document = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
+    return [
+        Row(page, words, tuple(sources if isinstance(sources, list) else [sources]))
+        for page, said in document["figures"].items()
+        for words, sources in said.items()
+    ]
+
+
+def not_recorded() -> dict[str, str]:
+    """Benches whose figures the pages print, with no run of theirs in `bench/results`, and why."""
+    return dict(yaml.safe_load(TABLE.read_text(encoding="utf-8"))["not recorded"])
+
+
+def agrees(text: str, value: float, coarse: float) -> bool:
+    """Whether a printed figure is the value, rounded to the digits that are printed."""
+    if text in WORDS:
+        return abs(WORDS[text] - value) <= 1e-9 + coarse * abs(value)
+    digits = text.replace(",", "")
+    unit = 10.0 ** -len(digits.partition(".")[2])
+    return abs(float(digits) - value) <= 0.5 * unit * (1.0 + 1e-9) + coarse * abs(value)
+
+
+def number_of(source: str) -> float:
+    """What a source gives: `WHERE`, `WHERE * FACTOR` or `WHERE / DIVISOR`; WHERE is one of
+
+    - `config/FILE.yaml#key.key`, an index for a list;
+    - `bench/results/NAME.txt#PATTERN`, with one group, in the output of a recorded run;
+    - `module:NAME.attribute`, a function is called; `module:CLASS#parameter` for the default of a node's parameter.
+    """
+    match = re.fullmatch(r"(.*?)(?: ([*/]) (\S+))?", source)
+    assert match is not None
+    value = _value(match[1])
+    factor = float(match[3]) if match[3] else 1.0
+    return value / factor if match[2] == "/" else value * factor
+
+
+def _value(where: str) -> float:
+    place, _, key = where.partition("#")
+    if place.startswith("bench/results/"):
+        (found,) = re.findall(key, (ROOT / place).read_text(encoding="utf-8"))
+        return float(found)
+    if place.startswith("config/"):
+        return float(_item(yaml.safe_load((ROOT / place).read_text(encoding="utf-8")), key))
+    module, _, name = place.partition(":")
+    found = _item(importlib.import_module(module), name)
+    if key:
+        found = next(parameter.default for parameter in found.PARAMETERS if parameter.name == key)
+    return float(found() if callable(found) else found)
+
+
+def _item(value: Any, path: str) -> Any:
+    for key in path.split("."):
+        if isinstance(value, dict):
+            value = value[key]
+        elif isinstance(value, list | tuple):
+            value = value[int(key)]
+        else:
+            value = getattr(value, key)
+    return value
+
+
+def results() -> list[Path]:
+    """Recorded runs of benches."""
+    return sorted(RESULTS.glob("*.txt"))

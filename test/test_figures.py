@@ -1,0 +1,98 @@
+"""Figures of the pages are those of code and configuration, or of a bench's run that is kept with its commit."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from support.page_figures import Row, agrees, not_recorded, number_of, results, rows
+from support.source_tree import ROOT
+
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+ROWS = rows()
+
+
+def text_of(page: str) -> str:
+    return (ROOT / page).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{Path(row.page).stem}: {row.words[:40]}")
+def test_the_page_says_what_its_source_gives(row: Row) -> None:
+    assert row.complaints(text_of(row.page)) == []
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{Path(row.page).stem}: {row.words[:40]}")
+def test_another_figure_in_the_page_is_seen(row: Row) -> None:
+    said = row.said(text_of(row.page))
+    assert said is not None
+    filled = row.words
+    for figure in said:
+        filled = filled.replace("{}", figure, 1)
+    assert row.complaints(filled) == []
+    for place in range(len(said)):
+        wrong = ["7777" if other == place else figure for other, figure in enumerate(said)]
+        text = row.words
+        for figure in wrong:
+            text = text.replace("{}", figure, 1)
+        assert len(row.complaints(text)) == 1
+
+
+def test_figures_agree_to_the_digits_that_are_printed() -> None:
+    assert agrees("0.5", 0.549, 0.0)
+    assert not agrees("0.50", 0.549, 0.0)
+    assert agrees("12,000", 12000.4, 0.0)
+    assert agrees("nine", 9.0, 0.0)
+    assert not agrees("nine", 9.2, 0.0)
+    assert agrees("9", 9.9, 0.1)
+    assert not agrees("9", 11.0, 0.1)
+
+
+def test_there_are_many() -> None:
+    assert sum(len(row.sources) for row in ROWS) > 60
+    assert len({row.page for row in ROWS}) >= 8
+
+
+def lacking(path: Path) -> list[str]:
+    """What a kept run does not say of itself, or that no page uses it."""
+    head = path.read_text(encoding="utf-8").split("\n\n")[0]
+    kept = f"bench/results/{path.name}#"
+    said = {
+        "command": rf"^command: python bench/{path.stem}\.py\b",
+        "date": r"^date: \d{4}-\d\d-\d\d \d\d:\d\d UTC$",
+        "commit": r"^commit: [0-9a-f]{40}\b",
+    }
+    missing = [name for name, pattern in said.items() if not re.search(pattern, head, re.MULTILINE)]
+    used = any(source.startswith(kept) for row in ROWS for source in row.sources)
+    there = (ROOT / "bench" / f"{path.stem}.py").is_file()
+    return missing + ([] if used else ["a page that uses it"]) + ([] if there else ["the bench"])
+
+
+def test_kept_runs_say_how_they_came_about_and_are_used(tmp_path: Path) -> None:
+    assert {path.name: lacking(path) for path in results()} == {path.name: [] for path in results()}
+    (tmp_path / "no_bench.txt").write_text("date: yesterday\n")
+    assert lacking(tmp_path / "no_bench.txt") == [
+        "command",
+        "date",
+        "commit",
+        "a page that uses it",
+        "the bench",
+    ]
+
+
+def test_every_bench_that_a_page_names_is_kept_or_listed_as_missing() -> None:
+    named = {
+        name for page in PAGES for name in re.findall(r"\bbench/(\w+)\.py", page.read_text(encoding="utf-8"))
+    }
+    kept = {path.stem for path in results()}
+    assert not_recorded().keys() == named - kept
+    assert all(len(why) > 10 for why in not_recorded().values())
+
+
+def test_sources_are_read() -> None:
+    assert number_of("config/camera.yaml#localizer.max_age") == 2.0
+    assert number_of("config/camera.yaml#localizer.max_deviation.0 * 1e6") == pytest.approx(30.0)
+    assert number_of("doormill_ros.nodes.operator_page:OperatorPage#port") == 8080
+    with pytest.raises(KeyError):
+        number_of("config/camera.yaml#localizer.no_such_key")
