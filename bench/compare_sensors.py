@@ -23,11 +23,11 @@ from doormill_ros.localization.sensors.sensor import DoorPoseEstimate  # noqa: E
 from doormill_ros.recipes.door import DoorSize  # noqa: E402
 from doormill_ros.simulation.picture.picture import render_picture  # noqa: E402
 from doormill_ros.simulation.picture.scene import Edges, PictureScene  # noqa: E402
+from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig  # noqa: E402
+from doormill_ros.simulation.sensors.photoelectric import PhotoelectricRig  # noqa: E402
+from doormill_ros.simulation.sensors.touch_probe import TouchProbeRig  # noqa: E402
 from doormill_ros.units import DEG, MM  # noqa: E402
-from support.sensors.axis_vision import AxisVisionRig  # noqa: E402
-from support.sensors.photoelectric import PhotoelectricRig  # noqa: E402
 from support.sensors.pose_errors import SIZES as DOORS  # noqa: E402
-from support.sensors.touch_probe import TouchProbeRig  # noqa: E402
 
 PAGE = ROOT / "docs" / "sensors.md"
 FIGURE = ROOT / "docs" / "images" / "sensors.svg"

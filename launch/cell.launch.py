@@ -24,6 +24,7 @@ NODES = (
     "operator_page",
     "cell_simulator",
     "folder_camera",
+    "door_sensors",
 )
 #: Topics of one name for a whole network; a cell in a namespace has its own.
 GLOBAL = ("tf", "tf_static", "diagnostics")
@@ -44,6 +45,7 @@ ARGUMENTS = {
         "",
         "file with the tokens of who may give orders there, made where there is none; empty: nobody",
     ),
+    "door_sensors": ("false", "also the nodes of the sensors that config/cell.yaml names beside the camera"),
     "respawn": ("true", "start what died again"),
     "log_level": ("info", "of every node: debug, info, warn, error"),
     "use_sim_time": ("false", "take the time from /clock"),
@@ -84,6 +86,7 @@ def cell_node(name):
         "operator_page": IfCondition(LaunchConfiguration("page")),
         "cell_simulator": IfCondition(LaunchConfiguration("simulate")),
         "folder_camera": IfCondition(brought("!=")),
+        "door_sensors": IfCondition(LaunchConfiguration("door_sensors")),
     }
     simulated = ["-p", ["camera_simulator:pictures:=", brought("==")]] if name == "cell_simulator" else []
     return Node(

@@ -12,14 +12,25 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from doormill_ros.cell.layout import CAMERA
 from doormill_ros.cell.run_folder import RunFolder
+from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.nodes.cell import Cell, CellOptions
 from doormill_ros.operator.token import new_token
 from doormill_ros.resources import share_directory
+from doormill_ros.simulation.sensors.registry import SIMULATED
 
 FILE = share_directory() / "config" / "security" / "policies.xml"
-#: Two nodes of one process share its enclave.
-PROCESS = {"camera_simulator": "cell_simulator", "controller_simulator": "cell_simulator"}
+#: Nodes of one process share its enclave.
+SIMULATORS = ("camera_simulator", "controller_simulator", "sensor_simulator")
+PROCESS = {
+    **dict.fromkeys(SIMULATORS, "cell_simulator"),
+    **dict.fromkeys(SENSORS, "door_sensors"),
+}
+#: Stands for every sensor beside the camera: their nodes are of one class.
+SENSOR = next(iter(SIMULATED))
+#: What a node may do depends on whether its sensor is the first one, beside it, or alone.
+CELLS = ((CAMERA,), (CAMERA, SENSOR), (SENSOR, CAMERA))
 #: Their names hold a checksum of the controller's address.
 CLAIMS, EVERY_CLAIM = re.compile(r"/_alive/controller_\w+"), "/_alive/controller_*"
 #: What `health` listens to, and where the recorder takes whatever it finds.
@@ -59,14 +70,42 @@ def graph_of(node: Any, names: list[str]) -> Graph:
     return found
 
 
+def whole_graph() -> Graph:
+    """What the nodes do in any cell, whatever its sensors."""
+    whole: Graph = {}
+    for sensors in CELLS:
+        with cell_graph(sensors) as found:
+            for name, kinds in found.items():
+                for kind, names in kinds.items():
+                    whole.setdefault(name, {}).setdefault(kind, set()).update(names)
+    one = whole.pop(SENSOR)
+    # Whoever watches one sensor's sign of life watches those of the others in their cells.
+    for kinds in whole.values():
+        for names in kinds.values():
+            if _alive(SENSOR) in names:
+                names.update(map(_alive, SENSORS))
+    for sensor in SENSORS:
+        whole[sensor] = {kind: {_renamed(name, sensor) for name in names} for kind, names in one.items()}
+    return whole
+
+
+def _alive(sensor: str) -> str:
+    return f"/_alive/{sensor}"
+
+
+def _renamed(name: str, sensor: str) -> str:
+    """What one sensor's node calls its own, for another one's."""
+    return re.sub(rf"(?<=/){SENSOR}(?=/|$)", sensor, name)
+
+
 @contextmanager
-def cell_graph() -> Iterator[Graph]:
-    """The graph of the cell's nodes, brought up for it."""
+def cell_graph(sensors: tuple[str, ...]) -> Iterator[Graph]:
+    """The graph of the nodes of a cell with these sensors, brought up for it."""
     with tempfile.TemporaryDirectory(prefix="policies-", ignore_cleanup_errors=True) as folder:
         run = RunFolder(Path(folder))
         run.prepare()
         # With the page in a mode in which it asks for most.
-        page = CellOptions({"operator_page": {"port": 0}}, page=True, token=new_token())
+        page = CellOptions({"operator_page": {"port": 0}}, page=True, token=new_token(), sensors=sensors)
         with Cell(run, page) as cell:
             composition = cell._composition
             names = [node.get_name() for node in composition.nodes]
@@ -106,8 +145,7 @@ def policies(graph: Graph) -> str:
 
 def main() -> int:
     """Write the file anew."""
-    with cell_graph() as graph:
-        FILE.write_text(policies(graph), encoding="utf-8")
+    FILE.write_text(policies(whole_graph()), encoding="utf-8")
     print(FILE)
     return 0
 

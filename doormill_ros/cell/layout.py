@@ -20,6 +20,7 @@ from doormill_ros.robot.description import Joints
 from doormill_ros.values import Finite, Name, NotNegative, Positive, Section, Vector3
 
 FORM = "config/cell.yaml"
+CAMERA = "camera"  #: the sensor that every cell has unless its file names others
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ class CellLayout:
         clearance: Kept between any two bodies that must not touch, outside the cut [m].
         gravity: Whose weight moves the targets.
         boards: What backs the rear face of a door.
+        sensors: What finds the door, by name; milled is from the pose of the first one.
     """
 
     robot: str
@@ -77,6 +79,7 @@ class CellLayout:
     clearance: float
     gravity: Gravity = field(default_factory=Gravity)
     boards: tuple[Board, ...] = ()
+    sensors: tuple[str, ...] = (CAMERA,)
 
     def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> FloatArray:
         """Door frame in the base frame, shape (4, 4).
@@ -157,6 +160,7 @@ class _CellFile(Section):
     clearance: Positive
     gravity: Gravity = field(default_factory=Gravity)
     backing: Backing | None = None
+    sensors: tuple[Name, ...] = (CAMERA,)
 
 
 def load_layout(path: Path | None = None) -> CellLayout:
@@ -181,4 +185,5 @@ def load_layout(path: Path | None = None) -> CellLayout:
         clearance=content.clearance,
         gravity=content.gravity,
         boards=() if content.backing is None else content.backing.boards,
+        sensors=content.sensors,
     )

@@ -6,7 +6,9 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-NEEDED = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "bag_recorder")
+from doormill_ros.cell.door_sensors import LOCALIZER, node_of
+
+NEEDED = ("recipe_database", LOCALIZER, "path_generator", "abb_bridge", "bag_recorder")
 #: Started with them; milling goes on without.
 BESIDE = ("model_monitor", "operator_page")
 CONTROLLER = "abb_bridge/controller"  #: what the bridge says of the controller; not every transport can tell
@@ -15,6 +17,11 @@ SILENCE = 3.0
 WELL, WARNED, FAILED = 0, 1, 2  #: levels of diagnostics; what is above counts as FAILED
 #: What a managed node says of itself in the states in which it does nothing.
 IDLE = ("inactive", "unconfigured")
+
+
+def needed_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
+    """Nodes without which a cell with these sensors mills no door."""
+    return tuple(name for name in NEEDED if name != LOCALIZER) + tuple(map(node_of, sensors))
 
 
 @dataclass(frozen=True)
@@ -41,13 +48,14 @@ class Readiness:
         """A node said something of itself; the name is relative to the cell's namespace."""
         self._heard[name] = _Heard(level, message, self._clock())
 
-    def hindrances(self, camera: bool) -> list[str]:
+    def hindrances(self, camera: bool, readings: bool = True) -> list[str]:
         """Why no door can be milled now, a sentence each; empty when the cell is ready.
 
         A door that was refused hinders nothing: a warning counts only where the controller takes no files.
 
         Args:
-            camera: Somebody offers pictures.
+            camera: Somebody offers pictures, or the cell has no camera.
+            readings: Somebody offers readings of the cell's other sensors, if it has some.
         """
         now = self._clock()
         found = {name: heard for name, heard in self._heard.items() if now - heard.at < SILENCE}
@@ -67,4 +75,6 @@ class Readiness:
                 )
         if not camera:
             said.append("camera: nobody offers pictures; start its driver")
+        if not readings:
+            said.append("sensors: nobody offers readings; start their drivers")
         return said

@@ -10,6 +10,8 @@ from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.drift import Drift
 
+FREE = (1, 2, 3)  #: of x, y, z and the rotations about them, what the camera sees: y, z, rotation about x
+
 
 @dataclass(frozen=True, eq=False)
 class EdgeTrace:
@@ -88,6 +90,18 @@ class Localization:
     def covariance(self) -> FloatArray:
         """Of offset y, z [m] and rotation [rad], shape (3, 3)."""
         return self.parts.total
+
+    @property
+    def whole_covariance(self) -> FloatArray:
+        """The same among six degrees of freedom, zero where the camera is blind, shape (6, 6)."""
+        whole = np.zeros((6, 6))
+        whole[np.ix_(FREE, FREE)] = self.covariance
+        return whole
+
+    @property
+    def sees(self) -> tuple[bool, ...]:
+        """Which of the six degrees of freedom the camera measures."""
+        return tuple(row in FREE for row in range(6))
 
     @property
     def deviations(self) -> FloatArray:

@@ -12,14 +12,17 @@ from builtin_interfaces.msg import Time
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from std_msgs.msg import Bool, String
 
-from doormill_interfaces.msg import AbbStatus, DoorLocalization, TargetArray
+from doormill_interfaces.msg import AbbStatus, DoorLocalization, SensorLocalization, TargetArray
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
 from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
+from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.errors import NodeDoubledError
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.run import LOCALIZATION
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.attendance import CellAttendance
@@ -30,6 +33,8 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.mill_door import MillDoorServer
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
+from doormill_ros.pipeline.course import recipe_nodes, stage_of
 from doormill_ros.units import s_to_ns
 
 
@@ -55,6 +60,7 @@ class AbbBridge(ManagedNode):
             "in manual mode ask the operator for the remote privilege, for a dry run; over rws1 and rws2",
         ),
         NodeParameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
+        SENSORS_PARAMETER,
         NodeParameter("limit.recipe", 5.0, "longest wait for the recipe [s]", 0.1, 600.0, live=True),
         NodeParameter(
             "limit.picture", 10.0, "longest wait for picture and door pose [s]", 0.1, 600.0, live=True
@@ -100,6 +106,7 @@ class AbbBridge(ManagedNode):
         self._ready = self.publisher(topics.ABB_READY)
         self._file = self.publisher(topics.ABB_TARGET_FILE)
         self._shown: tuple[bool, bool] | None = None
+        sensors = chosen_sensors(load_layout(), self.value(SENSORS_PARAMETER.name))
         transport = open_transport(self.value("transport"), self._transport_options())
         self.handshake = SharedHandshake(
             transport,
@@ -113,11 +120,14 @@ class AbbBridge(ManagedNode):
         self._loop = HandshakeLoop(self.handshake, held=True)
         self._loop.start()
         self._monitor.start()
-        self._attendance = CellAttendance(self, self._controller(), self._action.notify)
-        self._action.open(self._attendance)
+        needed = recipe_nodes(sensors)
+        self._attendance = CellAttendance(self, needed, self._controller(), self._action.notify)
+        self._action.open(self._attendance, sensors)
         ExpectDoorServer(self, self.handshake.expect_door, self._group)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
+        if len(sensors) > 1:
+            self.subscribe(topics.SENSOR_LOCALIZATION, self._take_sensor)
         # In a group of its own: an order that waits for the controller must not keep it from being taken.
         look_round = self.create_timer(0.1, self.guarded(self._look_round), callback_group=self._apart)
         self.keep(self.destroy_timer, look_round)
@@ -180,7 +190,10 @@ class AbbBridge(ManagedNode):
             self.handshake.abort(reason)
 
     def _take_localization(self, message: DoorLocalization) -> None:
-        self._action.deliver("localization", message)
+        self._action.deliver(LOCALIZATION, message)
+
+    def _take_sensor(self, message: SensorLocalization) -> None:
+        self._action.deliver(stage_of(message.sensor), message)
 
     def _take_targets(self, message: TargetArray) -> None:
         if not self._action.deliver("targets", message):

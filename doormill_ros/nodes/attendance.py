@@ -14,7 +14,6 @@ from collections.abc import Callable, Sequence
 from doormill_ros.cell.errors import NodeDeadError, NodeDoubledError
 from doormill_ros.nodes.alive import LEASE, AliveWatch, alive_topic
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.pipeline.course import RECIPE
 
 BRIDGE = "abb_bridge"
 #: After so long a bridge that has met no other is the first; discovery takes seconds on a loaded machine [s].
@@ -33,6 +32,7 @@ class CellAttendance:
 
     Args:
         node: The bridge; make this in its `setup`.
+        needed: Names of the nodes that a run needs.
         controller: What names the controller on this network, the same for every bridge that goes to it.
         notify: Called after each change.
         clock: Monotonic [s].
@@ -41,6 +41,7 @@ class CellAttendance:
     def __init__(
         self,
         node: ManagedNode,
+        needed: Sequence[str],
         controller: str,
         notify: Callable[[], None],
         clock: Callable[[], float] = time.monotonic,
@@ -52,7 +53,7 @@ class CellAttendance:
         self._first = False
         claim = f"/_alive/controller_{zlib.crc32(controller.encode()):08x}"
         node.publisher(alive_topic(claim))
-        self._nodes = AliveWatch(node, RECIPE, notify, clock)
+        self._nodes = AliveWatch(node, needed, notify, clock)
         self._bridges = AliveWatch(node, (BRIDGE, claim), notify, clock, own=True)
         self._firsts = AliveWatch(node, (FIRST,), notify, clock)
 

@@ -11,7 +11,8 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe
-from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.cell.door_sensors import chosen_sensors
+from doormill_ros.cell.layout import CAMERA, DoorOffset, load_layout
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
@@ -19,10 +20,12 @@ from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
 from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.requested_camera import RequestedCamera
+from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.nodes.simulated_shift import WORLD_PARAMETERS, SimulatedShift
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera, Sensor
+from doormill_ros.simulation.world.door_truth import DoorTruth
 
 UNSET = 999.0
 
@@ -69,6 +72,7 @@ class CameraSimulator(RequestedCamera):
             "retry_period", 1.0, "a picture that nobody used is taken again after [s]", 0.1, 3600.0
         ),
         NodeParameter("pictures", True, "false: the camera is broken and sends nothing", live=True),
+        SENSORS_PARAMETER,
         *WORLD_PARAMETERS,
     )
 
@@ -76,10 +80,15 @@ class CameraSimulator(RequestedCamera):
         super().__init__("camera_simulator", **kwargs)
 
     def setup(self) -> None:
-        """Load the true camera; subscribe."""
+        """Load the true camera; subscribe.
+
+        Raises:
+            BadParameterError: The list of sensors is none.
+        """
         self._shift = SimulatedShift(self.value("world"), self.value("door_number"))
         self._camera = SceneCamera.load()
         self._layout = load_layout()
+        self._looks = CAMERA in chosen_sensors(self._layout, self.value("sensors"))
         self._picture: Image | None = None
         self._placement = self.publisher(topics.DOOR_PLACEMENT)
         self.open_camera(self.value("retry_period"))
@@ -107,20 +116,10 @@ class CameraSimulator(RequestedCamera):
         if not self.is_new(message.run_id):
             return
         recipe = recipe_of(message)
-        moved, turn = self._shift.begin().camera_moved
+        truth = self._shift.begin()
         offset = self._offset(recipe)
-        scene = PictureScene(
-            width=recipe.width,
-            thickness=recipe.thickness,
-            offset=offset,
-            camera=replace(self._camera, origin=self._camera.origin + moved, turn=turn),
-            layout=self._layout,
-            sensor=self._sensor(),
-        )
-        picture = render_picture(
-            scene, zlib.crc32(" ".join(map(str, [*self._seed, recipe.door_id])).encode())
-        )
-        self._picture = picture_message(picture, Header())
+        if self._looks:
+            self._picture = self._rendered(recipe, offset, truth)
         placement = DoorPlacement(
             run_id=message.run_id,
             door_id=recipe.door_id,
@@ -133,6 +132,21 @@ class CameraSimulator(RequestedCamera):
         self._placement.publish(placement)
         self.report(OK, "door clamped", door_id=recipe.door_id)
         self.want(message.run_id)
+
+    def _rendered(self, recipe: Recipe, offset: DoorOffset, truth: DoorTruth) -> Image:
+        moved, turn = truth.camera_moved
+        scene = PictureScene(
+            width=recipe.width,
+            thickness=recipe.thickness,
+            offset=offset,
+            camera=replace(self._camera, origin=self._camera.origin + moved, turn=turn),
+            layout=self._layout,
+            sensor=self._sensor(),
+        )
+        picture = render_picture(
+            scene, zlib.crc32(" ".join(map(str, [*self._seed, recipe.door_id])).encode())
+        )
+        return picture_message(picture, Header())
 
     def picture(self, run_id: str) -> Image | None:
         """What was rendered for the door that stands."""

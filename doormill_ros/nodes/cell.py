@@ -14,9 +14,12 @@ from typing import Any
 import rclpy
 import yaml
 
+from doormill_ros.cell.door_sensors import chosen_sensors
+from doormill_ros.cell.layout import CAMERA, load_layout
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import RunSummary
 from doormill_ros.files import write_atomically
+from doormill_ros.localization.sensors.registry import SENSORS, registered
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.bag_recorder import BagRecorder
 from doormill_ros.nodes.camera_simulator import CameraSimulator
@@ -29,6 +32,9 @@ from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
+from doormill_ros.nodes.sensor_localizer import SensorLocalizer
+from doormill_ros.nodes.sensor_simulator import SensorSimulator
+from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.operator.token import Keys
 from doormill_ros.simulation.robot_cell import RobotCell
 
@@ -39,11 +45,14 @@ GLOBAL = ("tf", "tf_static", "diagnostics")
 NODES: tuple[Callable[..., ManagedNode], ...] = (
     BagRecorder,
     RecipeDatabaseNode,
-    DoorLocalizer,
     PathGenerator,
     AbbBridge,
     CameraSimulator,
 )
+
+
+#: Who has to know which sensors there are, beside these themselves.
+SENSOR_NODES = ("door_localizer", "abb_bridge", "camera_simulator", "sensor_simulator")
 
 
 @dataclass(frozen=True)
@@ -56,6 +65,7 @@ class CellOptions:
         token: Allows control from that page, or one for each role; None: it only shows.
         namespace: Of every node, such as "/cell1"; empty: none. Cells in namespaces of their own share nothing.
         controller: The controller of doors that were milled before; None for one of the cell's own.
+        sensors: What finds the door, the first one mills; empty for those of config/cell.yaml.
     """
 
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -63,6 +73,19 @@ class CellOptions:
     token: str | Keys | None = field(default=None, repr=False)
     namespace: str = ""
     controller: RobotCell | None = None
+    sensors: tuple[str, ...] = ()
+
+    def finders(self) -> list[Callable[[], ManagedNode]]:
+        """Makers of the nodes that find the door, and of who plays their sensors' drivers.
+
+        Raises:
+            BadParameterError: The list of sensors is none.
+            BadSensorFile: It names one that does not exist.
+        """
+        names = self.sensors or chosen_sensors(load_layout())
+        beside = [partial(SensorLocalizer, name) for name in registered(names)]
+        camera = [DoorLocalizer] if CAMERA in names else []
+        return [*camera, *beside, *([SensorSimulator] if beside else [])]
 
     def arguments(self, folder: RunFolder) -> list[str]:
         """ROS arguments that put everything the nodes write into the run's folder; leaves their parameters there."""
@@ -78,6 +101,8 @@ class CellOptions:
                 "models": folder.models,
             },
         }
+        for node in (*SENSOR_NODES, *SENSORS) if self.sensors else ():
+            chosen.setdefault(node, {})[SENSORS_PARAMETER.name] = ",".join(self.sensors)
         for node, values in self.parameters.items():
             chosen.setdefault(node, {}).update(values)
         arguments = ["cell", "--ros-args"]
@@ -109,7 +134,11 @@ class Cell:
     def __init__(self, folder: RunFolder, options: CellOptions | None = None) -> None:
         self._folder = folder
         options = options or CellOptions()
-        nodes: list[Callable[[], ManagedNode]] = [*NODES, partial(ControllerSimulator, options.controller)]
+        nodes: list[Callable[[], ManagedNode]] = [
+            *NODES,
+            *options.finders(),
+            partial(ControllerSimulator, options.controller),
+        ]
         if options.page:
             nodes += [ModelMonitor, partial(OperatorPage, options.token)]
         self._composition = Composition(options.arguments(folder), nodes, CellDriver, THREADS)

@@ -1,4 +1,4 @@
-"""Executable cell_simulator: the nodes /camera_simulator and /controller_simulator in one process."""
+"""Executable cell_simulator: camera, other sensors and controller, each a simulated node, in one process."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import sys
 from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.sensor_simulator import SensorSimulator
 from doormill_ros.resources import resource
 
 #: What Fast DDS reads its settings from, in this release and in older ones.
@@ -24,9 +25,9 @@ def make_room_for_pictures() -> None:
 
 
 def main() -> int:
-    """Run both nodes."""
+    """Run the nodes."""
     make_room_for_pictures()
-    return run_nodes(CameraSimulator, ControllerSimulator)
+    return run_nodes(CameraSimulator, SensorSimulator, ControllerSimulator)
 
 
 if __name__ == "__main__":

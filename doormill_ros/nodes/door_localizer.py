@@ -9,15 +9,14 @@ from contextlib import suppress
 from typing import Any, TypeAlias
 
 import cv2
-import numpy as np
-from geometry_msgs.msg import PoseStamped, TwistStamped
+from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.arrays import ByteArray
 from doormill_ros.cell.errors import BadParameterError
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.layout import CAMERA, load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
@@ -35,14 +34,15 @@ from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import picture_message
 from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.pose_teller import PoseTeller
 from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.pipeline.look import look
 from doormill_ros.robot.urdf import LinkPose
 from doormill_ros.units import ns_to_s
 
 Picture: TypeAlias = Image | CompressedImage
-FREE = (1, 2, 3)  # rows of the 6 x 6 pose covariance: y, z, rotation about x
 
 
 class DoorLocalizer(ManagedNode):
@@ -63,6 +63,7 @@ class DoorLocalizer(ManagedNode):
         NodeParameter(
             "overlay_step", 2, "the overlay shows every n-th pixel; 0: no overlay", 0, 8, live=True
         ),
+        SENSORS_PARAMETER,
         NodeParameter("frames", True, "publish the frames of camera and door"),
         NodeParameter("image_transport", "raw", f"how pictures come: {', '.join(topics.PICTURES)}"),
     )
@@ -74,7 +75,8 @@ class DoorLocalizer(ManagedNode):
         """Load camera mounting and cell layout; subscribe.
 
         Raises:
-            BadParameterError: No such way for pictures.
+            BadParameterError: No such way for pictures, or a list of sensors that is none.
+            BadSensorFile: The list names one that does not exist.
         """
         transport = self.value("image_transport")
         if transport not in topics.PICTURES:
@@ -88,16 +90,22 @@ class DoorLocalizer(ManagedNode):
         self._intrinsics: tuple[Any, ...] = ()
         self._recipe: DoorRecipe | None = None
         self._waiting: tuple[Picture, float] | None = None
-        self._pose = self.publisher(topics.DOOR_POSE)
-        self._localization = self.publisher(topics.DOOR_LOCALIZATION)
+        self._teller = PoseTeller(self, CAMERA, self._layout)
         self._marks = MarkWatch()
         self._moved = self.publisher(topics.CAMERA_MOVED) if self._mounted.marks is not None else None
         self._overlay = self.publisher(topics.DOOR_OVERLAY)
         self._frames = FramePublisher(self) if self.value("frames") else None
+        if not self._teller.chosen:
+            return
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
         self.subscribe(topics.PICTURES[transport], self._take_picture)
         self.every(0.05, self._give_up_waiting)
+
+    def start(self) -> None:
+        """Say so where there is nothing to do."""
+        if not self._teller.chosen:
+            self.report(OK, self._teller.at_rest)
 
     def rehearse(self) -> None:
         """Look at a drawn door and draw what is shown of it."""
@@ -167,7 +175,7 @@ class DoorLocalizer(ManagedNode):
             answer.duration = time.perf_counter() - begun
             answer.error_code = error.code
             answer.reason = error.message
-            self._localization.publish(answer)
+            self._teller.refuse(answer)
             said = f"door {recipe.door_id}: {error.message}"
             drift = error.data.get("drift")
             if drift is not None:
@@ -177,7 +185,7 @@ class DoorLocalizer(ManagedNode):
             self.later("show", lambda: self._show_refusal(message, reason))
             return
         answer.duration = time.perf_counter() - begun
-        self._publish(answer, found)
+        self._publish(answer, found, recipe.width)
         values = {"door_id": recipe.door_id, "residual": found.residual, "quality": found.quality}
         told = "" if found.drift is None else self._tell_drift(found.drift, answer.header)
         if found.drift is not None:
@@ -202,7 +210,7 @@ class DoorLocalizer(ManagedNode):
             self._frames.show(
                 [
                     LinkPose(BASE_FRAME, CAMERA_FRAME, T_base_camera),
-                    LinkPose(BASE_FRAME, DOOR_FRAME, found.T_base_door),
+                    *([LinkPose(BASE_FRAME, DOOR_FRAME, found.T_base_door)] if self._teller.first else []),
                 ]
             )
         self._show_overlay(message, lambda picture: draw_overlay(picture, found))
@@ -219,19 +227,9 @@ class DoorLocalizer(ManagedNode):
         if step:
             self._overlay.publish(picture_message(draw(picture_of(message))[::step, ::step], message.header))
 
-    def _publish(self, answer: DoorLocalization, found: Localization) -> None:
-        answer.accepted = True
-        answer.pose.pose = pose_message(found.T_base_door)
-        covariance = np.zeros((6, 6))
-        covariance[np.ix_(FREE, FREE)] = found.covariance
-        answer.pose.covariance = covariance.ravel()
-        answer.offset_y = found.offset.y
-        answer.offset_z = found.offset.z
-        answer.offset_rotation = found.offset.rotation
-        answer.residual = found.residual
-        answer.quality = found.quality
-        self._pose.publish(PoseStamped(header=answer.header, pose=answer.pose.pose))
-        self._localization.publish(answer)
+    def _publish(self, answer: DoorLocalization, found: Localization, width: float) -> None:
+        answer.residual, answer.quality = found.residual, found.quality
+        self._teller.tell(answer, found.T_base_door, width, found.whole_covariance, found.sees)
 
 
 def main() -> int:

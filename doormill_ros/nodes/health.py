@@ -9,7 +9,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from doormill_ros.cell.readiness import Readiness
+from doormill_ros.cell.door_sensors import chosen_sensors
+from doormill_ros.cell.layout import CAMERA, load_layout
+from doormill_ros.cell.readiness import Readiness, needed_nodes
 from doormill_ros.nodes import topics
 
 PERIOD = 0.1  # s
@@ -22,7 +24,8 @@ def listen(namespace: str, limit: float) -> list[str]:
         namespace: Such as "/cell1"; empty: none.
         limit: Longest wait [s].
     """
-    readiness = Readiness()
+    sensors = chosen_sensors(load_layout())
+    readiness = Readiness(needed_nodes(sensors))
     prefix = f"{namespace.strip('/')}/".lstrip("/")
 
     def take(array: DiagnosticArray) -> None:
@@ -40,12 +43,16 @@ def listen(namespace: str, limit: float) -> list[str]:
     # A cell in a namespace has /diagnostics in it, where launched so.
     for topic in {topics.DIAGNOSTICS.name, node.resolve_topic_name(topics.DIAGNOSTICS.name.lstrip("/"))}:
         node.create_subscription(topics.DIAGNOSTICS.type, topic, take, topics.DIAGNOSTICS.requested)
-    image = node.resolve_topic_name(topics.IMAGE.name)
+    drivers = [
+        (node.resolve_topic_name(topic.name), there)
+        for topic, there in ((topics.IMAGE, CAMERA in sensors), (topics.SENSOR_READING, sensors != (CAMERA,)))
+    ]
     end = time.monotonic() + limit
     try:
         while True:
             executor.spin_once(timeout_sec=PERIOD)
-            found = readiness.hindrances(node.count_publishers(image) > 0)
+            offered = [not there or node.count_publishers(name) > 0 for name, there in drivers]
+            found = readiness.hindrances(*offered)
             if not found or time.monotonic() > end:
                 return found
     finally:

@@ -17,6 +17,7 @@ from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.access import FAULT_WHILE_MILLING, NO_REASON
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.errors import StageTimeoutError
+from doormill_ros.localization.sensors.registry import registered
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.composition import Composition
@@ -25,6 +26,8 @@ from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
 from doormill_ros.nodes.replay_driver import ReplayDriver
+from doormill_ros.nodes.sensor_localizer import SensorLocalizer
+from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recording.replay.answer import Answer
 from doormill_ros.recording.replay.live import LiveRun
@@ -81,7 +84,9 @@ def replay_live(run: RecordedRun, options: LiveOptions) -> list[Answer]:
         arguments = ["replay", "--ros-args", "-r", f"__ns:=/replay_{os.getpid()}"]
         nodes = _nodes(run, options, folder)
         with (
-            Composition(arguments, nodes, partial(ReplayDriver, run.image_transport), THREADS) as cell,
+            Composition(
+                arguments, nodes, partial(ReplayDriver, run.image_transport, run.sensors), THREADS
+            ) as cell,
             RecordedController(home, events, options.rate, _reason_of_fault(run)) as controller,
         ):
             live = LiveRun(run, cell.driver, options.rate, repeats_the_end(run))
@@ -122,10 +127,12 @@ def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callabl
     limits = {f"limit.{stage}": PATIENCE for stage in stages}
     if waited is not None and not run.pictures:
         limits["limit.picture"] = float(waited[1])
-    bridge = {"address": str(folder / "HOME"), "archive": str(folder / "targets"), **limits}
+    sensors = {SENSORS_PARAMETER.name: ",".join(run.sensors)}
+    bridge = {**sensors, "address": str(folder / "HOME"), "archive": str(folder / "targets"), **limits}
     database = {"database_url": options.database or _database(run, folder), "ship_recipes": False}
     # A recorded picture is old, nobody looks at its overlay, and /tf is the running cell's.
     localizer = {
+        **sensors,
         "check_age": False,
         "overlay_step": 0,
         "frames": False,
@@ -133,15 +140,18 @@ def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callabl
     }
     recorded = next((str(message.robot_model) for message in run.targets), "")
     model = options.robot_model or recorded
-    chosen = (
+    chosen: tuple[tuple[Callable[..., ManagedNode], dict[str, Any]], ...] = (
         (RecipeDatabaseNode, database),
         (DoorLocalizer, localizer),
         (PathGenerator, {"robot_model": model, "models": "", "frames": False}),
         (AbbBridge, bridge),
     )
+    beside: list[tuple[Callable[..., ManagedNode], dict[str, Any]]] = [
+        (partial(SensorLocalizer, name), {**sensors, "frames": False}) for name in registered(run.sensors)
+    ]
     return [
         partial(make, parameter_overrides=[Parameter(k, value=v) for k, v in values.items()])
-        for make, values in chosen
+        for make, values in (*chosen, *beside)
     ]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -83,13 +83,15 @@ class MillDoorServer:
         """Let another server of this name answer, or answer again."""
         self._server.silent = silent
 
-    def open(self, attendance: Attendance) -> None:
+    def open(self, attendance: Attendance, sensors: Sequence[str]) -> None:
         """Connect to the recipe database and to who measures milled doors.
 
         Args:
             attendance: Which nodes are alive.
+            sensors: What finds the doors.
         """
         self._attendance = attendance
+        self._sensors = tuple(sensors)
         self._note = RunNote(Path(self._node.value("archive")))
         self._recipes = _Recipes(self._node, self._group)
         self._inspections = DoorInspections(self._node, self.notify)
@@ -167,7 +169,8 @@ class MillDoorServer:
                     "the ABB bridge is not active; activate it (ros2 lifecycle set /abb_bridge activate)"
                 )
             self._note.write(run.run_id, run.door_id)
-            course = Course(run, recipes, self._handover, inspections, attendance, self._limits(), tell)
+            partners = recipes, self._handover, inspections, attendance
+            course = Course(run, *partners, self._limits(), tell, self._sensors)
             end = course.end
             course.mill()
         except DoormillError as error:

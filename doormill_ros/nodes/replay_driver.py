@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
@@ -14,6 +14,7 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
 from doormill_interfaces.action import MillDoor
+from doormill_ros.cell.layout import CAMERA
 from doormill_ros.cell.waiting import wait, wait_until
 from doormill_ros.messages.from_message import nanoseconds_of
 from doormill_ros.nodes import topics
@@ -31,8 +32,8 @@ Value = TypeVar("Value")
 class ReplayDriver(Node):  # type: ignore[misc]  # rclpy has no types
     """Plays who asks for a door, and its camera, as an `AnsweringCell` does."""
 
-    def __init__(self, transport: str = "raw") -> None:
-        """Send pictures the way that `image_transport` names so."""
+    def __init__(self, transport: str = "raw", sensors: Sequence[str] = (CAMERA,)) -> None:
+        """Play the drivers of these sensors; send pictures the way that `image_transport` names so."""
         super().__init__("live_replay")
         self._changed = threading.Condition()
         self._heard: dict[tuple[str, int], Any] = {}
@@ -43,7 +44,10 @@ class ReplayDriver(Node):  # type: ignore[misc]  # rclpy has no types
         self._action = ActionClient(self, MillDoor, "mill_door")
         self._pictures = {
             t.name: self.create_publisher(t.type, t.name, t.offered)
-            for t in (topics.CAMERA_INFO, topics.PICTURES[transport])
+            for t in (
+                *((topics.CAMERA_INFO, topics.PICTURES[transport]) if CAMERA in sensors else ()),
+                *((topics.SENSOR_READING,) if tuple(sensors) != (CAMERA,) else ()),
+            )
         }
         for topic in (topics.DOOR_LOCALIZATION, topics.PATH_TARGETS):
             self._listen(topic, partial(self._keep, topic.name))
@@ -80,15 +84,17 @@ class ReplayDriver(Node):  # type: ignore[misc]  # rclpy has no types
         """See `AnsweringCell`."""
         self._wait(self._requested, MILLING_LIMIT, "the bridge saw no request")
 
-    def show_picture(self, data: dict[str, bytes], age: float) -> tuple[Any, Any]:
+    def show_picture(self, data: Sequence[tuple[str, bytes]], age: float) -> tuple[Any, Any]:
         """See `AnsweringCell`."""
         now = time.time_ns() - s_to_ns(age)
         stamp = Time(sec=now // 1_000_000_000, nanosec=now % 1_000_000_000)
-        for name, publisher in self._pictures.items():
-            if name in data:
-                message = deserialize_message(data[name], publisher.msg_type)
-                message.header.stamp = stamp
-                publisher.publish(message)
+        for name, content in data:
+            publisher = self._pictures[name]
+            message = deserialize_message(content, publisher.msg_type)
+            message.header.stamp = stamp
+            if name == topics.SENSOR_READING.name:
+                message.run_id = self._latest[topics.DOOR_RECIPE.name].run_id
+            publisher.publish(message)
         localization = self._answer(topics.DOOR_LOCALIZATION, now)
         return localization, self._answer(topics.PATH_TARGETS, now) if localization.accepted else None
 

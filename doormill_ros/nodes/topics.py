@@ -25,6 +25,8 @@ from doormill_interfaces.msg import (
     ModelVerdict,
     RunResult,
     RunVerdict,
+    SensorLocalization,
+    SensorReading,
     TargetArray,
 )
 
@@ -76,6 +78,10 @@ CAMERA_MOVED = _topic("camera/moved", TwistStamped, EVENT)
 DOOR_POSE = _topic("door/pose", PoseStamped, EVENT)
 DOOR_LOCALIZATION = _topic("door/localization", DoorLocalization, EVENT)
 DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE, PICTURE_FALLBACK)
+#: Of all door sensors but the camera; three pictures in one message are of its size.
+SENSOR_READING = _topic("sensors/reading", SensorReading, PICTURE, PICTURE_FALLBACK)
+#: Of each sensor, the camera among them, where the cell has several.
+SENSOR_LOCALIZATION = _topic("sensors/localization", SensorLocalization, EVENT)
 DOOR_RECIPE = _topic("door/recipe", DoorRecipe, STATE)
 PATH_TARGETS = _topic("path/targets", TargetArray, EVENT)
 PATH_NOMINAL = _topic("path/nominal", Path, STATE)
@@ -105,6 +111,8 @@ ALL: tuple[Topic, ...] = (
     DOOR_POSE,
     DOOR_LOCALIZATION,
     DOOR_OVERLAY,
+    SENSOR_READING,
+    SENSOR_LOCALIZATION,
     DOOR_RECIPE,
     PATH_TARGETS,
     PATH_NOMINAL,

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 from doormill_ros.abb.handshake.state import HandshakeState, RunOutcome
 from doormill_ros.abb.link_errors import MillingFaultError
+from doormill_ros.cell.door_sensors import node_of
 from doormill_ros.cell.errors import CellError, StageRefusedError
 from doormill_ros.cell.inspection import MeasuredDoor
-from doormill_ros.cell.run import Run, StageLimits
+from doormill_ros.cell.layout import CAMERA
+from doormill_ros.cell.run import LOCALIZATION, Run, StageLimits
 from doormill_ros.errors import DoormillError
+from doormill_ros.localization.sensors.agreement import check_agreement
+from doormill_ros.messages.sensing import sensed_door_of
 from doormill_ros.pipeline.partners import Attendance, Handover, Inspector, RecipeAnswer, Recipes, Targets
 from doormill_ros.pipeline.run_end import RunEnd
 
@@ -21,8 +25,35 @@ ALONE_LIMIT = 10.0  # s
 #: Nodes without which a run comes to nothing, by stage. Those of the simulation are missed only where they have been.
 MILLING = ("controller_simulator",)
 TARGETS = ("path_generator", *MILLING)
-PICTURE = ("door_localizer", "camera_simulator", *TARGETS)
-RECIPE = ("recipe_database", *PICTURE)
+SIMULATED = ("camera_simulator", "sensor_simulator")
+
+
+def picture_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
+    """Nodes without which no pose of the door comes."""
+    return (*map(node_of, sensors), *SIMULATED, *TARGETS)
+
+
+def recipe_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
+    """Nodes without which no run comes to an end."""
+    return ("recipe_database", *picture_nodes(sensors))
+
+
+def stage_of(sensor: str) -> str:
+    """The stage under which is delivered what one of several sensors found."""
+    return f"{LOCALIZATION} by {sensor}"
+
+
+def _missing(sensor: str) -> str:
+    """What to say when a sensor told nothing."""
+    if sensor == CAMERA:
+        return (
+            "no picture of the door was localized; check that the camera sends pictures on camera/image_raw and that "
+            "/door_localizer is active"
+        )
+    return (
+        f"{sensor} did not find the door; check that its driver sends readings of this run on sensors/reading and "
+        f"that /{node_of(sensor)} is active"
+    )
 
 
 class Course:
@@ -36,6 +67,7 @@ class Course:
         attendance: Which nodes are alive.
         limits: How long it waits for each stage.
         tell: Called with each stage's name and the share of the run that is done, 0..1.
+        sensors: What finds the door; targets are made from the pose of the first one.
 
     Attributes:
         end: How it ended, as far as it got.
@@ -50,6 +82,7 @@ class Course:
         attendance: Attendance,
         limits: StageLimits,
         tell: Callable[[str, float], None] = lambda stage, progress: None,
+        sensors: Sequence[str] = (CAMERA,),
     ) -> None:
         self._run = run
         self._recipes = recipes
@@ -57,6 +90,8 @@ class Course:
         self._inspector = inspector
         self._attendance = attendance
         self._limits = limits
+        self._sensors = tuple(sensors)
+        self._recipe_nodes, self._picture_nodes = recipe_nodes(sensors), picture_nodes(sensors)
         self._tell = tell
         self.end = RunEnd(run.run_id, run.door_id)
         self._steps = 0  # of the clock, when the recipe was asked for
@@ -65,11 +100,11 @@ class Course:
         """Go through all stages; what ends the run before is told, not raised."""
         try:
             self._tell("recipe", 0.0)
-            self._need(RECIPE)
+            self._need(self._recipe_nodes)
             self._run.wait_until(
                 lambda: self._attendance.settled, ALONE_LIMIT, "two nodes of one name stay alive in this cell"
             )
-            self._attendance.require(RECIPE)
+            self._attendance.require(self._recipe_nodes)
             self.end.recipe_version = self._fetch_recipe()
             targets, request_number = self._measure()
             self.end.largest_correction = targets.largest_correction
@@ -126,9 +161,9 @@ class Course:
         run, handshake = self._run, self._handover.handshake
         while True:
             if len(run.steps) != self._steps:
-                self._need(RECIPE)
+                self._need(self._recipe_nodes)
                 self.end.recipe_version = self._fetch_recipe()
-            self._need(PICTURE)
+            self._need(self._picture_nodes)
             self._tell("picture", 0.1)
             number = self._wait_for_request()
 
@@ -137,14 +172,8 @@ class Course:
                 reclamped = now.request_number != number or not now.accepts_submission
                 return reclamped or len(run.steps) != self._steps
 
-            localized = run.wait_for(
-                "localization",
-                self._limits.picture,
-                "no picture of the door was localized; check that the camera sends pictures on "
-                "camera/image_raw and that /door_localizer is active",
-                over,
-            )
-            if localized is not None:
+            localized = run.wait_for(LOCALIZATION, self._limits.picture, _missing(self._sensors[0]), over)
+            if localized is not None and self._agreed(over):
                 self._note(picture_to_pose=run.times["localization"] - run.pictured["localization"])
                 self._need(TARGETS)
                 self._tell("pose", 0.3)
@@ -158,6 +187,23 @@ class Course:
                     self._note(pose_to_targets=run.times["targets"] - run.times["localization"])
                     return targets, number
             run.forget()
+
+    def _agreed(self, over: Callable[[], bool]) -> bool:
+        """Wait for what every sensor found, where there are several; False once `over` is true.
+
+        Raises:
+            SensorsDisagree: Two of them have the door in different places.
+        """
+        if len(self._sensors) == 1:
+            return True
+        doors = []
+        for name in self._sensors:
+            found = self._run.wait_for(stage_of(name), self._limits.picture, _missing(name), over)
+            if found is None:
+                return False
+            doors.append(sensed_door_of(found))
+        check_agreement(doors)
+        return True
 
     def _wait_for_request(self) -> int:
         """Number of the controller's request; from its beginning on pictures count."""

@@ -57,6 +57,14 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--effects", metavar="YAML", help="what the simulated robot hides, see docs/diagnosis.md"
     )
+    parser.add_argument(
+        "--sensor",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="what finds the door instead of what config/cell.yaml names: camera, axis_vision, photoelectric or "
+        "touch_probe; several are held against each other, milled is from the first one",
+    )
     parser.add_argument("--no-pictures", action="store_true", help="simulate a broken camera")
     parser.add_argument(
         "--ui",
@@ -89,6 +97,17 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
             parser.error("--ui shows one door: leave it out, or --doors and --world")
         if options.world and options.effects:
             parser.error("--effects and --world both say what the robot hides: leave one out")
+    if options.sensor:
+        from doormill_ros.cell.layout import CAMERA
+        from doormill_ros.simulation.sensors.registry import SIMULATED
+
+        allowed = (CAMERA, *SIMULATED)
+        if any(name not in allowed for name in options.sensor) or len(set(options.sensor)) < len(
+            options.sensor
+        ):
+            parser.error(
+                f"--sensor is {' '.join(options.sensor)}, allowed are {', '.join(allowed)}, each once"
+            )
     if options.namespace and not NAMESPACE.fullmatch(options.namespace):
         parser.error(
             f"--namespace is {options.namespace!r}, allowed are slashes with names of letters, digits and _: /cell1"
@@ -144,7 +163,13 @@ def main(arguments: list[str] | None = None) -> int:
     def milled(summary: RunSummary) -> None:
         print(f"{summary.message}\nthe cell stays up for the operator's page; end it with Ctrl-C", flush=True)
 
-    cell = CellOptions(parameters, options.ui is not None, Keys(operate, engineer), options.namespace)
+    cell = CellOptions(
+        parameters,
+        options.ui is not None,
+        Keys(operate, engineer),
+        options.namespace,
+        sensors=tuple(options.sensor),
+    )
     summary = run_once(options.door[0], folder, cell, progress, milled)
     write_report(Path(summary.bag), Path(summary.report))
     if options.out is None:
@@ -199,7 +224,7 @@ def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, obj
         return 2
     if options.monitor:
         parameters["controller_simulator"] = {"gauged": True}
-    cell = CellOptions(parameters, namespace=options.namespace)
+    cell = CellOptions(parameters, namespace=options.namespace, sensors=tuple(options.sensor))
     with ModelMonitorBeside(folder, cell) if options.monitor else nullcontext() as beside:
         shift = run_shift(doors, folder, cell, options.world, effects, milled)
         state = None if beside is None else beside.verdict(VERDICT_LIMIT)

@@ -69,10 +69,10 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
 
     if options.live:
         from doormill_ros.nodes.live_replay import SLACK, LiveOptions, replay_live
-        from doormill_ros.recording.replay.answer import STAGES
+        from doormill_ros.recording.replay.live import LIVE_STAGES
 
         live = LiveOptions(options.rate, options.robot_model, options.database)
-        outcome = replay_bag(bag, lambda run: replay_live(run, live), STAGES, SLACK)
+        outcome = replay_bag(bag, lambda run: replay_live(run, live), LIVE_STAGES, SLACK)
     else:
         chosen = OfflineOptions(robot_model=options.robot_model, database=options.database)
         outcome = replay_bag(bag, lambda run: replay_offline(run, chosen))

@@ -7,14 +7,14 @@ from xml.etree import ElementTree
 import pytest
 
 from doormill_ros.cell.readiness import BESIDE, NEEDED
-from scripts.list_policies import FILE, KINDS, Graph, cell_graph, policies
+from doormill_ros.localization.sensors.registry import SENSORS
+from scripts.list_policies import FILE, KINDS, SIMULATORS, Graph, policies, whole_graph
 from support.source_tree import ROOT
 
 
 @pytest.fixture(scope="module")
 def graph() -> Graph:
-    with cell_graph() as found:
-        return found
+    return whole_graph()
 
 
 def allowed(enclave: str) -> set[tuple[str, str, str]]:
@@ -32,12 +32,14 @@ def allowed(enclave: str) -> set[tuple[str, str, str]]:
 
 def test_the_file_is_the_one_made_from_the_running_cell(graph: Graph) -> None:
     assert FILE == ROOT / "config" / "security" / "policies.xml"
-    assert set(graph) == {*NEEDED, *BESIDE, "camera_simulator", "controller_simulator"}
+    assert set(graph) == {*NEEDED, *BESIDE, *SIMULATORS, *SENSORS}
     assert FILE.read_text(encoding="utf-8") == policies(graph), "run python -m scripts.list_policies"
 
 
 def test_only_the_bridge_takes_goals_and_only_the_path_generator_sends_targets() -> None:
-    enclaves = [f"/doormill/{name}" for name in (*NEEDED, *BESIDE, "cell_simulator", "health")]
+    enclaves = [
+        f"/doormill/{name}" for name in (*NEEDED, *BESIDE, "cell_simulator", "door_sensors", "health")
+    ]
     said = [(enclave, *row) for enclave in enclaves for row in allowed(enclave)]
     assert [e for e, _, kind, name in said if (kind, name) == ("actions execute", "/mill_door")] == [
         "/doormill/abb_bridge"

@@ -35,7 +35,7 @@ class Localizer:
 
     def __init__(self, recorded: dict[str, bytes], context: Context, **parameters: Any) -> None:
         self.node = up(DoorLocalizer, context, check_age=False, **parameters)
-        self.node._localization = self.answers = Answers()
+        self.node._teller._localization = self.answers = Answers()
         self.good = {
             topic.name: deserialize_message(recorded[f"/{topic.name}"], topic.type)
             for topic in (topics.DOOR_RECIPE, topics.CAMERA_INFO, topics.IMAGE)

@@ -9,10 +9,10 @@ from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture.scene import Sensor
+from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
 from doormill_ros.tools.calibrate import main
 from support.pictures.chessboard import render_chessboard
 from support.pictures.chessboard_corners import CAMERA, SIZE, TRUE_K, views
-from support.sensors.axis_vision import AxisVisionRig
 
 
 def test_chessboards_become_a_camera_file(tmp_path, capsys):

@@ -14,11 +14,11 @@ from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene
+from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
+from doormill_ros.simulation.sensors.photoelectric import PhotoelectricRig
+from doormill_ros.simulation.sensors.touch_probe import TouchProbeRig
 from doormill_ros.tools.locate import main
 from doormill_ros.units import DEG, m_to_mm
-from support.sensors.axis_vision import AxisVisionRig
-from support.sensors.photoelectric import PhotoelectricRig
-from support.sensors.touch_probe import TouchProbeRig
 from support.source_tree import ROOT
 
 DOOR = DoorSize(width=0.826, height=2.04, thickness=0.040)

@@ -21,3 +21,6 @@ Contradiction = SensorError.row(
 )
 PoseOutOfRange = SensorError.row("PoseOutOfRange", 227, "The pose lies beyond what the clamp can hold.")
 EdgeNotFound = SensorError.row("EdgeNotFound", 228, "A picture shows no edge of the door where one must be.")
+SensorsDisagree = SensorError.row(
+    "SensorsDisagree", 229, "Two sensors find the door in different places beyond what they state."
+)

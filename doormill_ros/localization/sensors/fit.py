@@ -12,13 +12,13 @@ from scipy.stats import chi2
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply_twist
 from doormill_ros.localization.sensors.errors import Contradiction, NotConverged, Undetermined
+from doormill_ros.localization.sensors.sensor import CONTRADICTION
 
 # A rotation of 1 rad is put beside a translation of this length when conditions are judged [m].
 _LEVER = 1.0
 _MAX_CONDITION = 1.0e6
 _STEP_DONE = 1.0e-10
 _MAX_STEPS = 30
-_CONTRADICTION = 1.0e-6  # probability of a chi-square this large by chance
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,10 +105,10 @@ def check_rank(jacobian: FloatArray, what: str) -> None:
 
 def _finish(T_base_door: FloatArray, residual: FloatArray, jacobian: FloatArray, what: str) -> PoseFit:
     chi_square, redundancy = float(residual @ residual), residual.size - 6
-    if redundancy > 0 and chi2.sf(chi_square, redundancy) < _CONTRADICTION:
+    if redundancy > 0 and chi2.sf(chi_square, redundancy) < CONTRADICTION:
         raise Contradiction(
             f"the {what} contradict each other: chi-square is {chi_square:.1f} with {redundancy} degrees of "
-            f"freedom, allowed is {chi2.isf(_CONTRADICTION, redundancy):.1f}; clean the door and measure again",
+            f"freedom, allowed is {chi2.isf(CONTRADICTION, redundancy):.1f}; clean the door and measure again",
             chi_square=chi_square,
         )
     covariance = cho_solve(cho_factor(jacobian.T @ jacobian), np.eye(6))

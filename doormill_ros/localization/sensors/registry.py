@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
+from doormill_ros.cell.layout import CAMERA
 from doormill_ros.localization.sensors.axis_vision import load_axis_vision
+from doormill_ros.localization.sensors.errors import BadSensorFile
 from doormill_ros.localization.sensors.one_camera import load_one_camera
 from doormill_ros.localization.sensors.photoelectric import load_photoelectric
 from doormill_ros.localization.sensors.sensor import SensorLoader
@@ -14,3 +18,19 @@ SENSORS: dict[str, SensorLoader] = {
     "photoelectric": load_photoelectric,
     "touch_probe": load_touch_probe,
 }
+
+
+def registered(names: Iterable[str]) -> tuple[str, ...]:
+    """The sensors of a list without the camera, which has a localizer of its own.
+
+    Raises:
+        BadSensorFile: One of them does not exist.
+    """
+    found = tuple(name for name in names if name != CAMERA)
+    unknown = [name for name in found if name not in SENSORS]
+    if unknown:
+        raise BadSensorFile(
+            f"there is no sensor {unknown[0]!r}, allowed are {', '.join((CAMERA, *SENSORS))}; correct `sensors` in "
+            "config/cell.yaml"
+        )
+    return found

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
+from scipy.stats import chi2
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
@@ -15,6 +16,8 @@ from doormill_ros.values import NotNegative, Section
 
 #: What a sensor reads: a picture, one picture of each camera, distances along beams, or touched points.
 ReadingKind = Literal["picture", "pictures", "distances", "points"]
+#: Probability of a chi-square so large by chance at which readings count as contradicting each other.
+CONTRADICTION = 1.0e-6
 DEGREES_OF_FREEDOM = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
 
 
@@ -46,6 +49,13 @@ class DoorPoseEstimate:
     def deviations(self) -> FloatArray:
         """Standard deviations in the order of DEGREES_OF_FREEDOM [m, rad], shape (6,)."""
         return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def quality(self) -> float:
+        """Distance from a contradiction among the readings, 0..1; 1 where none is left over to contradict."""
+        if self.redundancy <= 0 or not np.isfinite(self.chi_square):
+            return 1.0
+        return float(np.clip(1.0 - self.chi_square / chi2.isf(CONTRADICTION, self.redundancy), 0.0, 1.0))
 
     @property
     def blind(self) -> tuple[str, ...]:

@@ -13,22 +13,27 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.frames import quaternion_xyzw
+from doormill_ros.localization.sensors.agreement import SensedDoor
+from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM
 from doormill_ros.messages.from_message import nanoseconds_of, program_of, transform_of
+from doormill_ros.messages.sensing import sensed_door_of
 from doormill_ros.toolpath.program import MillingProgram, Motion, Target
 
 Value = bool | int | str | float | list[float]
 
 RECIPE = "/door/recipe"
 LOCALIZATION = "/door/localization"
+SENSED = "/sensors/localization"
 TARGETS = "/path/targets"
 TARGET_FILE = "/abb/target_file"
 RESULT = "/run/result"
 #: In the order in which they follow from each other: the first difference is nearest to its cause.
-STAGES = (RECIPE, LOCALIZATION, TARGETS, TARGET_FILE, RESULT)
+STAGES = (RECIPE, LOCALIZATION, SENSED, TARGETS, TARGET_FILE, RESULT)
 #: Which code makes what is on a topic.
 MAKERS = {
     RECIPE: "the recipe database (doormill_ros/recipes)",
     LOCALIZATION: "the localizer (doormill_ros/localization)",
+    SENSED: "the localizer or a sensor beside it (doormill_ros/localization)",
     TARGETS: "path and correction (doormill_ros/toolpath, doormill_ros/correction)",
     TARGET_FILE: "the RAPID writer (doormill_ros/abb/target_file)",
     RESULT: "the run (doormill_ros/pipeline/course.py)",
@@ -126,6 +131,27 @@ def localization_answer(
         "quality": float(quality),
     }
     return Answer(LOCALIZATION, stamp_ns, _flat(ACCEPTED | content))
+
+
+def sensed_of(message: Any) -> Answer:
+    """What a doormill_interfaces/SensorLocalization answers."""
+    stamp_ns = nanoseconds_of(message.header.stamp)
+    if not message.accepted:
+        return refusal(SENSED, stamp_ns, int(message.error_code), message.reason)
+    return sensed_answer(stamp_ns, sensed_door_of(message))
+
+
+def sensed_answer(stamp_ns: int, door: SensedDoor) -> Answer:
+    """A door that one of several sensors found; what it does not see of the covariance is left out."""
+    seen = np.array(door.sees, dtype=float)
+    covariance = (door.covariance * np.outer(seen, seen)).ravel()
+    content = {
+        "sensor": door.sensor,
+        "sees": " ".join(name for name, sees in zip(DEGREES_OF_FREEDOM, door.sees, strict=True) if sees),
+        "pose.pose": _pose(door.T_base_door),
+        "pose.covariance": covariance,
+    }
+    return Answer(SENSED, stamp_ns, _flat(ACCEPTED | content))
 
 
 def targets_of(message: Any) -> Answer:

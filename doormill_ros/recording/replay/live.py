@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
 from doormill_ros.localization.errors import StalePicture
 from doormill_ros.messages.from_message import nanoseconds_of
 from doormill_ros.recording.replay.answer import (
+    SENSED,
+    STAGES,
     Answer,
     localization_of,
     recipe_of,
@@ -20,6 +22,9 @@ from doormill_ros.recording.replay.answer import (
 )
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.units import ns_to_s
+
+#: What a live replay compares: of sensors beside the first one only whether they agree, by how the run ends.
+LIVE_STAGES = tuple(topic for topic in STAGES if topic != SENSED)
 
 
 class AnsweringCell(Protocol):
@@ -37,8 +42,8 @@ class AnsweringCell(Protocol):
     def wait_for_request(self) -> None:
         """Until the bridge has seen the controller's request, or the run ended."""
 
-    def show_picture(self, data: dict[str, bytes], age: float) -> tuple[Any, Any]:
-        """Send serialized messages by topic under a new stamp, `age` seconds old; what was answered to them.
+    def show_picture(self, data: Sequence[tuple[str, bytes]], age: float) -> tuple[Any, Any]:
+        """Send serialized messages with their topics under a new stamp, `age` seconds old; what was answered to them.
 
         Returns:
             Localization and targets as messages; no targets where the picture was refused.
@@ -100,7 +105,7 @@ class LiveRun:
             self._cell.wait_for_request()
         for recorded_ns, message in run.localizations:
             stamp_ns = nanoseconds_of(message.header.stamp)
-            if stamp_ns not in run.pictures:
+            if stamp_ns not in run.pictures and stamp_ns not in run.readings:
                 continue
             if math.isfinite(self._rate):
                 time.sleep(ns_to_s(max(0, stamp_ns - last)) / self._rate)
@@ -118,7 +123,9 @@ class LiveRun:
 
     def _picture(self, stamp_ns: int, age: float) -> list[Answer]:
         """Send one recorded picture; the answers to it."""
-        data = {topic: data for (topic, at), data in self._run.serialized.items() if at == stamp_ns}
+        run = self._run
+        data = [(topic, data) for (topic, at), data in run.serialized.items() if at == stamp_ns]
+        data += run.beside(stamp_ns)
         localization, targets = self._cell.show_picture(data, age)
         answers = [localization_of(localization)]
         return answers if targets is None else [*answers, targets_of(targets)]

@@ -7,22 +7,29 @@ from functools import lru_cache
 from typing import Any
 
 from doormill_ros.abb.target_file.target_file import render_target_file
-from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.cell.layout import CAMERA, CellLayout, load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError, StalePicture
+from doormill_ros.localization.sensors.agreement import SensedDoor, check_agreement
+from doormill_ros.localization.sensors.errors import SensorsDisagree
+from doormill_ros.localization.sensors.registry import SENSORS, registered
+from doormill_ros.localization.sensors.sensor import DoorSensor
 from doormill_ros.messages.from_message import camera_of, nanoseconds_of, recipe_of, transform_of
 from doormill_ros.pipeline.look import look
 from doormill_ros.pipeline.plan import load_setup, plan
+from doormill_ros.pipeline.sense import sense
 from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recording.replay.answer import (
     LOCALIZATION,
+    SENSED,
     STAGES,
     TARGETS,
     Answer,
     localization_answer,
     refusal,
     result_answer,
+    sensed_answer,
     target_file_answer,
     targets_answer,
 )
@@ -56,13 +63,15 @@ def replay_offline(run: RecordedRun, options: OfflineOptions | None = None) -> l
     if run.recipe is None:
         return _without_recipe(run, options)
     found = [_localize(run, recorded_ns, message) for recorded_ns, message in run.localizations]
+    doors = [_sense(run, message) for message in run.sensed]
+    found += [answer for answer, _ in doors]
     for message in run.targets:
         answer, program = _generate(run, message, options)
         found.append(answer)
         if program is not None and not any(a.topic == "/abb/target_file" for a in found):
             found.extend(_target_file(run, answer.stamp_ns, program))
     if run.result is not None:
-        found.append(_result(run, found))
+        found.append(_result(run, found, [door for _, door in doors if door is not None]))
     return found
 
 
@@ -89,10 +98,12 @@ def _cell() -> tuple[CellLayout, CameraModel]:
 def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
     """Localize the picture that a recorded localization came from."""
     stamp_ns = nanoseconds_of(message.header.stamp)
+    layout, mounted = _cell()
+    if stamp_ns in run.readings:
+        return _of_reading(run, stamp_ns, layout)
     picture = run.pictures.get(stamp_ns)
     if picture is None:
         return refusal(LOCALIZATION, stamp_ns, 0, "the bag holds no picture of this time")
-    layout, mounted = _cell()
     info = run.camera_infos.get(stamp_ns)
     stale = message.error_code == StalePicture.code
     age = ns_to_s(recorded_ns - stamp_ns) - message.duration if stale else 0.0
@@ -104,6 +115,48 @@ def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
     return localization_answer(
         stamp_ns, found.T_base_door, found.offset, found.covariance, found.residual, found.quality
     )
+
+
+def _of_reading(run: RecordedRun, stamp_ns: int, layout: CellLayout) -> Answer:
+    """What the first sensor finds in a recorded reading, where that is not the camera."""
+    reading = run.readings[stamp_ns]
+    try:
+        found = sense(reading, _sensor(reading.sensor), run.recipe)
+    except LocalizationError as error:
+        return refusal(LOCALIZATION, stamp_ns, error.code, error.message)
+    offset = layout.offset_of(found.T_base_door, run.recipe.width)
+    return localization_answer(stamp_ns, found.T_base_door, offset, found.covariance, 0.0, found.quality)
+
+
+@lru_cache(maxsize=8)
+def _sensor(name: str) -> DoorSensor:
+    return SENSORS[registered([name])[0]]()
+
+
+def _sense(run: RecordedRun, message: Any) -> tuple[Answer, SensedDoor | None]:
+    """What one of several sensors finds in what it took then."""
+    stamp_ns, name = nanoseconds_of(message.header.stamp), str(message.sensor)
+    try:
+        if stamp_ns in run.readings:
+            estimate = sense(run.readings[stamp_ns], _sensor(name), run.recipe)
+            door = SensedDoor(name, estimate.T_base_door, estimate.covariance, estimate.sees)
+        elif stamp_ns in run.pictures:
+            door = _seen(run, stamp_ns)
+        else:
+            return refusal(SENSED, stamp_ns, 0, "the bag holds no reading of this time"), None
+    except LocalizationError as error:
+        return refusal(SENSED, stamp_ns, error.code, error.message), None
+    return sensed_answer(stamp_ns, door), door
+
+
+def _seen(run: RecordedRun, stamp_ns: int) -> SensedDoor:
+    """Where the camera has the door."""
+    layout, mounted = _cell()
+    info = run.camera_infos.get(stamp_ns)
+    found = look(
+        run.pictures[stamp_ns], None if info is None else camera_of(info, mounted), layout, run.recipe
+    )
+    return SensedDoor(CAMERA, found.T_base_door, found.whole_covariance, found.sees)
 
 
 _setup = lru_cache(maxsize=4)(load_setup)
@@ -136,16 +189,27 @@ def _target_file(run: RecordedRun, stamp_ns: int, program: MillingProgram) -> li
     return [target_file_answer(stamp_ns, data, by_line=bool(run.target_files))]
 
 
-def _result(run: RecordedRun, found: list[Answer]) -> Answer:
+def _result(run: RecordedRun, found: list[Answer], doors: list[SensedDoor]) -> Answer:
     """How the run ends by what the stages answer now."""
-    for topic in (LOCALIZATION, TARGETS):
+    for topic in (LOCALIZATION, SENSED, TARGETS):
         refused = next((a for a in found if a.topic == topic), None)
         if refused is not None and not refused.accepted:
             reason = refused.values["reason"]
             return result_answer(False, refused.error_code, f"door {run.door_id}: {reason}")
+        if topic == SENSED:
+            try:
+                check_agreement(_first_told(run, doors))
+            except SensorsDisagree as error:
+                return result_answer(False, error.code, f"door {run.door_id}: {error.message}")
     if run.result.error_code <= LAST_REPLAYED:
         return result_answer(True, 0, "")
     return _as_recorded(run, f"what ended the run (code {run.result.error_code}) is no stage's answer")
+
+
+def _first_told(run: RecordedRun, doors: list[SensedDoor]) -> list[SensedDoor]:
+    """The first that each sensor told, in the order of the run's sensors."""
+    by_name = {door.sensor: door for door in reversed(doors)}
+    return [by_name[name] for name in run.sensors if name in by_name]
 
 
 def _as_recorded(run: RecordedRun, reason: str) -> Answer:

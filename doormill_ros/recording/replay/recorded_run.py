@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from doormill_ros.cell.layout import CAMERA
 from doormill_ros.messages.from_message import nanoseconds_of
 from doormill_ros.recording.bag_reader import BagMessage, read_bag
 from doormill_ros.recording.errors import EmptyBagError
@@ -15,6 +16,7 @@ from doormill_ros.recording.replay.answer import (
     localization_of,
     recipe_of,
     result_answer,
+    sensed_of,
     target_file_answer,
     targets_of,
 )
@@ -22,6 +24,7 @@ from doormill_ros.recording.replay.answer import (
 RECIPE, PICTURE, CAMERA_INFO = "door/recipe", "camera/image_raw", "camera/camera_info"
 COMPRESSED = f"{PICTURE}/compressed"  #: counts where the picture itself is not in the bag
 POSE, LOCALIZATION, TARGETS = "door/pose", "door/localization", "path/targets"
+READING, SENSED = "sensors/reading", "sensors/localization"
 TARGET_FILE, RUN_RESULT = "abb/target_file", "run/result"
 STATUS = "abb/status"
 
@@ -35,12 +38,14 @@ class RecordedRun:
         recipe: The recipe in hand; None when none was found.
         pictures: Picture messages by stamp [ns].
         camera_infos: For each picture the camera info in force when it was answered.
+        readings: Of sensors beside the camera, by stamp [ns].
+        sensed: What each of several sensors found, the first one among them.
         poses: Accepted poses by stamp [ns].
         localizations: With the time at which each was recorded [ns].
         targets: Target lists, accepted or refused.
         target_files: Content of target files that were handed over.
         result: How the run ended; None when the recording stopped before.
-        serialized: Pictures and camera infos as recorded (CDR), by topic and stamp [ns].
+        serialized: Pictures, camera infos and readings as recorded (CDR), by topic and stamp [ns].
         begun_ns: When the recipe was recorded [ns].
         requests: The request as abb/status tells it, the level at the begin first, with the time of recording [ns].
         states: State of abb/status with the time of recording [ns].
@@ -50,6 +55,8 @@ class RecordedRun:
     recipe: Any = None
     pictures: dict[int, Any] = field(default_factory=dict)
     camera_infos: dict[int, Any] = field(default_factory=dict)
+    readings: dict[int, Any] = field(default_factory=dict)
+    sensed: list[Any] = field(default_factory=list)
     poses: dict[int, Any] = field(default_factory=dict)
     localizations: list[tuple[int, Any]] = field(default_factory=list)
     targets: list[Any] = field(default_factory=list)
@@ -70,10 +77,28 @@ class RecordedRun:
         """How its pictures came, as `image_transport` names it."""
         return "compressed" if any(topic == COMPRESSED for topic, _ in self.serialized) else "raw"
 
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """What found its door, the one first from whose pose was milled."""
+        stamps = [nanoseconds_of(message.header.stamp) for _, message in self.localizations]
+        of_first = [self.readings[stamp].sensor for stamp in stamps if stamp in self.readings]
+        names = [*(of_first or [CAMERA]), *(message.sensor for message in self.sensed)]
+        return tuple(dict.fromkeys(str(name) for name in names))
+
+    def beside(self, stamp_ns: int) -> list[tuple[str, bytes]]:
+        """The latest of what the other sensors than the one of that stamp took, serialized, with the topics."""
+        own = self.readings[stamp_ns].sensor if stamp_ns in self.readings else CAMERA
+        latest = {reading.sensor: stamp for stamp, reading in sorted(self.readings.items())}
+        if self.pictures:
+            latest[CAMERA] = max(self.pictures)
+        stamps = [stamp for sensor, stamp in latest.items() if sensor != own]
+        return [(topic, data) for (topic, at), data in self.serialized.items() if at in stamps]
+
     def answers(self) -> list[Answer]:
         """What was recorded of every stage."""
         found = [] if self.recipe is None else [recipe_of(self.recipe)]
         found += [localization_of(message) for _, message in self.localizations]
+        found += [sensed_of(message) for message in self.sensed]
         found += [targets_of(message) for message in self.targets]
         accepted = [m for m in self.targets if m.accepted]
         if accepted and self.result is not None and (self.target_files or self.result.sha256):
@@ -144,6 +169,13 @@ class _Collector:
             if stamp in run.pictures or not run.camera_infos:
                 self._keep_info(run, stamp, item)
 
+    def reading(self, item: BagMessage) -> None:
+        run, stamp = self._run(item.message.run_id), nanoseconds_of(item.message.header.stamp)
+        run.readings[stamp], run.serialized[READING, stamp] = item.message, item.data
+
+    def sensed(self, item: BagMessage) -> None:
+        self._run(item.message.run_id).sensed.append(item.message)
+
     def pose(self, item: BagMessage) -> None:
         if self._in_hand is not None:
             self._in_hand.poses[nanoseconds_of(item.message.header.stamp)] = item.message.pose
@@ -187,6 +219,8 @@ def read_runs(bag: Path) -> list[RecordedRun]:
         PICTURE: collector.picture,
         COMPRESSED: collector.picture,
         CAMERA_INFO: collector.camera_info,
+        READING: collector.reading,
+        SENSED: collector.sensed,
         POSE: collector.pose,
         LOCALIZATION: collector.localization,
         TARGETS: collector.targets,

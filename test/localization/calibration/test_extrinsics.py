@@ -11,7 +11,7 @@ from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.sensors.corner_edges import PictureQuality
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
-from support.sensors.axis_vision import AxisVisionRig
+from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
 from support.sensors.pose_errors import assert_honest
 
 QUALITY = PictureQuality(2.0, 25.0)

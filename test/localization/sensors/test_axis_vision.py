@@ -10,7 +10,7 @@ from doormill_ros.localization.sensors.axis_vision import load_axis_vision
 from doormill_ros.localization.sensors.edge_rays import EDGES, depth, miss, seen
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, EdgeNotFound, SensorError
 from doormill_ros.simulation.picture.scene import Sensor
-from support.sensors.axis_vision import AxisVisionRig
+from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
 from support.sensors.pose_errors import SIZES, assert_honest, error, mahalanobis, true_pose
 
 TRIALS = 18

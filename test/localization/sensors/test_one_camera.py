@@ -8,7 +8,7 @@ from doormill_ros.frames import apply_twist
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.sensors.errors import BadSensorFile
 from doormill_ros.localization.sensors.one_camera import load_one_camera
-from support.sensors.axis_vision import AxisVisionRig
+from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
 from support.sensors.pose_errors import SIZES, assert_honest, error, mahalanobis
 
 TRIALS = 12

@@ -8,7 +8,7 @@ from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, BeamMissed, PoseOutOfRange
 from doormill_ros.localization.sensors.photoelectric import load_photoelectric
 from doormill_ros.resources import resource
-from support.sensors.photoelectric import PhotoelectricRig
+from doormill_ros.simulation.sensors.photoelectric import PhotoelectricRig
 from support.sensors.pose_errors import SIZES, assert_honest, error, mahalanobis, true_pose
 
 

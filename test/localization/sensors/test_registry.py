@@ -10,10 +10,10 @@ from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene
+from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
+from doormill_ros.simulation.sensors.photoelectric import PhotoelectricRig
+from doormill_ros.simulation.sensors.touch_probe import TouchProbeRig
 from doormill_ros.units import DEG, MM
-from support.sensors.axis_vision import AxisVisionRig
-from support.sensors.photoelectric import PhotoelectricRig
-from support.sensors.touch_probe import TouchProbeRig
 
 DOOR = DoorSize(width=0.826, height=2.04, thickness=0.040)
 OFFSET = DoorOffset(3.0 * MM, -2.0 * MM, 0.7 * DEG)

@@ -11,8 +11,8 @@ from doormill_ros.frames import apply
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, Contradiction
 from doormill_ros.localization.sensors.touch_probe import load_touch_probe
 from doormill_ros.resources import resource
+from doormill_ros.simulation.sensors.touch_probe import TouchProbeRig
 from support.sensors.pose_errors import SIZES, assert_honest, error, mahalanobis, true_pose
-from support.sensors.touch_probe import TouchProbeRig
 
 APART = {"surface": 0.0}
 EXACT_PROBE = {"radius_deviation": 0.0, "repeatability": 0.0, "pre_travel_deviation": 0.0}

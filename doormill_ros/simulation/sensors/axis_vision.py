@@ -8,12 +8,14 @@ from typing import Any
 
 import cv2
 import numpy as np
-import yaml
 from scipy.spatial.transform import Rotation
 from scipy.special import ndtr
 
+from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.config import read_document
 from doormill_ros.resources import resource
+from doormill_ros.simulation.errors import SceneFileError
 from doormill_ros.simulation.picture.optics import expose, rays
 from doormill_ros.simulation.picture.scene import SceneCamera, Sensor
 
@@ -45,17 +47,17 @@ class AxisVisionRig:
     def load(path: Path | None = None, **changes: Any) -> AxisVisionRig:
         """The rig of config/sensors/axis_vision.yaml; `changes` set other attributes."""
         path = path or resource("config/sensors/axis_vision.yaml")
-        return AxisVisionRig(yaml.safe_load(path.read_text(encoding="utf-8")), load_layout(), **changes)
+        return AxisVisionRig(read_document(path, SceneFileError), load_layout(), **changes)
 
     def take(
         self,
-        T_base_door: np.ndarray,
+        T_base_door: FloatArray,
         width: float,
         height: float,
         thickness: float,
         seed: int,
         rig_seed: int | None = None,
-    ) -> dict[str, np.ndarray]:
+    ) -> dict[str, ByteArray]:
         """A picture (h, w), uint8, of each camera by name.
 
         Args:
@@ -82,8 +84,8 @@ class AxisVisionRig:
 
     def stand(
         self, index: int, width: float, thickness: float, rig_seed: int
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """True projection centre [m] and camera axes (columns) in base, off by the mounting's errors."""
+    ) -> tuple[FloatArray, FloatArray]:
+        """True projection centre, shape (3,) [m], and camera axes as columns, shape (3, 3), base, both a little off."""
         entry, place = self.document["cameras"][index], self.layout
         rng = np.random.default_rng([rig_seed, index, 0])
         corner = [place.rear_face_x - thickness, place.centre_y - width / 2, place.bottom_z]
@@ -99,12 +101,12 @@ class AxisVisionRig:
     def _picture(
         self,
         entry: dict[str, Any],
-        T_base_door: np.ndarray,
-        extent: np.ndarray,
-        stand: tuple[np.ndarray, np.ndarray],
+        T_base_door: FloatArray,
+        extent: FloatArray,
+        stand: tuple[FloatArray, FloatArray],
         saw: np.random.Generator,
         rng: np.random.Generator,
-    ) -> np.ndarray:
+    ) -> ByteArray:
         inner = self.document["intrinsics"]
         camera = SceneCamera(
             np.array(inner["k"]), np.array(inner["distortion"]), tuple(inner["size"][::-1]), np.zeros(3)
@@ -119,7 +121,7 @@ class AxisVisionRig:
         # Edge of coordinate `first` runs along `second` and the other way round.
         wobble = {i: self._roughness(saw) for i in (first, second)}
 
-        def inside(x: np.ndarray, y: np.ndarray) -> list[np.ndarray]:
+        def inside(x: FloatArray | Float32Array, y: FloatArray | Float32Array) -> list[FloatArray]:
             """How far within each of the four edges rays x, y meet the face [px]."""
             along = [look[i, 0] * x + look[i, 1] * y + look[i, 2] for i in range(3)]
             reach = -eye[flat] / along[flat]
@@ -146,7 +148,7 @@ class AxisVisionRig:
         radiance = (self.background + (self.face - self.background) * share) * self._light(camera, rng)
         return expose(radiance.astype(np.float32), self.sensor, rng)
 
-    def _roughness(self, rng: np.random.Generator) -> np.ndarray:
+    def _roughness(self, rng: np.random.Generator) -> FloatArray:
         """How far the edge stands off its line every _GRID from the corner, a first-order process [m]."""
         edges, n = self.document["edges"], int(0.4 / _GRID)
         keep = np.exp(-_GRID / edges["correlation"])
@@ -158,14 +160,15 @@ class AxisVisionRig:
             out[i] = last
         return out
 
-    def _light(self, camera: SceneCamera, rng: np.random.Generator) -> np.ndarray:
+    def _light(self, camera: SceneCamera, rng: np.random.Generator) -> FloatArray:
         """Smooth change of light and of the wood's brightness over the picture, mean 1."""
         rows, columns = camera.shape
         coarse = 1.0 + 0.04 * rng.standard_normal((5, 8)).astype(np.float32)
-        return cv2.resize(coarse, (columns, rows), interpolation=cv2.INTER_CUBIC)
+        light: FloatArray = cv2.resize(coarse, (columns, rows), interpolation=cv2.INTER_CUBIC)
+        return light
 
 
-def _along(wobble: np.ndarray, where: np.ndarray) -> np.ndarray:
+def _along(wobble: FloatArray, where: FloatArray) -> FloatArray:
     """Roughness at places [m] along the edge, linear between its grid points."""
     place = np.clip(where / _GRID, 0, wobble.size - 1.001)
     low = place.astype(np.int32)

@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.config import read_document
 from doormill_ros.resources import resource
+from doormill_ros.simulation.errors import SceneFileError
 
 # Which door coordinate is zero on each face, and the direction that looks at it, base = nominal door axes.
 _FACES = {
@@ -39,11 +41,11 @@ class PhotoelectricRig:
     def load(path: Path | None = None, linearity: bool = True) -> PhotoelectricRig:
         """The rig of config/sensors/photoelectric.yaml."""
         path = path or resource("config/sensors/photoelectric.yaml")
-        return PhotoelectricRig(yaml.safe_load(path.read_text(encoding="utf-8")), load_layout(), linearity)
+        return PhotoelectricRig(read_document(path, SceneFileError), load_layout(), linearity)
 
     def read(
-        self, T_base_door: np.ndarray, width: float, height: float, thickness: float, seed: int
-    ) -> np.ndarray:
+        self, T_base_door: FloatArray, width: float, height: float, thickness: float, seed: int
+    ) -> FloatArray:
         """Averaged distances, shape (6,) [m]; nan where the beam meets no door inside the range.
 
         Args:
@@ -65,9 +67,9 @@ class PhotoelectricRig:
     def _beam(
         self,
         beam: dict[str, Any],
-        T_base_door: np.ndarray,
-        extent: np.ndarray,
-        corner: np.ndarray,
+        T_base_door: FloatArray,
+        extent: FloatArray,
+        corner: FloatArray,
         rng: np.random.Generator,
     ) -> float:
         axis, aim = _FACES[beam["face"]]

@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.config import read_document
 from doormill_ros.resources import resource
+from doormill_ros.simulation.errors import SceneFileError
 
 _FACES = {"face": 0, "hinge": 1, "bottom": 2}
 _WAVES = 200  # of the robot's error field; enough to be normally distributed
@@ -32,9 +34,9 @@ class TouchProbeRig:
     def load(path: Path | None = None) -> TouchProbeRig:
         """The rig of config/sensors/touch_probe.yaml."""
         path = path or resource("config/sensors/touch_probe.yaml")
-        return TouchProbeRig(yaml.safe_load(path.read_text(encoding="utf-8")), load_layout())
+        return TouchProbeRig(read_document(path, SceneFileError), load_layout())
 
-    def robot_error(self, points: np.ndarray, seed: int) -> np.ndarray:
+    def robot_error(self, points: FloatArray, seed: int) -> FloatArray:
         """Where the robot really is minus where it believes to be, at points (n, 3); shape (n, 3) [m].
 
         A sum of waves with normally distributed wave vectors has a Gaussian correlation.
@@ -43,17 +45,18 @@ class TouchProbeRig:
         waves = rng.normal(0.0, 1.0 / robot["correlation_length"], (3, _WAVES, 3))
         phases = rng.uniform(0.0, 2 * np.pi, (3, _WAVES))
         field = [np.cos(points @ w.T + p).sum(axis=1) for w, p in zip(waves, phases, strict=True)]
-        return robot["accuracy"] * np.sqrt(2.0 / _WAVES) * np.column_stack(field)
+        off: FloatArray = robot["accuracy"] * np.sqrt(2.0 / _WAVES) * np.column_stack(field)
+        return off
 
     def touch(
         self,
-        T_base_door: np.ndarray,
+        T_base_door: FloatArray,
         width: float,
         height: float,
         thickness: float,
         seed: int,
         count: int = 6,
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Reported centres of the ball, shape (count, 3) [m].
 
         Args:

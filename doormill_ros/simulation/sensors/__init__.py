@@ -1,0 +1,1 @@
+"""What the door sensors of a simulated cell read off a true door; shares no code with those that find it."""
