@@ -36,7 +36,8 @@ def in_window(k: FloatArray, message: Any) -> tuple[FloatArray, tuple[int, int]]
     if max(bins) > _MOST_BINNED or min(out) < _SMALLEST:
         raise BadCameraInfo(
             f"the camera info has binning of {bins[0]} x {bins[1]} px, which leaves {out[0]} x {out[1]} px, "
-            f"allowed are binning of up to {_MOST_BINNED} px and pictures of {_SMALLEST} px and more; check the camera's driver",
+            f"allowed are binning of up to {_MOST_BINNED} px and pictures of {_SMALLEST} px and more; "
+            "check the camera's driver",
             binning=tuple(bins),
         )
     coarse = np.diag([1.0 / bins[0], 1.0 / bins[1], 1.0])
