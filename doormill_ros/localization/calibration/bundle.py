@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.localization.calibration.board_shape import ShapeModel
 
 CAMERA = 9  # fx, fy, cx, cy, k1, k2, p1, p2, k3
@@ -63,7 +63,7 @@ def fit_bundle(
     seen: list[FloatArray],
     start: FloatArray,
     places: list[tuple[FloatArray, FloatArray]],
-    held: FloatArray,
+    held: BoolArray,
 ) -> Bundle:
     """Gauss-Newton from an ordinary calibration.
 
@@ -76,15 +76,15 @@ def fit_bundle(
     """
     camera, shape = start.astype(float), np.zeros(len(model.expected))
     poses = [np.concatenate([np.ravel(turn), np.ravel(place)]).astype(float) for turn, place in places]
-    free = np.concatenate([~held, np.ones(len(shape), bool)])
+    free: BoolArray = np.concatenate([~held, np.ones(len(shape), bool)])
     count = sum(2 * len(s) - 6 for s in seen) - int(np.sum(~held))
     expected = np.zeros(len(free))
     expected[CAMERA:] = 1.0 / model.expected**2
     for _ in range(_STEPS):
         parts = [_linearise(model, c, camera, shape, p) for c, p in zip(seen, poses, strict=True)]
         noise = max(sum(p.squares for p in parts) / count, _FINEST**2)
-        normal = sum(p.normal for p in parts) / noise + np.diag(expected)
-        pull = sum(p.gradient for p in parts) / noise
+        normal = np.sum([p.normal for p in parts], axis=0) / noise + np.diag(expected)
+        pull = np.sum([p.gradient for p in parts], axis=0) / noise
         pull[CAMERA:] -= expected[CAMERA:] * shape
         step, covariance = np.zeros(len(free)), np.zeros(normal.shape)
         inverse = _inverse(normal[np.ix_(free, free)])
@@ -140,7 +140,7 @@ def _inverse(normal: FloatArray) -> FloatArray:
 
 
 def _widened(
-    parts: list[_Picture], normal: FloatArray, covariance: FloatArray, free: FloatArray, noise: float
+    parts: list[_Picture], normal: FloatArray, covariance: FloatArray, free: BoolArray, noise: float
 ) -> tuple[FloatArray, float]:
     """The covariance, each parameter with the larger of its deviations: by noise and by leaving out pictures.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.settings import LocalizerSettings
 
+_ROOM = 5.0e-3  # m
 _MOST = 3.0  # standard deviations
 
 
@@ -67,8 +68,11 @@ def scale_tests(
         LocalizationError: A picture is refused.
         TooFewPictures: There is no move, or no picture without one of a door that was moved.
     """
+    # A move may leave the range in which doors are milled.
+    limits = layout.limits
+    wide = replace(layout, limits=replace(limits, y=limits.y + _ROOM, z=limits.z + _ROOM))
     found = [
-        localize(m.picture, camera, layout, m.door.width, m.door.thickness, settings=settings) for m in moved
+        localize(m.picture, camera, wide, m.door.width, m.door.thickness, settings=settings) for m in moved
     ]
     tests = []
     for i, (item, place) in enumerate(zip(moved, found, strict=True)):

@@ -106,6 +106,34 @@ def test_the_thesis_scale_is_that_of_the_camera_at_that_thickness(calibrations):
         assert found.scale[0] == pytest.approx(distance / 1678.35, rel=0.02)
 
 
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_lens_that_is_off_is_in_what_is_stated_without_a_thick_door(rig, sign):
+    """Four pictures of one door by a camera whose focal length is 0.1 % off, and said to be so uncertain."""
+    share, seed = 1e-3, 5
+    lens, k = np.zeros(9), np.array(rig.document["intrinsics"]["k"])
+    lens[:2] = share * k[[0, 1], [0, 1]]
+    k[[0, 1], [0, 1]] *= 1.0 + sign * share
+    intrinsics = rig.document["intrinsics"] | {"k": k.tolist()}
+    other = AxisVisionRig(rig.document | {"intrinsics": intrinsics}, load_layout())
+    moved = [m for m in moved_doors(other, seed) if m.door.thickness < 0.05]
+    centre, axes = other.stand(0, 0.826, 0.04, seed)
+    true = transform(axes, centre + np.array([0.0, 0.826 / 2, 0.0]))
+    assert len(moved) == 3
+    known = Knowledge(thickness=0.0, lens=np.outer(lens, lens))
+    sure, honest = (
+        calibrate_extrinsics(moved, load_camera(), load_layout(), QUALITY, knowledge)
+        for knowledge in (KNOWN, known)
+    )
+    assert honest.needs_a_thick_door
+    misses = [twist_between(f.camera.T_base_camera(0.0), true)[0] for f in (sure, honest)]
+    deviations = [float(np.sqrt(f.covariance[0, 0])) for f in (sure, honest)]
+    assert abs(misses[1]) < 2.5 * deviations[1]
+    assert deviations[1] > 1.5e-4 > 2 * deviations[0]  # 0.1 % of the 0.168 m to the door
+    # The doors of the pictures hardly notice, one of another thickness does.
+    assert max(honest.door_deviation[0.04][:2]) < 2.5e-5
+    assert np.all(honest.door_deviation[0.1][:2] > 1.04 * sure.door_deviation[0.1][:2])
+
+
 def test_a_wrong_move_in_the_list_is_noticed(rig):
     moved = moved_doors(rig, 1)
     moved[1] = MovedDoor(moved[1].picture, np.array([0.0, 0.009, 0.0]), moved[1].door)
