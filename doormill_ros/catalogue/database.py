@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,8 @@ from sqlalchemy.dialects import postgresql, sqlite
 from doormill_ros.catalogue import schema
 from doormill_ros.catalogue.errors import CatalogueUnreachableError, UnknownRunError
 from doormill_ros.catalogue.run import CataloguedInspection, CataloguedRun, CatalogueRow
-from doormill_ros.recipes.store.engine import WRITE, default_url, make_engine
+from doormill_ros.recipes.store.engine import default_url
+from doormill_ros.recipes.store.transactions import Transactions
 
 ENVIRONMENT, FILE = "DOORMILL_CATALOGUE", "catalogue.sqlite"
 PAGE = 2000  # rows that are read at a time
@@ -55,7 +55,7 @@ class Selection:
         return found
 
 
-class Catalogue:
+class Catalogue(Transactions):
     """Runs of one or several cells; a context manager."""
 
     def __init__(self, url: str | None = None) -> None:
@@ -70,8 +70,7 @@ class Catalogue:
             CatalogueTooNewError: Another release made it.
             DatabaseUnreachable: Not a URL, or of another kind of database.
         """
-        self._engine = make_engine(url or default_url(ENVIRONMENT, FILE))
-        self.url = self._engine.url.render_as_string(hide_password=True)
+        super().__init__(url or default_url(ENVIRONMENT, FILE))
         try:
             with self._failures(), self._engine.connect() as connection:
                 found = schema.found_version(connection)
@@ -81,16 +80,6 @@ class Catalogue:
         except BaseException:
             self.close()
             raise
-
-    def __enter__(self) -> Catalogue:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Close every connection."""
-        self._engine.dispose()
 
     def store(
         self, bag: str, runs: Sequence[CataloguedRun], inspections: Iterable[CataloguedInspection] = ()
@@ -181,23 +170,11 @@ class Catalogue:
                     kept.get(run_id, {}).get("reason", ""),
                 )
 
-    @contextmanager
-    def _write(self) -> Iterator[sa.Connection]:
-        with self._failures(), self._engine.connect() as connection:
-            connection.execution_options(**{WRITE: True})
-            with connection.begin():
-                yield connection
-
-    @contextmanager
-    def _failures(self) -> Iterator[None]:
-        try:
-            yield
-        except (sa.exc.InterfaceError, sa.exc.DatabaseError) as error:
-            reason = " ".join(str(error.orig).split())
-            raise CatalogueUnreachableError(
-                f"the catalogue {self.url} cannot be used: {reason}; where it is damaged, move it away and fill a new "
-                "one with catalogue rebuild DIR"
-            ) from error
+    def _told(self, error: sa.exc.InterfaceError | sa.exc.DatabaseError, reason: str) -> Exception:
+        return CatalogueUnreachableError(
+            f"the catalogue {self.url} cannot be used: {reason}; where it is damaged, move it away and fill a new "
+            "one with catalogue rebuild DIR"
+        )
 
 
 def _put(connection: sa.Connection, table: sa.Table, values: dict[str, Any]) -> None:

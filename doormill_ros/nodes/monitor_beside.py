@@ -9,12 +9,13 @@ from types import TracebackType
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.monitor.watch import WatchState
 from doormill_ros.nodes.cell import CellOptions
 from doormill_ros.nodes.model_monitor import ModelMonitor
+from doormill_ros.nodes.spinning import SteadyExecutor
 
 THREADS = 2
 STOP_LIMIT = 2.0  # s
@@ -38,7 +39,7 @@ class ModelMonitorBeside:
         self._folder.mkdir(parents=True, exist_ok=True)
         rclpy.init(args=self._options.arguments(RunFolder(self._folder)), context=self._context)
         self._node = ModelMonitor(context=self._context)
-        self._executor = MultiThreadedExecutor(num_threads=THREADS, context=self._context)
+        self._executor = SteadyExecutor(THREADS, context=self._context)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, name="monitor", daemon=True)
         self._thread.start()

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 
+from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import get_logger
@@ -30,14 +31,15 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
     ever, while DDS' own threads keep telling everybody that they live.
 
     Args:
-        threads: Of the pool.
+        threads: Of the pool, two or more.
         still: Process time without a turn after which the process is ended, so that what started it can start it
             again [s]; the stacks of all threads go to stderr first. Time in which the process is stopped does not
             count.
+        context: Of its nodes; None for the default one.
     """
 
-    def __init__(self, threads: int, still: float = STILL) -> None:
-        super().__init__(num_threads=threads)
+    def __init__(self, threads: int, still: float = STILL, context: Context | None = None) -> None:
+        super().__init__(num_threads=threads, context=context)
         self._errors = 0
         self._last_error = -CALM
         self._turns = 0

@@ -6,30 +6,18 @@ import argparse
 import sys
 from pathlib import Path
 
-from doormill_ros.backup.database import SiteDatabase
 from doormill_ros.backup.restore import take_back
 from doormill_ros.backup.site import alone, make_backup
 from doormill_ros.errors import DoormillError
-from doormill_ros.recipes.store.engine import ENVIRONMENT
-from doormill_ros.resources import SITE, site_folder
 from doormill_ros.tools.command_line import OneLineParser
+from doormill_ros.tools.site_options import add_site, chosen_site
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     top = OneLineParser(prog="backup", description=__doc__)
     top.add_argument("file", type=Path, help="file to write, such as doormill.tar; must not be there yet")
-    top.add_argument(
-        "--site",
-        type=Path,
-        metavar="DIR",
-        help=f"default is ${SITE}, else a folder in the user's data folder",
-    )
-    top.add_argument(
-        "--database",
-        metavar="URL",
-        help=f"default is ${ENVIRONMENT}, else recipes.sqlite in the site's folder",
-    )
+    add_site(top)
     return top
 
 
@@ -40,9 +28,8 @@ def main(argv: list[str] | None = None) -> int:
         0; 2 with one line on stderr when there is no backup.
     """
     options = parser().parse_args(argv)
-    site = options.site or site_folder()
     try:
-        database = SiteDatabase(options.database or _own_database(options.site))
+        site, database = chosen_site(options)
         with alone(site):
             if take_back(site, database):
                 print("backup: a restore that was cut off was taken back first", file=sys.stderr)
@@ -55,11 +42,6 @@ def main(argv: list[str] | None = None) -> int:
         f"{options.file}: {options.file.stat().st_size} bytes, {len(made.digests) - 1} files, {kind}, of {site}"
     )
     return 0
-
-
-def _own_database(site: Path | None) -> str | None:
-    """A site that was named brings its own database, unless another is named."""
-    return str(site / "recipes.sqlite") if site else None
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.catalogue.retention import Judged, Retention, judge, retain
 from doormill_ros.catalogue.run import CatalogueRow
 from doormill_ros.errors import DoormillError
-from doormill_ros.tools.command_line import OneLineParser
+from doormill_ros.tools.command_line import OneLineParser, add_database
 from doormill_ros.units import bytes_to_gigabytes, m_to_mm, ns_to_s, s_to_ns
 
 FAILED, PARTLY = 2, 1
@@ -34,12 +34,7 @@ def _time(text: str) -> int:
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     top = OneLineParser(prog="catalogue", description=__doc__)
-    top.add_argument(
-        "--database",
-        metavar="URL",
-        help="sqlite:///FILE, a file name, or postgresql://USER:PASSWORD@HOST/NAME; "
-        f"default is ${ENVIRONMENT}, else a SQLite file in the site's folder",
-    )
+    add_database(top, ENVIRONMENT)
     commands = top.add_subparsers(dest="command", required=True)
     for name, purpose in (("list", "a line a run"), ("export", "write the runs as columns")):
         command = commands.add_parser(name, help=purpose)

@@ -20,6 +20,16 @@ class OneLineParser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}\n")
 
 
+def add_database(parser: argparse.ArgumentParser, variable: str) -> None:
+    """The option that names a database, which an environment variable names too."""
+    parser.add_argument(
+        "--database",
+        metavar="URL",
+        help="sqlite:///FILE, a file name, or postgresql://USER:PASSWORD@HOST/NAME; "
+        f"default is ${variable}, else a SQLite file in the site's folder",
+    )
+
+
 @contextmanager
 def counted(what: str, total: int) -> Iterator[Callable[[int], None]]:
     """A bar on the terminal for the time that something takes; gives what is called with how much more is done."""

@@ -14,17 +14,13 @@ from doormill_ros.recipes.errors import UnknownFileType
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.database import RecipeDatabase, RecipeRecord
 from doormill_ros.recipes.store.engine import ENVIRONMENT
+from doormill_ros.tools.command_line import add_database
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     top = argparse.ArgumentParser(prog="recipes", description=__doc__)
-    top.add_argument(
-        "--database",
-        metavar="URL",
-        help="sqlite:///FILE, a file name, or postgresql://USER:PASSWORD@HOST/NAME; "
-        f"default is ${ENVIRONMENT}, else a SQLite file in the user's data folder",
-    )
+    add_database(top, ENVIRONMENT)
     commands = top.add_subparsers(dest="command", required=True)
     command = commands.add_parser("import", help="store the recipes of a file that are new or changed")
     command.add_argument("file", help=".xlsx, .csv, .txt (the thesis' table), .yaml or .json")

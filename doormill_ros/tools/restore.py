@@ -7,13 +7,11 @@ import sys
 from pathlib import Path
 
 from doormill_ros.backup.archive import read_archive
-from doormill_ros.backup.database import SiteDatabase
 from doormill_ros.backup.restore import restore, take_back
 from doormill_ros.backup.site import alone
 from doormill_ros.errors import DoormillError
-from doormill_ros.recipes.store.engine import ENVIRONMENT
-from doormill_ros.resources import SITE, site_folder
 from doormill_ros.tools.command_line import OneLineParser
+from doormill_ros.tools.site_options import add_site, chosen_site
 
 
 def parser() -> argparse.ArgumentParser:
@@ -21,17 +19,7 @@ def parser() -> argparse.ArgumentParser:
     top = OneLineParser(prog="restore", description=__doc__)
     top.add_argument("file", type=Path, help="what `backup` wrote")
     top.add_argument("--check", action="store_true", help="read it to its end, change nothing")
-    top.add_argument(
-        "--site",
-        type=Path,
-        metavar="DIR",
-        help=f"default is ${SITE}, else a folder in the user's data folder",
-    )
-    top.add_argument(
-        "--database",
-        metavar="URL",
-        help=f"default is ${ENVIRONMENT}, else recipes.sqlite in the site's folder",
-    )
+    add_site(top)
     return top
 
 
@@ -42,14 +30,12 @@ def main(argv: list[str] | None = None) -> int:
         0; 2 with one line on stderr when nothing was changed.
     """
     options = parser().parse_args(argv)
-    site = options.site or site_folder()
     try:
         backup = read_archive(options.file)
         if options.check:
             print(f"{options.file} is whole: made {backup.head.made} by release {backup.head.release}")
             return 0
-        own = str(site / "recipes.sqlite") if options.site else None
-        database = SiteDatabase(options.database or own)
+        site, database = chosen_site(options)
         with alone(site):
             if take_back(site, database):
                 print("restore: a restore that was cut off was taken back first", file=sys.stderr)

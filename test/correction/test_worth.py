@@ -19,10 +19,8 @@ def worth():
     return worth_of(load_robot("irb6600_175_255"), bound=4e-5)
 
 
-def moved(worth, q, wrench, stiffness):
-    """Displacement of the tool, one posture, each joint by itself with its spring."""
-    point = load_layout().T_flange_tool[:3, 3]
-    J = worth.kinematics.jacobian(q[None], point)[0]
+def moved(J, wrench, stiffness):
+    """Displacement of the tool, one posture by its Jacobian, each joint by itself with its spring."""
     return sum(J[:3, k] * (J[:, k] @ wrench) / stiffness[k] for k in range(6))
 
 
@@ -30,17 +28,17 @@ def moved(worth, q, wrench, stiffness):
 def test_the_spread_is_that_of_drawn_springs_and_forces(worth, row):
     rng, q = np.random.default_rng(row), POSTURES[row]
     found = worth.spread(q[None], WRENCH[None], STD[None], load_layout().T_flange_tool[:3, 3])
+    J = worth.kinematics.jacobian(q[None], load_layout().T_flange_tool[:3, 3])[0]
     small = 0.1  # first order: the tenth of every deviation
     drawn = [
         moved(
-            worth,
-            q,
+            J,
             WRENCH + small * rng.normal(size=6) @ STD,
             worth.stiffness * (1.0 + small * worth.relative * rng.normal(size=6)),
         )
         for _ in range(4000)
     ]
-    off = np.array(drawn) - moved(worth, q, WRENCH, worth.stiffness)
+    off = np.array(drawn) - moved(J, WRENCH, worth.stiffness)
     expected = np.sqrt(np.mean(np.sum(off**2, axis=1))) / small
     assert found.total[0] == pytest.approx(expected, rel=0.05)
 

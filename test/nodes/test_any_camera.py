@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import rclpy
 from PIL import Image as Pillow
 from rclpy.context import Context
 from rclpy.lifecycle import TransitionCallbackReturn
@@ -21,28 +20,11 @@ from doormill_ros.localization.errors import BadPicture, CameraInfoSize
 from doormill_ros.messages.picture import ENCODINGS
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.door_localizer import DoorLocalizer
-from doormill_ros.recording.bag_reader import read_bag
 from support.localizer_node import Localizer
-from support.source_tree import ROOT
 
-DOOR = "thesis_190_0deg"
 BROWN = np.array([1.25, 1.0, 0.62])  # red, green and blue of wood, as shares of its grey
 PLACE, TURN = 3e-6, 3e-5  # m, rad that rounding may move a door
 MOSAIC_PLACE, MOSAIC_TURN = 1e-5, 1e-4  # half of the pixels of each colour are made up of their neighbours
-
-
-@pytest.fixture(scope="module")
-def recorded() -> dict[str, bytes]:
-    """The last message of each topic of a good run, serialized."""
-    return {message.topic: message.data for message in read_bag(ROOT / "bags" / DOOR)}
-
-
-@pytest.fixture
-def context() -> Iterator[Context]:
-    context = Context()
-    rclpy.init(context=context)
-    yield context
-    rclpy.shutdown(context=context)
 
 
 @pytest.fixture

@@ -17,7 +17,6 @@ import yaml
 from action_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.action import ActionClient, ActionServer
-from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosbags.rosbag2 import Reader
@@ -28,6 +27,7 @@ from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.bag_recorder import BagRecorder
+from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.software import software
 
@@ -43,7 +43,7 @@ class Recording:
         overrides = {"bag": str(folder), **parameters}
         self.recorder = BagRecorder(parameter_overrides=[Parameter(k, value=v) for k, v in overrides.items()])
         self.node = Node("beside")
-        self.executor = MultiThreadedExecutor(num_threads=3)
+        self.executor = SteadyExecutor(3)
         self.executor.add_node(self.recorder)
         self.executor.add_node(self.node)
         self.thread = Thread(target=self.executor.spin, daemon=True)

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import rclpy
 from rclpy.context import Context
 from std_msgs.msg import Header
 
@@ -18,28 +17,18 @@ from doormill_ros.localization.errors import CameraMoved
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.picture import picture_message
 from doormill_ros.nodes.reporting_node import OK, WARN
-from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene, SceneCamera
 from support.localizer_node import Answers, Localizer
 from support.pictures.marked_cell import marked_camera_file
-from support.source_tree import ROOT
 
-DOOR = "thesis_190_0deg"
 MINUTE = 60
 
 
 @pytest.fixture
-def context() -> Iterator[Context]:
-    context = Context()
-    rclpy.init(context=context)
-    yield context
-    rclpy.shutdown(context=context)
-
-
-@pytest.fixture
-def localizer(context: Context, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Localizer]:
-    recorded = {message.topic: message.data for message in read_bag(ROOT / "bags" / DOOR)}
+def localizer(
+    recorded: dict[str, bytes], context: Context, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Localizer]:
     marked = load_camera(marked_camera_file(tmp_path))
     monkeypatch.setattr("doormill_ros.nodes.door_localizer.load_camera", lambda: marked)
     localizer = Localizer(recorded, context)
@@ -88,8 +77,7 @@ def test_a_moved_camera_is_refused_told_with_its_time_and_recorded(
     assert answer.run_id == recipe.run_id
 
 
-def test_without_marks_nothing_is_said_of_the_camera(context: Context) -> None:
-    recorded = {message.topic: message.data for message in read_bag(ROOT / "bags" / DOOR)}
+def test_without_marks_nothing_is_said_of_the_camera(recorded: dict[str, bytes], context: Context) -> None:
     plain = Localizer(recorded, context)
     plain.send(topics.CAMERA_INFO)
     assert plain.answer().accepted

@@ -16,7 +16,6 @@ from typing import Any
 import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -28,6 +27,7 @@ from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.attendance import ALONE
 from doormill_ros.nodes.convert.program import program_into
+from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag
@@ -171,7 +171,7 @@ class Bridge:
         self.node = Node("beside", context=context)
         topic = topics.PATH_TARGETS
         self.targets = self.node.create_publisher(topic.type, topic.name, topic.offered)
-        self.executor = SingleThreadedExecutor(context=context)
+        self.executor = SteadyExecutor(2, context=context)
         for node in (self.bridge, self.node):
             self.executor.add_node(node)
         self.thread = threading.Thread(target=self.executor.spin, daemon=True)

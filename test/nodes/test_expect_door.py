@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 import rclpy
-from rclpy.executors import MultiThreadedExecutor
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.parameter import Parameter
 
@@ -18,6 +17,7 @@ from doormill_ros.abb.link_errors import DoorNameError
 from doormill_ros.nodes import expect_door
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
+from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.simulation.controller.controller import VirtualController
 from support.rapid_bench import arm  # noqa: F401
@@ -44,7 +44,7 @@ def ask(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ask]:
         for kind, values in ((AbbBridge, bridge), (RecipeDatabaseNode, recipes))
     ]
     client_node = rclpy.create_node("bar_code_reader", context=context)
-    executor = MultiThreadedExecutor(4, context=context)
+    executor = SteadyExecutor(4, context=context)
     for node in (*nodes, client_node):
         executor.add_node(node)
     for node in nodes:

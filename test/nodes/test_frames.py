@@ -16,7 +16,6 @@ import pytest
 import rclpy
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
@@ -31,6 +30,7 @@ from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.recipe import recipe_message
 from doormill_ros.nodes.frame_publisher import frame_topics, tf_message_class, transform_message
 from doormill_ros.nodes.path_generator import PathGenerator
+from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
@@ -60,7 +60,7 @@ class Generator:
     def __init__(self) -> None:
         rclpy.init()
         self.generator, self.node = PathGenerator(), Node("beside")
-        self.executor = SingleThreadedExecutor()
+        self.executor = SteadyExecutor(2)
         self.executor.add_node(self.generator)
         self.executor.add_node(self.node)
         self.thread = Thread(target=self.executor.spin, daemon=True)

@@ -25,17 +25,17 @@ import array, json, random, resource, sys, time
 from threading import Thread
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.bag_recorder import BagRecorder
+from doormill_ros.nodes.spinning import SteadyExecutor
 
 folder, size, limit = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
 rclpy.init()
 recorder = BagRecorder(parameter_overrides=[Parameter("bag", value=folder)])
 node = Node("beside")
-executor = MultiThreadedExecutor(num_threads=3)
+executor = SteadyExecutor(3)
 executor.add_node(recorder)
 executor.add_node(node)
 spinning = Thread(target=executor.spin, daemon=True)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import rclpy
 from rclpy.clock import ClockType
 from rclpy.context import Context
 from rclpy.parameter import Parameter
@@ -23,29 +22,13 @@ from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
-from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import NODES, CellProcesses
 from support.hostile.messages import hostile
 from support.localizer_node import Localizer, up
-from support.source_tree import ROOT
 
 DOOR = "thesis_190_0deg"
 LISTENERS = (DoorLocalizer, PathGenerator, AbbBridge, CameraSimulator, ControllerSimulator, OperatorPage)
 RUNS = 12
-
-
-@pytest.fixture(scope="module")
-def recorded() -> dict[str, bytes]:
-    """The last message of each topic of a good run, serialized."""
-    return {message.topic: message.data for message in read_bag(ROOT / "bags" / DOOR)}
-
-
-@pytest.fixture
-def context() -> Iterator[Context]:
-    context = Context()
-    rclpy.init(context=context)
-    yield context
-    rclpy.shutdown(context=context)
 
 
 def values_of(kind: type[ManagedNode], folder: Path) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +18,6 @@ from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.cell import NODES
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.run import run_nodes
-
-
-@pytest.fixture
-def context() -> Iterator[rclpy.Context]:
-    context = rclpy.Context()
-    rclpy.init(context=context)
-    yield context
-    rclpy.shutdown(context=context)
 
 
 @pytest.mark.parametrize("make", [*NODES, ModelMonitor], ids=lambda make: make.__name__)

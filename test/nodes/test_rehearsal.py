@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -29,14 +29,6 @@ TOLD: list[tuple[Callable[..., ManagedNode], tuple[topics.Topic, ...]]] = [
     (RecipeDatabaseNode, (topics.DOOR_RECIPE,)),
     (AbbBridge, (topics.ABB_TARGET_FILE, topics.RUN_RESULT)),
 ]
-
-
-@pytest.fixture
-def context() -> Iterator[rclpy.Context]:
-    context = rclpy.Context()
-    rclpy.init(context=context)
-    yield context
-    rclpy.try_shutdown(context=context)
 
 
 def parameters_of(folder: Path) -> list[Parameter]:

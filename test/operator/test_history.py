@@ -11,7 +11,6 @@ import pytest
 import rclpy
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -19,6 +18,7 @@ from doormill_interfaces.msg import RunResult
 from doormill_ros.cell.summary import RunSummary
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.operator_page import OperatorPage
+from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.operator.history import FILE, append_history, load_history
 from doormill_ros.operator.state import HISTORY, EndedRun
 
@@ -75,7 +75,7 @@ class Page:
         parameters = [Parameter("port", value=0), Parameter("history", value=str(folder))]
         self.page = OperatorPage(parameter_overrides=parameters)
         self.node = Node("beside")
-        self.executor = SingleThreadedExecutor()
+        self.executor = SteadyExecutor(2)
         for node in (self.page, self.node):
             self.executor.add_node(node)
         self.thread = Thread(target=self.executor.spin, daemon=True)

@@ -12,7 +12,7 @@ from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis
 from doormill_ros.pages.charts import BLUE, RED, WIDE, Curve, scatter
 from doormill_ros.pages.page import Block, Charts, PageSection, Paragraphs
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
-from doormill_ros.robot_model.elastic.law.drivers import driver, reading
+from doormill_ros.robot_model.elastic.law.drivers import DRIVERS
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.law.parts import number_of
@@ -74,7 +74,7 @@ def _picture(
 
 def _abscissa(case: LoadCase, law: UnnamedLaw[ElasticCause], effect: FloatArray) -> tuple[FloatArray, str]:
     """What drives a law, shape (n,), and its label; the size of the effect where that takes two values only."""
-    unit = driver(law.driver).unit
+    unit = DRIVERS.driver(law.driver).unit
     if not unit:
         return m_to_um(np.linalg.norm(effect, axis=1)), f"size of the law's effect [{MICRO}m]"
-    return reading(law.driver, case, number_of(law.where)), f"{law.driver} [{unit}]"
+    return DRIVERS.reading(law.driver, case, number_of(law.where)), f"{law.driver} [{unit}]"

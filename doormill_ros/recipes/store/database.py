@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,7 +22,7 @@ from doormill_ros.recipes.errors import (
 from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store import schema
-from doormill_ros.recipes.store.engine import WRITE, make_engine, make_reader
+from doormill_ros.recipes.store.engine import make_reader
 from doormill_ros.recipes.store.statements import (
     BY_BAR_CODE,
     BY_DOOR,
@@ -33,6 +32,7 @@ from doormill_ros.recipes.store.statements import (
     first_version,
     next_version,
 )
+from doormill_ros.recipes.store.transactions import Transactions
 from doormill_ros.recipes.stored import content_of, recipe_of, rules, seal
 
 SHIPPER = "doormill_ros"  #: author of the recipes that ship
@@ -62,7 +62,7 @@ class ImportReport:
     unchanged: tuple[str, ...]
 
 
-class RecipeDatabase:
+class RecipeDatabase(Transactions):
     """Recipes of one factory; several cells may share it."""
 
     def __init__(self, url: str | None = None, clock: Callable[[], datetime] | None = None) -> None:
@@ -77,9 +77,8 @@ class RecipeDatabase:
             SchemaTooNew: A later release has written it.
         """
         self._clock = clock or (lambda: datetime.now(UTC))
-        self._engine = make_engine(url)
+        super().__init__(url)
         self._reader = make_reader(self._engine)
-        self.url = self._engine.url.render_as_string(hide_password=True)
         try:
             with self._failures(), self._reader.connect() as connection:
                 current = schema.current_revision(connection)
@@ -90,16 +89,10 @@ class RecipeDatabase:
             self.close()
             raise
 
-    def __enter__(self) -> RecipeDatabase:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def close(self) -> None:
         """Close every connection."""
         self._reader.dispose()
-        self._engine.dispose()
+        super().close()
 
     def get(self, door_id: str, version: int | None = None) -> Recipe:
         """The recipe of a door, the newest version unless one is given.
@@ -281,24 +274,10 @@ class RecipeDatabase:
         with self._reader.connect() as connection:
             return connection.execute(query, values).all()
 
-    @contextmanager
-    def _write(self) -> Iterator[sa.Connection]:
-        """A transaction that is going to write."""
-        with self._failures(), self._engine.connect() as connection:
-            connection.execution_options(**{WRITE: True})
-            with connection.begin():
-                yield connection
-
-    @contextmanager
-    def _failures(self) -> Iterator[None]:
-        """A failure of the database itself becomes DatabaseUnreachable."""
-        try:
-            yield
-        except (sa.exc.InterfaceError, sa.exc.DatabaseError) as error:
-            if isinstance(error, sa.exc.IntegrityError):
-                raise
-            reason = " ".join(str(error.orig).split())
-            raise DatabaseUnreachable(f"the recipe database {self.url} cannot be used: {reason}") from error
+    def _told(self, error: sa.exc.InterfaceError | sa.exc.DatabaseError, reason: str) -> Exception:
+        if isinstance(error, sa.exc.IntegrityError):
+            return error
+        return DatabaseUnreachable(f"the recipe database {self.url} cannot be used: {reason}")
 
     def _checked(self, recipe: Recipe, author: str) -> Recipe:
         if not author.strip():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -49,6 +49,33 @@ class Driver(Generic[Seen]):
     reading: Callable[[Seen, int], FloatArray]
     unit: str
     of_path: bool = True
+
+
+@dataclass(frozen=True)
+class Drivers(Generic[Seen]):
+    """What can drive an effect in one kind of data.
+
+    Attributes:
+        named: By their names, but for those that name another joint.
+        of_joint: What is said of any joint, as in "torque of joint 2" or "direction (of joint 2)".
+    """
+
+    named: Mapping[str, Driver[Seen]]
+    of_joint: Mapping[str, Driver[Seen]]
+
+    def driver(self, name: str) -> Driver[Seen]:
+        """A driver by its name.
+
+        Raises:
+            KeyError: There is none of that name.
+        """
+        kind, other = meant(name)
+        return self.named[name] if other is None else self.of_joint[kind]
+
+    def reading(self, name: str, seen: Seen, joint: int) -> FloatArray:
+        """Value of a driver in each row for an effect at a joint (0 ..., -1 for none), shape (n,)."""
+        other = meant(name)[1]
+        return self.driver(name).reading(seen, joint if other is None else other)
 
 
 def number_of(where: str) -> int:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.candidate import Candidate, Case, CauseParameter
-from doormill_ros.robot_model.law.parts import Carrier, Driver
+from doormill_ros.robot_model.law.parts import Carrier, Drivers
 from doormill_ros.robot_model.law.shapes import REFINED, SHAPES, columns
 
 #: By which an own number is refined.
@@ -49,11 +49,15 @@ class Term(Candidate[Case]):
         shape: How it follows that.
         numbers: The shape's own.
         seen: Where the driver was in the test.
+        carriers: Of the kind, by their names.
+        drivers: Of the kind.
         carrier: What `acts_on` does.
+        drives: What `driver` is.
     """
 
     named = False
-    carrier: Carrier[Any]
+    carriers: ClassVar[Mapping[str, Carrier[Any]]]
+    drivers: ClassVar[Drivers[Any]]
 
     def __init__(
         self, where: str, acts_on: str, driver: str, shape: str, numbers: tuple[float, ...], seen: SeenRange
@@ -65,7 +69,7 @@ class Term(Candidate[Case]):
         """
         super().__init__(where)
         self.acts_on, self.driver, self.shape, self.numbers, self.seen = acts_on, driver, shape, numbers, seen
-        self.carrier, self.drives = self.carrier_of(acts_on), self.driver_of(driver)
+        self.carrier, self.drives = self.carriers[acts_on], self.drivers.driver(driver)
         self.of_robot = self.carrier.of_robot
         self.name = f"{acts_on} by {driver}: {shape}"
         self.variant = ", ".join(f"{value:.4g}" for value in numbers)
@@ -74,16 +78,6 @@ class Term(Candidate[Case]):
         count = self._wide * self.carrier.components
         self.scale, self.lower, self.upper = np.ones(count), np.full(count, -1e6), np.full(count, 1e6)
         self.parameters = (CauseParameter("weights", self.carrier.unit, -np.inf, np.inf, count),)
-
-    @classmethod
-    def carrier_of(cls, acts_on: str) -> Carrier[Any]:
-        """A carrier of the kind; KeyError where there is none."""
-        raise NotImplementedError
-
-    @classmethod
-    def driver_of(cls, name: str) -> Driver[Any]:
-        """A driver of the kind; KeyError where there is none."""
-        raise NotImplementedError
 
     @classmethod
     def values_of(cls, case: Case, where: str, driver: str) -> FloatArray:

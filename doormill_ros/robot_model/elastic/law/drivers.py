@@ -9,7 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.load_case import LoadCase
-from doormill_ros.robot_model.law.parts import Driver, meant
+from doormill_ros.robot_model.law.parts import Driver, Drivers
 
 
 def _known(values: FloatArray | None, case: LoadCase) -> FloatArray:
@@ -26,32 +26,18 @@ _JOINT: dict[str, Driver[LoadCase]] = {
     "angle": Driver(lambda case, k: case.q[:, k], "rad", True),
     "torque": Driver(lambda case, k: case.torque[:, k], "N m", True),
 }
-#: Drivers by their names, but for those that name another joint.
-DRIVERS: dict[str, Driver[LoadCase]] = {
-    "constant": Driver(lambda case, k: np.ones(len(case)), "", True),
-    "own angle": _JOINT["angle"],
-    "own torque": _JOINT["torque"],
-    "torque sign": Driver(lambda case, k: np.sign(case.torque[:, k]), "", True),
-    "direction": Driver(_along, "", True),
-    "direction (sense)": Driver(lambda case, k: np.sign(case.direction[:, k]), "", True),
-    "time": Driver(lambda case, k: _known(case.circumstances.time, case), "s", False),
-    "time under load": Driver(lambda case, k: _known(case.circumstances.dt, case), "s", False),
-    "temperature": Driver(lambda case, k: _known(case.circumstances.temperature, case), "deg C", False),
-    "wrench": Driver(lambda case, k: np.linalg.norm(case.force, axis=1), "N", True),
-}
-
-
-def driver(name: str) -> Driver[LoadCase]:
-    """A driver by its name.
-
-    Raises:
-        KeyError: There is none of that name.
-    """
-    kind, other = meant(name)
-    return DRIVERS[name] if other is None else _JOINT[kind]
-
-
-def reading(name: str, case: LoadCase, joint: int) -> FloatArray:
-    """Value of a driver in each loading for an effect at a joint (0 ... 5, -1 for none), shape (n,)."""
-    other = meant(name)[1]
-    return driver(name).reading(case, joint if other is None else other)
+DRIVERS: Drivers[LoadCase] = Drivers(
+    named={
+        "constant": Driver(lambda case, k: np.ones(len(case)), "", True),
+        "own angle": _JOINT["angle"],
+        "own torque": _JOINT["torque"],
+        "torque sign": Driver(lambda case, k: np.sign(case.torque[:, k]), "", True),
+        "direction": Driver(_along, "", True),
+        "direction (sense)": Driver(lambda case, k: np.sign(case.direction[:, k]), "", True),
+        "time": Driver(lambda case, k: _known(case.circumstances.time, case), "s", False),
+        "time under load": Driver(lambda case, k: _known(case.circumstances.dt, case), "s", False),
+        "temperature": Driver(lambda case, k: _known(case.circumstances.temperature, case), "deg C", False),
+        "wrench": Driver(lambda case, k: np.linalg.norm(case.force, axis=1), "N", True),
+    },
+    of_joint=_JOINT,
+)

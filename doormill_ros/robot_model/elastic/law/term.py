@@ -7,30 +7,21 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
 from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
-from doormill_ros.robot_model.elastic.law.drivers import driver, reading
-from doormill_ros.robot_model.elastic.law.parts import Motion
+from doormill_ros.robot_model.elastic.law.drivers import DRIVERS
 from doormill_ros.robot_model.elastic.load_case import LoadCase
-from doormill_ros.robot_model.law.parts import Carrier, Driver, number_of
+from doormill_ros.robot_model.law.parts import number_of
 from doormill_ros.robot_model.law.term import Term
 
 
 class LawTerm(Term[LoadCase], LinearTwist):
     """A twist of the measured point: a carrier's, times a shape of what drives it."""
 
-    @classmethod
-    def carrier_of(cls, acts_on: str) -> Carrier[Motion]:
-        """Of the loading test's."""
-        return CARRIERS[acts_on]
-
-    @classmethod
-    def driver_of(cls, name: str) -> Driver[LoadCase]:
-        """Of the loading test's."""
-        return driver(name)
+    carriers, drivers = CARRIERS, DRIVERS
 
     @classmethod
     def values_of(cls, case: LoadCase, where: str, driver: str) -> FloatArray:
         """In each loading, shape (n,)."""
-        return reading(driver, case, number_of(where))
+        return DRIVERS.reading(driver, case, number_of(where))
 
     def unit(self, case: LoadCase) -> FloatArray:
         """Every component of the carrier times every column of the shape."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.law.parts import Carrier, Driver, number_of
+from doormill_ros.robot_model.law.parts import number_of
 from doormill_ros.robot_model.law.term import Term
-from doormill_ros.robot_model.motion.law.carriers import CARRIERS, Motion
-from doormill_ros.robot_model.motion.law.drivers import driver, reading
+from doormill_ros.robot_model.motion.law.carriers import CARRIERS
+from doormill_ros.robot_model.motion.law.drivers import DRIVERS
 from doormill_ros.robot_model.motion.law.ride import Ride
 
 #: Recordings of one joint.
@@ -18,20 +18,12 @@ Rides = tuple[Ride, ...]
 class MotionTerm(Term[Rides]):
     """A difference of the encoders: a carrier's, times a shape of what drives it."""
 
-    @classmethod
-    def carrier_of(cls, acts_on: str) -> Carrier[Motion]:
-        """Of moving joints."""
-        return CARRIERS[acts_on]
-
-    @classmethod
-    def driver_of(cls, name: str) -> Driver[Ride]:
-        """Of moving joints."""
-        return driver(name)
+    carriers, drivers = CARRIERS, DRIVERS
 
     @classmethod
     def values_of(cls, case: Rides, where: str, driver: str) -> FloatArray:
         """In each sample of all recordings, shape (n,)."""
-        return np.concatenate([reading(driver, ride, number_of(where)) for ride in case])
+        return np.concatenate([DRIVERS.reading(driver, ride, number_of(where)) for ride in case])
 
     def effect(self, case: Rides) -> FloatArray:
         """Link minus motor angle for a unit of every theta, shape (n, 1, p)."""

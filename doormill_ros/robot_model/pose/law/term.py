@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot_model.law.parts import Carrier, Driver, number_of
+from doormill_ros.robot_model.law.parts import number_of
 from doormill_ros.robot_model.law.term import Term
 from doormill_ros.robot_model.pose.causes.cause import Coefficient, Columns, PoseCause
-from doormill_ros.robot_model.pose.law.carriers import CARRIERS, Motion
-from doormill_ros.robot_model.pose.law.drivers import driver, reading
+from doormill_ros.robot_model.pose.law.carriers import CARRIERS
+from doormill_ros.robot_model.pose.law.drivers import DRIVERS
 from doormill_ros.robot_model.pose.view import SetView
 
 
@@ -31,15 +31,7 @@ class Sight:
 class PoseTerm(Term[Sight], PoseCause):
     """A displacement of frames: a carrier's, times a shape of what drives it."""
 
-    @classmethod
-    def carrier_of(cls, acts_on: str) -> Carrier[Motion]:
-        """Of poses."""
-        return CARRIERS[acts_on]
-
-    @classmethod
-    def driver_of(cls, name: str) -> Driver[SetView]:
-        """Of poses."""
-        return driver(name)
+    carriers, drivers = CARRIERS, DRIVERS
 
     @property
     def lasts(self) -> bool:
@@ -49,7 +41,7 @@ class PoseTerm(Term[Sight], PoseCause):
     @classmethod
     def values_of(cls, case: Sight, where: str, driver: str) -> FloatArray:
         """In each row of all series, shape (n,)."""
-        return np.concatenate([reading(driver, view, number_of(where)) for view in case.views])
+        return np.concatenate([DRIVERS.reading(driver, view, number_of(where)) for view in case.views])
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:
