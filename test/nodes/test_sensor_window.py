@@ -8,35 +8,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-import rclpy
 from rclpy.context import Context
 from sensor_msgs.msg import CameraInfo, RegionOfInterest
 
 from doormill_ros.localization.errors import BadCameraInfo, CameraInfoSize, NoEdge
 from doormill_ros.nodes import topics
-from doormill_ros.recording.bag_reader import read_bag
 from support.localizer_node import Localizer
-from support.source_tree import ROOT
 
-DOOR = "thesis_190_0deg"
 NO_REGION = (0, 0, 0, 0)
 
 
-@pytest.fixture(scope="module")
-def recorded() -> dict[str, bytes]:
-    return {message.topic: message.data for message in read_bag(ROOT / "bags" / DOOR)}
-
-
 @pytest.fixture
-def localizer(recorded: dict[str, bytes]) -> Iterator[Localizer]:
-    context = Context()
-    rclpy.init(context=context)
+def localizer(recorded: dict[str, bytes], context: Context) -> Iterator[Localizer]:
     localizer = Localizer(recorded, context)
     localizer.send(topics.CAMERA_INFO)
     yield localizer
     localizer.node.close()
     localizer.node.destroy_node()
-    rclpy.shutdown(context=context)
 
 
 def sent(localizer: Localizer, region: tuple[int, int, int, int], bins: tuple[int, int]) -> np.ndarray:
