@@ -17,6 +17,7 @@ from doormill_ros.frames import from_xyzw
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.errors import BadCameraInfo
 from doormill_ros.messages.picture import LARGEST, SMALLEST
+from doormill_ros.messages.sensor_window import in_window
 from doormill_ros.recipes.documents import parse_json
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.chain import JOINTS
@@ -96,10 +97,11 @@ def twist_of(message: Any) -> FloatArray:
 
 
 def camera_of(message: Any, mounted: CameraModel) -> CameraModel:
-    """The mounted camera with the intrinsics of a sensor_msgs/CameraInfo.
+    """The mounted camera with the intrinsics of a sensor_msgs/CameraInfo, as the pictures with it have them.
 
     Raises:
-        BadCameraInfo: No calibration, one of another lens model than Brown's, or one that no camera has.
+        BadCameraInfo: No calibration, one of another lens model than Brown's, or one that no camera has; a part of the
+            sensor that it has not.
     """
     _require_size(message)
     k = np.array(message.k, dtype=float).reshape(3, 3)
@@ -118,7 +120,8 @@ def camera_of(message: Any, mounted: CameraModel) -> CameraModel:
             f"the camera info has distortion coefficients up to {np.abs(distortion).max():g}, allowed are "
             f"{MOST_DISTORTION:g}; calibrate the camera again"
         )
-    return mounted.with_intrinsics(k, distortion, (int(message.width), int(message.height)))
+    k, size = in_window(k, message)
+    return mounted.with_intrinsics(k, distortion, size)
 
 
 def _require_size(message: Any) -> None:

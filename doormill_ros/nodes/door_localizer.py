@@ -125,7 +125,9 @@ class DoorLocalizer(ManagedNode):
                 prepare(self._camera, self._layout, self._recipe.width, self._recipe.thickness)
 
     def _take_camera_info(self, info: CameraInfo) -> None:
-        intrinsics = (info.width, info.height, info.distortion_model, *info.k, *info.d)
+        roi = info.roi
+        window = (info.binning_x, info.binning_y, roi.x_offset, roi.y_offset, roi.width, roi.height)
+        intrinsics = (info.width, info.height, *window, info.distortion_model, *info.k, *info.d)
         if intrinsics != self._intrinsics:
             self._take_intrinsics(info)
             self._intrinsics = intrinsics

@@ -14,7 +14,9 @@ from doormill_ros.files import write_atomically
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.calibration.extrinsics import Extrinsics
 from doormill_ros.localization.calibration.intrinsics import Intrinsics
+from doormill_ros.localization.calibration.kept import keep
 from doormill_ros.localization.calibration.mark_places import MarkPlaces
+from doormill_ros.localization.calibration.ros_file import RosIntrinsics
 
 
 def read_document(path: Path) -> dict[str, Any]:
@@ -47,8 +49,40 @@ def with_intrinsics(document: dict[str, Any], found: Intrinsics, names: list[str
                 for name, error in zip(names, found.picture_error, strict=True)
             },
             "rejected": [name for name, use in zip(names, found.used, strict=True) if not use],
+            "covariance": _plain(found.covariance),
+            "board": {
+                "stretch": found.shape.stretch,
+                "stretch_deviation": found.shape.stretch_deviation,
+                "bow": found.shape.bow,
+                "bow_deviation": found.shape.bow_deviation,
+            },
         },
     }
+
+
+def with_ros_intrinsics(document: dict[str, Any], found: RosIntrinsics) -> dict[str, Any]:
+    """A camera document with the intrinsics of a ROS file, which does not say how sure they are."""
+    changed = document | {
+        "size": list(found.size),
+        "intrinsics": {"measured": True, "k": _plain(found.k)},
+        "distortion": {"measured": True, "coefficients": _plain(found.distortion)},
+    }
+    changed.pop("chessboard", None)
+    return changed
+
+
+def lens_covariance(document: dict[str, Any]) -> FloatArray:
+    """Covariance of fx, fy, cx, cy [px] and the five distortion coefficients, shape (9, 9), of a camera document.
+
+    Without a calibration of ours it is a focal length off by the localiser's `lens_deviation`, alike along both axes.
+    """
+    covariance = np.array((document.get("chessboard") or {}).get("covariance", []), dtype=float)
+    if covariance.shape == (9, 9) and np.all(np.isfinite(covariance)):
+        return covariance
+    k = np.array(document["intrinsics"]["k"], dtype=float)
+    off = np.zeros(9)
+    off[:2] = (document.get("localizer") or {}).get("lens_deviation", 0.0) * k[[0, 1], [0, 1]]
+    return np.outer(off, off)
 
 
 def with_mounting(document: dict[str, Any], found: Extrinsics) -> dict[str, Any]:
@@ -80,9 +114,15 @@ def with_marks(document: dict[str, Any], found: MarkPlaces) -> dict[str, Any]:
     return document | {"marks": document["marks"] | changed}
 
 
-def write_document(document: dict[str, Any], path: Path) -> None:
-    """Write a camera document."""
+def write_document(document: dict[str, Any], path: Path) -> Path | None:
+    """Write a camera document; what the file held before is kept, and where is returned.
+
+    Raises:
+        OSError: It cannot be kept or written; the file is as it was.
+    """
+    before = keep(path)
     write_atomically(path, yaml.safe_dump(document, sort_keys=False, default_flow_style=None))
+    return before
 
 
 def _plain(values: FloatArray) -> list[float] | list[list[float]]:

@@ -14,3 +14,4 @@ class CalibrationError(LocalizationError):
 TooFewPictures = CalibrationError.row("TooFewPictures", 231, "Too few usable pictures.")
 PoorlySpread = CalibrationError.row("PoorlySpread", 232, "The pictures leave a parameter open.")
 BadCalibrationFile = CalibrationError.row("BadCalibrationFile", 233, "Pictures or the moves cannot be read.")
+NothingKept = CalibrationError.row("NothingKept", 234, "There is no such old calibration to put back.")

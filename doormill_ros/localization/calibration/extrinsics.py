@@ -11,38 +11,27 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
 from doormill_ros.frames import transform, vector_from_rotation
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
+from doormill_ros.localization.calibration.lens_share import by_lens, door_deviation
+from doormill_ros.localization.calibration.moved_door import MovedDoor, SeenDoor
+from doormill_ros.localization.calibration.thesis_scale import thesis_scale
 from doormill_ros.localization.camera import R_BASE_CAMERA_NOMINAL, CameraModel
-from doormill_ros.localization.sensors.corner_edges import EdgeRays, PictureQuality, find_corner_edges
-from doormill_ros.localization.sensors.edge_rays import depth, miss, seen
+from doormill_ros.localization.sensors.corner_edges import PictureQuality, find_corner_edges
+from doormill_ros.localization.sensors.edge_rays import depth, miss
 from doormill_ros.localization.sensors.errors import SensorError
 from doormill_ros.localization.sensors.fit import Linearised, fit_pose
-from doormill_ros.recipes.door import DoorSize
 
 _FEWEST = 3
+APART = 0.03  #: Difference of two doors' thickness from which they count as different [m]
+_THINNEST, _THICKEST = 0.03, 0.1  # doors that the cell mills [m]
 # How far the camera may be from where its file has it, as a twist of the door [m, rad].
 _TOLERANCE = np.array([0.004, 0.004, 0.004, 0.02, 0.02, 0.02])
 
 
 @dataclass(frozen=True, eq=False)
-class MovedDoor:
-    """One picture of the door.
-
-    Attributes:
-        picture: Grey picture, shape (h, w), uint8.
-        move: Where the door stood from its reference place, base axes [m], shape (3,).
-        door: Its size.
-    """
-
-    picture: ByteArray
-    move: FloatArray
-    door: DoorSize
-
-
-@dataclass(frozen=True)
 class Knowledge:
     """How well the door is known, standard deviations [m, rad].
 
@@ -50,15 +39,19 @@ class Knowledge:
         place: Of the reference place along each axis.
         turn: Of the door's rotation about each axis in the reference place.
         move: Of a move along each axis; gauge blocks are good to micrometres, the clamp is not.
+        thickness: Of each door's thickness, which puts its face nearer or further off.
         roughness: RMS of the door's edges about their lines.
         correlation: Distance over which the roughness changes [m].
+        lens: Covariance of fx, fy, cx, cy [px], k1, k2, p1, p2, k3 of the camera, shape (9, 9); None: known exactly.
     """
 
     place: float = 1.0e-5
     turn: float = 5.0e-5
     move: float = 5.0e-6
+    thickness: float = 5.0e-5
     roughness: float = 2.0e-5
     correlation: float = 2.0e-3
+    lens: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +66,9 @@ class Extrinsics:
         redundancy: Edge points beyond the six that are needed.
         scale: The thesis' scale along base y and z: moved length over pixels [m], nan without such a move.
         model_scale: The same from the found camera [m].
-        door_deviation: For each thickness in the pictures the standard deviations that the mounting
-            leaves in a door's y, z [m] and rotation [rad].
+        door_deviation: For each thickness in the pictures, and the thinnest and thickest doors, the standard deviations
+            that mounting and lens leave in a door's y, z [m] and rotation [rad].
+        thicknesses: Those in the pictures [m].
     """
 
     camera: CameraModel
@@ -84,15 +78,12 @@ class Extrinsics:
     scale: tuple[float, float]
     model_scale: tuple[float, float]
     door_deviation: dict[float, FloatArray]
+    thicknesses: tuple[float, ...]
 
-
-@dataclass(frozen=True, eq=False)
-class _Looked:
-    """Edges of one picture and where the door stood."""
-
-    edges: list[EdgeRays]
-    moved: MovedDoor
-    T_base_door: FloatArray
+    @property
+    def needs_a_thick_door(self) -> bool:
+        """Whether a door much thicker or thinner would tell distance from focal length and thickness."""
+        return max(self.thicknesses) - min(self.thicknesses) < APART
 
 
 def calibrate_extrinsics(
@@ -124,7 +115,10 @@ def calibrate_extrinsics(
     looked = [_look(m, camera, layout, quality, i) for i, m in enumerate(moved)]
     # The slider goes with the width: the camera is solved for in a frame that goes with it too.
     reference = camera.T_base_camera(0.0)
-    covariance = _covariance(looked, camera, knowledge or Knowledge())
+    known = knowledge or Knowledge()
+    lens = np.zeros((9, 9)) if known.lens is None else known.lens
+    shares = _lens_shares(looked, camera)
+    covariance = _covariance(looked, camera, known) + shares @ lens @ shares.T
 
     def linearise(T_base_camera: FloatArray) -> Linearised:
         parts = [
@@ -141,7 +135,13 @@ def calibrate_extrinsics(
     except SensorError as error:
         raise PoorlySpread(f"{error.message}; check the list of moves against the pictures") from error
     found = _mounted(camera, fit.T_base_door)
-    scales = [_scale(looked, camera, found, axis) for axis in (1, 2)]
+    # What a lens that is off by one does to the mounting: the fit turns the camera until the edges agree again.
+    jacobian = linearise(fit.T_base_door).jacobian
+    by_one = -fit.covariance @ jacobian.T @ np.linalg.solve(covariance, shares)
+    own = fit.covariance - by_one @ lens @ by_one.T
+    pictured = {item.moved.door.thickness for item in looked}
+    doors = [replace(looked[0].moved.door, thickness=t) for t in sorted(pictured | {_THINNEST, _THICKEST})]
+    scales = [thesis_scale(looked, camera, found, axis) for axis in (1, 2)]
     return Extrinsics(
         camera=found,
         covariance=fit.covariance,
@@ -150,14 +150,16 @@ def calibrate_extrinsics(
         scale=(scales[0][0], scales[1][0]),
         model_scale=(scales[0][1], scales[1][1]),
         door_deviation={
-            item.moved.door.thickness: _door_deviation(item, found, layout, fit.covariance) for item in looked
+            door.thickness: door_deviation(looked[0].edges, door, found, layout, own, by_one, lens)
+            for door in doors
         },
+        thicknesses=tuple(sorted(pictured)),
     )
 
 
 def _look(
     moved: MovedDoor, camera: CameraModel, layout: CellLayout, quality: PictureQuality, number: int
-) -> _Looked:
+) -> SeenDoor:
     T_base_door = layout.T_base_door(moved.door.width, moved.door.thickness)
     T_base_door[:3, 3] += moved.move
     T_base_camera = camera.T_base_camera(moved.door.width)
@@ -172,7 +174,7 @@ def _look(
         quality,
         f"picture {number + 1}",
     )
-    return _Looked(edges, moved, T_base_door)
+    return SeenDoor(edges, moved, T_base_door)
 
 
 def _slide(T_base_camera: FloatArray, width: float) -> FloatArray:
@@ -184,13 +186,14 @@ def _mounted(camera: CameraModel, T_base_camera: FloatArray) -> CameraModel:
     return replace(camera, position=T_base_camera[:3, 3], rotation_vector=turn)
 
 
-def _covariance(looked: list[_Looked], camera: CameraModel, known: Knowledge) -> FloatArray:
+def _covariance(looked: list[SeenDoor], camera: CameraModel, known: Knowledge) -> FloatArray:
     """Of all misses: noise, the door's roughness that moves along with it, moves and reference place."""
     focal = float(np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
     rows = [(i, e) for i, item in enumerate(looked) for e in item.edges]
     total = sum(len(e.rays) for _, e in rows)
     axis, along, far, noise = (np.empty(total) for _ in range(4))
     place, step = np.zeros((total, 6)), np.zeros((total, 3 * len(looked)))
+    nearer = np.zeros(total)
     begin = 0
     for i, e in rows:
         part = slice(begin, begin + len(e.rays))
@@ -201,6 +204,7 @@ def _covariance(looked: list[_Looked], camera: CameraModel, known: Knowledge) ->
         far[part] = depth(item.T_base_door, T_base_camera, e.axis, e.along)
         by_door = miss(item.T_base_door, T_base_camera, e.axis, e.rays)[1]
         place[part] = by_door
+        nearer[part] = known.thickness * by_door[:, 0]
         if np.any(item.moved.move):
             step[part, 3 * i : 3 * i + 3] = by_door[:, :3]
     # Another thickness is another door, with edges of its own; its roughness is drawn anew.
@@ -209,54 +213,16 @@ def _covariance(looked: list[_Looked], camera: CameraModel, known: Knowledge) ->
     alike *= (axis[:, None] == axis) & (door[:, None] == door)
     out = known.roughness**2 * alike / np.outer(far, far) + np.diag(noise**2)
     place *= np.repeat([known.place, known.turn], 3)
+    out += np.outer(nearer, nearer) * (door[:, None] == door)
     return out + place @ place.T + known.move**2 * step @ step.T
 
 
-def _scale(looked: list[_Looked], before: CameraModel, after: CameraModel, axis: int) -> tuple[float, float]:
-    """Length per pixel [m] along a base axis, as the thesis finds it and by the found camera."""
-    at_rest = [item for item in looked if not np.any(item.moved.move)]
-    for item in looked:
-        shift = item.moved.move
-        if shift[axis] and not np.any(np.delete(shift, axis)):
-            for rest in at_rest:
-                if rest.moved.door == item.moved.door:
-                    corners = [before.distort(_corner(x)) for x in (item, rest)]
-                    length = abs(float(shift[axis]))
-                    model = [
-                        after.distort(
-                            seen(x.T_base_door, after.T_base_camera(x.moved.door.width), 1, np.zeros(1))
-                        )[0]
-                        for x in (item, rest)
-                    ]
-                    return (
-                        length / float(np.linalg.norm(corners[0] - corners[1])),
-                        length / float(np.linalg.norm(model[0] - model[1])),
-                    )
-    return float("nan"), float("nan")
-
-
-def _corner(item: _Looked) -> FloatArray:
-    """Ideal ray (2,) where straight lines through the two edges cross."""
-    lines = []
-    for e in item.edges:
-        middle = e.rays.mean(axis=0)
-        across = np.linalg.svd(e.rays - middle)[2][1]
-        lines.append((across, across @ middle))
-    return np.linalg.solve(np.array([n for n, _ in lines]), np.array([d for _, d in lines]))
-
-
-def _door_deviation(
-    item: _Looked, camera: CameraModel, layout: CellLayout, covariance: FloatArray
-) -> FloatArray:
-    """What a camera off by `covariance` does to y, z and rotation of a nominal door, shape (3,)."""
-    door = item.moved.door
-    T_base_door = layout.T_base_door(door.width, door.thickness)
-    T_base_camera = camera.T_base_camera(door.width)
-    parts = [
-        miss(T_base_door, T_base_camera, e.axis, seen(T_base_door, T_base_camera, e.axis, e.along))
-        for e in item.edges
-    ]
-    by_door, by_camera = (np.vstack([p[i] for p in parts]) for i in (1, 2))
-    moves = -np.linalg.lstsq(by_door[:, 1:4], by_camera, rcond=None)[0]
-    deviation: FloatArray = np.sqrt(np.diag(moves @ covariance @ moves.T))
-    return deviation
+def _lens_shares(looked: list[SeenDoor], camera: CameraModel) -> FloatArray:
+    """What the lens does to all misses, shape (n, 9)."""
+    return np.vstack(
+        [
+            by_lens(camera, item.T_base_door, camera.T_base_camera(item.moved.door.width), e.axis, e.rays)
+            for item in looked
+            for e in item.edges
+        ]
+    )

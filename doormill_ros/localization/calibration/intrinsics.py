@@ -9,6 +9,8 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import Float32Array, FloatArray
+from doormill_ros.localization.calibration.board_shape import BoardShape, ShapeModel, board_shape, shape_model
+from doormill_ros.localization.calibration.bundle import Bundle, fit_bundle
 from doormill_ros.localization.calibration.chessboard import Chessboard
 from doormill_ros.localization.calibration.errors import PoorlySpread, TooFewPictures
 from doormill_ros.statistics import NORMAL_STD
@@ -17,7 +19,6 @@ _FEWEST = 6
 _BAD = 3.5  # robust standard deviations of the pictures' errors above their median
 _LEAST_BAD = 2.5  # and at least this many times the median: far and near boards differ by two
 _MAX_DEVIATION = 0.02  # of the focal length
-_OPEN = 1e-12  # ratio of eigenvalues at which the pictures leave a parameter open
 _STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
 
 
@@ -30,6 +31,9 @@ class Intrinsics:
         distortion: k1, k2, p1, p2, k3, shape (5,).
         k_deviation: Standard deviations of fx, fy, cx, cy [px], shape (4,).
         distortion_deviation: Standard deviations of the distortion, shape (5,); 0 where held at 0.
+        covariance: Of fx, fy, cx, cy and the distortion, shape (9, 9).
+        shape: The board as the pictures have it.
+        scatter: How much more than their noise the pictures disagree, as a ratio of standard deviations; see `bundle`.
         size: Picture width and height [px].
         picture_error: RMS reprojection error of each picture [px], shape (n,); nan where no corners came.
             Rejected pictures are measured against the calibration without them.
@@ -42,6 +46,9 @@ class Intrinsics:
     distortion: FloatArray
     k_deviation: FloatArray
     distortion_deviation: FloatArray
+    covariance: FloatArray
+    shape: BoardShape
+    scatter: float
     size: tuple[int, int]
     picture_error: FloatArray
     used: FloatArray
@@ -83,9 +90,10 @@ def calibrate_intrinsics(
         if errors[worst] <= max(centre + _BAD * scatter, _LEAST_BAD * centre):
             break
         used[np.flatnonzero(used)[worst]] = False
-    _, k, distortion, turns, places = fit[:5]
-    distortion = distortion.ravel()[:5]
-    deviation = _deviations(points, seen, k, distortion, (turns, places), radial)
+    model = shape_model(board)
+    bundle = _bundle(fit, seen, model, radial)
+    deviation = np.sqrt(np.diag(bundle.covariance))
+    k, distortion = _camera(bundle.camera)
     # OpenCV's own deviations stay small when the focal length runs away, these do not.
     if not np.all(np.isfinite(deviation)) or np.any(deviation[:2] > _MAX_DEVIATION * k[(0, 1), (0, 1)]):
         raise PoorlySpread(
@@ -93,16 +101,20 @@ def calibrate_intrinsics(
             f"{deviation[0]:.0f} px, allowed are {_MAX_DEVIATION:.0%}; take pictures with the board tilted in "
             "both directions",
         )
+    bent = model.bent(bundle.shape)
     rays = cv2.undistortPoints(np.concatenate(seen).reshape(-1, 1, 2), k, distortion)[:, 0]
     return Intrinsics(
         k=k,
         distortion=distortion,
         k_deviation=deviation[:4],
         distortion_deviation=deviation[4:9],
+        covariance=bundle.covariance,
+        shape=board_shape(model, bundle.shape, bundle.shape_covariance),
+        scatter=bundle.scatter,
         size=size,
-        picture_error=np.array([_error(points, c, k, distortion) for c in corners]),
+        picture_error=np.array([_error(bent, c, k, distortion) for c in corners]),
         used=used,
-        error=float(fit[0]),
+        error=bundle.error,
         covered=float(np.linalg.norm(rays, axis=1).max()),
     )
 
@@ -125,41 +137,26 @@ def _fit(
     return fit
 
 
-def _deviations(
-    points: Float32Array,
-    seen: list[Float32Array],
-    k: FloatArray,
-    distortion: FloatArray,
-    poses: tuple[list[FloatArray], list[FloatArray]],
-    radial: int,
-) -> FloatArray:
-    """Standard deviations of fx, fy, cx, cy and the five coefficients, shape (9,); nan when open.
-
-    The boards' poses are eliminated from the normal equations (Schur complement); the variance of
-    a corner is that of the residuals.
-    """
-    free = np.array([True] * 4 + [True, radial > 1, True, True, radial > 2])
-    normal, squares, count = np.zeros((9, 9)), 0.0, 0
-    for corners, turn, place in zip(seen, *poses, strict=True):
-        again, jacobian = cv2.projectPoints(points, turn, place, k, distortion)
-        pose, camera = jacobian[:, :6], jacobian[:, 6:15]
-        camera = camera - pose @ np.linalg.lstsq(pose, camera, rcond=None)[0]
-        normal += camera.T @ camera
-        squares += float(np.sum((again[:, 0] - corners) ** 2))
-        count += 2 * len(corners) - 6
-    normal = normal[np.ix_(free, free)]
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    values, vectors = np.linalg.eigh(normal * np.outer(scale, scale))
-    out = np.zeros(9)
-    if values[0] < _OPEN * values[-1]:
-        out[free] = np.nan
-    else:
-        inverse = (vectors / values) @ vectors.T * np.outer(scale, scale)
-        out[free] = np.sqrt(np.diag(inverse) * squares / (count - free.sum()))
-    return out
+def _bundle(fit: tuple[Any, ...], seen: list[Float32Array], model: ShapeModel, radial: int) -> Bundle:
+    k, distortion = fit[1], fit[2].ravel()[:5]
+    start = np.array([k[0, 0], k[1, 1], k[0, 2], k[1, 2], *distortion])
+    held = np.array([False] * 5 + [radial < 2, False, False, radial < 3])
+    # OpenCV's places are those of the first corner, here it is the middle.
+    middle = -model.points[0]
+    places = [
+        (turn, place.ravel() + cv2.Rodrigues(turn)[0] @ middle)
+        for turn, place in zip(fit[3], fit[4], strict=True)
+    ]
+    return fit_bundle(model, [c.astype(float) for c in seen], start, places, held)
 
 
-def _error(points: Float32Array, corners: FloatArray | None, k: FloatArray, distortion: FloatArray) -> float:
+def _camera(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """K (3, 3) and distortion (5,) of the nine numbers of a `Bundle`."""
+    fx, fy, cx, cy = values[:4]
+    return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]), values[4:].copy()
+
+
+def _error(points: FloatArray, corners: FloatArray | None, k: FloatArray, distortion: FloatArray) -> float:
     """RMS distance [px] of corners from where a camera sees the board, best placed."""
     if corners is None:
         return float("nan")

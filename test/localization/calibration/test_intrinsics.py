@@ -108,15 +108,18 @@ def test_too_few_pictures_are_refused():
         calibrate_intrinsics([*noisy_corners(2, 1, 0.05), None], BOARD, SIZE)
 
 
-def test_deviations_agree_with_opencv_where_those_can_be_trusted():
+def test_deviations_are_no_smaller_than_those_of_a_board_known_to_be_flat():
+    """OpenCV takes the board for what was drawn: not knowing that costs something, but no multiple."""
     corners = noisy_corners(12, 3, 0.05)
     found = calibrate_intrinsics(corners, BOARD, SIZE)
     assert found.used.all()
     body, seen = BOARD.points().astype(np.float32), [c.astype(np.float32) for c in corners]
     flags = cv2.CALIB_FIX_K3
     theirs = cv2.calibrateCameraExtended([body] * 12, seen, SIZE, None, None, flags=flags)[5].ravel()
-    np.testing.assert_allclose(found.k_deviation, theirs[:4], rtol=0.02)
-    np.testing.assert_allclose(found.distortion_deviation, theirs[4:9], rtol=0.02)
+    ratio = np.concatenate([found.k_deviation, found.distortion_deviation[:4]]) / theirs[:8]
+    assert np.all(ratio > 0.98), ratio
+    assert np.all(ratio < 3.0), ratio
+    np.testing.assert_allclose(np.sqrt(np.diag(found.covariance))[:4], found.k_deviation)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -26,6 +26,11 @@ class BoardView:
         turn: Rotation vector of the board in camera axes [rad].
         place: Middle of the inner corners in camera axes [m].
         bend: Height by which the board's left and right ends curl up from its middle [m].
+        bow: The same of its upper and lower ends [m].
+        twist: Height of two opposite corners of the pattern, the others being as much lower [m].
+        corner: Height of the first corner of the pattern, curled up alone [m].
+        stretch: By how much its columns are longer than drawn.
+        skew: By how much the columns lean along the rows [rad].
     """
 
     columns: int
@@ -34,19 +39,31 @@ class BoardView:
     turn: tuple[float, float, float]
     place: tuple[float, float, float]
     bend: float = 0.0
+    bow: float = 0.0
+    twist: float = 0.0
+    corner: float = 0.0
+    stretch: float = 0.0
+    skew: float = 0.0
 
     def true_corners(self, camera: SceneCamera) -> np.ndarray:
         """Where the inner corners are in the picture, row by row, shape (n, 2) [px]."""
         x, y = np.meshgrid(np.arange(self.columns), np.arange(self.rows))
         x = (x.ravel() - (self.columns - 1) / 2) * self.square
         y = (y.ravel() - (self.rows - 1) / 2) * self.square
-        body = np.column_stack([x, y, -self._curl(x)])
+        y = y * (1.0 + self.stretch)
+        x = x + self.skew * y
+        body = np.column_stack([x, y, -self._height(x, y)])
         points = body @ Rotation.from_rotvec(self.turn).as_matrix().T + self.place
         seen = lens(points[:, :2] / points[:, 2:], camera.brown)
         return seen @ camera.matrix[:2, :2].T + camera.matrix[:2, 2]
 
-    def _curl(self, x: np.ndarray) -> np.ndarray:
-        return self.bend * (2.0 * x / (self.columns * self.square)) ** 2
+    def _height(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        a, b = 2.0 * x / (self.columns * self.square), 2.0 * y / (self.rows * self.square)
+        curled = np.maximum(-(a + b) / 2.0 - 0.2, 0.0) / 0.8
+        return self.bend * a**2 + self.bow * b**2 + self.twist * a * b + self.corner * curled**2
+
+    def is_flat(self) -> bool:
+        return not (self.bend or self.bow or self.twist or self.corner)
 
 
 def calibration_views(
@@ -106,10 +123,12 @@ def render_chessboard(camera: SceneCamera, view: BoardView, sensor: Sensor, seed
     look = look.T.astype(np.float32)
     ahead = [look[i, 0] * x + look[i, 1] * y + look[i, 2] for i in range(3)]
     height = np.float32(0.0)
-    for _ in range(4 if view.bend else 1):  # the bent board is met by a few corrections of the flat one
+    for _ in range(1 if view.is_flat() else 4):  # the bent board is met by a few corrections of the flat one
         reach = (height - np.float32(eye[2])) / ahead[2]
         a, b = eye[0] + reach * ahead[0], eye[1] + reach * ahead[1]
-        height = -view._curl(a)
+        height = -view._height(a, b)
+    b = b / (1.0 + view.stretch)
+    a = a - view.skew * b * (1.0 + view.stretch)
     a, b = a / view.square + (view.columns + 1) / 2, b / view.square + (view.rows + 1) / 2
     black = (np.floor(a).astype(np.int32) + np.floor(b).astype(np.int32)) % 2 == 0
     pattern = (a > 0) & (a < view.columns + 1) & (b > 0) & (b < view.rows + 1)

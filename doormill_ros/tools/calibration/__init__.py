@@ -1,0 +1,1 @@
+"""What `calibrate` does, command by command."""
