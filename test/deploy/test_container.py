@@ -52,9 +52,9 @@ def test_what_it_copies_and_starts_is_there() -> None:
 
 def test_every_node_has_its_container_a_bounded_log_and_no_privileges() -> None:
     services = COMPOSE["services"]
-    assert set(services) == {*NEEDED, *BESIDE, "cell_simulator"}
+    assert set(services) == {*NEEDED, *BESIDE, "door_sensors", "cell_simulator"}
     assert all(service["command"] == [name] for name, service in services.items())
-    for name in (*NEEDED, *BESIDE, "cell_simulator"):
+    for name in (*NEEDED, *BESIDE, "door_sensors", "cell_simulator"):
         service = services[name]
         assert service["logging"]["options"] == {"max-size": "10m", "max-file": "5"}
         assert (service["cap_drop"], service["restart"]) == (["ALL"], "unless-stopped")

