@@ -65,7 +65,7 @@ def test_the_faults_did_happen(results: dict[str, Verdict]) -> None:
 def test_even_a_robot_that_checks_nothing_mills_the_right_file() -> None:
     """The PC's part alone: the robot mills whatever lies there when ready is high."""
     kinds = ("kill -9 in ready", "torn write, unnoticed", "late file", "kill -9 of both")
-    played = campaign([scenario_of(kind, robot="blind") for kind in kinds], workers=4)
+    played = campaign([scenario_of(kind, robot="blind") for kind in kinds], workers=2)
     assert [scenario.kind for scenario, _ in played] == list(kinds)
     for scenario, verdict in played:
         assert not verdict.wrong, scenario.kind
