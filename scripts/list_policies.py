@@ -56,9 +56,12 @@ def graph_of(node: Any, names: list[str]) -> Graph:
         "services reply": node.get_service_names_and_types_by_node,
         "services request": node.get_client_names_and_types_by_node,
     }
-    found: Graph = {}
+    namespace, found = node.get_namespace(), Graph()
     for name in names:
-        kinds = {kind: {one for one, _ in ask(name, node.get_namespace())} for kind, ask in asked.items()}
+        kinds = {
+            kind: {one.removeprefix(namespace) for one, _ in ask(name, namespace)}
+            for kind, ask in asked.items()
+        }
         for kind, action in (("services reply", "actions execute"), ("services request", "actions call")):
             kinds[action] = {one.split("/_action/")[0] for one in kinds[kind] if "/_action/" in one}
         for kind in asked:
@@ -70,11 +73,28 @@ def graph_of(node: Any, names: list[str]) -> Graph:
     return found
 
 
+def held_by(node: Any) -> dict[str, set[str]]:
+    """What a node itself says that it holds, by kind, actions apart; the ROS graph knows it only after discovery."""
+    held = {
+        "topics publish": {one.topic_name for one in node.publishers},
+        "topics subscribe": {one.topic_name for one in node.subscriptions},
+        "services reply": {one.service_name for one in node.services},
+        "services request": {one.service_name for one in node.clients},
+    }
+    namespace = node.get_namespace()
+    return {
+        kind: {
+            CLAIMS.sub(EVERY_CLAIM, one.removeprefix(namespace)) for one in names if "/_action/" not in one
+        }
+        for kind, names in held.items()
+    }
+
+
 def whole_graph() -> Graph:
     """What the nodes do in any cell, whatever its sensors."""
     whole: Graph = {}
-    for sensors in CELLS:
-        with cell_graph(sensors) as found:
+    for number, sensors in enumerate(CELLS):
+        with cell_graph(sensors, f"/cell{number}") as found:
             for name, kinds in found.items():
                 for kind, names in kinds.items():
                     whole.setdefault(name, {}).setdefault(kind, set()).update(names)
@@ -99,21 +119,34 @@ def _renamed(name: str, sensor: str) -> str:
 
 
 @contextmanager
-def cell_graph(sensors: tuple[str, ...]) -> Iterator[Graph]:
-    """The graph of the nodes of a cell with these sensors, brought up for it."""
+def cell_graph(sensors: tuple[str, ...], namespace: str) -> Iterator[Graph]:
+    """The graph of the nodes of a cell with these sensors, brought up for it.
+
+    In a namespace of its own: DDS remembers for a while what nodes of the same names did that are gone.
+    """
     with tempfile.TemporaryDirectory(prefix="policies-", ignore_cleanup_errors=True) as folder:
         run = RunFolder(Path(folder))
         run.prepare()
         # With the page in a mode in which it asks for most.
-        page = CellOptions({"operator_page": {"port": 0}}, page=True, token=new_token(), sensors=sensors)
-        with Cell(run, page) as cell:
+        options = CellOptions(
+            {"operator_page": {"port": 0}},
+            page=True,
+            token=new_token(),
+            namespace=namespace,
+            sensors=sensors,
+        )
+        with Cell(run, options) as cell:
             composition = cell._composition
             names = [node.get_name() for node in composition.nodes]
             found, since = graph_of(composition.driver, names), time.monotonic()
             while time.monotonic() - since < SETTLED:
                 time.sleep(0.2)
                 again = graph_of(composition.driver, names)
-                if again != found:
+                if again != found or not all(
+                    held <= again[node.get_name()][kind]
+                    for node in composition.nodes
+                    for kind, held in held_by(node).items()
+                ):
                     found, since = again, time.monotonic()
             yield found
 

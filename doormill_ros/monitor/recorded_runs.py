@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,14 +53,16 @@ class RecordedRuns:
 
     def _bags(self) -> list[Path]:
         """Folders of bags, the one that was written to last first."""
-        files: dict[Path, float] = {}
-        for file in self._folder.rglob("*.mcap"):
-            try:
-                written = file.stat().st_mtime
-            except OSError:
-                continue
-            files[file.parent] = max(files.get(file.parent, 0.0), written)
-        return sorted(files, key=lambda folder: files[folder], reverse=True)
+        written: dict[Path, float] = {}
+        # Unlike rglob it passes over folders that vanish meanwhile, as those of questions and answers do.
+        for name, _, files in os.walk(self._folder):
+            folder = Path(name)
+            for file in (folder / one for one in files if one.endswith(".mcap")):
+                try:
+                    written[folder] = max(written.get(folder, 0.0), file.stat().st_mtime)
+                except OSError:
+                    continue
+        return sorted(written, key=lambda folder: written[folder], reverse=True)
 
     def _runs(self, folder: Path) -> dict[str, RecordedEnd]:
         try:

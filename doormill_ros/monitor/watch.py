@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -22,6 +23,7 @@ from doormill_ros.units import m_to_mm
 SHOWN = 100  # doors
 PERIOD = 2.0  # s, between two looks for bags that inspections wait for
 STOP_LIMIT = 5.0  # s
+_LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -216,23 +218,34 @@ class ModelWatch:
         while not self._ended:
             self._wake.wait(PERIOD)
             self._wake.clear()
-            taken, told = 0, False
-            while self._came and not self._ended:
-                told = True
-                try:
-                    with self._keeping:
-                        self._kept.keep(self._came.popleft())
-                    taken, self._trouble = taken + 1, None
-                except DoormillError as error:
-                    self._trouble = error
-            with self._keeping:
-                found = self._kept.take_up()
-            if found and isinstance(self._trouble, UnknownRunError):
-                self._trouble = None
-            if (taken or found) and not self._ended:
-                self._ask()
-            if taken or found or told:
+            try:
+                self._take_up()
+            except Exception as error:  # whatever it is, the inspections after it are taken
+                _LOG.exception("inspections cannot be taken in")
+                self._trouble = QuestionError(
+                    f"unexpected {type(error).__name__}: {error}; see the log and hand the inspection in again"
+                )
                 self._changed()
+
+    def _take_up(self) -> None:
+        """Keep what came, and what waited for a bag that is there now; ask about it."""
+        taken, told = 0, False
+        while self._came and not self._ended:
+            told = True
+            try:
+                with self._keeping:
+                    self._kept.keep(self._came.popleft())
+                taken, self._trouble = taken + 1, None
+            except DoormillError as error:
+                self._trouble = error
+        with self._keeping:
+            found = self._kept.take_up()
+        if found and isinstance(self._trouble, UnknownRunError):
+            self._trouble = None
+        if (taken or found) and not self._ended:
+            self._ask()
+        if taken or found or told:
+            self._changed()
 
     def _question(self) -> DoorQuestion:
         settings, doors = self._settings(), self._kept.doors()

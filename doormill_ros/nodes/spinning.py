@@ -70,6 +70,11 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
                 f"{error!r}: the executor goes on; whatever was destroyed meanwhile is lost, nothing else"
             )
 
+        except RuntimeError:
+            # The pool takes nothing more once it is shut down; what was ready in that moment is not called.
+            if not self._ended.is_set():
+                raise
+
     def shutdown(self, *args: object, **kwargs: object) -> bool:
         """See the base class."""
         self._ended.set()

@@ -13,7 +13,7 @@ from doormill_ros.measurements.inspection import read_inspection
 from doormill_ros.models.errors import MillingStoppedError, UnknownVersionError
 from doormill_ros.models.store import ModelStore
 from doormill_ros.monitor.errors import InspectionMessageError, QuestionError, UnknownRunError
-from doormill_ros.monitor.kept_doors import DoorPoints
+from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoors
 from doormill_ros.monitor.watch import ModelWatch, WatchSettings
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.source_tree import ROOT
@@ -241,3 +241,25 @@ def test_doors_before_a_repair_can_be_left_aside(copied, inspected):
         state = watched.answered(lambda state: not state.asking)
     assert state.finding.questioned == 1
     assert len(state.doors) == 2
+
+
+def test_an_inspection_that_nobody_foresaw_costs_no_later_one(copied, inspected, monkeypatch):
+    """Of a run that is kept, so that its points count whenever they are taken."""
+    folder = inspected / "door_000"
+    keep, count = KeptDoors.keep, []
+
+    def stumble(kept, points, bag=None):
+        count.append(points.run_id)
+        if len(count) == 1:
+            raise ZeroDivisionError("nobody foresaw it")
+        return keep(kept, points, read_inspection(folder).bag)
+
+    monkeypatch.setattr(KeptDoors, "keep", stumble)
+    with Watched(copied) as watched:
+        watched.answered()
+        watched.watch.take(points_of(folder))
+        state = watched.answered(lambda state: state.error_code == QuestionError.code)
+        assert "nobody foresaw it" in state.message
+        watched.watch.take(points_of(folder, measured_at=datetime(2026, 11, 23, tzinfo=UTC)))
+        state = watched.answered(lambda state: len(count) == 2 and not state.error_code)
+        assert state.doors[-1].measured_at.startswith("2026-11-23")
