@@ -345,7 +345,7 @@ class ModelWatch:
             )
 
 
-def _unforeseen(error: Exception, advice: str) -> QuestionError:
+def _unforeseen(error: Exception, advice: str) -> DoormillError:
     """What is told of an error that nobody thought of; the log has all of it."""
     _LOG.error("inspected doors", exc_info=error)
     return QuestionError(f"unexpected {type(error).__name__}: {error}; see the log, {advice}")
