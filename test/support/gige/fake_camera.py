@@ -1,6 +1,7 @@
 """Aravis' fake GigE camera on this machine, a process that can be killed, with a line that loses packets.
 
-It shows a file (numpy, uint8, the size of its pictures) as a linear sensor does: twice the exposure, twice the grey.
+It shows a file (numpy, uint8, the size of its pictures) as a linear sensor does: twice the exposure, twice the
+grey. Its gain is in dB.
 """
 
 from __future__ import annotations
@@ -79,12 +80,14 @@ def serve(picture: Path, lost: float) -> None:
         getattr(aravis, f"arv_{function}").restype = ctypes.c_void_p
 
     @_FILL
-    def fill(buffer: int, _data: int, exposure: int, _gain: int, _format: int) -> None:
+    def fill(buffer: int, _data: int, exposure: int, gain: int, _format: int) -> None:
         it = ctypes.c_void_p(buffer)
         place = aravis.arv_buffer_get_data(it, ctypes.byref(ctypes.c_size_t()))
         room = aravis.arv_buffer_get_image_width(it) * aravis.arv_buffer_get_image_height(it)
         seen = np.load(picture)
-        pixels = np.minimum(seen.ravel().astype(np.float32) * (exposure * 1e-6 / EXPOSURE), 255.0)
+        pixels = np.minimum(
+            seen.ravel().astype(np.float32) * (exposure * 1e-6 / EXPOSURE * 10 ** (gain / 20)), 255.0
+        )
         content = np.rint(pixels).astype(np.uint8).tobytes()[:room]
         ctypes.memmove(place, content, len(content))
 
