@@ -13,6 +13,7 @@ NODES = [
     "operator_page",
     "cell_simulator",
     "folder_camera",
+    "gige_camera",
     "door_sensors",
 ]
 TOOLS = [

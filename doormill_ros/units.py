@@ -37,6 +37,16 @@ def s_to_ms(value: Number) -> Number:
     return value * 1e3
 
 
+def s_to_us(value: float) -> float:
+    """Seconds to microseconds."""
+    return value * 1e6
+
+
+def us_to_s(value: float) -> float:
+    """Microseconds to seconds."""
+    return value / 1e6
+
+
 def ns_to_s(value: float) -> float:
     """Nanoseconds to seconds."""
     return value / 1e9

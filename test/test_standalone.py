@@ -43,6 +43,9 @@ MEANT = {
         "place /var/lib/doormill",
         "place ~/.local/share/doormill_ros",
     ],
+    # Where the operating system keeps the Python packages that belong to its own libraries.
+    "docs/gige-camera.md": ["place /usr/lib/python3/dist-packages"],
+    "doormill_ros/localization/gige/library.py": ["place /usr/lib/python3/dist-packages"],
     "test/test_docs.py": [
         "place /var/backups/doormill",
         "place /var/lib/doormill/out/bags",

@@ -32,6 +32,11 @@ class RequestedSensor(ManagedNode):
         """Whether nothing of that run was wanted before."""
         return run_id != self._run_id
 
+    def still_wanted(self, run_id: str) -> bool:
+        """Whether a reading of that run may be sent now; one that took a while may come too late."""
+        with self._lock:
+            return self._wanted and self._request and run_id == self._run_id
+
     def want(self, run_id: str) -> None:
         """A door stands; from now on readings of it are sent when they are asked for."""
         with self._lock:

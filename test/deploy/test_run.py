@@ -47,6 +47,7 @@ WRONG = {
     "operator_page": ("port", 70000),
     "cell_simulator": ("web_services_port", 70000),
     "folder_camera": ("retry_period", 0.0),
+    "gige_camera": ("packet_size", -1),
 }
 
 
@@ -66,7 +67,7 @@ def test_a_node_takes_the_parameters_of_the_site_and_says_what_is_wrong_with_the
 
 
 def test_every_node_is_started_so() -> None:
-    assert set(WRONG) == {*NEEDED, *BESIDE, "cell_simulator", "folder_camera"}
+    assert set(WRONG) == {*NEEDED, *BESIDE, "cell_simulator", "folder_camera", "gige_camera"}
 
 
 def test_what_is_not_there_is_named(tmp_path: Path) -> None:
