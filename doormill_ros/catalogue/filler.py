@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import logging
 import queue
 import threading
 from collections.abc import Callable, Mapping
@@ -14,6 +15,8 @@ from doormill_ros.catalogue.bag_rows import finished
 from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.run_collector import RunCollector
 from doormill_ros.errors import DoormillError
+
+_LOG = logging.getLogger(__name__)
 
 
 class RunFiller:
@@ -85,7 +88,10 @@ class RunFiller:
         try:
             action()
             self.failure = ""
-        except DoormillError as error:
-            self.failure = (
-                f"runs are not in the catalogue: {error.message}; catalogue rebuild {self._bag} adds them"
-            )
+        except Exception as error:  # whatever it is, the runs after it are noted
+            if isinstance(error, DoormillError):
+                why = error.message
+            else:
+                _LOG.exception("a run cannot be noted in the catalogue")
+                why = f"unexpected {type(error).__name__}: {error}"
+            self.failure = f"runs are not in the catalogue: {why}; catalogue rebuild {self._bag} adds them"

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import threading
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -86,6 +87,8 @@ class KeptDoors:
             folder / name for name in ("doors", "waiting", "refused")
         )
         self._runs = runs
+        self._reading = threading.Lock()
+        self._known: dict[str, KeptDoor] | None = None  # a year has a hundred thousand of them
 
     @property
     def waiting(self) -> list[str]:
@@ -94,10 +97,8 @@ class KeptDoors:
 
     def doors(self) -> list[KeptDoor]:
         """All doors in the order in which they were measured; what cannot be read is passed over."""
-        found = []
-        for path in self._doors.glob(f"*/{DOOR}"):
-            with suppress(OSError, ValueError, TypeError):
-                found.append(KeptDoor(**json.loads(path.read_text(encoding="utf-8"))))
+        with self._reading:
+            found = list(self._read().values())
         return sorted(found, key=lambda door: (door.measured_at, door.run_id))
 
     def folder(self, run_id: str) -> Path:
@@ -161,10 +162,21 @@ class KeptDoors:
         try:
             shutil.rmtree(aside, ignore_errors=True)
             self._refused.mkdir(parents=True, exist_ok=True)
-            os.replace(self._doors / run_id, aside)
+            with self._reading:
+                os.replace(self._doors / run_id, aside)
+                self._read().pop(run_id, None)
             write_atomically(aside / REASON, reason + "\n")
         except OSError as error:
             raise _unkept(aside, error) from error
+
+    def _read(self) -> dict[str, KeptDoor]:
+        """The doors by run; nobody else writes them, so that they are read from the disk once."""
+        if self._known is None:
+            self._known = {}
+            for path in self._doors.glob(f"*/{DOOR}"):
+                with suppress(OSError, ValueError, TypeError, RecursionError):
+                    self._known[path.parent.name] = _kept(path)
+        return self._known
 
     def _join(self, inspection: Inspection) -> KeptDoor:
         """Give a waiting inspection its bag."""
@@ -186,7 +198,9 @@ class KeptDoors:
             inspection.largest,
         )
         try:
-            shutil.rmtree(folder, ignore_errors=True)
+            with self._reading:
+                self._read().pop(run_id, None)
+                shutil.rmtree(folder, ignore_errors=True)
             points = _points_of(inspection)
             bag = end.bag.resolve()
             write_inspection(
@@ -198,12 +212,24 @@ class KeptDoors:
                 points,
                 inspection.datum,
             )
-            # Last: what has this file is whole.
-            write_atomically(folder / DOOR, json.dumps(asdict(door)) + "\n")
+            with self._reading:
+                # Last: what has this file is whole.
+                write_atomically(folder / DOOR, json.dumps(asdict(door)) + "\n")
+                self._read()[run_id] = door
             shutil.rmtree(self._waiting / run_id, ignore_errors=True)
         except OSError as error:
             raise _unkept(folder, error) from error
         return door
+
+
+def _kept(path: Path) -> KeptDoor:
+    door = KeptDoor(**json.loads(path.read_text(encoding="utf-8")))
+    texts = (door.run_id, door.door_id, door.measured_at)
+    figures = (door.model_version, door.rms, door.largest)
+    good = all(isinstance(text, str) for text in texts) and all(isinstance(x, int | float) for x in figures)
+    if not good or door.run_id != path.parent.name:
+        raise ValueError(f"{path} does not describe the door of its folder")
+    return door
 
 
 def _points_of(inspection: Inspection) -> DoorPoints:

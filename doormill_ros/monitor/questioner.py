@@ -197,6 +197,9 @@ def _read(folder: Path) -> DoorAnswer | None:
     try:
         asked = json.loads((folder / ASKED).read_text(encoding="utf-8"))
         document = json.loads((folder / DOCUMENT).read_text(encoding="utf-8"))
-        return DoorAnswer(asked, document, (folder / MODEL_FILE).read_bytes())
-    except (OSError, ValueError):
+        runs, version, model = asked["runs"], asked["version"], asked["model"]
+        answer = DoorAnswer(asked, document, (folder / MODEL_FILE).read_bytes())
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
+    named = isinstance(runs, list) and bool(runs) and all(isinstance(run, str) for run in runs)
+    return answer if named and isinstance(version, int) and isinstance(model, str) else None

@@ -119,7 +119,10 @@ class ModelWatch:
         self._store.record()
         last = self._questioner.last()
         if last is not None:
-            self._conclude(last)
+            try:
+                self._conclude(last)
+            except QuestionError:
+                last = None  # of other software, or damaged
         self._questioner.start()
         self._thread.start()
         if last is None or last.asked != self._question().asked:
@@ -221,10 +224,7 @@ class ModelWatch:
             try:
                 self._take_up()
             except Exception as error:  # whatever it is, the inspections after it are taken
-                _LOG.exception("inspections cannot be taken in")
-                self._trouble = QuestionError(
-                    f"unexpected {type(error).__name__}: {error}; see the log and hand the inspection in again"
-                )
+                self._trouble = _unforeseen(error, "hand the inspection in again")
                 self._changed()
 
     def _take_up(self) -> None:
@@ -274,6 +274,8 @@ class ModelWatch:
                 self._conclude(verdict)
         except DoormillError as error:
             self._trouble = error
+        except Exception as error:  # whatever it is, the questions after it are asked
+            self._trouble = _unforeseen(error, "the doors are questioned again with the next inspection")
 
     def _blame(self, verdict: DoorAnswer) -> None:
         """Set the door aside of which the diagnosis complains, and ask about the others."""
@@ -341,3 +343,9 @@ class ModelWatch:
                 f"the next door is expected to be {m_to_mm(expected):.2f} mm off where {m_to_mm(limit):.2f} mm are "
                 f"allowed, by the last inspected doors and version {record.in_use} of the model; {helps}"
             )
+
+
+def _unforeseen(error: Exception, advice: str) -> DoormillError:
+    """What is told of an error that nobody thought of; the log has all of it."""
+    _LOG.error("inspected doors", exc_info=error)
+    return QuestionError(f"unexpected {type(error).__name__}: {error}; see the log, {advice}")

@@ -77,14 +77,17 @@ class ControllerMonitor:
         latest[1].require_fit()
 
     def _run(self) -> None:
-        watch = self._watch
-        while watch is not None and not self._ended.is_set():
-            try:
-                _, reading = self._look(watch)
-                self._publish(reading, watch.read_events())
-            except LinkError as error:
-                self._publish_failure(error)
+        tell = self._node.guarded(self._tell)
+        while not self._ended.is_set():
+            tell(self._watch)
             self._ended.wait(PERIOD)
+
+    def _tell(self, watch: ControllerWatch) -> None:
+        try:
+            _, reading = self._look(watch)
+            self._publish(reading, watch.read_events())
+        except LinkError as error:
+            self._publish_failure(error)
 
     def _look(self, watch: ControllerWatch) -> tuple[float, ControllerReading]:
         latest = (time.monotonic(), watch.read_controller(self._ask))

@@ -132,6 +132,6 @@ def _read(path: Path, number: int) -> list[dict[str, Any]]:
     except OSError:
         return []
     for line in lines:
-        with suppress(ValueError):  # a line that a power cut left
+        with suppress(ValueError, RecursionError):  # a line that a power cut left
             entries.append(json.loads(line))
     return [entry for entry in entries if isinstance(entry, dict)]

@@ -12,6 +12,7 @@ from doormill_ros.operator.state import HISTORY, EndedRun
 
 FILE = "history.jsonl"
 SUMMARIES = ("summary.json", "*/summary.json")
+_UNREADABLE = (ValueError, KeyError, TypeError, OverflowError, RecursionError)
 
 
 def load_history(folder: Path) -> tuple[EndedRun, ...]:
@@ -51,7 +52,7 @@ def append_history(folder: Path, run: EndedRun) -> None:
 def _run(line: str) -> EndedRun | None:
     try:
         return _ended(json.loads(line))
-    except (ValueError, KeyError, TypeError):
+    except _UNREADABLE:
         return None
 
 
@@ -60,7 +61,7 @@ def _summary(path: Path) -> EndedRun | None:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         return _ended({**document, "ended": path.stat().st_mtime})
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, *_UNREADABLE):
         return None
 
 

@@ -10,6 +10,7 @@ import sys
 import tempfile
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -122,6 +123,25 @@ def test_it_catches_up_when_the_catalogue_is_back(tmp_path: Path) -> None:
     filler.stop()
     assert filler.failure == ""
     assert [row.run.run_id for row in rows_of(str(place))] == ["run_0"]
+
+
+def test_a_message_that_nobody_foresaw_costs_no_later_run(tmp_path: Path) -> None:
+    taken: list[str] = []
+
+    def stumble(topic: str, data: bytes) -> Any:
+        taken.append(topic)
+        if len(taken) == 1:
+            raise ZeroDivisionError("nobody foresaw it")
+        return decode(topic, data)
+
+    place = tmp_path / "catalogue"
+    filler = RunFiller(str(place), tmp_path / "bag", RECORDER, stumble)
+    filler.start()
+    write_run_bag(tmp_path / "bag", [DrawnRun("run_0"), DrawnRun("run_1")], filler.take)
+    filler.stop()
+    assert len(taken) > 1
+    assert filler.failure == ""
+    assert "run_1" in [row.run.run_id for row in rows_of(str(place))]
 
 
 def test_the_reference_bags_give_what_their_timeline_says(tmp_path: Path) -> None:

@@ -263,3 +263,42 @@ def test_an_inspection_that_nobody_foresaw_costs_no_later_one(copied, inspected,
         watched.watch.take(points_of(folder, measured_at=datetime(2026, 11, 23, tzinfo=UTC)))
         state = watched.answered(lambda state: len(count) == 2 and not state.error_code)
         assert state.doors[-1].measured_at.startswith("2026-11-23")
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("diagnosis.json", "{}"),
+        ("diagnosis.json", "[1]"),
+        ("diagnosis.json", '{"causes"'),
+        ("asked.json", "[]"),
+        ("asked.json", '{"runs": [], "version": 0, "model": ""}'),
+        ("asked.json", '{"runs": 3, "version": 0, "model": ""}'),
+        ("asked.json", '{"runs": ["a"], "version": "0", "model": ""}'),
+    ],
+)
+def test_an_answer_of_no_use_is_asked_for_anew(copied, asked, name, content):
+    """Of other software, or damaged: the watch begins, and comes to the same verdict."""
+    (copied / "kept" / "answer" / name).write_text(content)
+    with Watched(copied) as watched:
+        state = watched.answered(lambda state: state.finding and not state.asking)
+    assert (state.finding, state.error_code) == (asked[1].finding, 0)
+
+
+def test_a_verdict_that_nobody_foresaw_costs_no_later_question(copied, inspected, monkeypatch):
+    propose, count = ModelStore.propose, []
+
+    def stumble(store, model, source):
+        count.append(source)
+        if len(count) == 1:
+            raise ZeroDivisionError("nobody foresaw it")
+        return propose(store, model, source)
+
+    (copied / "kept" / "answer" / "asked.json").unlink()
+    monkeypatch.setattr(ModelStore, "propose", stumble)
+    with Watched(copied) as watched:
+        state = watched.answered(lambda state: state.error_code and not state.asking)
+        assert "nobody foresaw it" in state.message
+        watched.watch.hand_in(inspected)
+        state = watched.answered(lambda state: len(count) == 2 and not state.asking)
+    assert (state.error_code, state.finding.better) == (0, True)

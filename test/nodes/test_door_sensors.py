@@ -17,13 +17,14 @@ from doormill_ros.cell.layout import CAMERA
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import RunSummary
 from doormill_ros.localization.sensors.errors import BadReading, BeamMissed, SensorsDisagree
+from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.cell import Cell, CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.replay import replay_bag
 from doormill_ros.simulation.sensors.registry import SIMULATED
 from doormill_ros.units import DEG, MM
-from support.cell_processes import PATIENT
+from support.cell_processes import NODES, PATIENT, CellProcesses
 
 DOOR = "thesis_190_0deg"
 #: Three standard deviations of y, z and rotation by docs/sensors.md; of the probe what its arm's scatter leaves.
@@ -75,6 +76,27 @@ def test_sensors_beside_each_other_that_agree_let_the_door_pass(tmp_path: Path) 
     assert pose.pose == told[CAMERA].pose.pose
     assert pose.pose != told["touch_probe"].pose.pose
     assert replay_bag(Path(summary.bag)).found == []
+
+
+def test_executables_beside_each_other_mill_a_door_found_by_two_sensors(tmp_path: Path) -> None:
+    chosen = f"photoelectric,{CAMERA}"
+    parameters = {
+        "door_localizer": {"sensors": chosen},
+        "abb_bridge": {"sensors": chosen},
+        "door_sensors": {f"{name}:sensors": chosen for name in SENSORS},
+        "cell_simulator": {f"{name}:sensors": chosen for name in ("camera_simulator", "sensor_simulator")},
+    }
+    with CellProcesses(tmp_path, parameters, (*NODES, "door_sensors")) as cell:
+        for name in SENSORS:
+            cell.wait_until_active(name)
+        told = cell.subscribe(topics.SENSOR_LOCALIZATION)
+        result, stages = cell.mill(DOOR)
+        assert result.success, result.message
+        cell.wait(lambda: {message.sensor for message in told} == {"photoelectric", CAMERA})
+        assert {message.run_id for message in told} == {result.run_id}
+        assert "milling" in stages
+        for name in list(cell.processes):
+            assert "Traceback" not in cell.log(name), cell.log(name)
 
 
 def test_a_camera_that_is_off_by_half_a_millimetre_stops_the_door(tmp_path: Path) -> None:

@@ -148,3 +148,25 @@ def test_a_process_that_stands_still_says_where_and_ends() -> None:
     assert ended.returncode != 0
     assert "waits_for_ever" in ended.stderr
     assert "No callback of this process was called for 2 s" in ended.stderr + ended.stdout
+
+
+@pytest.mark.parametrize("kind", [SteadyExecutor, MultiThreadedExecutor])
+def test_what_is_ready_in_the_moment_of_the_shutdown_ends_nothing_in_tears(context, kind) -> None:
+    """The pool is shut down between the question what is ready and its being handed over; rclpy's own raises there."""
+    executor = kind(2)
+    node = Node("late")
+    pool = executor._executor
+    ready = node.create_timer(0.01, lambda: None)
+    submit = pool.submit
+
+    def shut_down_first(*arguments):
+        executor.shutdown()
+        return submit(*arguments)
+
+    pool.submit = shut_down_first
+    thread, errors = spun(executor, node)
+    thread.join(LIMIT)
+    assert not thread.is_alive()
+    assert ready.timer_period_ns
+    raised = kind is MultiThreadedExecutor
+    assert [str(error) for error in errors] == ["cannot schedule new futures after shutdown"] * raised

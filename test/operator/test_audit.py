@@ -117,7 +117,7 @@ def test_damaged_and_long_lines_cost_nothing_but_themselves(tmp_path: Path) -> N
     log = AuditLog(tmp_path)
     log.write(entry("first", "2026-01-01"), True)
     with (tmp_path / ORDERS).open("ab") as stream:
-        stream.write(b'{"time": \xff\n[1]\n')
+        stream.write(b'{"time": \xff\n[1]\n' + b"[" * 100_000 + b"\n")
     log.write(entry("x" * 5000, "2026-01-02"), False)
     assert [len(e["message"]) for e in log.last(10)] == [LONGEST_TEXT, 5]
     assert len(log.last(1)) == 1

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import asdict
 from pathlib import Path
 from threading import Thread
 
 import pytest
 import rclpy
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -55,8 +56,14 @@ def test_runs_made_without_the_page_are_read_from_their_summaries(tmp_path: Path
     )
 
 
+ENDLESS = json.dumps(asdict(run(3))).replace("204", "1e999")
+DAMAGE = ["{}", "[]", "null", '{"run_id": 3}', json.dumps([1]), ENDLESS, "[" * 100_000]
+
+
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(damage=st.one_of(st.text(), st.sampled_from(["{}", "[]", "null", '{"run_id": 3}', json.dumps([1])])))
+@example(damage=ENDLESS)
+@example(damage="[" * 100_000)
+@given(damage=st.one_of(st.text(), st.sampled_from(DAMAGE)))
 def test_damaged_lines_cost_nothing_but_themselves(tmp_path: Path, damage: str) -> None:
     path = tmp_path / FILE
     path.unlink(missing_ok=True)

@@ -372,3 +372,30 @@ def test_commands(run, tool_file, tmp_path):
 
 def test_the_shipped_tools_can_be_imported(run):
     assert run("tools", "import", ROOT / "config" / "tools.yaml") == (0, "saved rack_mill_16\n", "")
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"document": "{"},
+        {"document": "[" * 100_000},
+        {"document": '{"diameter_mm": -1}'},
+        {"document": "null"},
+        {"changed": "yesterday"},
+    ],
+    ids=["cut off", "deep", "out of range", "nothing", "no time"],
+)
+def test_a_damaged_row_is_named_and_the_other_tools_are_usable(stocked, tool_file, run, url, damage):
+    stocked.tools.save_all(read_tool_file(tool_file(rack_8={**RACK_6, "diameter_mm": 8})), "anna")
+    engine = make_engine(url)
+    with engine.begin() as connection:
+        rows = sa.table("tool", sa.column("name"), *(sa.column(name) for name in damage))
+        connection.execute(rows.update().where(rows.c.name == "rack_8").values(damage))
+    engine.dispose()
+    with pytest.raises(e.DamagedRecord, match="rack_8"):
+        stocked.tools.get("rack_8")
+    assert stocked.tools.get("rack_6").tool.name == "rack_6"
+    for arguments in (("list",), ("show", "rack_8")):
+        status, out, err = run("tools", *arguments)
+        assert (status, out, err.count("\n")) == (2, "", 1)
+        assert "rack_8" in err

@@ -82,6 +82,8 @@ class Dialect:
             document = json.loads(body)
             found = document["_embedded"]["_state"] if self.version == 1 else document["state"]
             if isinstance(found, list) and all(isinstance(item, dict) for item in found):
+                # JSON can spell halves of characters, which no message and no log can hold.
+                json.dumps(found, ensure_ascii=False).encode()
                 return found
         except (ValueError, KeyError, TypeError, RecursionError):
             pass

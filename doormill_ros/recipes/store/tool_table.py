@@ -10,7 +10,15 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from doormill_ros.recipes.errors import BrokenTool, DatabaseError, NotInTable, WornTool
+from doormill_ros.errors import one_line
+from doormill_ros.recipes.errors import (
+    BrokenTool,
+    DamagedRecord,
+    DatabaseError,
+    NotInTable,
+    RecipeError,
+    WornTool,
+)
 from doormill_ros.recipes.reading import read_value
 from doormill_ros.recipes.recipe import AUTHOR, Recipe
 from doormill_ros.recipes.store.connection import StoreConnection
@@ -174,15 +182,24 @@ class ToolTable:
         return self._records(sa.select(tool_rows).where(tool_rows.c.name.in_(known))) if known else ()
 
     def _records(self, query: sa.Select[tuple[object, ...]]) -> tuple[ToolRecord, ...]:
-        records = []
-        for row in self._store.read(query):
-            (tool,) = read_tool_table({row.name: json.loads(row.document)}).values()
-            changed = datetime.fromisoformat(row.changed)
-            records.append(ToolRecord(replace(tool, cut=row.cut), bool(row.broken), row.author, changed))
+        records = [_record(row) for row in self._store.read(query)]
         return tuple(sorted(records, key=lambda record: record.tool.name))
 
     def _now(self) -> str:
         return self._clock().astimezone(UTC).isoformat()
+
+
+def _record(row: sa.Row[Any]) -> ToolRecord:
+    try:
+        (tool,) = read_tool_table({row.name: json.loads(row.document)}).values()
+        changed = datetime.fromisoformat(row.changed)
+    except (ValueError, TypeError, RecursionError, RecipeError) as error:
+        raise DamagedRecord(
+            f"tool {row.name!r} of the table is not what was stored ({one_line(str(error))}); import it again, or "
+            "restore a backup",
+            found=row.name,
+        ) from error
+    return ToolRecord(replace(tool, cut=row.cut), bool(row.broken), row.author, changed)
 
 
 def _storable(name: str) -> bool:

@@ -1,0 +1,60 @@
+"""What the bridge tells of its controller after a look at it failed in a way that nobody foresaw."""
+
+from __future__ import annotations
+
+import threading
+
+import rclpy
+
+from doormill_interfaces.msg import ControllerState
+from doormill_ros.abb.controller_state import ControllerEvent, ControllerReading
+from doormill_ros.nodes import controller_monitor, topics
+from doormill_ros.nodes.controller_monitor import ControllerMonitor
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.spinning import SteadyExecutor
+
+LIMIT = 60.0  # s
+
+
+class Stumbling:
+    """A way to a controller that answers, and that stumbles over its own feet the first time it is asked for events."""
+
+    def __init__(self) -> None:
+        self.looks = 0
+
+    def read_controller(self, ask_privilege: bool = False) -> ControllerReading:
+        return ControllerReading("AUTO", "motoron", "running", 1.0, ask_privilege)
+
+    def read_events(self) -> tuple[ControllerEvent, ...]:
+        self.looks += 1
+        if self.looks == 1:
+            raise KeyError("nobody foresaw it")
+        return (ControllerEvent(self.looks, 1, 10011, "Motors ON state", "on"),)
+
+
+def test_a_look_that_nobody_foresaw_costs_no_later_one(context: rclpy.Context, monkeypatch) -> None:
+    monkeypatch.setattr(controller_monitor, "PERIOD", 0.05)
+    node = ManagedNode("bridge", context=context)
+    heard, told = threading.Event(), []
+
+    def hear(message: ControllerState) -> None:
+        told.append(message)
+        heard.set()
+
+    executor = SteadyExecutor(2, context=context)
+    executor.add_node(node)
+    spinning = threading.Thread(target=executor.spin, daemon=True)
+    spinning.start()
+    topic = topics.CONTROLLER_STATE
+    node.create_subscription(topic.type, topic.name, hear, topic.requested)
+    monitor = ControllerMonitor(node, Stumbling(), False)
+    monitor.start()
+    try:
+        assert heard.wait(LIMIT)
+        assert told[0].takes_files
+        assert told[0].events[0].code == 10011
+    finally:
+        monitor.stop()
+        executor.shutdown()
+        spinning.join(LIMIT)
+        node.destroy_node()
