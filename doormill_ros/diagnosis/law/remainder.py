@@ -16,6 +16,8 @@ from doormill_ros.diagnosis.law.linear import Established, LinearProblem
 from doormill_ros.diagnosis.law.place import place_of
 from doormill_ros.diagnosis.law.search import LawSearch
 
+#: Established numbers from which on it is less work to project them out once than to fit them beside every law.
+_MANY = 50
 #: Autocorrelation that is no more than chance.
 _FADED = 0.1
 
@@ -36,7 +38,7 @@ def laws_for(
     """
     theta = np.zeros(base.size)
     for _ in range(2):
-        beside = Beside(problem, base)
+        beside = Beside(problem, base) if base.size >= _MANY else None
         search = LawSearch(problem, [base], theta, terms, place_of, progress, spread=True, beside=beside)
         best = search.run()
         if not search.laws(best):
