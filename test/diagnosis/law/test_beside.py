@@ -6,7 +6,7 @@ import pytest
 from doormill_ros.diagnosis.core.fit import fit
 from doormill_ros.diagnosis.core.preview import Preview
 from doormill_ros.diagnosis.law.beside import Beside
-from doormill_ros.diagnosis.law.linear import LinearProblem, established
+from doormill_ros.diagnosis.law.linear import Established, LinearProblem
 from doormill_ros.robot_model.candidate import Candidate
 
 ROWS, COMPONENTS, ESTABLISHED = 90, 3, 40
@@ -32,14 +32,16 @@ class Drawn(Candidate):
 
 @pytest.fixture(params=["noise alone", "doubtful rows", "gross errors"])
 def remainder(request):
-    """Problem, established columns, and terms: strangers to the columns, and one that these all but replace."""
+    """Problem, established columns, and terms: strangers to the columns, and two that these all but replace."""
     rng = np.random.default_rng(4)
 
     def drawn(size):
         return rng.normal(size=(ROWS, COMPONENTS, size))
 
-    columns = drawn(ESTABLISHED)
-    shapes = [drawn(1), drawn(3), drawn(2), columns[:, :, :2] + 1e-4 * drawn(2)]
+    columns, weak = drawn(ESTABLISHED), drawn(2)
+    # What the established columns hardly say, the weak pull keeps them from following in full.
+    columns[:, :, :2] = columns[:, :, 2:4] + 1e-3 * weak
+    shapes = [drawn(1), drawn(3), drawn(2), columns[:, :, 8:10] + 1e-4 * drawn(2), weak + 1e-3 * drawn(2)]
     sigma = np.array([1.0, 2.0, 0.5]) * 1e-4
     noise = rng.normal(size=(ROWS, COMPONENTS))
     noise = (
@@ -52,7 +54,7 @@ def remainder(request):
         noise[::15] *= 60.0
     target = sigma * (noise + 0.7 * shapes[0][:, :, 0] + 3.0 * columns[:, :, 5])
     problem = LinearProblem(target, sigma, None, np.arange(ROWS) // 6, 1e-4)
-    base = established(sigma[:, None] * columns, sigma, np.full(ESTABLISHED, np.inf))
+    base = Established(sigma[:, None] * columns, np.eye(ESTABLISHED))
     return problem, base, [Drawn(f"place {i}", sigma[:, None] * one) for i, one in enumerate(shapes)]
 
 
