@@ -83,7 +83,9 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="leave out the runs before this one")
     parser.add_argument("--kind", default="", help="only kinds of faults whose name contains this")
     parser.add_argument("--robot", default="", choices=["", "blind"], help="instead of the RAPID modules")
-    parser.add_argument("--sabotage", default="", choices=["", "verify", "clear"], help="leave this out")
+    parser.add_argument(
+        "--sabotage", default="", choices=["", "verify", "clear", "mark"], help="leave this out"
+    )
     arguments = parser.parse_args()
     logging.disable(logging.CRITICAL)
     scenarios, numbers, index = [], [], arguments.first

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from doormill_ros.diagnosis.parts.next_step import NextStep
 from doormill_ros.units import m_to_mm
 
 ALWAYS = "always"
@@ -49,7 +50,8 @@ class DoorFinding:
         sentence: The same in words.
         faults: What is named.
         remarks: Whatever else the doors tell.
-        next_measurement: What to measure next.
+        next_measurement: What to measure next, in English.
+        next_steps: The same as data; empty where an older diagnosis was read.
         questioned: How many doors were asked.
         expected: Error of the next door with the model in use [m]; UNKNOWN where nobody can tell.
         expected_found: The same with the model that was found.
@@ -62,6 +64,7 @@ class DoorFinding:
     faults: tuple[NamedFault, ...]
     remarks: tuple[str, ...]
     next_measurement: str
+    next_steps: tuple[NextStep, ...]
     questioned: int
     expected: float
     expected_found: float
@@ -98,6 +101,7 @@ def finding_of(document: Mapping[str, Any], door_of: Mapping[str, str]) -> DoorF
         tuple(faults),
         tuple(str(remark) for remark in document["remarks"]),
         str(document["next_measurement"]),
+        tuple(NextStep(**step) for step in document.get("next", ())),
         count,
         expected,
         found,

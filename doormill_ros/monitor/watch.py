@@ -18,7 +18,7 @@ from doormill_ros.monitor.finding import UNKNOWN, DoorFinding, finding_of
 from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoor, KeptDoors
 from doormill_ros.monitor.questioner import DoorAnswer, DoorQuestion, Questioner
 from doormill_ros.monitor.recorded_runs import RecordedRuns
-from doormill_ros.units import m_to_mm
+from doormill_ros.monitor.stop import stop_sentence
 
 SHOWN = 100  # doors
 PERIOD = 2.0  # s, between two looks for bags that inspections wait for
@@ -332,17 +332,8 @@ class ModelWatch:
                 self._store.stop("")
                 return
             proposed = self._proposed(record)
-            better = self._expected.get(proposed, UNKNOWN)
-            repair = "put right what model/verdict names, then name the first run after that in since of /model_monitor"
-            would = f"version {proposed} of the model would leave {m_to_mm(better):.2f} mm"
-            if 0.0 <= better <= limit:
-                helps = f"{would}: accept it (model/accept)"
-            else:
-                helps = f"{would}, too much as well: {repair}" if better >= 0.0 else repair
-            self._store.stop(
-                f"the next door is expected to be {m_to_mm(expected):.2f} mm off where {m_to_mm(limit):.2f} mm are "
-                f"allowed, by the last inspected doors and version {record.in_use} of the model; {helps}"
-            )
+            left = self._expected.get(proposed, UNKNOWN)
+            self._store.stop(stop_sentence(expected, limit, record.in_use, proposed, left))
 
 
 def _unforeseen(error: Exception, advice: str) -> DoormillError:

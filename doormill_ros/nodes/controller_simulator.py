@@ -33,7 +33,6 @@ from doormill_ros.simulation.world.door_truth import GAUGE
 from doormill_ros.simulation.world.gauge import NOISE, gauge
 
 STOP_LIMIT = 5.0  # s
-CLAMP_PERIOD = 0.05  # s
 BAG = "bag"  #: of a run, beside its inspection
 
 
@@ -99,7 +98,7 @@ class ControllerSimulator(ManagedNode):
         )
         # What it signaled before it was started is over, as after a real controller's restart.
         self._cell.reset()
-        self._clamped = True  # as it was last asked for
+        self._clamped = self.value("clamped")  # as it was last asked for
         self._ended = ""  # run whose door is out of the clamp
         self._recipe: DoorRecipe | None = None
         self._placement: DoorPlacement | None = None
@@ -115,7 +114,7 @@ class ControllerSimulator(ManagedNode):
         self.subscribe(topics.DOOR_PLACEMENT, self._take_placement)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.RUN_RESULT, self._take_result)
-        self.every(CLAMP_PERIOD, self._look_at_clamp)
+        self.when_set("clamped", self._move_clamp)
 
     def stop(self) -> None:
         """Stop the program and the robot."""
@@ -126,7 +125,7 @@ class ControllerSimulator(ManagedNode):
         if self._web_services is not None:
             self._web_services.stop()
 
-    def _look_at_clamp(self) -> None:
+    def _move_clamp(self) -> None:
         clamped = self.value("clamped")
         if self._clamped and not clamped and self._run is not None:
             self._run.open_clamp()

@@ -143,6 +143,11 @@ class ManagedNode(ReportingNode):
         timer = self.create_timer(period, lambda: guarded() if self.active else None, **kwargs)
         self.keep(self.destroy_timer, timer)
 
+    def when_set(self, name: str, callback: Callable[[], None]) -> None:
+        """As the base class, until clean-up; in the inactive state too."""
+        super().when_set(name, callback)
+        self.keep(self._when_set.pop, name)
+
     # Life cycle.
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:

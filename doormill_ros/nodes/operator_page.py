@@ -19,6 +19,7 @@ from doormill_ros.localization.errors import BadPicture
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.verdict import faults_of, steps_of
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
@@ -169,6 +170,11 @@ class OperatorPage(ManagedNode):
             said.asking,
             said.waiting,
             doors,
+            said.verdict,
+            faults_of(said),
+            said.questioned,
+            steps_of(said),
+            said.error_code,
         )
         self.store.update(lambda view: view.with_model(model))
 

@@ -61,6 +61,7 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         """Declare the parameters and start reporting on /diagnostics."""
         super().__init__(name, **kwargs)
         self._later: dict[str, Any] = {}
+        self._when_set: dict[str, Callable[[], None]] = {}
         self._health: tuple[bytes, str, dict[str, Any]] = (WARN, "unconfigured", {})
         try:
             for parameter in self.PARAMETERS:
@@ -69,6 +70,7 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             LifecycleNode.destroy_node(self)  # what subclasses destroy is not there yet
             raise
         self.add_on_set_parameters_callback(self._judge_change)
+        self.add_post_set_parameters_callback(self._tell_change)
         self._diagnostics = self.create_publisher(
             DiagnosticArray, topics.DIAGNOSTICS.name, topics.DIAGNOSTICS.offered
         )
@@ -113,6 +115,16 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
                     "up first (ros2 lifecycle set), or start it with the new value",
                 )
         return SetParametersResult(successful=True)
+
+    def _tell_change(self, changes: list[Parameter]) -> None:
+        for change in changes:
+            told = self._when_set.get(change.name)
+            if told is not None:
+                told()
+
+    def when_set(self, name: str, callback: Callable[[], None]) -> None:
+        """Call each time a live parameter was set, in the thread that set it, once its value is the new one."""
+        self._when_set[name] = self.guarded(callback)
 
     @property
     def settled(self) -> bool:

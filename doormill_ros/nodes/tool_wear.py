@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from doormill_interfaces.msg import AbbStatus, RunResult, TargetArray
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.tool_table import ToolTable
 from doormill_ros.recipes.tabled_tool import TabledTool
@@ -21,11 +20,11 @@ class ToolWear:
     """Notes what a run is going to cut when its targets come, and counts it when the robot has taken them.
 
     Args:
-        node: That hears targets, status and results; a managed one.
+        node: That hears targets, status and results.
         table: Of the database.
     """
 
-    def __init__(self, node: Any, table: ToolTable) -> None:
+    def __init__(self, node: ManagedNode, table: ToolTable) -> None:
         self._table = table
         self._run_id = self._counted = ""
         self._recipe: Recipe | None = None

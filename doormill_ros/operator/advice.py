@@ -3,58 +3,72 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
 class Advice:
-    """A sentence for the operator; `urgency` is wait, act, danger or fault and colours it."""
+    """A sentence for the operator.
+
+    Attributes:
+        urgency: wait, act, danger or fault; colours it.
+        key: Of the sentence in the page's texts, behind "step.".
+        text: The sentence in English.
+        values: What stands in it, by name.
+    """
 
     urgency: str
+    key: str
     text: str
+    values: Mapping[str, str] = field(default_factory=dict)
 
 
-_WAIT = Advice("wait", "Wait. The cell is measuring the door and working out the robot's path.")
-_STAY_OUT = Advice("danger", "Stay out of the cell. The robot mills the door.")
+_WAIT = Advice("wait", "wait", "Wait. The cell is measuring the door and working out the robot's path.")
+_STAY_OUT = Advice("danger", "stay_out", "Stay out of the cell. The robot mills the door.")
+_ABOUT_TO_MOVE = Advice("danger", "about_to_move", "Stay out of the cell. The robot is about to move.")
+_CLOSING = Advice("wait", "closing", "Wait. The run is being closed.")
 _SPOILED = Advice(
     "act",
+    "spoiled",
     "The door was milled out of tolerance. Put it aside when the robot has stopped, and mill no other before it is "
     "known why.",
 )
 _MILLED_AFTER_ALL = Advice(
     "act",
+    "milled_after_all",
     "The run was given up, but the robot milled on to the end. See that it stands still and look at the door before "
     "it is used.",
 )
 _CLEARING = Advice(
-    "wait", "Wait until the link to the controller is clear. If this lasts, see the state below."
+    "wait", "clearing", "Wait until the link to the controller is clear. If this lasts, see the state below."
 )
 
 #: By state of the handshake, for a run in hand; see doormill_ros.abb.handshake.state.
 _WITH_RUN = {
     "clearing": _CLEARING,
     "idle": Advice(
-        "act", "Clamp the door and start the controller's program; it has not asked for targets yet."
+        "act", "clamp", "Clamp the door and start the controller's program; it has not asked for targets yet."
     ),
     "requested": _WAIT,
     "writing": _WAIT,
     "verifying": _WAIT,
     "raising": _WAIT,
-    "ready": Advice("danger", "Stay out of the cell. The robot is about to move."),
-    "acknowledged": Advice("danger", "Stay out of the cell. The robot is about to move."),
+    "ready": _ABOUT_TO_MOVE,
+    "acknowledged": _ABOUT_TO_MOVE,
     "milling": _STAY_OUT,
-    "done": Advice("wait", "Wait. The run is being closed."),
-    "failed": Advice("wait", "Wait. The run is being closed."),
+    "done": _CLOSING,
+    "failed": _CLOSING,
 }
 _WITHOUT_RUN = {
     "clearing": _CLEARING,
-    "idle": Advice("act", "Clamp the next door, then start the controller's program."),
-    "requested": Advice("act", "The controller is ready for a door. Start milling it."),
+    "idle": Advice("act", "next_door", "Clamp the next door, then start the controller's program."),
+    "requested": Advice("act", "start", "The controller is ready for a door. Start milling it."),
     "done": Advice(
-        "act", "The door is milled. Take it out when the robot has stopped and clamp the next one."
+        "act", "done", "The door is milled. Take it out when the robot has stopped and clamp the next one."
     ),
     "failed": Advice(
         "act",
+        "failed",
         "The last run came to nothing. See that the robot stands still, put right what is said below, start again.",
     ),
 }
@@ -84,7 +98,9 @@ def next_step(
     """
     if not bridge_present or not state:
         return Advice(
-            "fault", "Nothing is known of the robot: /abb_bridge does not answer. Stay out; restart it."
+            "fault",
+            "silent",
+            "Nothing is known of the robot: /abb_bridge does not answer. Stay out; restart it.",
         )
     # The robot may move, whatever else is wrong.
     in_motion = (_WITH_RUN if run_in_hand else {**_WITH_RUN, **_WITHOUT_RUN}).get(state)
@@ -92,9 +108,17 @@ def next_step(
         return in_motion
     if faults:
         node, message = next(iter(faults.items()))
-        return Advice("fault", f"Put right what {node} reports, or call maintenance: {message}")
+        return _with(
+            "fault",
+            "fault",
+            "Put right what {node} reports, or call maintenance: {message}",
+            node=node,
+            message=message,
+        )
     if stopped and not run_in_hand:
-        return Advice("act", f"Mill no door before the engineer has decided: {stopped}")
+        return _with(
+            "act", "stopped", "Mill no door before the engineer has decided: {message}", message=stopped
+        )
     if refusal and not run_in_hand and spoiled:
         return _SPOILED
     if refusal and not run_in_hand and milled:
@@ -103,8 +127,16 @@ def next_step(
         # A run can also end while the robot moves: canceled, or given up after its time limit.
         return Advice(
             "act",
+            "not_milled",
             "The door was not milled. See that the robot stands still, put right what is said below, start again.",
         )
-    return in_motion or Advice(
-        "fault", f"The controller link is in the unknown state {state!r}. Call maintenance."
+    return in_motion or _with(
+        "fault",
+        "unknown",
+        "The controller link is in the unknown state {state}. Call maintenance.",
+        state=repr(state),
     )
+
+
+def _with(urgency: str, key: str, text: str, **values: str) -> Advice:
+    return Advice(urgency, key, text.format(**values), values)

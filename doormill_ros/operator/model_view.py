@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from doormill_ros.diagnosis.parts.next_step import NextStep
+from doormill_ros.monitor.finding import NamedFault
+
 
 @dataclass(frozen=True)
 class TrendDoor:
@@ -25,17 +28,21 @@ class TrendDoor:
 
 @dataclass(frozen=True)
 class ModelView:
-    """The monitor's last word.
+    """The monitor's last word: in English, and as the data of which the page makes it in other languages.
 
     Attributes:
         sentence: The verdict; empty before the first.
+        verdict: consistent, explained, partly_explained or unexplained; empty before the first.
+        causes: What the verdict names.
+        questioned: Doors that it rests on.
         next_measurement: What to measure next.
+        next_steps: The same as data.
         remarks: Whatever else the doors tell.
         version, proposed: In use and proposed; 0: the model of the start, none.
         expected, expected_proposed: Error of the next door [m]; negative: not known.
         limit: Beyond which no door is milled [m]; 0: none.
         stopped: No door is milled.
-        message: Why, or what else is wrong.
+        error_code, message: Why, or what else is wrong; the code is of the monitor's own trouble, 0: it has none.
         asking: A newer verdict is being worked out.
         waiting: Inspections whose run no bag holds yet.
         doors: The last 100 inspected ones, oldest first.
@@ -54,6 +61,11 @@ class ModelView:
     asking: bool = False
     waiting: int = 0
     doors: tuple[TrendDoor, ...] = ()
+    verdict: str = ""
+    causes: tuple[NamedFault, ...] = ()
+    questioned: int = 0
+    next_steps: tuple[NextStep, ...] = ()
+    error_code: int = 0
 
     def document(self) -> dict[str, Any]:
         """JSON-able content."""

@@ -133,7 +133,7 @@ def serve_orders(app: FastAPI, control: Control, doorkeeper: Doorkeeper, audit: 
         try:
             return await run_in_threadpool(action, *arguments)
         except DoormillError as error:
-            raise HTTPException(409, error.message) from error
+            raise HTTPException(409, error.message, {"Error-Code": str(error.code)}) from error
 
     # The token is looked at before the body is.
     @app.get("/control", dependencies=[operate])

@@ -1,27 +1,29 @@
-"use strict";
 // Everything shown goes through textContent, so that no text of a recipe or a node becomes markup.
+import { ENGLISH, byId, language, speak, text, wanted, write } from "./language.js";
+import { answerToModelOrder, showModel, shown as model } from "./model.js";
+import { stopReason } from "./monitor_words.js";
+
 const SILENCE = 15000; // ms without a sign of life
-const byId = (id) => document.getElementById(id);
 let heard = 0;
 let token = "";
+let view = null;
 
-function write(id, text) {
-  const element = byId(id);
-  if (element.textContent !== text) element.textContent = text;
+function cell(row, words, spoken) {
+  const made = row.insertCell();
+  made.textContent = words;
+  if (spoken) made.lang = spoken;
 }
 
-function cell(row, text) {
-  row.insertCell().textContent = text;
-}
+const outcome = (run) => text(`outcome.${run.came_to}`, { code: run.error_code });
 
 function showHistory(history) {
   const rows = history.map((run) => {
     const row = document.createElement("tr");
     row.className = run.success ? "milled" : "refused";
-    cell(row, new Date(run.ended * 1000).toLocaleString([], { dateStyle: "short", timeStyle: "short" }));
+    cell(row, new Date(run.ended * 1000).toLocaleString(language(), { dateStyle: "short", timeStyle: "short" }));
     cell(row, run.door_id);
-    cell(row, run.outcome);
-    cell(row, run.message);
+    cell(row, outcome(run));
+    cell(row, run.message, ENGLISH);
     return row;
   });
   byId("history").replaceChildren(...rows);
@@ -39,85 +41,31 @@ function showFaults(faults) {
 function showPicture(picture) {
   const image = byId("picture");
   image.hidden = !picture;
-  if (!picture || image.dataset.number === String(picture.number)) return;
+  if (!picture) return;
+  write("caption", picture.caption, ENGLISH);
+  if (image.dataset.number === String(picture.number)) return;
   image.dataset.number = picture.number;
   image.src = `/picture/${picture.number}`;
-  write("caption", picture.caption);
 }
 
-const millimetres = (metres) => (metres < 0 ? "not known" : `${(1000 * metres).toFixed(2)} mm`);
-let model = null;
-
-function mark(parent, kind, attributes, title) {
-  const element = document.createElementNS(byId("trend").namespaceURI, kind);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-  if (title) mark(element, "title", {}).textContent = title;
-  parent.append(element);
-  return element;
+function nextStep() {
+  const { key, values } = view.step;
+  const known = language() !== ENGLISH && key === "stopped" && view.model;
+  return text(`step.${key}`, known ? { message: stopReason(view.model) } : values);
 }
 
-function showTrend(doors, limit) {
-  const drawing = byId("trend");
-  drawing.replaceChildren();
-  if (!doors.length) return;
-  const most = 1.1 * Math.max(limit, ...doors.map((door) => door.largest), 1e-6);
-  const x = (i) => 20 + 960 * (doors.length === 1 ? 0.5 : i / (doors.length - 1));
-  const y = (value) => 210 - 200 * (value / most);
-  mark(drawing, "line", { class: "axis", x1: 10, x2: 990, y1: y(0), y2: y(0) });
-  if (limit > 0) mark(drawing, "line", { class: "limit", x1: 10, x2: 990, y1: y(limit), y2: y(limit) });
-  doors.forEach((door, i) => {
-    const changed = i > 0 && door.model_version !== doors[i - 1].model_version;
-    if (changed) {
-      const between = (x(i) + x(i - 1)) / 2;
-      mark(drawing, "line", { class: "version", x1: between, x2: between, y1: 10, y2: 210 });
-    }
-    const text = `${door.door_id}, run ${door.run_id}: ${millimetres(door.largest)}, version ${door.model_version}`;
-    const beyond = limit > 0 && door.largest > limit ? "beyond" : "within";
-    mark(drawing, "circle", { class: beyond, cx: x(i), cy: y(door.largest), r: 6 }, text);
-  });
-}
-
-function showModel(found, control) {
-  model = found;
-  byId("model").hidden = !found;
-  if (!found) return;
-  write("verdict", found.sentence || "No inspected door was questioned yet.");
-  write("measure-next", found.next_measurement ? `Measure this next: ${found.next_measurement}.` : "");
-  write("model-message", found.message);
-  byId("model-message").hidden = !found.message;
-  const waiting = found.waiting ? `; ${found.waiting} inspections wait for their bag` : "";
-  write("expected", `expected error ${millimetres(found.expected)}${found.asking ? ", being worked out anew" : ""}${waiting}`);
-  const proposed = found.proposed
-    ? `version ${found.proposed} is proposed: ${millimetres(found.expected_proposed)}`
-    : "none is proposed";
-  write("version", `${found.version || "that of the start"} in use; ${proposed}`);
-  const count = found.doors.length;
-  const drawn = `Largest deviation of the last ${count} inspected doors`;
-  const lines = found.limit > 0 ? `; red: the limit of ${millimetres(found.limit)}` : "";
-  write("trend-caption", count ? `${drawn}${lines}; dashed: another version.` : "No door was inspected yet.");
-  showTrend(found.doors, found.limit);
-  byId("remarks").replaceChildren(...found.remarks.map((text) => {
-    const item = document.createElement("li");
-    item.textContent = text;
-    return item;
-  }));
-  byId("model-control").hidden = !control;
-  byId("accept").textContent = found.proposed ? `Accept version ${found.proposed}` : "Accept";
-  byId("accept").disabled = !found.proposed;
-  byId("revert").textContent = found.version ? `Take version ${found.version} back` : "Take back";
-  byId("revert").disabled = !found.version;
-}
-
-function show(view) {
+function show(told) {
+  view = told;
   // A refusal waits for the operator too, but nobody shall take it for a success from afar.
   byId("step").className = view.refusal ? `${view.urgency} refused` : view.urgency;
-  write("next-step", view.next_step);
+  write("next-step", nextStep());
   write("refusal", view.refusal);
   byId("refusal").hidden = !view.refusal;
-  write("state", view.state ? `${view.state}: ${view.state_reason}` : "unknown");
-  write("door", view.run_id ? `${view.door_id}, stage ${view.stage}` : "none");
+  if (view.state) write("state", `${view.state}: ${view.state_reason}`, ENGLISH);
+  else write("state", text("state.unknown"));
+  write("door", view.run_id ? text("door.stage", { door: view.door_id, stage: view.stage }) : text("door.none"));
   const last = view.history[0];
-  write("last", last ? `${last.door_id}, ${last.outcome}` : "none yet");
+  write("last", last ? text("last.run", { door: last.door_id, outcome: outcome(last) }) : text("last.none"));
   byId("progress").hidden = !view.run_id;
   byId("progress").value = view.progress;
   write("notice", view.notice);
@@ -145,9 +93,20 @@ function connect() {
   });
 }
 
-async function order(path, body, told = "answer", buttons = [byId("mill"), byId("cancel")],
-  wrong = "the door id is empty or too long") {
-  buttons.forEach((button) => { button.disabled = true; });
+// What came of an order in the reader's language; in English the cell's own words.
+async function answerTo(response, done, wrong) {
+  const answer = await response.json();
+  const own = answer.message || (typeof answer.detail === "string" ? answer.detail : "");
+  if (response.status === 422) return own || text(wrong);
+  if (language() === ENGLISH) return own;
+  if (response.ok) return done;
+  if (response.status === 409) return answerToModelOrder(response.headers.get("Error-Code"), own);
+  const key = [401, 403, 429].includes(response.status) ? response.status : "other";
+  return text(`refused.${key}`, { wait: response.headers.get("Retry-After") });
+}
+
+async function order(path, body, done, told = "answer", buttons = ["mill", "cancel"], wrong = "wrong.door") {
+  buttons.forEach((id) => { byId(id).disabled = true; });
   try {
     // An Authorization header: the token is in no address and no history.
     const response = await fetch(path, {
@@ -155,20 +114,24 @@ async function order(path, body, told = "answer", buttons = [byId("mill"), byId(
       headers: { "Authorization": `Bearer ${token}`, "Content-Type": "application/json" },
       body: JSON.stringify(body),
     });
-    const answer = await response.json();
-    const detail = typeof answer.detail === "string" ? answer.detail : wrong;
-    write(told, answer.message || detail);
+    write(told, await answerTo(response, done, wrong));
   } catch {
-    write(told, "the cell did not answer; look whether it is still running");
+    write(told, text("answer.lost"));
   } finally {
-    buttons.forEach((button) => { button.disabled = false; });
+    buttons.forEach((id) => { byId(id).disabled = false; });
     if (model) showModel(model, true);
   }
 }
 
-function orderModel(path, version) {
+function orderModel(name, version) {
   const body = { version, who: byId("who").value.trim(), why: byId("why").value.trim() };
-  order(path, body, "model-answer", [byId("accept"), byId("revert")], "your name and why are wanted");
+  const done = text(`answer.${name}`, { version });
+  order(`/control/${name}`, body, done, "model-answer", ["accept", "revert"], "wrong.order");
+}
+
+function mill() {
+  const door = byId("wanted").value.trim();
+  order("/control/mill", { door_id: door }, text("answer.mill", { door }));
 }
 
 let asked = null;
@@ -194,9 +157,14 @@ async function offerDoors() {
 byId("wanted").addEventListener("focus", offerDoors);
 byId("wanted").addEventListener("input", offerDoors);
 byId("token").addEventListener("input", (event) => { token = event.target.value.trim().replace(/[^!-~]/g, ""); });
-byId("mill").addEventListener("click", () => order("/control/mill", { door_id: byId("wanted").value.trim() }));
-byId("cancel").addEventListener("click", () => order("/control/cancel", {}));
-byId("accept").addEventListener("click", () => orderModel("/control/accept", model.proposed));
-byId("revert").addEventListener("click", () => orderModel("/control/revert", model.version));
+byId("mill").addEventListener("click", mill);
+byId("cancel").addEventListener("click", () => order("/control/cancel", {}, text("answer.cancel")));
+byId("accept").addEventListener("click", () => orderModel("accept", model.proposed));
+byId("revert").addEventListener("click", () => orderModel("revert", model.version));
+byId("language").addEventListener("change", async (event) => {
+  await speak(event.target.value);
+  if (view) show(view);
+});
 setInterval(() => { if (Date.now() - heard > SILENCE) byId("lost").hidden = false; }, 1000);
+await speak(wanted());
 connect();

@@ -34,10 +34,16 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
 }
+#: Of the page's texts; what the cell's nodes say in their own words is English.
+LANGUAGES = ("en", "de", "nb")
 _FILES = {
     "/": ("page.html", "text/html"),
     "/page.css": ("page.css", "text/css"),
     "/page.js": ("page.js", "text/javascript"),
+    "/language.js": ("language.js", "text/javascript"),
+    "/model.js": ("model.js", "text/javascript"),
+    "/monitor_words.js": ("monitor_words.js", "text/javascript"),
+    **{f"/texts/{code}.json": (f"texts/{code}.json", "application/json") for code in LANGUAGES},
     "/icon.svg": ("icon.svg", "image/svg+xml"),
 }
 

@@ -8,13 +8,14 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.cell.inspection import outcome
+from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, outcome
 from doormill_ros.operator.advice import next_step
 from doormill_ros.operator.model_view import ModelView
 from doormill_ros.operator.situation import Situation, situation
 
 HISTORY = 50  # runs
 LONGEST_TEXT = 2000  # characters
+_CAME_TO = {MILLED: "milled", NOT_MEASURED: "not_measured", OUT_OF_TOLERANCE: "out_of_tolerance"}
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,11 @@ class EndedRun:
     def outcome(self) -> str:
         """What it came to in two or three words."""
         return outcome(self.success, self.error_code, self.measured)
+
+    @property
+    def came_to(self) -> str:
+        """The same as a key of the page's texts, behind "outcome."."""
+        return _CAME_TO.get(self.outcome, "refused")
 
 
 @dataclass(frozen=True)
@@ -203,6 +209,7 @@ class CellView:
             "state_reason": seen.reason,
             "urgency": step.urgency,
             "next_step": step.text,
+            "step": {"key": step.key, "values": dict(step.values)},
             "run_id": self.run_id,
             "door_id": self.door_id,
             "stage": self.stage,
@@ -210,7 +217,9 @@ class CellView:
             "refusal": self.refusal,
             "notice": self.notice,
             "faults": [{"node": node, "message": text} for node, text in self.faults.items()],
-            "history": [{**asdict(run), "outcome": run.outcome} for run in self.history],
+            "history": [
+                {**asdict(run), "outcome": run.outcome, "came_to": run.came_to} for run in self.history
+            ],
             "picture": None
             if self.picture is None
             else {"number": self.picture.number, "caption": self.picture.caption},

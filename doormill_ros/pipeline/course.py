@@ -174,7 +174,7 @@ class Course:
 
             localized = run.wait_for(LOCALIZATION, self._limits.picture, _missing(self._sensors[0]), over)
             if localized is not None and self._agreed(over):
-                self._note(picture_to_pose=run.times["localization"] - run.pictured["localization"])
+                self._note(picture_to_pose=run.times[LOCALIZATION] - run.pictured[LOCALIZATION])
                 self._need(TARGETS)
                 self._tell("pose", 0.3)
                 targets = run.wait_for(
@@ -184,7 +184,7 @@ class Course:
                     over,
                 )
                 if targets is not None:
-                    self._note(pose_to_targets=run.times["targets"] - run.times["localization"])
+                    self._note(pose_to_targets=run.times["targets"] - run.times[LOCALIZATION])
                     return targets, number
             run.forget()
 

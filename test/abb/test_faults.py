@@ -72,12 +72,21 @@ def test_even_a_robot_that_checks_nothing_mills_the_right_file() -> None:
         assert verdict.recovered, scenario.kind
 
 
-def test_without_reading_back_the_same_robot_mills_torn_files() -> None:
-    """Proof that the campaign can fail: one part of the handshake is left out."""
-    scenario = scenario_of("torn write, unnoticed", robot="blind", sabotage="verify")
-    # Which writes are torn is chance; that none of so many runs has one is out of the question.
+@pytest.mark.parametrize(
+    ("kind", "left_out", "found"),
+    [
+        ("torn write, unnoticed", "verify", "no complete file"),  # files are not read back
+        ("no fault", "mark", "made for placement"),  # nobody asks for which request a file was made
+    ],
+)
+def test_without_a_part_of_the_handshake_the_same_robot_mills_wrong_files(
+    kind: str, left_out: str, found: str
+) -> None:
+    """Proof that the campaign can fail."""
+    scenario = scenario_of(kind, robot="blind", sabotage=left_out)
+    # What strikes when is chance; that none of so many runs goes wrong is out of the question.
     runs = (campaign([replace(scenario, seed=seed)], workers=1) for seed in range(30))
-    assert any(verdict.wrong for ((_, verdict),) in runs)
+    assert any(found in text for ((_, verdict),) in runs for text in verdict.wrong)
 
 
 def test_every_kind_has_its_turn_and_a_seed_gives_the_same_runs() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -43,8 +44,8 @@ def test_nodes_that_die_leave_a_result_and_a_cell_that_mills_again_by_itself(
     assert tally.places > 1
 
 
-def _mill(home: Path, oracle: Oracle) -> None:
-    """What a robot's folder goes through when it takes a file."""
+def _mill(home: Path, oracle: Oracle, asked: float | None) -> None:
+    """What a robot's folder goes through when it takes a file that was requested then [s since the epoch], or never."""
 
     def write(name: str, level: str) -> None:
         (home / "io" / name).write_text(level)
@@ -52,6 +53,9 @@ def _mill(home: Path, oracle: Oracle) -> None:
 
     before = len(oracle.starts)
     write("doPathBusy", "0")
+    if asked is not None:
+        (home / "Hei2.req").write_text("7\n")
+        os.utime(home / "Hei2.req", (asked, asked))
     (home / "Hei2.txt").write_bytes(FILE)
     write("doPathReady", "1")
     write("doPathBusy", "1")
@@ -62,26 +66,32 @@ def _mill(home: Path, oracle: Oracle) -> None:
 
 
 @pytest.mark.parametrize(
-    ("stood", "wrong"),
+    ("stood", "asked", "wrong"),
     [
-        ([("oak", "r1", TURNED)], False),
-        ([("birch", "r0", MOVED), ("oak", "r1", TURNED)], False),
-        ([("oak", "r1", MOVED), ("oak", "r1", TURNED)], False),
-        ([("oak", "r1", TURNED), ("oak", "r1", MOVED)], True),
-        ([("oak", "r1", replace(TURNED, turn=(0.0, 0.0, 0.0, 1.0)))], True),
-        ([("oak", "r1", TURNED), ("birch", "r2", TURNED)], True),
-        ([("oak", "r2", TURNED)], True),
-        ([], True),
+        ([("oak", "r1", TURNED)], 9.0, False),
+        ([("birch", "r0", MOVED), ("oak", "r1", TURNED)], 9.0, False),
+        ([("oak", "r1", MOVED), ("oak", "r1", TURNED)], 9.0, False),
+        ([("oak", "r1", TURNED), ("oak", "r1", MOVED)], 9.0, True),
+        ([("oak", "r1", replace(TURNED, turn=(0.0, 0.0, 0.0, 1.0)))], 9.0, True),
+        ([("oak", "r1", TURNED), ("birch", "r2", TURNED)], 9.0, True),
+        ([("oak", "r2", TURNED)], 9.0, True),
+        ([], 9.0, True),
+        # Told where the next door will stand, the robot takes the file that it asked for before.
+        ([("oak", "r1", TURNED), ("oak", "r1", MOVED)], 0.5, False),
+        ([("oak", "r1", TURNED), ("birch", "r2", TURNED)], 0.5, False),
+        ([("birch", "r0", TURNED), ("oak", "r1", TURNED)], 0.5, True),
+        ([("oak", "r1", TURNED)], None, True),
     ],
 )
 def test_the_oracle_sees_a_file_of_another_door_run_or_place(
-    tmp_path: Path, stood: list[tuple[str, str, Place]], wrong: bool
+    tmp_path: Path, stood: list[tuple[str, str, Place]], asked: float | None, wrong: bool
 ) -> None:
+    """Doors are clamped at 0 s, 1 s and so on."""
     (tmp_path / "io").mkdir()
     with Oracle(tmp_path, SEEN) as oracle:
         for number, (door_id, run_id, place) in enumerate(stood):
             oracle.placed(Placed(float(number), door_id, run_id, place))
-        _mill(tmp_path, oracle)
+        _mill(tmp_path, oracle, asked)
     assert bool(oracle.faults()) is wrong
 
 

@@ -11,7 +11,9 @@ from rcl_interfaces.srv import SetParameters
 
 from doormill_interfaces.msg import DoorInspection
 from doormill_interfaces.srv import AcceptModel, HandInInspection, RevertModel
+from doormill_ros.diagnosis.parts.next_step import next_sentence
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.verdict import faults_of, steps_of
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import NODES, CellProcesses
 
@@ -81,7 +83,10 @@ def test_a_gauged_door_names_what_the_world_hides_and_stops_milling(told):
     assert [door.run_id for door in verdict.doors] == [result.run_id]
     assert verdict.expected_error == pytest.approx(verdict.doors[0].largest, rel=1e-9)
     assert "explained" in verdict.sentence
-    assert verdict.next_measurement
+    steps = steps_of(verdict)
+    assert steps
+    assert next_sentence(steps) == verdict.next_measurement  # the data say the same
+    assert {fault.cause for fault in faults_of(verdict)} == {cause.cause for cause in verdict.causes}
     refused = told.mill()
     assert (refused.success, refused.error_code, refused.sha256) == (False, STOPPED, "")
     assert "expected to be" in refused.message

@@ -16,7 +16,9 @@ from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.cell import NODES
+from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.model_monitor import ModelMonitor
+from doormill_ros.nodes.reporting_node import NodeParameter
 from doormill_ros.nodes.run import run_nodes
 
 
@@ -61,6 +63,44 @@ def test_a_change_that_would_do_nothing_is_refused_once_the_node_is_configured(
     assert node._action._limits().recipe == 7.0
     node.trigger_cleanup()
     assert change("limit.milling", 20.0).successful
+    node.destroy_node()
+
+
+class Follower(ManagedNode):
+    """Notes what its live parameter is each time that was set."""
+
+    PARAMETERS = (NodeParameter("wanted", 1.0, "what is wanted", 0.0, 9.0, live=True),)
+
+    def setup(self) -> None:
+        self.seen: list[float] = []
+        self.when_set("wanted", self._see)
+
+    def _see(self) -> None:
+        self.seen.append(self.value("wanted"))
+        if self.seen[-1] == 9.0:
+            raise BadParameterError("nine is too much")
+
+
+def test_a_node_hears_of_a_live_change_until_it_is_cleaned_up(context: rclpy.Context) -> None:
+    node = Follower("follower", context=context)
+
+    def change(value: float) -> bool:
+        return bool(node.set_parameters([Parameter("wanted", value=value)])[0].successful)
+
+    assert change(2.0)  # nobody listens yet
+    node.trigger_configure()
+    assert node.seen == []
+    assert change(3.0)
+    assert not change(10.0)
+    node.trigger_activate()
+    assert change(4.0)
+    assert change(9.0)  # what goes wrong in who hears of it takes no change back
+    assert node.seen == [3.0, 4.0, 9.0]
+    assert node._health[1] == "nine is too much"
+    node.trigger_deactivate()
+    node.trigger_cleanup()
+    assert change(5.0)
+    assert node.seen == [3.0, 4.0, 9.0]
     node.destroy_node()
 
 

@@ -3,6 +3,7 @@ import copy
 import pytest
 
 from doormill_ros.recipes.store.database import RecipeDatabase
+from doormill_ros.tools.recipes import main
 from support import postgres as server_of_the_tests
 
 
@@ -30,6 +31,18 @@ def url(request, tmp_path):
 def database(url):
     with RecipeDatabase(url) as opened:
         yield opened
+
+
+@pytest.fixture
+def run(url, capsys):
+    """The tool `recipes` on that database: status, what it prints and what it complains of."""
+
+    def call(*arguments):
+        status = main(["--database", url, *map(str, arguments)])
+        out, err = capsys.readouterr()
+        return status, out, err
+
+    return call
 
 
 FORCES = {"default": [-100, 13, 25, -3, -26, 2]}

@@ -13,16 +13,6 @@ from doormill_ros.tools.recipes import main
 
 
 @pytest.fixture
-def run(url, capsys):
-    def call(*arguments):
-        status = main(["--database", url, *map(str, arguments)])
-        out, err = capsys.readouterr()
-        return status, out, err
-
-    return call
-
-
-@pytest.fixture
 def file(tmp_path, document):
     path = tmp_path / "doors.csv"
     other = {**document, "door_id": "door_2", "bar_code": "4712"}

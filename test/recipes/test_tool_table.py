@@ -18,7 +18,6 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recipes.store.engine import make_engine
 from doormill_ros.recipes.tool import Tool
-from doormill_ros.tools.recipes import main
 from support.source_tree import ROOT
 
 RACK_6 = {
@@ -31,16 +30,6 @@ RACK_6 = {
     "stiffness_n_mm": 85.5,
     "life_m": 100,
 }
-
-
-@pytest.fixture
-def run(url, capsys):
-    def call(*arguments):
-        status = main(["--database", url, *map(str, arguments)])
-        out, err = capsys.readouterr()
-        return status, out, err
-
-    return call
 
 
 @pytest.fixture

@@ -20,7 +20,8 @@ from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.in_use import in_use_document
 from doormill_ros.diagnosis.parts.matching import matched_points
 from doormill_ros.diagnosis.parts.model import door_model_document, usable
-from doormill_ros.diagnosis.parts.next_door import PLACES, next_sentence, places_of
+from doormill_ros.diagnosis.parts.next_door import PLACES, next_steps, places_of
+from doormill_ros.diagnosis.parts.next_step import next_document, next_sentence
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem, GaugedDoor
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
 from doormill_ros.diagnosis.parts.steps import possible_steps
@@ -102,10 +103,12 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         changes = changes_of(diagnosis)
         charts = charts_of(diagnosis, min((c.door for c in changes), default=None))
         remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis)]
-        account = account_of(diagnosis, self.words, next_sentence(diagnosis), checks)
+        steps = next_steps(diagnosis)
+        account = account_of(diagnosis, self.words, next_sentence(steps), checks)
         sections = _facts(sets) | {
             "changes": changes_document(diagnosis, changes),
             "charts": charts.document(),
+            "next": next_document(steps),
         }
         if self._in_use is not None:
             first = max((change.door for change in changes), default=0)

@@ -13,9 +13,8 @@ from doormill_ros.localization.calibration.chessboard import Chessboard, find_co
 
 _SOFTEST = 5.0  # px in which an edge rises from 10 to 90 %
 _SOFTEST_SHARE = 0.35  # the same as a share of the smallest square: the next corner begins to mix in
-_ALIKE = (
-    0.01  # mean distance of the corners of two pictures that show the same, as a share of the picture's width
-)
+#: Mean distance of the corners of two pictures that show the same, as a share of the picture's width.
+_ALIKE = 0.01
 _AT_RIM = 1.2  # squares from the picture's rim at which a board may go on outside
 _SMALLEST = (3, 3)  # inner corners of a board that is looked for when the right one is not there
 

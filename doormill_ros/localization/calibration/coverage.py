@@ -18,10 +18,8 @@ from doormill_ros.localization.calibration.chessboard import Chessboard
 COLUMNS, ROWS = 4, 3  # fields of the picture
 _PART = 0.04  # share of all corners of one picture that a field needs
 _TILT = 0.08  # growth of the inverse distance across the board that counts as tilted
-_NEAR, _SIZES = (
-    0.5,
-    1.3,
-)  # share of the picture's width that a near board has; least ratio of largest to smallest
+_NEAR = 0.5  # share of the picture's width that a near board has
+_SIZES = 1.3  # least ratio of the largest board's width to the smallest's
 _QUARTER = np.pi / 4
 PLENTY = 12  #: pictures
 _ABOVE = {0: "at the top", ROWS - 1: "at the bottom"}

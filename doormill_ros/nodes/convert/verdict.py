@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 from std_msgs.msg import Header
 
-from doormill_interfaces.msg import DoorError, ModelCause, ModelVerdict
+from doormill_interfaces.msg import DoorError, MeasureNext, ModelCause, ModelVerdict
+from doormill_ros.diagnosis.parts.next_step import NextStep
+from doormill_ros.monitor.finding import NamedFault
 from doormill_ros.monitor.watch import WatchState
 
 
@@ -36,17 +40,21 @@ def verdict_of_model(state: WatchState, header: Header) -> ModelVerdict:
     finding = state.finding
     if finding is not None:
         message.sentence, message.verdict = finding.sentence, finding.verdict
-        message.causes = [
-            ModelCause(
-                cause=fault.cause,
-                where=fault.where,
-                course=fault.course,
-                from_run=fault.from_run,
-                from_door=fault.from_door,
-            )
-            for fault in finding.faults
-        ]
+        message.causes = [ModelCause(**asdict(fault)) for fault in finding.faults]
         message.remarks = list(finding.remarks)
         message.next_measurement = finding.next_measurement
+        message.next = [MeasureNext(**asdict(step)) for step in finding.next_steps]
         message.questioned = finding.questioned
     return message
+
+
+def faults_of(message: ModelVerdict) -> tuple[NamedFault, ...]:
+    """The causes of a verdict."""
+    return tuple(NamedFault(c.cause, c.where, c.course, c.from_run, c.from_door) for c in message.causes)
+
+
+def steps_of(message: ModelVerdict) -> tuple[NextStep, ...]:
+    """What a verdict says to measure next."""
+    return tuple(
+        NextStep(n.step, n.cause, n.other, n.by, n.points, n.feature, n.recipe) for n in message.next
+    )

@@ -30,6 +30,7 @@ from doormill_ros.recipes.store.statements import (
     RECORD,
     first_version,
     next_version,
+    storable,
 )
 from doormill_ros.recipes.store.tool_table import ToolTable
 from doormill_ros.recipes.stored import content_of, recipe_of, rules, seal
@@ -104,7 +105,7 @@ class RecipeDatabase:
             UnknownVersion: The door has no such version.
             DamagedRecord: The stored text is not what was stored.
         """
-        if not _storable(door_id):
+        if not storable(door_id):
             raise _unknown_door(door_id)
         if version is None:
             rows = self._store.read(BY_DOOR, {"door_id": door_id})
@@ -129,7 +130,7 @@ class RecipeDatabase:
             UnknownBarCode: No door has it now.
             DamagedRecord: The stored text is not what was stored.
         """
-        rows = self._store.read(BY_BAR_CODE, {"bar_code": code}) if _storable(code) else ()
+        rows = self._store.read(BY_BAR_CODE, {"bar_code": code}) if storable(code) else ()
         if not rows:
             raise UnknownBarCode(
                 f"found no recipe for bar code {code!r}; import one, or read the code again", found=code
@@ -155,7 +156,7 @@ class RecipeDatabase:
 
     def history(self, door_id: str) -> tuple[RecipeRecord, ...]:
         """Every version of a door, oldest first; raises UnknownDoor."""
-        if not _storable(door_id):
+        if not storable(door_id):
             raise _unknown_door(door_id)
         query = sa.select(*RECORD).where(schema.recipe_version.c.door_id == door_id)
         rows = self._store.read(query.order_by(schema.recipe_version.c.version))
@@ -284,11 +285,6 @@ class RecipeDatabase:
             )
         )
         return stored
-
-
-def _storable(text: str) -> bool:
-    """True for a text that a database takes as an argument; every stored id and code is one."""
-    return text.isascii() and "\x00" not in text
 
 
 def _record(row: sa.Row[Any]) -> RecipeRecord:

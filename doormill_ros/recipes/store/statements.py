@@ -86,3 +86,8 @@ def _bar_code_taken(recipe: Recipe) -> DatabaseError:
         "give every door its own",
         found=recipe.bar_code,
     )
+
+
+def storable(text: str) -> bool:
+    """True for a text that a database takes as an argument; every stored id, code and tool's name is one."""
+    return text.isascii() and "\x00" not in text

@@ -24,6 +24,7 @@ from doormill_ros.recipes.recipe import AUTHOR, Recipe
 from doormill_ros.recipes.store.connection import StoreConnection
 from doormill_ros.recipes.store.schema import tool as tool_rows
 from doormill_ros.recipes.store.schema import tool_use
+from doormill_ros.recipes.store.statements import storable
 from doormill_ros.recipes.tabled_tool import TabledTool, figures_of, read_tool_table
 
 
@@ -169,7 +170,7 @@ class ToolTable:
 
     def _set(self, name: str, author: str, **values: object) -> None:
         read_value(AUTHOR.read, author, "author")
-        if not _storable(name):
+        if not storable(name):
             raise _not_in_table(name)
         with self._store.write() as connection:
             update = tool_rows.update().where(tool_rows.c.name == name)
@@ -178,7 +179,7 @@ class ToolTable:
                 raise _not_in_table(name)
 
     def _some(self, names: Collection[str]) -> tuple[ToolRecord, ...]:
-        known = [name for name in names if _storable(name)]
+        known = [name for name in names if storable(name)]
         return self._records(sa.select(tool_rows).where(tool_rows.c.name.in_(known))) if known else ()
 
     def _records(self, query: sa.Select[tuple[object, ...]]) -> tuple[ToolRecord, ...]:
@@ -200,11 +201,6 @@ def _record(row: sa.Row[Any]) -> ToolRecord:
             found=row.name,
         ) from error
     return ToolRecord(replace(tool, cut=row.cut), bool(row.broken), row.author, changed)
-
-
-def _storable(name: str) -> bool:
-    """True for a name that a database takes as an argument; every tool's is one."""
-    return name.isascii() and "\x00" not in name
 
 
 def _not_in_table(name: str) -> DatabaseError:

@@ -18,8 +18,8 @@ from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import SceneFileError
 from doormill_ros.simulation.picture.optics import expose, rays
 from doormill_ros.simulation.picture.scene import SceneCamera, Sensor
+from doormill_ros.simulation.sensors.nominal_door import FACES, nominal_corner
 
-_FLAT = {"face": 0, "hinge": 1, "bottom": 2}  # which door coordinate vanishes on each face
 _FINE = 4  # sub-pixels along each axis beside an edge
 _BAND = 8.0  # px on both sides of an edge that are drawn finely
 _GRID = 1.0e-4  # step of the roughness [m]
@@ -86,10 +86,9 @@ class AxisVisionRig:
         self, index: int, width: float, thickness: float, rig_seed: int
     ) -> tuple[FloatArray, FloatArray]:
         """True projection centre, shape (3,) [m], and camera axes as columns, shape (3, 3), base, both a little off."""
-        entry, place = self.document["cameras"][index], self.layout
+        entry = self.document["cameras"][index]
         rng = np.random.default_rng([rig_seed, index, 0])
-        corner = [place.rear_face_x - thickness, place.centre_y - width / 2, place.bottom_z]
-        centre = np.array(corner) + entry["place"]
+        centre = nominal_corner(self.layout, width, thickness) + entry["place"]
         if "x" in entry:
             centre[0] = entry["x"]
         right, down = np.array(entry["right"], float), np.array(entry["down"], float)
@@ -116,7 +115,7 @@ class AxisVisionRig:
         T_door_base = np.linalg.inv(T_base_door)
         eye = T_door_base[:3, :3] @ centre + T_door_base[:3, 3]
         look = T_door_base[:3, :3] @ axes
-        flat = _FLAT[entry["looks_at"]]
+        flat = FACES[entry["looks_at"]]
         first, second = (i for i in range(3) if i != flat)
         # Edge of coordinate `first` runs along `second` and the other way round.
         wobble = {i: self._roughness(saw) for i in (first, second)}

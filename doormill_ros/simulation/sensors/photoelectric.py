@@ -13,13 +13,8 @@ from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.config import read_document
 from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import SceneFileError
+from doormill_ros.simulation.sensors.nominal_door import FACES, beside, nominal_corner, spot_on_face
 
-# Which door coordinate is zero on each face, and the direction that looks at it, base = nominal door axes.
-_FACES = {
-    "face": (0, (1.0, 0.0, 0.0)),
-    "hinge": (1, (0.0, 1.0, 0.0)),
-    "bottom": (2, (0.0, 0.0, 1.0)),
-}
 _AIM = 2.0e-4  # how well a beam's direction is set up, standard deviation [rad]
 
 
@@ -57,9 +52,7 @@ class PhotoelectricRig:
         """
         rng = np.random.default_rng(seed)
         extent = np.array([thickness, width, height])
-        corner = np.array(
-            [self.layout.rear_face_x - thickness, self.layout.centre_y - width / 2, self.layout.bottom_z]
-        )
+        corner = nominal_corner(self.layout, width, thickness)
         return np.array(
             [self._beam(beam, T_base_door, extent, corner, rng) for beam in self.document["beams"]]
         )
@@ -72,20 +65,16 @@ class PhotoelectricRig:
         corner: FloatArray,
         rng: np.random.Generator,
     ) -> float:
-        axis, aim = _FACES[beam["face"]]
-        spot = np.array([extent[0] - beam.get("depth", 0.0), beam.get("y", 0.0), beam.get("z", 0.0)])
-        if beam.get("far_edge"):
-            spot[1] = extent[1] - spot[1]
-        spot[axis] = 0.0
-        start = corner + spot - self.document["stand_off"] * np.array(aim)
+        axis = FACES[beam["face"]]
+        aim = np.eye(3)[axis]  # straight along the nominal normal
+        start = corner + spot_on_face(beam, extent) - self.document["stand_off"] * aim
         # In door coordinates the face is where one coordinate vanishes.
         local = np.linalg.solve(T_base_door, np.append(start, 1.0))[:3]
-        looking = np.array(aim) + rng.normal(0.0, _AIM, 3)
+        looking = aim + rng.normal(0.0, _AIM, 3)
         looking = T_base_door[:3, :3].T @ (looking / np.linalg.norm(looking))
         distance = -local[axis] / looking[axis]
         hit = local + distance * looking
-        others = [i for i in range(3) if i != axis]
-        if np.any(hit[others] < 0) or np.any(hit[others] > extent[others]):
+        if beside(hit, axis, extent):
             return float("nan")
         return self._electronics(distance + rng.normal(0.0, self.document["surface"]), rng)
 

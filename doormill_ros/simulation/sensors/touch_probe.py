@@ -13,8 +13,8 @@ from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.config import read_document
 from doormill_ros.resources import resource
 from doormill_ros.simulation.errors import SceneFileError
+from doormill_ros.simulation.sensors.nominal_door import FACES, beside, nominal_corner, spot_on_face
 
-_FACES = {"face": 0, "hinge": 1, "bottom": 2}
 _WAVES = 200  # of the robot's error field; enough to be normally distributed
 
 
@@ -76,23 +76,18 @@ class TouchProbeRig:
         bend = probe["pre_travel"] + rng.normal(0.0, probe["pre_travel_deviation"])
         bend += robot["compliance"] * probe["trigger_force"] * rng.uniform(1 / 3, 1.0)
         extent = np.array([thickness, width, height])
-        corner = [self.layout.rear_face_x - thickness, self.layout.centre_y - width / 2, self.layout.bottom_z]
+        corner = nominal_corner(self.layout, width, thickness)
         points = (self.document["points"] + self.document["more_points"])[:count]
         reported = []
         for point in points:
-            axis = _FACES[point["face"]]
-            spot = np.array([thickness - point.get("depth", 0.0), point.get("y", 0.0), point.get("z", 0.0)])
-            if point.get("far_edge"):
-                spot[1] = width - spot[1]
-            spot[axis] = 0.0
+            axis = FACES[point["face"]]
             into = np.eye(3)[axis]  # the search goes straight along the nominal normal
-            begin = np.array(corner) + spot - self.document["motion"]["clearance"] * into
+            begin = corner + spot_on_face(point, extent) - self.document["motion"]["clearance"] * into
             local = np.linalg.solve(T_base_door, np.append(begin, 1.0))[:3]
             toward = T_base_door[:3, :3].T @ into
             way = (-ball - local[axis] + rng.normal(0.0, self.document["surface"])) / toward[axis]
             contact = local + way * toward
-            others = [i for i in range(3) if i != axis]
-            if np.any(contact[others] < 0) or np.any(contact[others] > extent[others]):
+            if beside(contact, axis, extent):
                 raise ValueError(
                     f"the probe passes beside the door's {point['face']} at {contact.tolist()} m"
                 )

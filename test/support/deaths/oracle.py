@@ -3,6 +3,11 @@
 Shares no code with what it judges: it reads the folder's bytes, of the file its lines `#door` and `#run` and where its
 targets lie. Seen from the door that stands in the clamp, the targets of a good file lie where those of a file of
 that door lay that was looked at before.
+
+The door in the clamp is the one that stood there when the program made the request that it then milled for. Where the
+next door will stand is told before the program of this one is stopped and the clamp opens: a controller that was held
+up takes this door's file in between, and mills this door with it. A program that was started for the next door makes a
+request of its own before it takes anything.
 """
 
 from __future__ import annotations
@@ -17,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LOOK = 0.001  # s
+NEVER = float("-inf")
 #: Between the targets of two good files of a door, seen from the door [m]: the pose is found to 0.1 mm, and the
 #: correction differs with the robot's posture. Doors of the campaign stand up to 8 mm and 0.03 rad apart.
 PLACE = 1e-3
@@ -24,10 +30,10 @@ PLACE = 1e-3
 
 @dataclass(frozen=True)
 class Start:
-    """The robot began to mill the file that stood there; `at` when ready was last seen high [s since the epoch]."""
+    """The robot began to mill the file that stood there; `asked` when it was requested [s since the epoch]."""
 
     data: bytes
-    at: float
+    asked: float
 
 
 @dataclass(frozen=True)
@@ -107,7 +113,7 @@ class Oracle:
         return len({stood.place for stood in map(self._stood, self.starts) if stood})
 
     def _stood(self, start: Start) -> Placed | None:
-        return max((p for p in self._placed if p.at <= start.at), key=lambda p: p.at, default=None)
+        return max((p for p in self._placed if p.at <= start.asked), key=lambda p: p.at, default=None)
 
     def _fault(self, start: Start) -> str:
         stood = self._stood(start)
@@ -119,7 +125,7 @@ class Oracle:
             named.setdefault(key, value)
         found = named.get("#door"), named.get("#run")
         if stood is None or found != (stood.door_id, stood.run_id):
-            return f"milled {found}, ready seen high last at {start.at:.3f}; in the clamp: {stood}"
+            return f"milled {found}, requested at {start.asked:.3f}; in the clamp: {stood}"
         seen, good = stood.place.seen(targets_of(start.data)), self._good[stood.door_id]
         if seen.shape != good.shape:
             return f"milled {found} by {len(seen)} targets instead of {len(good)}; in the clamp: {stood}"
@@ -132,22 +138,33 @@ class Oracle:
         except OSError:
             return b""
 
+    def _is_high(self, signal: Path) -> bool:
+        return self._read(signal).strip() == b"1"
+
+    def _asked(self) -> float:
+        """When the program wrote the number of its request, by the machine's own clock; -inf for never."""
+        try:
+            return (self._home / "Hei2.req").stat().st_mtime
+        except OSError:
+            return NEVER
+
     def _watch(self) -> None:
         ready, busy, target = (
             self._home / "io" / "doPathReady",
             self._home / "io" / "doPathBusy",
             self._home / "Hei2.txt",
         )
-        was_busy, kept, at = True, b"", 0.0
+        was_busy, kept = True, Start(b"", NEVER)
         while not self._ended.is_set():
-            # The file first: it was there when ready is found high after it.
-            data = self._read(target)
-            if data and self._read(ready).strip() == b"1":
-                kept, at = data, time.time()
+            # Ready was high before the file was read and after it, for one request: no write of the PC was met halfway.
+            if self._is_high(ready):
+                asked, data = self._asked(), self._read(target)
+                if data and self._is_high(ready) and self._asked() == asked:
+                    kept = Start(data, asked)
             self.named.add(self._read(self._home / "Hei2.end"))
-            is_busy = self._read(busy).strip() == b"1"
+            is_busy = self._is_high(busy)
             if is_busy and not was_busy:
-                self.starts.append(Start(kept, at))
-                kept = b""
+                self.starts.append(kept)
+                kept = Start(b"", NEVER)
             was_busy = is_busy
             time.sleep(LOOK)

@@ -238,6 +238,8 @@ def sabotage(handshake: SharedHandshake, part: str) -> None:
         handshake._access.verify = lambda submission: None
     elif part == "clear":
         handshake._access.clear = lambda: None
+    elif part == "mark":
+        handshake._access._require_mark = lambda mark: None
 
 
 def bridge_process(world: World, scenario: Scenario, life: int, link: dict[str, str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import json
+import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,7 @@ from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 
 DOORS = ("door_a", "door_b")
+_LONGEST_LINE = 8192  # bytes of a log
 #: Somewhere in front of the robot, near its home position, so that the real program can go there.
 _FIRST = np.array([1.35, 0.4, 1.3])
 
@@ -91,6 +93,17 @@ class World:
         except FileNotFoundError:
             return []
         return [json.loads(line) for line in text.splitlines()]
+
+    def last(self, name: str) -> dict[str, Any]:
+        """The last line of a log, empty before there is one."""
+        try:
+            with (self.root / f"{name}.jsonl").open("rb") as file:
+                size = file.seek(0, os.SEEK_END)
+                file.seek(max(0, size - _LONGEST_LINE))
+                lines = file.read().splitlines()
+        except FileNotFoundError:
+            return {}
+        return json.loads(lines[-1]) if lines else {}
 
 
 def digest(data: bytes) -> str:
