@@ -60,8 +60,12 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
         members = tuple(members)
         key = frozenset(cause.identity for cause in members)
         if key not in self.fits:
-            self.fits[key] = fit(self.problem, members, starts)
+            self.fits[key] = self.fitted(members, starts)
         return self.fits[key]
+
+    def fitted(self, members: Sequence[C], starts: Sequence[FloatArray] | None) -> Fit[C]:
+        """A fit of its own, whatever there is already, from the starts given, shape (p,) each."""
+        return fit(self.problem, members, starts)
 
     def total(self, found: Fit[C]) -> float:
         """Held-out score plus what its numbers and unnamed patterns cost; smaller is better."""
@@ -88,7 +92,7 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
 
     def extensions(self, found: Fit[C]) -> list[tuple[C, float]]:
         """Candidates that may join a model and by how much, to first order; the most promising first."""
-        gains = self._preview.gains(found)
+        gains = self.gains(found)
         allowed = [
             (cause, gain)
             for cause, gain in zip(self.candidates, gains, strict=True)
@@ -96,6 +100,10 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
         ]
         allowed = [allowed[i] for i in ranks(np.array([-gain for _, gain in allowed]))]
         return [pair for i, pair in enumerate(allowed) if pair[1] > 0.5 * ENTRY or i < 3][:_SCREEN]
+
+    def gains(self, found: Fit[C]) -> FloatArray:
+        """By how much the score may fall when each candidate joins, to first order, shape (candidates,)."""
+        return self._preview.gains(found)
 
     @cached_property
     def _preview(self) -> Preview[C]:
@@ -186,7 +194,7 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
         if rest and tried not in self._polished:
             self._polished.add(tried)
             theta = np.concatenate([model.theta[model.part(c)] for c in rest])
-            again = fit(self.problem, rest, [theta])
+            again = self.fitted(rest, [theta])
             if again.score < smaller.score - QUANTUM:
                 self.fits[again.identity] = smaller = again
         return smaller

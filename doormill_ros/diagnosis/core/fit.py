@@ -14,8 +14,15 @@ from doormill_ros.diagnosis.core.problem import C, Prediction, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
 from doormill_ros.diagnosis.core.robust import robust_sum, trial_weights
 
-_RISE = 1e-6  #: share by which a step may raise the cost and still be taken
-_RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
+STEPS = 25  #: of a descent, at most
+RISE = 1e-6  #: share by which a step may raise the cost and still be taken
+TRIES, SHORTER = (
+    6,
+    0.3,
+)  #: lengths of a step that are tried, and by how much each is shorter than the one before
+SETTLED = 1e-6  #: squared standard deviations that a step moves everything by, below which a descent ends
+PATIENT = 3  #: steps before gross errors are set aside
+RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes
 
 
 #: What tells models apart: name, place and variant of every member.
@@ -128,13 +135,13 @@ def descend(
     problem: Problem[C],
     members: tuple[C, ...],
     theta: FloatArray,
-    steps: int = 25,
+    steps: int = STEPS,
     fixed: int | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Walk downhill from theta, shape (p,), one number fixed where wanted: theta and the weights (n,) there."""
     lower, upper = bounds(members)
     scale = np.concatenate([np.zeros(0)] + [c.scale for c in members])
-    ridge = _RIDGE / scale**2
+    ridge = RIDGE / scale**2
     prediction = problem.predict(members, theta, derivative=True)
     weights = trial_weights(prediction.cost, False, problem.components)
     for step in range(steps):
@@ -149,16 +156,16 @@ def descend(
         matrix = (hessian + np.diag(ridge))[np.ix_(free, free)]
         move[free] = np.linalg.solve(matrix, descent[free])
         objective = float(weights @ prediction.cost)
-        for _ in range(6):
+        for _ in range(TRIES):
             moved = np.clip(theta + move, lower, upper)
             trial = problem.predict(members, moved, derivative=True)
-            if float(weights @ trial.cost) <= objective + _RISE * abs(objective):
+            if float(weights @ trial.cost) <= objective + RISE * abs(objective):
                 break
-            move = 0.3 * move
+            move = SHORTER * move
         change = moved - theta
         theta, prediction = moved, trial
-        settled = float(change @ (hessian @ change)) < 1e-6
-        weights = trial_weights(prediction.cost, step >= 3 or settled, problem.components)
+        settled = float(change @ (hessian @ change)) < SETTLED
+        weights = trial_weights(prediction.cost, step >= PATIENT or settled, problem.components)
         if settled and step >= 1:
             break
     return theta, weights
@@ -198,7 +205,7 @@ def finish(
     lower, upper = bounds(members)
     scale = np.concatenate([np.zeros(0)] + [c.scale for c in members])
     hessian, _ = normal_equations(prediction, weights)
-    hessian = hessian + np.diag(_RIDGE / scale**2)
+    hessian = hessian + np.diag(RIDGE / scale**2)
     free = (theta > lower) & (theta < upper)
     covariance = np.zeros_like(hessian)
     if free.any():

@@ -17,8 +17,12 @@ from doormill_ros.diagnosis.core.robust import trial_weights
 _ALIKE = 1e-6  #: squared sine of the angle between two effects below which they are one
 
 
-class Preview(Generic[C]):
-    """Derivatives of all candidates at all their starts, computed once for a set."""
+class Slopes(Generic[C]):
+    """Derivatives of all candidates at all their starts, computed once for a set.
+
+    Attributes:
+        columns: Whitened, shape (c n, m), those of every candidate and start in a row.
+    """
 
     def __init__(self, problem: Problem[C], candidates: Sequence[C]) -> None:
         """Derive every candidate, whitened."""
@@ -28,11 +32,48 @@ class Preview(Generic[C]):
             for start in cause.starts(problem.case):
                 blocks.append(problem.slope(cause, start).reshape(-1, cause.size))
                 self._owner.append(index)
-        self._columns = np.hstack(blocks)
+        self.columns = np.hstack(blocks)
         ends = np.cumsum([0, *(block.shape[1] for block in blocks)])
         self._blocks = [slice(a, b) for a, b in pairwise(ends)]
         sizes = np.diff(ends)
         self._by_size = {int(size): np.flatnonzero(sizes == size) for size in np.unique(sizes)}
+
+    def _at(self, size: int) -> IntArray:
+        """Columns of the blocks of a size, shape (blocks, size)."""
+        first = np.array([self._blocks[i].start for i in self._by_size[size]])
+        result: IntArray = first[:, None] + np.arange(size)
+        return result
+
+    def grams(self, one: FloatArray, other: FloatArray) -> list[FloatArray]:
+        """Products of the columns of every block, shape (blocks, size, size) for each size, of two (k, m)."""
+        return [
+            np.matmul(one[:, at].transpose(1, 2, 0), other[:, at].transpose(1, 0, 2))
+            for at in map(self._at, self._by_size)
+        ]
+
+    def best(self, pull: FloatArray, grams: Sequence[FloatArray]) -> tuple[FloatArray, IntArray]:
+        """By how much the score may fall when each candidate joins, at its best start, and the number of its block.
+
+        Args:
+            pull: Products of the columns and the target, shape (m,).
+            grams: As `grams` gives them.
+        """
+        of_block = np.zeros(len(self._blocks))
+        for (size, numbers), gram in zip(self._by_size.items(), grams, strict=True):
+            own = pull[self._at(size)]
+            # Not in place: the products of the columns may be wanted again.
+            firm = gram + 1e-9 * (1.0 + np.einsum("bii->b", gram))[:, None, None] * np.eye(size)
+            of_block[numbers] = np.einsum("bi,bi->b", own, np.linalg.solve(firm, own[:, :, None])[:, :, 0])
+        gains = np.full(len(self.candidates), -np.inf)
+        chosen = np.zeros(len(self.candidates), dtype=int)
+        for number, (index, gain) in enumerate(zip(self._owner, of_block, strict=True)):
+            if gain > gains[index] + QUANTUM:
+                gains[index], chosen[index] = gain, number
+        return gains, chosen
+
+
+class Preview(Slopes[C], Generic[C]):
+    """What every candidate may gain beside any model of the set."""
 
     def _left(self, found: Fit[C]) -> tuple[FloatArray, FloatArray]:
         """Residual (c n,) and derivatives (c n, m) less what the members can take over themselves."""
@@ -40,7 +81,7 @@ class Preview(Generic[C]):
         # Trials set aside by the smaller model may be just those that a new cause explains.
         weights = np.sqrt(trial_weights(np.sum(white**2, axis=1), False, self.problem.components))
         target = (white * weights[:, None]).ravel()
-        columns = self._columns * np.repeat(weights, white.shape[1])[:, None]
+        columns = self.columns * np.repeat(weights, white.shape[1])[:, None]
         if own is not None and found.size:
             base, _ = np.linalg.qr((own * weights[:, None, None]).reshape(len(target), -1))
             target = target - base @ (base.T @ target)
@@ -53,22 +94,7 @@ class Preview(Generic[C]):
 
     def _gains(self, target: FloatArray, columns: FloatArray) -> tuple[FloatArray, IntArray]:
         """The gains and the number of the block that gave each."""
-        pull = columns.T @ target
-        of_block = np.zeros(len(self._blocks))
-        for size, numbers in self._by_size.items():
-            at = np.array([self._blocks[i].start for i in numbers])[:, None] + np.arange(size)
-            part = columns[:, at]
-            gram = np.einsum("nbi,nbj->bij", part, part)
-            gram += 1e-9 * (1.0 + np.einsum("bii->b", gram))[:, None, None] * np.eye(size)
-            of_block[numbers] = np.einsum(
-                "bi,bi->b", pull[at], np.linalg.solve(gram, pull[at][:, :, None])[:, :, 0]
-            )
-        gains = np.full(len(self.candidates), -np.inf)
-        chosen = np.zeros(len(self.candidates), dtype=int)
-        for number, (index, gain) in enumerate(zip(self._owner, of_block, strict=True)):
-            if gain > gains[index] + QUANTUM:
-                gains[index], chosen[index] = gain, number
-        return gains, chosen
+        return self.best(columns.T @ target, self.grams(columns, columns))
 
     def pairs(self, found: Fit[C]) -> tuple[IntArray, FloatArray]:
         """By how much the score may fall when two candidates join together.

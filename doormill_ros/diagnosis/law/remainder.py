@@ -10,11 +10,14 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.law.beside import Beside
 from doormill_ros.diagnosis.law.characterise import account
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem
 from doormill_ros.diagnosis.law.place import place_of
 from doormill_ros.diagnosis.law.search import LawSearch
 
+#: Established numbers from which on it is less work to project them out once than to fit them beside every law.
+_MANY = 50
 #: Autocorrelation that is no more than chance.
 _FADED = 0.1
 
@@ -35,7 +38,8 @@ def laws_for(
     """
     theta = np.zeros(base.size)
     for _ in range(2):
-        search = LawSearch(problem, [base], theta, terms, place_of, progress, spread=True)
+        beside = Beside(problem, base) if base.size >= _MANY else None
+        search = LawSearch(problem, [base], theta, terms, place_of, progress, spread=True, beside=beside)
         best = search.run()
         if not search.laws(best):
             return None

@@ -14,6 +14,7 @@ from doormill_ros.diagnosis.core.beam import ENTRY, BeamSearch, may_join
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.problem import C, Problem
 from doormill_ros.diagnosis.core.ranking import QUANTUM, ranks
+from doormill_ros.diagnosis.law.beside import Beside
 from doormill_ros.diagnosis.law.place import Places
 from doormill_ros.robot_model.law.term import Term
 
@@ -40,6 +41,7 @@ class LawSearch(BeamSearch[C], Generic[C]):
         place: Places,
         progress: Callable[[str], None] = lambda line: None,
         spread: bool = False,
+        beside: Beside | None = None,
     ) -> None:
         """Keep what stays, with its numbers theta, shape (p,), and what may join.
 
@@ -52,15 +54,25 @@ class LawSearch(BeamSearch[C], Generic[C]):
             progress: Told of every step.
             spread: Whether a term has to earn its place without the one configuration that gains most, too; for rows
                 that repeat their neighbours.
+            beside: Fits terms beside what stays without fitting that again; for what is linear.
         """
         super().__init__(problem, [*base, *terms], progress)
         self.base, self.theta, self.place, self.spread = tuple(base), theta, place, spread
+        self._beside = beside
         self._stays = {cause.identity for cause in base}
         self._alike = Counter(term.key for term in self.candidates)
 
     def starts(self) -> list[Fit[C]]:
         """The established causes."""
         return [self.fit(self.base, [self.theta])]
+
+    def fitted(self, members: Sequence[C], starts: Sequence[FloatArray] | None) -> Fit[C]:
+        """Fitted anew, from the starts given, shape (p,) each."""
+        return super().fitted(members, starts) if self._beside is None else self._beside.fit(members, starts)
+
+    def gains(self, found: Fit[C]) -> FloatArray:
+        """By how much the score may fall when each candidate joins, to first order, shape (candidates,)."""
+        return super().gains(found) if self._beside is None else self._beside.gains(found, self.candidates)
 
     def laws(self, model: Fit[C]) -> list[C]:
         """Members that are not established."""
@@ -91,7 +103,7 @@ class LawSearch(BeamSearch[C], Generic[C]):
     def extensions(self, found: Fit[C]) -> list[tuple[C, float]]:
         """Of every place and driver the most promising terms."""
         # Less their prices: a curve of five numbers fits whatever one number fits.
-        gains = self._preview.gains(found) - self._prices
+        gains = self.gains(found) - self._prices
         listed: Counter[tuple[str, str]] = Counter()
         chosen: list[tuple[C, float]] = []
         for i in ranks(-gains):
