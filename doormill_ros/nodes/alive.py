@@ -21,6 +21,9 @@ from std_msgs.msg import Empty
 from doormill_ros.nodes.topics import Topic
 
 LEASE = 1.5  #: s without a sign of life after which a node is dead; a loaded machine keeps one waiting for over 1 s
+#: A sign that is late by less than this is no death: DDS sends them two thirds of `LEASE` apart, so that a third of it
+#: without the processor would be one [s].
+GRACE = 0.4
 #: A node that is started again stands beside its dead predecessor for so long [s].
 SETTLING = LEASE + 0.5
 QOS = QoSProfile(
@@ -81,8 +84,10 @@ class AliveWatch:
 
     def dead(self, names: Iterable[str]) -> str:
         """The first of the names whose node was there and is dead; else empty."""
+        late = self._clock() - GRACE
         with self._lock:
-            return next((name for name in names if self._seen[name].ever and not self._seen[name].alive), "")
+            seen = ((name, self._seen[name]) for name in names)
+            return next((name for name, one in seen if one.ever and not one.alive and one.since <= late), "")
 
     def alive(self, name: str) -> bool:
         """A node that offers this name is alive in another process."""

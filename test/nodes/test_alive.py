@@ -1,0 +1,60 @@
+"""When a node counts as dead: a late sign of life is no death, a missing one is named within two seconds."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+import rclpy
+
+from doormill_ros.nodes.alive import GRACE, LEASE, AliveWatch
+from doormill_ros.nodes.managed_node import ManagedNode
+
+
+class Watched:
+    """A watch whose clock and whose DDS are the test's."""
+
+    def __init__(self, node: ManagedNode) -> None:
+        self.now = 100.0
+        self.watch = AliveWatch(node, ("path_generator",), lambda: None, lambda: self.now)
+
+    def heard(self, alive: int) -> None:
+        self.watch._count("path_generator", SimpleNamespace(alive_count=alive))
+
+    @property
+    def dead(self) -> str:
+        return self.watch.dead(("path_generator",))
+
+
+@pytest.fixture
+def watched(context: rclpy.Context):
+    node = ManagedNode("bridge", context=context)
+    yield Watched(node)
+    node.destroy_node()
+
+
+def test_a_node_that_was_never_there_is_not_dead(watched: Watched) -> None:
+    watched.now += 100.0
+    assert watched.dead == ""
+
+
+def test_a_late_sign_of_life_is_no_death(watched: Watched) -> None:
+    watched.heard(1)
+    for _ in range(3):
+        watched.heard(0)
+        watched.now += 0.9 * GRACE
+        assert watched.dead == ""
+        watched.heard(1)
+        watched.now += 10.0
+        assert watched.dead == ""
+
+
+def test_a_missing_one_is_and_in_time(watched: Watched) -> None:
+    watched.heard(1)
+    watched.heard(0)
+    watched.now += GRACE
+    watched.heard(0)  # said again, it is no news
+    assert watched.dead == "path_generator"
+    assert LEASE + GRACE < 2.0
+    watched.heard(1)
+    assert watched.dead == ""
