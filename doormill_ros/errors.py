@@ -77,6 +77,11 @@ def one_line(message: str) -> str:
     return message
 
 
+def unexpected(error: Exception) -> str:
+    """The beginning of a sentence about an error that nobody thought of; what to do follows it."""
+    return f"unexpected {type(error).__name__}: {error}"
+
+
 class DataSetError(DoormillError):
     """Measured data, or a model made from it, that cannot be used."""
 

@@ -36,6 +36,7 @@ CLAIMS, EVERY_CLAIM = re.compile(r"/_alive/controller_\w+"), "/_alive/controller
 #: What `health` listens to, and where the recorder takes whatever it finds.
 LISTENER, RECORDER = "cell_health", "bag_recorder"
 SETTLED = 3.0  # s without a change of the graph
+LIMIT = 240.0  # s, after which it never will
 KINDS = (
     "topics publish",
     "topics subscribe",
@@ -90,6 +91,13 @@ def held_by(node: Any) -> dict[str, set[str]]:
     }
 
 
+def untold(node: Any, graph: Graph) -> list[str]:
+    """What a node holds and the graph does not tell."""
+    return [
+        name for kind, held in held_by(node).items() for name in sorted(held - graph[node.get_name()][kind])
+    ]
+
+
 def whole_graph() -> Graph:
     """What the nodes do in any cell, whatever its sensors."""
     whole: Graph = {}
@@ -139,15 +147,17 @@ def cell_graph(sensors: tuple[str, ...], namespace: str) -> Iterator[Graph]:
             composition = cell._composition
             names = [node.get_name() for node in composition.nodes]
             found, since = graph_of(composition.driver, names), time.monotonic()
+            deadline = since + LIMIT
             while time.monotonic() - since < SETTLED:
                 time.sleep(0.2)
                 again = graph_of(composition.driver, names)
-                if again != found or not all(
-                    held <= again[node.get_name()][kind]
-                    for node in composition.nodes
-                    for kind, held in held_by(node).items()
-                ):
+                missing = [name for node in composition.nodes for name in untold(node, again)]
+                if again != found or missing:
                     found, since = again, time.monotonic()
+                if time.monotonic() > deadline:
+                    raise TimeoutError(
+                        f"after {LIMIT:g} s the graph has not settled; it does not tell {missing}"
+                    )
             yield found
 
 

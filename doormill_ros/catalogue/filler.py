@@ -14,7 +14,7 @@ from typing import Any
 from doormill_ros.catalogue.bag_rows import finished
 from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.run_collector import RunCollector
-from doormill_ros.errors import DoormillError
+from doormill_ros.errors import DoormillError, unexpected
 
 _LOG = logging.getLogger(__name__)
 
@@ -93,5 +93,5 @@ class RunFiller:
                 why = error.message
             else:
                 _LOG.exception("a run cannot be noted in the catalogue")
-                why = f"unexpected {type(error).__name__}: {error}"
+                why = unexpected(error)
             self.failure = f"runs are not in the catalogue: {why}; catalogue rebuild {self._bag} adds them"

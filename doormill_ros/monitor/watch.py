@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from doormill_ros.errors import DoormillError
+from doormill_ros.errors import DoormillError, unexpected
 from doormill_ros.measurements.inspection import DESCRIPTION, inspections_in
 from doormill_ros.models.record import StoreRecord
 from doormill_ros.models.store import ModelStore
@@ -339,4 +339,4 @@ class ModelWatch:
 def _unforeseen(error: Exception, advice: str) -> DoormillError:
     """What is told of an error that nobody thought of; the log has all of it."""
     _LOG.error("inspected doors", exc_info=error)
-    return QuestionError(f"unexpected {type(error).__name__}: {error}; see the log, {advice}")
+    return QuestionError(f"{unexpected(error)}; see the log, {advice}")

@@ -15,7 +15,7 @@ from rclpy.lifecycle import LifecycleNode
 from rclpy.parameter import Parameter
 
 from doormill_ros.cell.errors import BadParameterError
-from doormill_ros.errors import DoormillError, one_line
+from doormill_ros.errors import DoormillError, one_line, unexpected
 from doormill_ros.nodes import topics
 
 OK: bytes = DiagnosticStatus.OK
@@ -147,7 +147,7 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             except Exception as error:
                 if not self.context.ok():  # interrupted: nothing can be published any more
                     return
-                self.report(ERROR, f"unexpected {type(error).__name__}: {error}")
+                self.report(ERROR, unexpected(error))
                 self.get_logger().error(traceback.format_exc())
 
         return call
@@ -158,7 +158,7 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             return error
         self.get_logger().error("".join(traceback.format_exception(error)))
         return DoormillError(
-            f"unexpected {type(error).__name__}: {error}; see the log of {self.get_name()} and start the door again"
+            f"{unexpected(error)}; see the log of {self.get_name()} and start the door again"
         )
 
     def answering(self, callback: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
@@ -172,9 +172,7 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
                 self.report(WARN, error.message, error_code=error.code)
             except Exception as error:
                 response.error_code = DoormillError.code
-                response.message = (
-                    f"unexpected {type(error).__name__}: {error}; see the log of {self.get_name()}"
-                )
+                response.message = f"{unexpected(error)}; see the log of {self.get_name()}"
                 self.report(ERROR, response.message)
                 self.get_logger().error(traceback.format_exc())
             return response

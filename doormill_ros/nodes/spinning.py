@@ -69,7 +69,6 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
             get_logger("doormill").warning(
                 f"{error!r}: the executor goes on; whatever was destroyed meanwhile is lost, nothing else"
             )
-
         except RuntimeError:
             # The pool takes nothing more once it is shut down; what was ready in that moment is not called.
             if not self._ended.is_set():

@@ -16,10 +16,8 @@ from doormill_ros.diagnosis.core.robust import robust_sum, trial_weights
 
 STEPS = 25  #: of a descent, at most
 RISE = 1e-6  #: share by which a step may raise the cost and still be taken
-TRIES, SHORTER = (
-    6,
-    0.3,
-)  #: lengths of a step that are tried, and by how much each is shorter than the one before
+TRIES = 6  #: lengths of a step that are tried
+SHORTER = 0.3  #: by how much each of them is shorter than the one before
 SETTLED = 1e-6  #: squared standard deviations that a step moves everything by, below which a descent ends
 PATIENT = 3  #: steps before gross errors are set aside
 RIDGE = 1e-4  #: weak pull to zero effect, in squared inverse typical sizes

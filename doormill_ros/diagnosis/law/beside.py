@@ -98,7 +98,7 @@ class Beside:
         """Numbers of the terms (t,), residuals (c n,) and weights (n,) where the steps of `core.fit.descend` end."""
         size = self._base.size
         columns, left = self._columns(members[1:])
-        pull = np.concatenate([np.zeros(0), *(RIDGE / member.scale**2 for member in members[1:])])
+        pull = _pull(members[1:])
         theta = start[size:]
         white = self._target - self._projection.columns @ start[:size] - columns @ theta
         cost = self._cost(white)
@@ -133,7 +133,7 @@ class Beside:
         """Held-out residuals by one exact step away from where a descent ended; shapes as `_descend`."""
         problem, count = self._problem, self._problem.components
         columns, left = self._columns(members[1:])
-        pull = np.concatenate([np.zeros(0), *(RIDGE / member.scale**2 for member in members[1:])])
+        pull = _pull(members[1:])
         weighted = self._weighted(weights)
         own = weighted.residual(left)
         spread = np.linalg.inv(weighted.product(columns, left, left) + np.diag(pull))
@@ -196,3 +196,8 @@ class Beside:
         Nothing of a fit hangs on that, but all of what is told of a term that they could nearly replace.
         """
         return self._projection.left(left)
+
+
+def _pull(terms: Sequence[Any]) -> FloatArray:
+    """The weak pull of `core.fit` on the numbers of terms, shape (t,)."""
+    return np.concatenate([np.zeros(0), *(RIDGE / term.scale**2 for term in terms)])
