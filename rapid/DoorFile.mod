@@ -151,9 +151,16 @@ MODULE DoorFile
         IF moveCount=0 THEN
             Refuse TXT_NO_MOTION;
         ENDIF
+        BeginTools;
         FOR i FROM 1 TO moveCount DO
             moves{i}:=MoveAfter("#move ");
+            IF NOT ToolsFit(moves{i}) THEN
+                Refuse TXT_RACK;
+            ENDIF
         ENDFOR
+        IF NOT ToolsEnd() THEN
+            Refuse TXT_RACK;
+        ENDIF
         IF moves{1}.kind<>"A" AND moves{1}.kind<>"J" THEN
             ! From home only the axes know the way.
             Refuse TXT_FIRST_ARC;
@@ -207,6 +214,9 @@ MODULE DoorFile
         CASE "A":
             CheckInteger row.target,1,pointCount;
             CheckInteger row.via,0,0;
+        CASE "P","T","M":
+            CheckInteger row.target,1,pointCount;
+            CheckInteger row.via,1,RACK_PLACES;
         CASE "C":
             CheckInteger row.target,1,targetCount;
             CheckInteger row.via,1,targetCount;

@@ -1,7 +1,7 @@
 MODULE DoorMill
     ! Mills one door a cycle: waits for it, asks the PC for the path, reads it, mills it, waits until it is taken out.
-    ! Load with DoorText, DoorCell, DoorStop, DoorBack, DoorLink, DoorPath, DoorLine, DoorFile and the parameters of
-    ! EIO.cfg and SYS.cfg; run main in continuous cycle.
+    ! Load with DoorText, DoorCell, DoorStop, DoorBack, DoorTool, DoorLink, DoorPath, DoorLine, DoorFile and the
+    ! parameters of EIO.cfg and SYS.cfg; run main in continuous cycle.
 
     ! What is being milled, for displays: number in the file's motions, 0 between doors.
     PERS num millingMotion:=0;
@@ -11,6 +11,7 @@ MODULE DoorMill
     PROC main()
         PrepareCell;
         LeadBack;
+        RestoreTool;
         WaitForDoor;
         IF RequestPath() THEN
             IF AcceptPath() THEN
@@ -32,6 +33,7 @@ MODULE DoorMill
         ConfL\Off;
         millingMotion:=0;
         StopSpindle;
+        Reset doDrawbarOpen;
         Reset doPathRequest;
         RecallRuns;
     ENDPROC
@@ -88,13 +90,18 @@ MODULE DoorMill
                 ! The motion before ended in a stop point, see ZoneBetween.
                 SetSpindle moves{i}.spindle;
             ENDIF
-            IF i=1 THEN
-                NoteEscape i;
-            ELSEIF NOT SameWay(i-1,i) THEN
-                NoteEscape i;
+            IF IsRackWork(moves{i}.kind) THEN
+                Announce i;
+                WorkAtRack moves{i};
+            ELSE
+                IF i=1 THEN
+                    NoteEscape i;
+                ELSEIF NOT SameWay(i-1,i) THEN
+                    NoteEscape i;
+                ENDIF
+                Announce i;
+                MillMove moves{i},ZoneBetween(i);
             ENDIF
-            Announce i;
-            MillMove moves{i},ZoneBetween(i);
         ENDFOR
         SetSpindle 0;
     ENDPROC
@@ -147,7 +154,11 @@ MODULE DoorMill
         VAR num feature;
 
         feature:=moves{number}.feature;
-        IF IsWay(number) THEN
+        IF IsWay(number) AND AtHome() THEN
+            ! Between two tools; the way of this motion leads home by itself.
+            BeginEscape 1;
+            EndEscape TRUE;
+        ELSEIF IsWay(number) THEN
             ! Back to where it stands now, the way this motion goes, and on as from here.
             EscapeOver CJointT(),moves{number}.kind="L";
         ELSE

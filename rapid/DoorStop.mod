@@ -138,6 +138,8 @@ MODULE DoorStop
         ENDIF
         stoppedAt:=CJointT();
         stoppedKnown:=TRUE;
+        ! What the drawbar let go of a tool it holds again.
+        Reset doDrawbarOpen;
         ! Busy stays: the tool may stand in the door, which must not be taken out.
         Set doPathFault;
         Reset doPathRequest;
@@ -171,8 +173,8 @@ MODULE DoorStop
 
     PROC DoorStopped()
         ! STOP, QSTOP: the robot stands. Once all is cut a stop is no reason to give the door up. Before, it is:
-        ! nobody sees what the clamp does until the next start.
-        IF doorInHand AND (spindleSpeed<>0 OR CutsLeft()) THEN
+        ! nobody sees what the clamp does until the next start. At the rack it always is.
+        IF doorInHand AND (spindleSpeed<>0 OR atRack OR CutsLeft()) THEN
             StopSpindle;
             NoteStop TXT_STOPPED;
         ENDIF

@@ -68,8 +68,16 @@ MODULE DoorText
     CONST num TXT_RETRACT:=58;
     CONST num TXT_JOG:=59;
     CONST num TXT_OK:=60;
+    CONST num TXT_RACK:=61;
+    CONST num TXT_SPINDLE_TURNS:=62;
+    CONST num TXT_DRAWBAR:=63;
+    CONST num TXT_TOOL_STUCK:=64;
+    CONST num TXT_TOOL_MISSING:=65;
+    CONST num TXT_TOOL_LENGTH:=66;
+    CONST num TXT_OTHER_TOOL:=67;
+    CONST num TXT_ASK_TOOL:=68;
 
-    LOCAL CONST num TEXTS:=60;
+    LOCAL CONST num TEXTS:=68;
     LOCAL CONST num LANGUAGES:=3;
     LOCAL CONST string TABLE{TEXTS,LANGUAGES}:=[
         ["Door milling",
@@ -251,7 +259,31 @@ MODULE DoorText
         "For haand"],
         ["OK",
         "OK",
-        "OK"]];
+        "OK"],
+        ["The tool changes do not fit this rack.",
+        "Werkzeugwechsel passen nicht zum Magazin.",
+        "Verktoeybytter passer ikke magasinet."],
+        ["The spindle does not come to rest.",
+        "Die Spindel kommt nicht zum Stillstand.",
+        "Spindelen stanser ikke."],
+        ["The drawbar does not open or close.",
+        "Der Spanner oeffnet oder schliesst nicht.",
+        "Spennestangen aapner eller lukker ikke."],
+        ["The tool did not leave the spindle.",
+        "Das Werkzeug blieb in der Spindel.",
+        "Verktoeyet ble sittende i spindelen."],
+        ["No tool is clamped from place:",
+        "Kein Werkzeug gespannt vom Platz:",
+        "Ikke noe verktoey spent fra plass:"],
+        ["The tool has another length [mm]:",
+        "Das Werkzeug hat eine andere Laenge [mm]:",
+        "Verktoeyet har en annen lengde [mm]:"],
+        ["Another tool is in the spindle.",
+        "Anderes Werkzeug in der Spindel.",
+        "Et annet verktoey er i spindelen."],
+        ["Put tool 1 in, the others into the rack.",
+        "Werkzeug 1 einsetzen, andere ins Magazin.",
+        "Sett inn verktoey 1, andre i magasinet."]];
 
     FUNC string Text(num number)
         IF language<1 OR language>LANGUAGES THEN

@@ -12,6 +12,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.backing import Backing, Board
 from doormill_ros.cell.errors import BadCellFile
 from doormill_ros.cell.gravity import Gravity
+from doormill_ros.cell.rack import Rack, check_rack
 from doormill_ros.config import read
 from doormill_ros.frames import inverse, rotation_x, transform
 from doormill_ros.resources import resource
@@ -65,6 +66,7 @@ class CellLayout:
         gravity: Whose weight moves the targets.
         boards: What backs the rear face of a door.
         sensors: What finds the door, by name; milled is from the pose of the first one.
+        rack: Where tools stand that the robot takes by itself.
     """
 
     robot: str
@@ -80,6 +82,7 @@ class CellLayout:
     gravity: Gravity = field(default_factory=Gravity)
     boards: tuple[Board, ...] = ()
     sensors: tuple[str, ...] = (CAMERA,)
+    rack: Rack | None = None
 
     def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> FloatArray:
         """Door frame in the base frame, shape (4, 4).
@@ -100,13 +103,16 @@ class CellLayout:
         return transform(rotation_x(offset.rotation), origin)
 
     def seen_from(self, T_base_other: FloatArray) -> CellLayout:
-        """The cell as another robot of the kind sees it, its tool and home the same; it needs the rear face free.
+        """The cell as another robot of the kind sees it, its tool and home the same.
+
+        It needs the rear face free, and the rack is out of its reach.
 
         Args:
             T_base_other: The other robot's base frame, shape (4, 4).
         """
         T_other_base = inverse(T_base_other)
-        return replace(self, boards=(), obstacles=tuple(body.mapped(T_other_base) for body in self.obstacles))
+        obstacles = tuple(body.mapped(T_other_base) for body in self.obstacles)
+        return replace(self, boards=(), obstacles=obstacles, rack=None)
 
     def with_rear_free(self) -> CellLayout:
         """The cell with its boards away, for a second robot that mills the rear face."""
@@ -161,6 +167,7 @@ class _CellFile(Section):
     gravity: Gravity = field(default_factory=Gravity)
     backing: Backing | None = None
     sensors: tuple[Name, ...] = (CAMERA,)
+    rack: Rack | None = None
 
 
 def load_layout(path: Path | None = None) -> CellLayout:
@@ -186,4 +193,5 @@ def load_layout(path: Path | None = None) -> CellLayout:
         gravity=content.gravity,
         boards=() if content.backing is None else content.backing.boards,
         sensors=content.sensors,
+        rack=check_rack(content.rack),
     )

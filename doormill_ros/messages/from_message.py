@@ -23,7 +23,7 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.errors import DoorPoseError
-from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+from doormill_ros.toolpath.program import RACK_KINDS, MillingProgram, Motion, MotionKind, Target
 from doormill_ros.units import ns_to_s
 
 FARTHEST = 100.0  # m that a door may be away
@@ -33,7 +33,7 @@ BROWN = ("plumb_bob", "rational_polynomial")
 MOST_DISTORTION = 10.0
 FOCAL = (0.1, 50.0)  # of the picture's longer side
 #: Numbers of doormill_interfaces/Motion.kind.
-KINDS = (MotionKind.JOINT, MotionKind.LINEAR, MotionKind.CIRCULAR, MotionKind.ABSOLUTE)
+KINDS = (MotionKind.JOINT, MotionKind.LINEAR, MotionKind.CIRCULAR, MotionKind.ABSOLUTE, *RACK_KINDS)
 
 
 def nanoseconds_of(stamp: Any) -> int:

@@ -26,6 +26,7 @@ from doormill_ros.frames import inverse
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.mills import mill_radius
 
 LAYERS = (0.05, 0.275, 0.5, 0.725, 0.95)  #: fractions of the depth at which walls are measured
 CONTOUR_STEP = 2.5e-4  #: distance of measured points along an outline [m]
@@ -119,7 +120,7 @@ def inspect(
 def _measure(
     recipe: Recipe, feature: Feature, paths: Sequence[tuple[FloatArray, ExecutedPath]]
 ) -> FeatureResult:
-    depth, radius = feature.cut_depth(recipe.size), feature.tool.radius
+    depth, radius = feature.cut_depth(recipe.size), _radius(recipe, feature, paths)
     points = feature.outline().points(step=CONTOUR_STEP, chord_error=1e-7)
     station = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     ways = []
@@ -146,6 +147,13 @@ def _measure(
         uncleared=float(inner.difference(region).area),
         region=region,
     )
+
+
+def _radius(recipe: Recipe, feature: Feature, paths: Sequence[tuple[FloatArray, ExecutedPath]]) -> float:
+    """Of the mill that was in the spindle at the feature; of its own where nothing was milled [m]."""
+    found = [mill_radius(recipe, path)[np.char.equal(path.feature, feature.id)] for _, path in paths]
+    radii = np.concatenate(found)
+    return float(np.median(radii)) if len(radii) else feature.tool.radius
 
 
 class _Way:

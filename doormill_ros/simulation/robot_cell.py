@@ -22,11 +22,13 @@ from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.errors import EffectsFileError
 from doormill_ros.simulation.truth.robot import TruthRobot
-from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+from doormill_ros.toolpath.program import RACK_KINDS, MillingProgram, Motion, MotionKind, Target
 from doormill_ros.units import m_to_mm, rad_to_deg
 from doormill_ros.values import Name, Section
 
 NOT_CONNECTED = 9e9  #: RAPID's mark of an external axis that is not there
+#: PERS that say which tool is in the spindle.
+_OF_THE_TOOLS = ("doortool.toolplace", "doortool.atrack", "doorcell.toolmill")
 SPEED_OF_OTHERS = (500.0, 5000.0, 1000.0)  #: reorientation and external axes of the predefined speeds
 
 
@@ -149,8 +151,7 @@ class RobotCell:
         self.reset()
         controller = self._new_controller()
         if self._controller is not None:
-            controller.program.restore(self._controller.program.persistent_data())
-            controller.event_log[:0] = self._controller.event_log
+            self._hand_over(self._controller, controller)
         # Whatever became of the door before: it was taken out and the robot was led home.
         for name in ("doorInHand", "doorSpent", "nameTaken"):
             controller.program.write(name, "FALSE")
@@ -159,6 +160,22 @@ class RobotCell:
         controller.program.write("expectedDoor", f'"{door_id}"')
         controller.cell.spindle_works = self._spindle_works
         return RobotCellRun(controller)
+
+    def _hand_over(self, old: VirtualController, new: VirtualController) -> None:
+        """What stays from door to door: PERS, the event log, and which tool is where.
+
+        After a door that ended in the middle of a tool change people have put the tools back.
+        """
+        kept = dict(old.program.persistent_data())
+        if old.program.read("toolPlace") != new.program.read("toolPlace"):
+            fresh = new.program.persistent_data()
+            kept |= {name: fresh[name] for name in _OF_THE_TOOLS if name in fresh}
+        else:
+            new.cell.rack.carried, new.cell.rack.standing = old.cell.rack.carried, old.cell.rack.standing
+        new.cell.rack.faults = old.cell.rack.faults
+        new.cell.show_drawbar()
+        new.program.restore(kept)
+        new.event_log[:0] = old.event_log
 
     def execute_uncorrected(self, program: MillingProgram) -> ExecutedPath:
         """What the same robot would have done without the correction.
@@ -183,6 +200,10 @@ class RobotCell:
         tool, wobj = data("toolMill"), data("wobjDoor")
         nominal = [_robtarget(target) for target in program.targets]
         for number, motion in enumerate(program.motions):
+            if motion.kind in RACK_KINDS:
+                controller.wait_in_position()
+                controller.cell.rack.hold(motion.via if motion.kind is not MotionKind.PUT else None)
+                continue
             controller.move(
                 Move(
                     kind=motion.kind.value,

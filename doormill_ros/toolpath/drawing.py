@@ -17,7 +17,7 @@ from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.toolpath.arcs import circle
 from doormill_ros.toolpath.curve import arc_about
-from doormill_ros.toolpath.program import MillingProgram, MotionKind
+from doormill_ros.toolpath.program import AT_POINTS, MillingProgram, MotionKind
 from doormill_ros.units import m_to_mm
 
 EXAGGERATION = 30.0
@@ -145,7 +145,7 @@ def _ways(
     places = apply(T_door_base, nominal + factor * (corrected - nominal))
     ways = []
     for i, motion in enumerate(program.motions):
-        if i == 0 or motion.kind in (MotionKind.JOINT, MotionKind.ABSOLUTE):
+        if i == 0 or motion.kind in (MotionKind.JOINT, *AT_POINTS):
             continue
         start, end = places[program.motions[i - 1].target], places[motion.target]
         points = np.array([start, end]) if motion.via is None else _arc(start, places[motion.via], end)

@@ -58,6 +58,7 @@ ToolLifeError = PathError.row("ToolLifeError", 308, "A tool would be worn before
 ToolLengthError = PathError.row(
     "ToolLengthError", 309, "A tool stands out of the spindle by another length than the paths are made for."
 )
+ToolPlaceError = PathError.row("ToolPlaceError", 323, "A tool stands in no place of the rack.")
 ReachError = PathError.row("ReachError", 310, "A target is out of the robot's reach.")
 JointSpeedError = PathError.row("JointSpeedError", 314, "A joint would have to turn faster than it can.")
 HolderError = PathError.row("HolderError", 316, "A pocket is deeper than the mill reaches.")

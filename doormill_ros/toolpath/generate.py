@@ -19,16 +19,18 @@ from doormill_ros.toolpath.adapt import adapted, straightened
 from doormill_ros.toolpath.arcs import check_arcs, unfollowable
 from doormill_ros.toolpath.assemble import assembled, steps_of
 from doormill_ros.toolpath.door_plan import whole_door
-from doormill_ros.toolpath.errors import ToolChangeError, ToolLengthError
+from doormill_ros.toolpath.errors import ToolLengthError
 from doormill_ros.toolpath.joint_speed import followable
 from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.pace import paced
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.route import route
+from doormill_ros.toolpath.route import check_size, door_world, route
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.stations import stations_of
+from doormill_ros.toolpath.tool_change import RackWays, joined
 from doormill_ros.toolpath.tool_life import check_life
+from doormill_ros.toolpath.tool_order import tool_shares
 from doormill_ros.units import m_to_mm
 
 
@@ -66,7 +68,35 @@ def generate_program(
     if operations is None:
         check_placement(T_base_door, recipe, layout)
         operations = whole_door(recipe)
-    _check_tools(operations, settings)
+    for item in operations:
+        _check_length(item, settings)
+    shares = tool_shares(operations, layout.rack, settings.checks.tools)
+    made = [
+        (
+            share.place or 0,
+            _with_one_tool(recipe, T_base_door, layout, robot, model, share.operations, settings),
+        )
+        for share in shares
+    ]
+    program = made[0][1]
+    if len(made) > 1 or made[0][0]:
+        ways = RackWays(door_world(recipe, T_base_door, layout, robot, settings), robot, layout, settings)
+        program = joined(made, ways)
+        check_size([motion.feature for motion in program.motions], settings)
+    check_life(program, recipe)
+    return program
+
+
+def _with_one_tool(
+    recipe: Recipe,
+    T_base_door: FloatArray,
+    layout: CellLayout,
+    robot: Robot,
+    model: ComplianceModel,
+    operations: Sequence[Operation],
+    settings: PathSettings,
+) -> MillingProgram:
+    """What is milled with one tool, from home to home."""
     loaded = LoadedRobot(
         Kinematics(robot),
         model,
@@ -88,40 +118,7 @@ def generate_program(
         program = assembled(recipe, plan, stations, q, loaded, robot, settings, layout.home)
     if flat:
         check_arcs(program)
-    check_life(program, recipe)
     return program if plan.fixed else paced(program, settings)
-
-
-def _check_tools(operations: Sequence[Operation], settings: PathSettings) -> None:
-    """Refuse a robot's share of a door that takes more tools than its spindle holds, or another one.
-
-    Neither the target file nor the RAPID module has a tool change, and the tool centre point is
-    that of one tool: a feature milled with the tool of another would come out too wide or too narrow.
-
-    Args:
-        operations: What one robot mills, in order.
-        settings: How many tools it has, and how far they stand out of the spindle.
-
-    Raises:
-        ToolChangeError: They are too few.
-        ToolLengthError: One is longer or shorter.
-    """
-    for item in operations:
-        _check_length(item, settings)
-    first: dict[str, str] = {}
-    for item in operations:
-        first.setdefault(item.feature.tool.name, item.feature.id)
-    allowed = settings.checks.tools
-    if len(first) > allowed:
-        feature = list(first.values())[allowed]
-        found = ", ".join(f"{tool} for {name}" for tool, name in first.items())
-        raise ToolChangeError(
-            f"{feature}: the door takes {len(first)} tools ({found}), allowed are {allowed}, since the robot "
-            "cannot change them; give the features one tool, or split the door between two robots",
-            feature=feature,
-            found=len(first),
-            allowed=allowed,
-        )
 
 
 def _check_length(item: Operation, settings: PathSettings) -> None:

@@ -14,7 +14,7 @@ from doormill_ros.frames import cross
 from doormill_ros.toolpath.arcs import circle
 from doormill_ros.toolpath.curve import Arc
 from doormill_ros.toolpath.plan import Step
-from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind
+from doormill_ros.toolpath.program import AT_POINTS, MillingProgram, Motion, MotionKind
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.units import deg_to_rad
 
@@ -142,7 +142,7 @@ def _way(
     if not index or motion.kind not in (MotionKind.LINEAR, MotionKind.CIRCULAR):
         return None
     before = program.motions[index - 1]
-    if before.kind is MotionKind.ABSOLUTE:
+    if before.kind in AT_POINTS:
         return None
     start, end = at[before.target], at[motion.target]
     if motion.via is not None:

@@ -45,6 +45,15 @@ class MotionKind(str, Enum):
     LINEAR = "MoveL"
     CIRCULAR = "MoveC"
     ABSOLUTE = "MoveAbsJ"
+    PUT = "PutTool"
+    TAKE = "TakeTool"
+    MEASURE = "MeasureTool"
+
+
+#: What is done at the rack, from and to a posture in front of it.
+RACK_KINDS = (MotionKind.PUT, MotionKind.TAKE, MotionKind.MEASURE)
+#: Motions that end at points of joint space.
+AT_POINTS = (MotionKind.ABSOLUTE, *RACK_KINDS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +61,10 @@ class Motion:
     """One motion instruction.
 
     Attributes:
-        kind: MoveJ, MoveL, MoveC or MoveAbsJ.
-        target: Index into the program's targets where the motion ends; of a MoveAbsJ into its points.
-        via: Index of the circle point of a MoveC, None otherwise.
+        kind: MoveJ, MoveL, MoveC or MoveAbsJ, or what is done at the rack.
+        target: Index into the program's targets where the motion ends; of a MoveAbsJ into its points. At the rack the
+            point in front of it, where the robot stands before and after.
+        via: Index of the circle point of a MoveC; at the rack the place of the tool, from 0; None otherwise.
         speed: Tool centre point speed [m/s].
         zone: RAPID zone name: "fine", "z0", "z1", "z5", ... .
         feature: Identifier of the recipe feature, empty between features.
@@ -118,7 +128,7 @@ class MillingProgram:
 
     def q_after(self, motion: Motion) -> FloatArray:
         """Joint angles at the end of one of the program's motions, shape (6,) [rad]."""
-        if motion.kind is MotionKind.ABSOLUTE:
+        if motion.kind in AT_POINTS:
             return self.points[motion.target]
         return self.targets[motion.target].q
 

@@ -72,9 +72,7 @@ def route(
     """
     check_holder(operations, settings.approach, layout.clearance)
     check_far_side(operations, recipe.size, layout.boards)
-    mill = Mill(settings.approach.nose, settings.approach.mill_radius)
-    size = np.array([recipe.thickness, recipe.width, recipe.height])
-    world = World(robot, layout, mill, PlacedDoor(size, T_base_door))
+    world = door_world(recipe, T_base_door, layout, robot, settings)
     choice = _Choice()
     while True:
         plan = door_plan(recipe, operations, settings, choice.retreats, choice.free)
@@ -93,6 +91,15 @@ def route(
                     raise first from None
             elif plan.fixed or not choice.draw_back(error, operations, settings.approach.retreats):
                 raise choice.first or error from None
+
+
+def door_world(
+    recipe: Recipe, T_base_door: FloatArray, layout: CellLayout, robot: Robot, settings: PathSettings
+) -> World:
+    """Robot, cell and a door that stands at T_base_door, shape (4, 4), with the widest mill in the spindle."""
+    mill = Mill(settings.approach.nose, settings.approach.mill_radius)
+    size = np.array([recipe.thickness, recipe.width, recipe.height])
+    return World(robot, layout, mill, PlacedDoor(size, T_base_door))
 
 
 @dataclass(eq=False)

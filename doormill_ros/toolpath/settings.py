@@ -74,7 +74,7 @@ class Checks(Section):
 
     Attributes:
         targets: Most targets of a program.
-        tools: Most tools that a program of one robot may need.
+        tools: Most tools of a door that takes none of the rack.
         tool_length: How much longer or shorter than `approach.nose` a tool of the table may stand out [m].
         joint_margin: Distance kept from each joint limit [rad].
         wrist: Smallest angle of axis 5 from straight [rad].
@@ -105,6 +105,8 @@ class Cycle(Section):
         stop: Coming to rest and setting off again [s].
         spindle: From rest or one speed of the spindle to another [s].
         reading: Reading and checking one line of the target file [s].
+        changing: Putting a tool into its place, or taking one out, from in front of it and back [s].
+        measuring: Measuring a tool's length, likewise [s].
         same_spindle: Spindle speeds that differ by a smaller share are one speed.
         hinges: All hinges of a door [s].
         hole_side: One handle hole from one side [s].
@@ -118,6 +120,8 @@ class Cycle(Section):
     stop: NotNegative
     spindle: NotNegative
     reading: NotNegative
+    changing: NotNegative
+    measuring: NotNegative
     same_spindle: NotNegative
     hinges: Positive
     hole_side: Positive

@@ -12,12 +12,12 @@ from doormill_ros.frames import inverse
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.toolpath.arcs import circle
-from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind
+from doormill_ros.toolpath.program import AT_POINTS, RACK_KINDS, MillingProgram, Motion, MotionKind
 from doormill_ros.toolpath.settings import Cycle
 
 HOME_SPEED = 0.5  #: v500 of MoveHome in rapid/DoorCell.mod [m/s]
 WAY_SAMPLES = 21  #: places at which the tool's way on a joint motion is looked at
-JOINT_MOTIONS = (MotionKind.JOINT, MotionKind.ABSOLUTE)
+JOINT_MOTIONS = (MotionKind.JOINT, *AT_POINTS)
 
 
 def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatArray:
@@ -50,6 +50,8 @@ def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatAr
         elif motion.kind in JOINT_MOTIONS:
             times[i] = tool.joint_time(q, program.q_after(motion), motion.speed, cycle)
         times[i] += cycle.stop if stop[i] else 0.0
+        if motion.kind in RACK_KINDS:
+            times[i] += cycle.measuring if motion.kind is MotionKind.MEASURE else cycle.changing
         if motion.spindle_speed not in (0.0, spindle):
             times[i] += cycle.spindle
         q, spindle = program.q_after(motion), motion.spindle_speed
@@ -160,7 +162,7 @@ def _stretch(length: float, speed: float, acceleration: float, begin: float, end
 def motion_length(program: MillingProgram, index: int) -> float:
     """Length of a MoveL or MoveC on the nominal path [m]."""
     motion, before = program.motions[index], program.motions[index - 1]
-    if before.kind is MotionKind.ABSOLUTE:
+    if before.kind in AT_POINTS:
         return 0.0
     start = program.targets[before.target].T_base_tool_nominal[:3, 3]
     end = program.targets[motion.target].T_base_tool_nominal[:3, 3]

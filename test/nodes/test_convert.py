@@ -117,7 +117,7 @@ def test_every_body_is_shown_in_the_frame_that_moves_it() -> None:
     post = Body("post", "capsule", radius=0.1, start=np.zeros(3), end=np.array([0.0, 0.3, 0.0]))
     markers = body_markers(robot, replace(layout, obstacles=(*layout.obstacles, post))).markers
     shown = {(m.ns, m.id): m for m in markers}
-    assert len(shown) == len(markers) == 11 + 1 + 4 + 3
+    assert len(shown) == len(markers) == 11 + 1 + 6 + 3
     disc = shown["turning disc", 0]
     assert (disc.header.frame_id, disc.pose.position.x, disc.scale.x) == ("link_6", 0.18, 0.04)
     assert shown["spindle", 0].header.frame_id == "flange"

@@ -20,6 +20,7 @@ from doormill_ros.simulation.controller.rapid.machine import Move
 
 HOME = [0.0, -40.0, 30.0, 0.0, 10.0, 0.0]  # jposHome of rapid/DoorCell.mod, for files that do not say it
 KINDS = {"J": "MoveJ", "L": "MoveL", "C": "MoveC", "A": "MoveAbsJ"}
+RACK = "PTM"  # a tool into its place, out of it, and to the gauge
 NOT_CONNECTED = [9e9] * 6
 
 
@@ -92,6 +93,10 @@ def run_file(text, robot="irb6600_175_255"):
         read = controller.program.read
         way_home = FileMotion("A", 0, 0, 500.0, "fine", "", False)
         for number, motion in enumerate([*program.motions, way_home]):
+            if motion.kind in RACK:
+                controller.wait_in_position()
+                controller.cell.rack.hold(None if motion.kind == "P" else motion.via - 1)
+                continue
             joints = (
                 program.points[motion.target - 1] if motion.target and motion.kind == "A" else program.home
             )

@@ -186,12 +186,13 @@ def test_too_many_targets(cell, recipe):
 
 
 def test_a_door_for_which_the_tool_would_have_to_be_changed(cell, recipe):
-    """The target file has no tool change: the hinges would be milled with the lock case's mill."""
+    """Without a rack the hinges would be milled with the lock case's mill."""
     hinge = recipe.feature("hinge_1")
     other = replace(hinge, tool=replace(hinge.tool, name="mill_12", diameter=0.012))
     two = with_features(recipe, other, recipe.feature("lock_case"))
-    words = r"lock_case: the door takes 2 tools \(mill_12 for hinge_1, mill_16 for lock_case\), allowed are 1"
-    error = refused(cell, two, errors.ToolChangeError, words)
+    words = r"lock_case: the door takes 2 tools \(mill_12 for hinge_1, mill_16 for lock_case\), allowed are 1 where"
+    bare = replace(cell.layout, rack=None)
+    error = refused(cell, two, errors.ToolChangeError, words, layout=bare)
     assert error.data == {"feature": "lock_case", "found": 2, "allowed": 1}
     many = load_settings()
     many = replace(many, checks=replace(many.checks, tools=2.0))

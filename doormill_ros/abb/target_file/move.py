@@ -38,11 +38,17 @@ _KINDS = {
     MotionKind.LINEAR: "L",
     MotionKind.CIRCULAR: "C",
     MotionKind.ABSOLUTE: "A",
+    MotionKind.PUT: "P",
+    MotionKind.TAKE: "T",
+    MotionKind.MEASURE: "M",
 }
+#: Kinds that end at a point of joint space, and those among them that name a place of the rack.
+_AT_POINTS, _AT_RACK = "APTM", "PTM"
+MAX_PLACES = 8  #: places of the rack that the RAPID module knows
 _KIND_OF = {letter: kind for kind, letter in _KINDS.items()}
 _NUMBER = r"(\d{1,5}(?:\.\d{1,3})?)"
 _MOVE = re.compile(
-    rf'\["([JLCA])",(\d{{1,4}}),(\d{{1,4}}),{_NUMBER},"([a-z0-9]{{2,4}})",(\d{{1,2}}),(TRUE|FALSE),{_NUMBER}\]'
+    rf'\["([JLCAPTM])",(\d{{1,4}}),(\d{{1,4}}),{_NUMBER},"([a-z0-9]{{2,4}})",(\d{{1,2}}),(TRUE|FALSE),{_NUMBER}\]'
 )
 
 
@@ -54,7 +60,11 @@ class Ends(NamedTuple):
 
     def of(self, letter: str) -> int:
         """How many ends a kind of motion has."""
-        return self.points if letter == "A" else self.targets
+        return self.points if letter in _AT_POINTS else self.targets
+
+    def by_way_of(self, letter: str) -> int:
+        """How many circle points or places of the rack a kind of motion may name."""
+        return MAX_PLACES if letter in _AT_RACK else self.targets if letter == "C" else 0
 
 
 class Mistake(NamedTuple):
@@ -77,12 +87,15 @@ def parse_move(text: str, ends: Ends, features: list[str]) -> Motion | Mistake:
         return Mistake(f"is {text!r}", 'a move such as ["C",3,2,20,"z0",1,TRUE,3200]')
     letter, zone = match[1], match[5]
     target, via, feature = int(match[2]), int(match[3]), int(match[6])
-    last = ends.of(letter)
-    if not 1 <= target <= last or not (1 <= via <= last if letter == "C" else via == 0):
-        return Mistake(f"moves to {target} by way of {via}", f"1 to {last}, and 0 without circle")
+    last, most = ends.of(letter), ends.by_way_of(letter)
+    if not 1 <= target <= last or not (1 <= via <= most if most else via == 0):
+        said = f"1 to {most} beside it" if most else "0 without circle"
+        return Mistake(f"moves to {target} by way of {via}", f"1 to {last}, and {said}")
     if feature > len(features) or zone not in ZONES:
         return Mistake(f"names feature {feature} and zone {zone}", f"0 to {len(features)} and one of {ZONES}")
     speed, spindle = mm_to_m(float(match[4])), float(match[8]) * RPM
+    if letter in _AT_RACK and spindle:
+        return Mistake(f"is {text!r}", "a spindle at rest at the rack")
     if not 0.0 < speed <= MAX_SPEED or spindle > MAX_SPINDLE_SPEED * (1.0 + 1e-9):
         return Mistake(f"is {text!r}", "a speed above 0 and a spindle speed the cell has")
     return Motion(
@@ -116,15 +129,17 @@ def format_move(index: int, motion: Motion, ends: Ends, features: list[str]) -> 
             f"motion {index} has {found}, allowed is {allowed}: correct the milling program", motion=index
         )
 
-    circular = motion.kind is MotionKind.CIRCULAR
     if motion.kind not in _KINDS:
-        raise error(f"kind {motion.kind!r}", "MoveJ, MoveL, MoveC or MoveAbsJ")
+        raise error(f"kind {motion.kind!r}", "MoveJ, MoveL, MoveC or MoveAbsJ, or one of the rack")
     last = ends.of(_KINDS[motion.kind])
     if not 0 <= motion.target < last:
         raise error(f"target {motion.target}", f"0 to {last - 1}")
-    via = motion.via
-    if circular != (via is not None) or (via is not None and not 0 <= via < ends.targets):
-        raise error(f"circle point {motion.via}", "a target for MoveC and None for the others")
+    via, most = motion.via, ends.by_way_of(_KINDS[motion.kind])
+    if (most > 0) != (via is not None) or (via is not None and not 0 <= via < most):
+        raise error(
+            f"circle point or place {motion.via}",
+            "a target for MoveC, a place at the rack, and None for the others",
+        )
     if motion.zone not in ZONES:
         raise error(f"zone {motion.zone!r}", f"one of {', '.join(ZONES)}")
     speed = plain_number(m_to_mm(motion.speed))

@@ -18,6 +18,8 @@ a file with fewer than its 14 targets can never become a motion.
     #motions 16
     #move ["C",3,2,20,"z0",1,TRUE,3200]            kind, target (of "A" a point) and circle point
                                                    counted from 1, mm/s, zone, feature or 0, cutting, rev/min
+    #move ["P",12,1,1000,"fine",0,FALSE,0]         at the rack, in front of which point 12 is: "P" puts the tool into
+                                                   place 1, "T" takes the one of a place, "M" measures it
     #sum [12345,23456]                             checksum of every byte before this line
 
 The bracketed parts are RAPID record literals: `StrToVal` turns each into a record in one call.

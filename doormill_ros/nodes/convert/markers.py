@@ -14,7 +14,7 @@ from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.bodies import Body, load_bodies
 from doormill_ros.robot.description import Robot
-from doormill_ros.toolpath.program import MillingProgram, MotionKind
+from doormill_ros.toolpath.program import AT_POINTS, MillingProgram
 
 NOMINAL = ColorRGBA(r=0.55, g=0.55, b=0.55, a=1.0)
 CORRECTED = ColorRGBA(r=0.10, g=0.45, b=0.85, a=1.0)
@@ -107,7 +107,7 @@ def program_markers(
     corrected = _marker(header, "corrected path", Marker.LINE_STRIP, THICK, CORRECTED)
     corrections = _marker(header, "correction x 100", Marker.LINE_LIST, THICK, CORRECTION)
     for motion in program.motions:
-        if motion.kind is MotionKind.ABSOLUTE:
+        if motion.kind in AT_POINTS:
             continue
         for index in ([] if motion.via is None else [motion.via]) + [motion.target]:
             target = program.targets[index]

@@ -9,15 +9,11 @@ from doormill_interfaces.msg import Escape, JointPoint, TargetArray
 from doormill_interfaces.msg import Motion as MotionMessage
 from doormill_interfaces.msg import Target as TargetMessage
 from doormill_ros.arrays import FloatArray
+from doormill_ros.messages.from_message import KINDS as KIND_NUMBERS
 from doormill_ros.nodes.convert.geometry import fill_pose, pose_values
-from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+from doormill_ros.toolpath.program import MillingProgram, Motion, Target
 
-KINDS = {
-    MotionKind.JOINT: MotionMessage.MOVE_J,
-    MotionKind.LINEAR: MotionMessage.MOVE_L,
-    MotionKind.CIRCULAR: MotionMessage.MOVE_C,
-    MotionKind.ABSOLUTE: MotionMessage.MOVE_ABS_J,
-}
+KINDS = {kind: number for number, kind in enumerate(KIND_NUMBERS)}
 
 
 def program_into(message: TargetArray, program: MillingProgram) -> TargetArray:

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import numpy as np
+
 from doormill_ros.abb.signals import ALL_SIGNALS, GROUP_SIGNALS
+from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.io_configuration import IoConfiguration
 from doormill_ros.simulation.controller.io_port import IoPort
 from doormill_ros.simulation.controller.rapid.errors import SignalError
 from doormill_ros.simulation.controller.rapid.faults import RapidFault, RapidStop
+from doormill_ros.simulation.controller.tool_rack import DRAWBAR_OPEN, GAUGE, ToolRack
 
+SPINDLE_STOPPED = "diSpindleStopped"
 SPINDLE_ON, SPINDLE_SPEED, SPINDLE_AT_SPEED = "doSpindleOn", "aoSpindleSpeed", "diSpindleAtSpeed"
 DOOR_CLAMPED, GUARD_CLOSED = "diDoorClamped", "diGuardClosed"
 _OF_THE_PORT = ALL_SIGNALS + GROUP_SIGNALS
@@ -23,10 +30,26 @@ class SimulatedCell:
         spindle_time: Time in which the spindle comes to speed or to rest [s].
         spindle_drive: Output that makes the spindle turn.
         spindle_works: False for a spindle that never comes to speed.
+        rack: Drawbar, tools and gauge.
     """
 
-    def __init__(self, configuration: IoConfiguration, port: IoPort) -> None:
-        """Start with the door clamped, the guard closed and everything else at its default."""
+    def __init__(
+        self,
+        configuration: IoConfiguration,
+        port: IoPort,
+        rack: ToolRack | None = None,
+        flange: Callable[[], FloatArray] = lambda: np.eye(4),
+    ) -> None:
+        """Start with the door clamped, the guard closed and everything else at its default.
+
+        Args:
+            configuration: The signals.
+            port: Who holds those of the handshake.
+            rack: Drawbar, tools and gauge; None for a spindle whose tool nobody takes out.
+            flange: Gives where the robot holds the spindle, T_base_flange of shape (4, 4).
+        """
+        self.rack = rack or ToolRack(None, lambda q: np.eye(4))
+        self._flange = flange
         self.configuration = configuration
         self.kinds = configuration.kinds
         self._port = port
@@ -38,6 +61,9 @@ class SimulatedCell:
         self.spindle_time = 1.5
         self.spindle_works = True
         self._spindle_due: float | None = None
+        self._rest_due: float | None = None
+        self._tell(SPINDLE_STOPPED, 1.0)
+        self.show_drawbar()
         self._now = 0.0
         #: Simulated time [s] at which the spindle came to speed (True) or was switched off, in order.
         self.spindle_turned: list[tuple[float, bool]] = []
@@ -45,6 +71,8 @@ class SimulatedCell:
     def read(self, name: str) -> float:
         """Present value of a configured signal."""
         self._check(name)
+        if name == GAUGE:
+            return self.rack.gauge(self._flange())
         return float(self._port.read(name)) if name in _OF_THE_PORT else self._values[name]
 
     def write(self, name: str, value: float, now: float) -> None:
@@ -89,6 +117,11 @@ class SimulatedCell:
         if changed and name == self.spindle_drive and not value:
             self.spindle_turned.append((now, False))
         self._values[name] = value
+        if changed and name == DRAWBAR_OPEN:
+            self.rack.order(now)
+        if changed and name == self.spindle_drive and SPINDLE_STOPPED in self._values:
+            self._values[SPINDLE_STOPPED] = 0.0
+            self._rest_due = None if value else now + self.spindle_time
         if changed and name in (self.spindle_drive, SPINDLE_SPEED) and SPINDLE_AT_SPEED in self._values:
             self._values[SPINDLE_AT_SPEED] = 0.0
             self._spindle_due = now + self.spindle_time
@@ -100,7 +133,9 @@ class SimulatedCell:
 
     def next_event(self) -> float | None:
         """Simulated time at which a signal changes by itself [s], None when none will."""
-        return self._spindle_due if self.spindle_works else None
+        spindle = self._spindle_due if self.spindle_works else None
+        due = [time for time in (spindle, self._rest_due, self.rack.next_event) if time is not None]
+        return min(due, default=None)
 
     def advance(self, now: float) -> None:
         """Let what is due happen."""
@@ -109,6 +144,24 @@ class SimulatedCell:
             self._values[SPINDLE_AT_SPEED] = self._values.get(self.spindle_drive, 0.0)
             self.spindle_turned.append((self._spindle_due, bool(self._values[SPINDLE_AT_SPEED])))
             self._spindle_due = None
+        if self._rest_due is not None and now >= self._rest_due:
+            self._rest_due = None
+            self._tell(SPINDLE_STOPPED, 1.0)
+        turning = bool(self._values.get(self.spindle_drive, 0.0)) or not self._values.get(
+            SPINDLE_STOPPED, 1.0
+        )
+        if self.rack.next_event is not None:
+            self.rack.advance(now, bool(self._values.get(DRAWBAR_OPEN, 0.0)), self._flange(), turning)
+        self.show_drawbar()
+
+    def show_drawbar(self) -> None:
+        """Give the drawbar's sensors what the plant says."""
+        for name, value in self.rack.signals().items():
+            self._tell(name, value)
+
+    def _tell(self, name: str, value: float) -> None:
+        if name in self._values:
+            self._values[name] = value
 
     def _check(self, name: str) -> None:
         if name not in self.kinds:

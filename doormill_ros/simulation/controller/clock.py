@@ -197,7 +197,11 @@ class ControllerClock:
         if state.powered:
             self.system.update(self._panel.system_outputs(), self._cell.read, self._cell.force)
         self._engine.surroundings = Surroundings(
-            self._level(self._cell.spindle_drive), self._level(SPINDLE_AT_SPEED), self._panel.guard_closed
+            self._level(self._cell.spindle_drive),
+            self._level(SPINDLE_AT_SPEED),
+            self._panel.guard_closed,
+            self._cell.rack.carried,
+            self._cell.rack.longer,
         )
 
     def _level(self, name: str) -> bool:

@@ -33,13 +33,14 @@ from doormill_ros.simulation.controller.recorded_path import build_executed_path
 from doormill_ros.simulation.controller.recording import MotionRecording, Sampling
 from doormill_ros.simulation.controller.task_machine import LogEntry, TaskMachine
 from doormill_ros.simulation.controller.teach_pendant import TeachPendant
+from doormill_ros.simulation.controller.tool_rack import ToolRack
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.units import deg_to_rad
 
 #: What the project ships for the controller.
 OWN_MODULES = tuple(
     f"rapid/Door{name}.mod"
-    for name in ("Text", "Cell", "Stop", "Back", "Link", "Path", "Line", "File", "Mill")
+    for name in ("Text", "Cell", "Stop", "Back", "Tool", "Link", "Path", "Line", "File", "Mill")
 )
 IO_CONFIGURATION = "rapid/EIO.cfg"
 #: PERS of DoorLink.mod that names the door in the cell.
@@ -118,14 +119,16 @@ class VirtualController(TaskMachine):
         eio = io_configuration or resource(IO_CONFIGURATION)
         configuration = read_io_configuration(eio)
         self.io: IoPort = io or MemoryIo()
-        self.cell = SimulatedCell(configuration, self.io)
+        layout = load_layout()
+        rack = ToolRack(layout.rack, lambda q: arm.forward(q)[0])
+        self.cell = SimulatedCell(configuration, self.io, rack, lambda: arm.forward(self._engine.q)[0])
         self._process = process or module_process()
         #: Lines, dialogs and who answers them.
         self.teach_pendant = TeachPendant()
         self.event_log: list[LogEntry] = []
         #: States of the controller and the orders it takes.
         self.panel = ControlPanel(self.log)
-        self._T_flange_tool = load_layout().T_flange_tool if T_flange_tool is None else T_flange_tool
+        self._T_flange_tool = layout.T_flange_tool if T_flange_tool is None else T_flange_tool
         limits = limits or load_limits()
         self._engine = MotionEngine(arm, start, self._T_flange_tool, sampling or Sampling(), self.log, limits)
         self._planner = MovePlanner(arm, self.log, limits)

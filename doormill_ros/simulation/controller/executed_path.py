@@ -35,6 +35,7 @@ class ExecutedPath:
         at_speed: Whether the spindle said that it was at speed, shape (n,), bool.
         guard_closed: Whether the door circuit was closed, shape (n,), bool.
         driven: False while the arm ran on without power, shape (n,), bool.
+        tool: Tool that the rack's plant had in the spindle, empty for none, shape (n,), str; None where nobody watched.
     """
 
     time: FloatArray
@@ -49,6 +50,7 @@ class ExecutedPath:
     at_speed: BoolArray = field(default_factory=lambda: _UNWATCHED)
     guard_closed: BoolArray = field(default_factory=lambda: _UNWATCHED)
     driven: BoolArray = field(default_factory=lambda: _UNWATCHED)
+    tool: NDArray[np.str_] | None = None
 
     def __post_init__(self) -> None:
         """Copy, check shapes and freeze.
@@ -69,8 +71,11 @@ class ExecutedPath:
         }
         kinds = {"motion": int, "feature": str, **dict.fromkeys(("cutting", *_WATCHED), bool)}
         shapes.update(dict.fromkeys(_WATCHED, (n,)))
+        shapes["tool"], kinds["tool"] = (n,), str
         for item in fields(self):
             given = getattr(self, item.name)
+            if given is None:
+                continue
             given = np.ones(n, dtype=bool) if given is _UNWATCHED else given
             values: NDArray[Any] = np.array(given, dtype=kinds.get(item.name, float))
             if values.shape != shapes[item.name]:

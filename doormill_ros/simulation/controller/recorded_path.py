@@ -42,6 +42,9 @@ def build_executed_path(
     actual = poses
     if truth is not None:
         actual = truth.deflected(q, wrench, T_flange_tool[:3, 3], last_directions(q)) @ T_flange_tool
+    longer = np.array([s.tool_longer for s in recording.surroundings])
+    if longer.any():
+        actual, poses = _further(actual, longer), _further(poses, longer)
     return ExecutedPath(
         time=np.array(recording.time),
         T_base_tool=actual,
@@ -55,7 +58,15 @@ def build_executed_path(
         at_speed=np.array([s.at_speed for s in recording.surroundings]),
         guard_closed=np.array([s.guard_closed for s in recording.surroundings]),
         driven=np.array(recording.driven),
+        tool=np.array([s.tool for s in recording.surroundings], dtype=str),
     )
+
+
+def _further(poses: FloatArray, longer: FloatArray) -> FloatArray:
+    """Poses (n, 4, 4) of tips that stand out further by (n,) [m]."""
+    moved = poses.copy()
+    moved[:, :3, 3] += longer[:, None] * poses[:, :3, 2]
+    return moved
 
 
 def _travel(poses: FloatArray) -> FloatArray:

@@ -33,11 +33,15 @@ class Surroundings:
         spindle_on: The spindle is told to turn.
         at_speed: It says that it is at speed.
         guard_closed: The door circuit is closed.
+        tool: The tool in the spindle, empty for none, or where nobody knows.
+        tool_longer: How much further it stands out than it should [m].
     """
 
     spindle_on: bool = False
     at_speed: bool = False
     guard_closed: bool = True
+    tool: str = ""
+    tool_longer: float = 0.0
 
 
 @dataclass(eq=False)

@@ -15,11 +15,12 @@ from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import Body, Box, JudgedCell
 from doormill_ros.simulation.judge.links import BASE, FLANGE
 from doormill_ros.simulation.judge.manner import bad_cuts
-from doormill_ros.simulation.judge.mill import TOLERANCE, judge_mill, mill_radius
+from doormill_ros.simulation.judge.mill import TOLERANCE, judge_mill
 from doormill_ros.simulation.judge.shapes import cylinder_gap
 from doormill_ros.simulation.judge.sweep import Meeting, Sweep
 from doormill_ros.simulation.judge.verdict import Touch, Verdict
 from doormill_ros.simulation.judge.wood import Cuts, Pocket, still_there
+from doormill_ros.simulation.mills import mill_radius, mill_there
 
 FILL = 12  #: points along each edge of what a body shares with the door
 DOOR = "door"
@@ -126,13 +127,14 @@ def _mill_touches(
     pockets: tuple[Pocket, ...] = (),
 ) -> list[Touch]:
     """The mill against what is not of the door; of a board it may take what lies behind the feature at hand."""
-    radius = mill_radius(recipe, executed)
+    radius, there = mill_radius(recipe, executed), mill_there(recipe, executed)
     T_box_base = inverse(obstacle.at)
 
     def gap_at(place: FloatArray) -> FloatArray:
         T = T_box_base @ sweep.tool(place)
         tip, back = T[:, :3, 3], T[:, :3, 3] - cell.nose * T[:, :3, 2]
-        return cylinder_gap(tip, back, radius[np.ceil(place).astype(int)], obstacle.half)
+        sample = np.ceil(place).astype(int)
+        return np.where(there[sample], cylinder_gap(tip, back, radius[sample], obstacle.half), np.inf)
 
     extent = float(np.linalg.norm(cell.T_flange_tool[:3, 3])) + float(radius.max())
     met = sweep.met(FLANGE, extent, gap_at)

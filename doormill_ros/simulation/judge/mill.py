@@ -17,6 +17,7 @@ from doormill_ros.simulation.judge.shapes import cylinder_gap
 from doormill_ros.simulation.judge.sweep import LEVER, Sweep, between
 from doormill_ros.simulation.judge.verdict import TornOut, Touch, WoodGone
 from doormill_ros.simulation.judge.wood import Cuts, Pocket, below_surface, still_there
+from doormill_ros.simulation.mills import mill_radius, mill_there
 
 TOLERANCE = 0.5e-3  #: how far beside a feature wood may be gone, section 1.3 of the thesis [m]
 POINTS = 4_000_000  #: points of the door looked at, which sets their distance
@@ -83,6 +84,7 @@ def judge_mill(
     size = np.array([recipe.thickness, recipe.width, recipe.height])
     pockets = tuple(Pocket.of(recipe, feature) for feature in recipe.features)
     T_door_base, radius = inverse(T_base_door), mill_radius(recipe, executed)
+    there = mill_there(recipe, executed)
 
     def mill_at(place: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         T = T_door_base @ sweep.tool(place)
@@ -91,7 +93,8 @@ def judge_mill(
     def gap_at(place: FloatArray) -> FloatArray:
         tip, axis, wide = mill_at(place)
         middle = tip - size / 2.0
-        return cylinder_gap(middle, middle - cell.nose * axis, wide, size / 2.0)
+        gap = cylinder_gap(middle, middle - cell.nose * axis, wide, size / 2.0)
+        return np.where(there[np.ceil(place).astype(int)], gap, np.inf)
 
     extent = float(np.linalg.norm(cell.T_flange_tool[:3, 3])) + float(radius.max())
     place = sweep.met(FLANGE, extent, gap_at, TOLERANCE).place
@@ -122,18 +125,6 @@ def judge_mill(
             touches += more[1]
     gone.sort(key=lambda item: item.time)
     return MillJudgement(tuple(gone), tuple(touches), cuts, tuple(sorted(torn, key=lambda item: item.time)))
-
-
-def mill_radius(recipe: Recipe, executed: ExecutedPath) -> FloatArray:
-    """Radius of the mill at each sample, shape (n,) [m]: of the feature at hand, of the last or the first one."""
-    radii = {feature.id: feature.tool.radius for feature in recipe.features}
-    own = np.array([radii.get(str(name), np.nan) for name in executed.feature])
-    known = np.flatnonzero(np.isfinite(own))
-    if not len(known):
-        return np.full(len(own), max(radii.values()))
-    last = np.searchsorted(known, np.arange(len(own)), side="right") - 1
-    radius: FloatArray = own[known[np.maximum(last, 0)]]
-    return radius
 
 
 def _thin(looks: _Looks, executed: ExecutedPath) -> BoolArray:

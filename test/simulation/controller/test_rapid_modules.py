@@ -81,12 +81,14 @@ def test_no_name_hides_a_predefined_one(machine):
 
 
 def test_what_the_spindle_owes_has_an_end_and_what_people_owe_has_none():
-    """A door, its name, the PC and a guard may take their time; the drive may not."""
+    """A door, its name, the PC and a guard may take their time; drive and drawbar may not."""
     limited: dict[str, set[bool]] = {}
     for _, call in calls("WaitDI"):
         signal = call.arguments[0].value.name
         limited.setdefault(signal, set()).add(option(call, "MaxTime") is not None)
-    assert limited == {"diSpindleAtSpeed": {True}, "diDoorClamped": {False}, "diGuardClosed": {False}}
+    machines = ("diSpindleAtSpeed", "diSpindleStopped", "diToolReleased", "diToolClamped")
+    people = ("diDoorClamped", "diGuardClosed")
+    assert limited == {name: {name in machines} for name in (*machines, *people)}
     untimed = [call for _, call in calls("WaitUntil") if option(call, "MaxTime") is None]
     assert len(untimed) == 3
     timed = [call for name in ("WaitDI", "WaitUntil") for _, call in calls(name) if option(call, "MaxTime")]
