@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from doormill_ros.cell.rack import Rack
-from doormill_ros.toolpath.errors import ToolChangeError, ToolPlaceError
+from doormill_ros.toolpath.errors import PathError, ToolChangeError, ToolPlaceError
 from doormill_ros.toolpath.operation import Operation
 
 
@@ -103,7 +103,7 @@ def _belong(a: Operation, b: Operation) -> bool:
     return a.feature.belongs_to == b.feature.id or b.feature.belongs_to == a.feature.id
 
 
-def _no_rack(first: dict[str, str], allowed: int) -> ToolChangeError:
+def _no_rack(first: dict[str, str], allowed: int) -> PathError:
     feature = list(first.values())[allowed]
     found = ", ".join(f"{tool} for {name}" for tool, name in first.items())
     return ToolChangeError(

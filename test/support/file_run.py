@@ -79,11 +79,13 @@ def run_file(text, robot="irb6600_175_255"):
     program, description = read_file(text), load_robot(robot)
     arm = ControllerArm(description.dh, description.lower, description.upper, description.max_velocity)
 
+    moved = [number for number, motion in enumerate(program.motions) if motion.kind not in RACK]
+
     def context_of(_program, count):
-        if count >= len(program.motions):
+        if count >= len(moved):
             return MotionContext()
-        motion = program.motions[count]
-        return MotionContext(count, motion.feature, motion.cutting)
+        motion = program.motions[moved[count]]
+        return MotionContext(moved[count], motion.feature, motion.cutting)
 
     with tempfile.TemporaryDirectory() as folder:
         controller = VirtualController(

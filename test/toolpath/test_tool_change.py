@@ -87,7 +87,7 @@ def test_a_door_that_takes_the_other_tool_alone_brings_it_back(setup):
 
 
 def test_a_door_of_the_first_tool_is_planned_as_without_a_rack(setup):
-    recipe = two_tool_door(hinge_1="rack_mill_16", lock_case="rack_mill_16")
+    recipe = two_tool_door()
     recipe = replace(recipe, features=recipe.features[:1])
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness)
     bare = replace(setup, layout=replace(setup.layout, rack=None))

@@ -16,7 +16,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.simulation.controller.moves import MotionContext
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
-from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.program import RACK_KINDS, MillingProgram
 
 #: Data of rapid/DoorMill.mod that tell what is being milled.
 MOTION_DATA, FEATURE_DATA, CUTTING_DATA = "millingMotion", "millingFeature", "millingCutting"
@@ -101,15 +101,17 @@ def listed_process(milling: MillingProgram, first: int = 1, wrench_of: WrenchOf 
     """The cut while a program without our data runs, such as the thesis'.
 
     Args:
-        milling: Its motions are the program's motion instructions from number `first` on.
+        milling: Its motions, but for what is done at a rack, are the program's motion instructions from number
+            `first` on.
         first: Motion instructions before that, such as the one to the home position.
         wrench_of: Wrenches of another origin than the program's own.
     """
+    moved = [i for i, motion in enumerate(milling.motions) if motion.kind not in RACK_KINDS]
 
     def context_of(_program: RapidProgram, count: int) -> MotionContext:
-        index = count - first
-        if not 0 <= index < len(milling.motions):
+        if not 0 <= count - first < len(moved):
             return MotionContext()
+        index = moved[count - first]
         motion = milling.motions[index]
         return MotionContext(index, motion.feature, motion.cutting)
 
