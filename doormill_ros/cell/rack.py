@@ -15,7 +15,7 @@ MOST_PLACES = 8  #: the arrays of rapid/DoorTool.mod
 
 
 @dataclass(frozen=True, eq=False)
-class Place(Section):
+class RackPlace(Section):
     """A place of the rack.
 
     Attributes:
@@ -55,7 +55,7 @@ class Rack(Section):
     measured: StrictBool
     source: Name
     depth: Positive
-    places: tuple[Place, ...]
+    places: tuple[RackPlace, ...]
     gauge: Gauge
 
     def place_of(self, tool: str) -> int | None:
