@@ -56,7 +56,11 @@ class CellAttendance:
         claim = f"/_alive/controller_{zlib.crc32(controller.encode()):08x}"
         node.publisher(alive_topic(claim))
         self._lease = lease
-        self._nodes = AliveWatch(node, needed, notify, clock, lease=lease)
+        self._nodes = AliveWatch(node, needed, notify, clock)
+        # Patience with the living must not keep a restarted node beside its dead predecessor for longer.
+        self._patient = (
+            self._nodes if lease == LEASE else AliveWatch(node, needed, notify, clock, lease=lease)
+        )
         self._bridges = AliveWatch(node, (BRIDGE, claim), notify, clock, own=True)
         self._firsts = AliveWatch(node, (FIRST,), notify, clock)
 
@@ -78,7 +82,7 @@ class CellAttendance:
 
     def require(self, names: Sequence[str]) -> None:
         """See `pipeline.partners.Attendance`."""
-        dead = self._nodes.dead(names)
+        dead = self._patient.dead(names)
         if dead:
             raise NodeDeadError(
                 f"/{dead} is dead: it gave no sign of life for {self._lease:g} s; when it runs again, start the "
