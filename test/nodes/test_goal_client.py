@@ -29,7 +29,9 @@ def node(context: rclpy.Context):
 
 
 def test_it_is_whole_when_the_executor_sees_it(node: SpunNode) -> None:
-    GoalClient(node, MillDoor, "mill_door").destroy()
+    client = GoalClient(node, MillDoor, "mill_door")
+    assert not client.server_is_ready()
+    client.destroy()
 
 
 def test_rclpys_own_is_not(node: SpunNode) -> None:
