@@ -1,9 +1,9 @@
 """Any door of the cell: is what is planned for it free of touches, and what is refused?
 
-Not one of `make bench`: run `python bench/random_doors.py --doors 500 --robots 1 2 --search` by itself. Planner and target
-file are taken as they come; the file's motions run on the simulated controller and are judged. With --search, refusals are
-looked into by other means: whether there is a posture for the refused feature, and a way to it, and whether the
-judge knows of a board behind a hole.
+Not one of `make bench`: run `python bench/random_doors.py --doors 500 --robots 1 2 --search` by itself. Planner and
+target file are taken as they come; the file's motions run on the simulated controller and are judged. With --search,
+refusals are looked into by other means: whether there is a posture for the refused feature, and a way to it, and
+whether the judge knows of a board behind a hole.
 """
 
 from __future__ import annotations

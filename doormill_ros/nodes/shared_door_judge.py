@@ -1,4 +1,4 @@
-"""Node /shared_door_judge: looks at a door that two simulated robots milled, as one controller's simulator does at its own."""
+"""Node /shared_door_judge: inspects a door that two simulated robots milled, and judges how they did it."""
 
 from __future__ import annotations
 

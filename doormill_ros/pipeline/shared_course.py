@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Protocol
 
 from doormill_ros.cell.errors import CellError, StageRefusedError
@@ -38,7 +39,7 @@ class ShareRobot(Protocol):
 
     @property
     def name(self) -> str:
-        """ "first" or "second"."""
+        """Which of the two: "first" or "second"."""
 
     @property
     def present(self) -> bool:
@@ -137,10 +138,15 @@ class SharedCourse:
             "the recipe was not made known; check that /recipe_database is active",
         )
         working = [robot for robot in self._robots if robot.name in names]
-        run.require = lambda: [robot.require() for robot in working] and None
+
+        def require() -> None:
+            for robot in working:
+                robot.require()
+
+        run.require = require
         for robot in working:
             run.wait_until(
-                lambda robot=robot: robot.present,
+                partial(getattr, robot, "present"),
                 limits.request,
                 f"the {robot.name} robot takes no goals; check that its /abb_bridge is active",
             )

@@ -116,7 +116,7 @@ class Body(Section):
 
 
 def _roll_pitch_yaw(R: FloatArray) -> FloatArray:
-    """Angles of R = Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3) -> (3,) [rad]; of a body that stands on end with no yaw."""
+    """Angles of R = Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3) -> (3,) [rad]; no yaw for what stands on end."""
     level = float(np.hypot(R[0, 0], R[1, 0]))
     pitch = np.arctan2(-R[2, 0], level)
     if level < UPRIGHT:

@@ -1,7 +1,7 @@
 """What each of two robots has about it: the cell, and the other robot as it waits at home.
 
-One of them moves at a time, the other stands at home meanwhile, so that a program kept clear of the other one's body there
-never meets it.
+One of them moves at a time, the other stands at home meanwhile, so that a program kept clear of the other one's body
+there never meets it.
 """
 
 from __future__ import annotations

@@ -124,8 +124,8 @@ def judge_doors(count: int, number: int, tools: int | None = None, robots: int =
         count: How many doors.
         number: Seed.
         tools: For a cell that has more than the usual number of them at hand.
-        robots: 2 for a share of each door to either robot, one outcome a share; each is judged beside the other one as it
-            waits at home.
+        robots: 2 for a share of each door to either robot, one outcome a share; each is judged beside the other
+            one as it waits at home.
     """
     setup, cell = rigid(load_setup()), load_cell()
     if tools is not None:

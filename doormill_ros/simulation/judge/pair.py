@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from doormill_ros.simulation.judge.bodies import Body, Box, Capsule, JudgedCell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.judge.links import BASE, FLANGE
 from doormill_ros.simulation.judge.verdict import Harm, Verdict
+
+Kind = TypeVar("Kind", bound=Harm)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,9 +128,8 @@ def _back(nose: float) -> FloatArray:
 def _told_of(verdict: Verdict, robot: str, before: int) -> Verdict:
     """A verdict whose bodies and samples are told from those of the other robot."""
 
-    def moved(harm: Harm) -> Harm:
-        named = {"body": f"{robot}'s {harm.body}"} if hasattr(harm, "body") else {}
-        return replace(harm, samples=frozenset(before + number for number in harm.samples), **named)
+    def moved(harms: tuple[Kind, ...]) -> tuple[Kind, ...]:
+        return tuple(replace(h, samples=frozenset(before + number for number in h.samples)) for h in harms)
 
-    kinds = (verdict.touches, verdict.gone, verdict.torn, verdict.bad)
-    return Verdict(verdict.judged, *(tuple(moved(harm) for harm in kind) for kind in kinds))
+    touches = tuple(replace(touch, body=f"{robot}'s {touch.body}") for touch in moved(verdict.touches))
+    return Verdict(verdict.judged, touches, moved(verdict.gone), moved(verdict.torn), moved(verdict.bad))
