@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import fields
 from typing import Any
 
-from rclpy.action import ActionClient
 from rclpy.callback_groups import CallbackGroup
 from std_msgs.msg import Bool, String
 
@@ -16,6 +15,7 @@ from doormill_ros.cell.errors import NodeDeadError
 from doormill_ros.cell.summary import StageDurations
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.alive import LEASE, AliveWatch
+from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.robots import SHARE_RESULT, in_robot
 
@@ -46,7 +46,7 @@ class ShareClient:
         place = in_robot(name)
         self._bridge = node.resolve_topic_name(f"{place}/_alive/abb_bridge")
         self._alive = AliveWatch(node, (self._bridge,), notify)
-        self._action = ActionClient(node, MillDoor, f"{place}/mill_door", callback_group=group)
+        self._action = GoalClient(node, MillDoor, f"{place}/mill_door", callback_group=group)
         node.keep(lambda action: action.destroy(), self._action)
         self._go = node.publisher(topics.at(topics.SHARE_GO, place))
         node.subscribe(topics.at(topics.RUN_RESULT, place, SHARE_RESULT), self._take_result)
