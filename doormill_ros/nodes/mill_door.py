@@ -68,6 +68,7 @@ class MillDoorServer:
         self._inspections: DoorInspections | None = None
         self._attendance: Attendance | None = None
         self._cut_off: RunEnd | None = None
+        self._note: RunNote | None = None
         self._ending = threading.Lock()
         self._result = node.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
@@ -97,10 +98,10 @@ class MillDoorServer:
         self._shared = shared
         self._attendance = attendance
         self._sensors = tuple(sensors)
-        self._note = RunNote(Path(self._node.value("archive")))
+        note = self._note = RunNote(Path(self._node.value("archive")))
         self._recipes = RecipeClient(self._node, self._group)
         self._inspections = DoorInspections(self._node, self.notify)
-        cut_off = self._note.read()
+        cut_off = note.read()
         self._cut_off = None if cut_off is None else RunEnd(*cut_off)
         self._end_what_was_cut_off()
 
@@ -126,7 +127,11 @@ class MillDoorServer:
         else:
             end.refuse(MillingFaultError.code, outcome.reason)
         self._tell(end)
-        self._note.clear()
+        self._clear_note()
+
+    def _clear_note(self) -> None:
+        if self._note is not None:  # a bridge that was never configured has none
+            self._note.clear()
 
     def close(self) -> None:
         """Disconnect."""
@@ -174,7 +179,8 @@ class MillDoorServer:
 
         try:
             recipes, inspections, attendance = self._recipes, self._inspections, self._attendance
-            if not self._node.active or recipes is None or inspections is None or attendance is None:
+            note = self._note
+            if not self._node.active or not (recipes and inspections and attendance and note):
                 raise NodeInactiveError(
                     "the ABB bridge is not active; activate it (ros2 lifecycle set /abb_bridge activate)"
                 )
@@ -188,7 +194,7 @@ class MillDoorServer:
                     )
                     + f"; send the goal to mill_door of the cell, served by /{SHARES if self._shared else 'abb_bridge'}"
                 )
-            self._note.write(run.run_id, run.door_id)
+            note.write(run.run_id, run.door_id)
             partners = recipes, self._handover, inspections, attendance
             word = (lambda: self._word == run.run_id) if self._shared else None
             course = Course(run, *partners, self._limits(), tell, self._sensors, word)
@@ -220,7 +226,7 @@ class MillDoorServer:
         if not self._server.silent:
             self._tell(end)
         with suppress(OSError):  # it is told again after a restart, that is all
-            self._note.clear()
+            self._clear_note()
         result = run_end_into(end, MillDoor.Result)
         if end.success:
             goal.succeed()
