@@ -15,6 +15,7 @@ from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot_model.extended_model import ExtendedComplianceModel
+from doormill_ros.simulation.judge.boards import RIM
 from doormill_ros.simulation.judge.bodies import Box, JudgedCell, load_cell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.judge.pair import standing
@@ -30,6 +31,7 @@ RUN_ID = "20260101T000000000000Z"
 WIDEST, NARROWEST, TALLEST = 1.350, 0.290, 2.700
 #: What `search` says where a refusal is right: no posture at all, or no wood that holds.
 CONFIRMED = ("no posture", "nothing behind it")
+BACKED = 3e-3  #: board round a hole that comes out against it, by docs/toolpath.md [m]
 WIDEST_MILL = 0.02  #: radius of the widest mill that a waiting robot may hold [m]
 
 
@@ -191,6 +193,6 @@ def _behind(outcome: Outcome, feature: Feature) -> str:
     out = T[:3, 3] + T[:3, 2] * feature.cut_depth(recipe.size)
     boards = () if outcome.robots > 1 or T[0, 2] < 0.0 else load_cell().boards
     rim = (feature.outline().points(step=1e-3) @ T[:3, :2].T + out)[:, 1:]
-    beyond, none = np.zeros(len(rim)), np.zeros(len(rim))
-    held = [board.backs(rim, none, beyond, size).all() for board in boards]
+    beyond, more = np.zeros(len(rim)), np.full(len(rim), BACKED - RIM)
+    held = [board.backs(rim, more, beyond, size).all() for board in boards]
     return "wrong: a board backs it" if any(held) else "nothing behind it"
