@@ -9,7 +9,9 @@ from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import localize
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.units import DEG, MM
+from support.pictures.beams_beside import compare
 from support.pictures.conditions import CONDITIONS, pictures
+from support.pictures.marked_cell import marked_cameras
 from support.pictures.unseen import DOUBTFUL, UNSEEN
 
 COUNT, SEED = 3, 5
@@ -27,7 +29,10 @@ def outcome(camera, layout):
             scene = item.scene
             picture = render_picture(scene, item.seed)
             try:
-                found = localize(picture, camera, layout, scene.width, item.thickness)
+                known = marked_cameras()[1] if item.marked else camera
+                found = localize(picture, known, layout, scene.width, item.thickness)
+                if item.beams:
+                    compare(item, found)
             except LocalizationError as reason:
                 row["refused"].append(reason)
                 continue
