@@ -24,6 +24,7 @@ NODES = (
     "operator_page",
     "cell_simulator",
     "folder_camera",
+    "gige_camera",
     "door_sensors",
 )
 #: Topics of one name for a whole network; a cell in a namespace has its own.
@@ -54,6 +55,11 @@ ARGUMENTS = {
     "autostart": ("true", "bring the nodes up; false: an operator does"),
     "simulate": ("true", "simulated camera, controller and robot"),
     "pictures": ("", "folder of pictures in place of the simulated camera"),
+    "camera": (
+        "",
+        "gige: a GenICam camera in place of the simulated one, see docs/gige-camera.md; its parameters stand in the "
+        "file `parameters`",
+    ),
     "page": ("true", "serve the operator's page"),
     "page_host": ("127.0.0.1", "address of that page, unencrypted"),
     "page_port": ("8080", "TCP port of that page; each cell needs its own"),
@@ -74,9 +80,18 @@ def in_out(*parts):
     return PathJoinSubstitution([LaunchConfiguration("out"), *parts])
 
 
-def brought(comparison):
-    """Whether pictures are (`!=`) or are not (`==`) brought."""
-    return PythonExpression(["'", LaunchConfiguration("pictures"), f"' {comparison} ''"])
+#: What an argument may be where not everything will do.
+CHOICES = {"camera": ["", "gige"]}
+
+
+def is_given(argument):
+    return PythonExpression(["'", LaunchConfiguration(argument), "' != ''"])
+
+
+def drawn():
+    """Whether the simulated camera draws the pictures."""
+    given = [["'", LaunchConfiguration(name), "'"] for name in ("pictures", "camera")]
+    return PythonExpression([*given[0], " == '' == ", *given[1]])
 
 
 def robots(number, *others):
@@ -139,10 +154,11 @@ def cell_node(name, both=False):
         "path_generator": robots(1),
         "abb_bridge": robots(1),
         "door_shares": robots(2),
-        "folder_camera": IfCondition(brought("!=")),
+        "folder_camera": IfCondition(is_given("pictures")),
+        "gige_camera": IfCondition(is_given("camera")),
         "door_sensors": IfCondition(LaunchConfiguration("door_sensors")),
     }
-    simulated = ["-p", ["camera_simulator:pictures:=", brought("==")]] if name == "cell_simulator" else []
+    simulated = ["-p", ["camera_simulator:pictures:=", drawn()]] if name == "cell_simulator" else []
     shared = ["--robots", "2", "--controllers", in_out("controller")] if both else []
     return Node(
         package="doormill_ros",
@@ -171,7 +187,9 @@ def generate_launch_description():
                 description="YAML file with the parameters of the nodes",
             ),
             *[
-                DeclareLaunchArgument(name, default_value=default, description=description)
+                DeclareLaunchArgument(
+                    name, default_value=default, description=description, choices=CHOICES.get(name)
+                )
                 for name, (default, description) in ARGUMENTS.items()
             ],
             *[cell_node(name) for name in (*NODES, "door_shares")],
