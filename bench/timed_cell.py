@@ -18,6 +18,8 @@ from support.cell_processes import CellProcesses
 STAND_IN = Path(__file__).resolve().parent / "stand_in.py"
 NODES = ("bag_recorder", "recipe_database", "door_localizer", "path_generator", "abb_bridge")
 BUSY = "while True: pass"
+#: After the last node is active DDS makes processes known to each other; without it bags miss what came first [s].
+SETTLING = 2.0
 
 
 class TimedCell(CellProcesses):
@@ -47,6 +49,7 @@ class TimedCell(CellProcesses):
         self.wait_until_active("camera_simulator")
         self.wait_until_active("ready_hand")
         self.up = time.monotonic() - self._begun
+        time.sleep(SETTLING)
 
     def take(self, door: str) -> None:
         """One door up to the end of its run.

@@ -25,6 +25,7 @@ from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.run import LOCALIZATION
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.alive import LEASE
 from doormill_ros.nodes.attendance import CellAttendance
 from doormill_ros.nodes.controller_monitor import ControllerMonitor
 from doormill_ros.nodes.convert.program import program_into
@@ -61,7 +62,7 @@ class AbbBridge(ManagedNode):
         ),
         NodeParameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
         SENSORS_PARAMETER,
-        NodeParameter("limit.recipe", 5.0, "longest wait for the recipe [s]", 0.1, 600.0, live=True),
+        NodeParameter("limit.recipe", 10.0, "longest wait for the recipe [s]", 0.1, 600.0, live=True),
         NodeParameter(
             "limit.picture", 10.0, "longest wait for picture and door pose [s]", 0.1, 600.0, live=True
         ),
@@ -81,6 +82,13 @@ class AbbBridge(ManagedNode):
             "limit.read", 60.0, "longest wait for the robot to read and check the file [s]", 1.0, 3600.0
         ),
         NodeParameter("limit.milling", 600.0, "longest wait for the end of milling [s]", 1.0, 36000.0),
+        NodeParameter(
+            "limit.sign_of_life",
+            LEASE,
+            "a node of the cell without a sign of life for so long is dead; more on a slow machine [s]",
+            LEASE,
+            600.0,
+        ),
         NodeParameter(
             "limit.inspection",
             180.0,
@@ -121,7 +129,9 @@ class AbbBridge(ManagedNode):
         self._loop.start()
         self._monitor.start()
         needed = recipe_nodes(sensors)
-        self._attendance = CellAttendance(self, needed, self._controller(), self._action.notify)
+        self._attendance = CellAttendance(
+            self, needed, self._controller(), self._action.notify, self.value("limit.sign_of_life")
+        )
         self._action.open(self._attendance, sensors)
         ExpectDoorServer(self, self.handshake.expect_door, self._group)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)

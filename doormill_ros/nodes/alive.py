@@ -1,7 +1,8 @@
 """Signs of life: every node of the cell offers a topic that says nothing but that it lives; the bridge watches them.
 
 It is DDS' liveliness, which DDS' own threads keep up: a busy node counts as alive, one that was killed or stopped is
-given up after `LEASE`. The topics are hidden from what lists and records topics.
+given up after `LEASE`, or after the longer one that who watches asks for. The topics are hidden from what lists and
+records topics.
 """
 
 from __future__ import annotations
@@ -19,26 +20,33 @@ from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Empty
 
 from doormill_ros.nodes.topics import Topic
+from doormill_ros.units import s_to_ns
 
 LEASE = 1.5  #: s without a sign of life after which a node is dead; a loaded machine keeps one waiting for over 1 s
 #: A sign that is late by less than this is no death: DDS sends them two thirds of `LEASE` apart, so that a third of it
 #: without the processor would be one [s].
 GRACE = 0.4
-#: A node that is started again stands beside its dead predecessor for so long [s].
-SETTLING = LEASE + 0.5
-QOS = QoSProfile(
-    depth=1,
-    liveliness=LivelinessPolicy.AUTOMATIC,
-    liveliness_lease_duration=Duration(seconds=LEASE),
-)
+#: A node that is started again stands beside its dead predecessor for so long after the lease [s].
+SETTLING = 0.5
 
 
-def alive_topic(name: str) -> Topic:
+def qos(lease: float) -> QoSProfile:
+    """Liveliness by DDS itself, for so long after each sign [s]."""
+    return QoSProfile(
+        depth=1,
+        liveliness=LivelinessPolicy.AUTOMATIC,
+        liveliness_lease_duration=Duration(nanoseconds=s_to_ns(lease)),
+    )
+
+
+def alive_topic(name: str, lease: float = LEASE) -> Topic:
     """The topic that a node of that name offers as long as it lives; nothing is ever published.
 
-    A name that begins with a slash is taken as it is, for what is not of one namespace.
+    Args:
+        name: One that begins with a slash is taken as it is, for what is not of one namespace.
+        lease: Of who watches [s], at least `LEASE`.
     """
-    return Topic(name if name.startswith("/") else f"_alive/{name}", Empty, QOS, QOS)
+    return Topic(name if name.startswith("/") else f"_alive/{name}", Empty, qos(LEASE), qos(lease))
 
 
 @dataclass
@@ -59,6 +67,7 @@ class AliveWatch:
         notify: Called after each change.
         clock: Monotonic [s].
         own: The names are also this process' own; DDS tells of the liveliness of other processes only.
+        lease: Without a sign of life for so long a node is given up [s], at least `LEASE`.
     """
 
     def __init__(
@@ -68,14 +77,16 @@ class AliveWatch:
         notify: Callable[[], None],
         clock: Callable[[], float] = time.monotonic,
         own: bool = False,
+        lease: float = LEASE,
     ) -> None:
         self._most = 0 if own else 1
+        self._settling = lease + SETTLING
         self._notify = notify
         self._clock = clock
         self._lock = threading.Lock()
         self._seen = {name: _Seen() for name in names}
         for name in self._seen:
-            topic = alive_topic(name)
+            topic = alive_topic(name, lease)
             events = SubscriptionEventCallbacks(liveliness=partial(self._count, name))
             subscription = node.create_subscription(
                 topic.type, topic.name, lambda _: None, topic.requested, event_callbacks=events
@@ -94,9 +105,9 @@ class AliveWatch:
         with self._lock:
             return self._seen[name].alive > 0
 
-    def doubled(self, lasting: float = SETTLING) -> str:
-        """The name of which more than one node is alive, for longer than a restart takes [s]; else empty."""
-        now = self._clock()
+    def doubled(self, lasting: float | None = None) -> str:
+        """The name of which more than one node is alive for so long [s], by default a restart; else empty."""
+        now, lasting = self._clock(), self._settling if lasting is None else lasting
         with self._lock:
             return next(
                 (

@@ -35,6 +35,7 @@ class CellAttendance:
         needed: Names of the nodes that a run needs.
         controller: What names the controller on this network, the same for every bridge that goes to it.
         notify: Called after each change.
+        lease: Without a sign of life for so long one of the needed nodes is dead [s].
         clock: Monotonic [s].
     """
 
@@ -44,6 +45,7 @@ class CellAttendance:
         needed: Sequence[str],
         controller: str,
         notify: Callable[[], None],
+        lease: float = LEASE,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._clock = clock
@@ -53,7 +55,12 @@ class CellAttendance:
         self._first = False
         claim = f"/_alive/controller_{zlib.crc32(controller.encode()):08x}"
         node.publisher(alive_topic(claim))
+        self._lease = lease
         self._nodes = AliveWatch(node, needed, notify, clock)
+        # Patience with the living must not keep a restarted node beside its dead predecessor for longer.
+        self._patient = (
+            self._nodes if lease == LEASE else AliveWatch(node, needed, notify, clock, lease=lease)
+        )
         self._bridges = AliveWatch(node, (BRIDGE, claim), notify, clock, own=True)
         self._firsts = AliveWatch(node, (FIRST,), notify, clock)
 
@@ -75,10 +82,11 @@ class CellAttendance:
 
     def require(self, names: Sequence[str]) -> None:
         """See `pipeline.partners.Attendance`."""
-        dead = self._nodes.dead(names)
+        dead = self._patient.dead(names)
         if dead:
             raise NodeDeadError(
-                f"/{dead} is dead: it gave no sign of life for {LEASE:g} s; when it runs again, start the door again"
+                f"/{dead} is dead: it gave no sign of life for {self._lease:g} s; when it runs again, start the "
+                "door again"
             )
         doubled = self._nodes.doubled()
         if doubled:

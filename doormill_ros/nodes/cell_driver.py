@@ -8,7 +8,6 @@ from dataclasses import fields
 from functools import partial
 from typing import Any
 
-from rclpy.action import ActionClient
 from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
@@ -27,6 +26,7 @@ from doormill_ros.cell.summary import (
 from doormill_ros.cell.waiting import wait
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.futures import result_of
+from doormill_ros.nodes.goal_client import GoalClient
 
 START_LIMIT = 20.0  # s
 RUN_LIMIT = 900.0  # s
@@ -51,7 +51,7 @@ class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
         super().__init__("cell")
         self._latest: dict[str, Any] = {}
         self._changed = threading.Condition()
-        self._action = ActionClient(self, MillDoor, "mill_door")
+        self._action = GoalClient(self, MillDoor, "mill_door")
         for topic in self.KEPT:
             self.create_subscription(topic.type, topic.name, partial(self._keep, topic.name), topic.requested)
 

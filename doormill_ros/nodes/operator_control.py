@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from rclpy.action import ActionClient
 from rclpy.callback_groups import ReentrantCallbackGroup
 
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.srv import AcceptModel, ListRecipes, RevertModel
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefusedError, StageTimeoutError
 from doormill_ros.nodes.futures import result_of
+from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.operator.state import ViewStore
 
@@ -32,9 +32,7 @@ class ActionControl:
         self._node = node
         self._store = store
         group = ReentrantCallbackGroup()
-        self._goals = node.keep(
-            ActionClient.destroy, ActionClient(node, MillDoor, ACTION, callback_group=group)
-        )
+        self._goals = node.keep(GoalClient.destroy, GoalClient(node, MillDoor, ACTION, callback_group=group))
         self._recipes = node.keep(
             node.destroy_client, node.create_client(ListRecipes, "recipes/list", callback_group=group)
         )

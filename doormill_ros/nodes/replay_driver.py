@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any, TypeVar
 
 from builtin_interfaces.msg import Time
-from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
@@ -18,6 +17,7 @@ from doormill_ros.cell.layout import CAMERA
 from doormill_ros.cell.waiting import wait, wait_until
 from doormill_ros.messages.from_message import nanoseconds_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.units import s_to_ns
 
 START_LIMIT = 60.0  # s
@@ -41,7 +41,7 @@ class ReplayDriver(Node):  # type: ignore[misc]  # rclpy has no types
         self._stage = ""
         self._goal: Any = None
         self._result: Any = None
-        self._action = ActionClient(self, MillDoor, "mill_door")
+        self._action = GoalClient(self, MillDoor, "mill_door")
         self._pictures = {
             t.name: self.create_publisher(t.type, t.name, t.offered)
             for t in (

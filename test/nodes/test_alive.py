@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
 from types import SimpleNamespace
 
 import pytest
 import rclpy
+from rclpy.executors import SingleThreadedExecutor
 
 from doormill_ros.nodes.alive import GRACE, LEASE, AliveWatch
 from doormill_ros.nodes.managed_node import ManagedNode
+from support.cell_processes import executable
 
 
 class Watched:
@@ -58,3 +62,24 @@ def test_a_missing_one_is_and_in_time(watched: Watched) -> None:
     assert LEASE + GRACE < 2.0
     watched.heard(1)
     assert watched.dead == ""
+
+
+def test_who_asks_for_a_longer_lease_gets_it(context: rclpy.Context) -> None:
+    bridge = ManagedNode("bridge", context=context)
+    watches = [
+        AliveWatch(bridge, ("recipe_database",), lambda: None, lease=lease) for lease in (LEASE, 600.0)
+    ]
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(bridge)
+    with subprocess.Popen([executable("recipe_database")]) as other:
+        try:
+            while not all(watch.alive("recipe_database") for watch in watches):
+                executor.spin_once(0.05)
+            other.send_signal(signal.SIGSTOP)
+            while watches[0].alive("recipe_database"):
+                executor.spin_once(0.05)
+            assert watches[1].alive("recipe_database")
+        finally:
+            other.kill()
+    executor.shutdown()
+    bridge.destroy_node()

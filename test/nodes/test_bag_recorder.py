@@ -16,7 +16,7 @@ import rclpy
 import yaml
 from action_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rclpy.action import ActionClient, ActionServer
+from rclpy.action import ActionServer
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosbags.rosbag2 import Reader
@@ -27,6 +27,7 @@ from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.bag_recorder import BagRecorder
+from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.software import software
@@ -204,7 +205,7 @@ def is_recorded(recording: Recording, topic: str) -> bool:
 def test_what_an_action_publishes_is_recorded(record: Callable[..., Recording], tmp_path: Path) -> None:
     recording = record(include_hidden_topics=True)
     server = serve(recording)
-    client = ActionClient(recording.node, MillDoor, "mill_door")
+    client = GoalClient(recording.node, MillDoor, "mill_door")
     recording.wait(lambda: is_recorded(recording, FEEDBACK) and is_recorded(recording, STATUS))
     recording.wait(client.server_is_ready)
     sent = client.send_goal_async(MillDoor.Goal(door_id="any"))

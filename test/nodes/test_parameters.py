@@ -38,7 +38,7 @@ def test_a_change_out_of_range_is_refused_with_the_range(context: rclpy.Context,
     assert not answer.successful
     assert "0.1" in answer.reason
     assert "600" in answer.reason
-    assert node.value("limit.recipe") == 5.0
+    assert node.value("limit.recipe") == 10.0
     node.destroy_node()
 
 

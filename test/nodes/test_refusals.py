@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -131,29 +130,3 @@ def test_a_second_goal_is_refused_while_a_door_is_milled(cell: CellProcesses) ->
     (busy,) = (a for a in answers if not a.success)
     assert busy.error_code == 802
     still_mills(cell)
-
-
-@pytest.mark.parametrize(
-    ("node", "stage"),
-    [
-        ("door_localizer", "picture"),
-        ("path_generator", "targets"),
-        ("recipe_database", "recipe"),
-        ("cell_simulator", "request"),
-    ],
-)
-def test_a_killed_node_ends_the_run_with_a_reason_and_is_replaced(
-    cell: CellProcesses, node: str, stage: str
-) -> None:
-    cell.stop(node, signal.SIGKILL)
-    with impatient(cell, stage):
-        result, _ = cell.mill(GOOD_DOOR)
-    assert not result.success
-    assert result.error_code == 808
-    assert node.removeprefix("cell") in result.message
-    assert result.target_file == ""
-    cell.start(node)
-    cell.wait_until_up()
-    # The bridge hears of the new node a moment later than this process.
-    result = cell.wait(lambda: (ended := cell.mill(GOOD_DOOR)[0]).error_code != 808 and ended)
-    assert result.success, result.message

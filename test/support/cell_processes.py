@@ -14,11 +14,11 @@ from typing import Any
 
 import rclpy
 from lifecycle_msgs.srv import GetState
-from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
+from doormill_ros.nodes.goal_client import GoalClient
 
 NODES = (
     "bag_recorder",
@@ -31,6 +31,7 @@ NODES = (
 MANAGED = (*NODES[:-1], "camera_simulator", "controller_simulator")
 #: A loaded machine must not turn a good door into a refused one.
 PATIENT = {f"limit.{stage}": 120.0 for stage in ("recipe", "picture", "targets", "request", "ready", "read")}
+PATIENT["limit.sign_of_life"] = 30.0
 ASK_AGAIN = 5.0  # s
 START_LIMIT = 300.0  # s
 STOP_LIMIT = 120.0  # s
@@ -111,7 +112,7 @@ class CellProcesses:
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._executor.spin, daemon=True)
         self._thread.start()
-        self._action = ActionClient(self.node, MillDoor, "mill_door")
+        self._action = GoalClient(self.node, MillDoor, "mill_door")
         self._actions = {"mill_door": self._action}
         try:
             self.wait_until_up()
@@ -188,7 +189,7 @@ class CellProcesses:
     ) -> tuple[MillDoor.Result, list[str]]:
         """Send the goal; the result and the stages that the feedback named."""
         if action not in self._actions:
-            self._actions[action] = ActionClient(self.node, MillDoor, action)
+            self._actions[action] = GoalClient(self.node, MillDoor, action)
         client = self._actions[action]
         assert client.wait_for_server(START_LIMIT)
         stages: list[str] = []

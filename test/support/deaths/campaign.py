@@ -16,7 +16,6 @@ import numpy as np
 import rclpy
 from numpy.typing import NDArray
 from rcl_interfaces.srv import SetParameters
-from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -24,6 +23,7 @@ from rclpy.parameter import Parameter
 from doormill_interfaces.action import MillDoor
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.recording.bag_reader import read_bag
 from support.deaths.oracle import Oracle, Place, Placed, targets_of
 from support.deaths.supervisor import Supervisor
@@ -103,7 +103,7 @@ class Client:
             (topics.RUN_RESULT, self.results.append),
         ):
             self.node.create_subscription(topic.type, topic.name, callback, topic.requested)
-        self._action = ActionClient(self.node, MillDoor, "mill_door")
+        self._action = GoalClient(self.node, MillDoor, "mill_door")
         self._places = self.node.create_client(SetParameters, "camera_simulator/set_parameters")
         self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)

@@ -1,0 +1,77 @@
+"""The launch file under ROS' own launch: every node, a door, a node that dies, an end that leaves nothing behind."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+from support.cell_processes import NODES, PATIENT, STOP_LIMIT, CellProcesses, free_port
+from support.source_tree import ROOT
+
+DOOR = "thesis_190_0deg"
+STARTED = re.compile(r"\[(\w+)-\d+\]: process started with pid \[(\d+)\]")
+
+
+class LaunchedCell(CellProcesses):
+    """The nodes of the launch file; its process is the only one that is ours."""
+
+    def start(self, name: str) -> None:
+        """All at once, with the first."""
+        if self.processes:
+            return
+        parameters = self.folder / "parameters.yaml"
+        parameters.write_text(yaml.safe_dump({"/**": {"abb_bridge": {"ros__parameters": PATIENT}}}))
+        arguments = {
+            "out": self.folder / "out",
+            "page_port": free_port(),
+            "parameters": parameters,
+        }
+        command = [sys.executable, "-m", "support.launching", str(ROOT / "launch" / "cell.launch.py")]
+        with open(self.folder / "launch.log", "wb") as log:
+            self.processes["launch"] = subprocess.Popen(
+                [*command, *(f"{key}:={value}" for key, value in arguments.items())],
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                env={**os.environ, "PYTHONPATH": f"{ROOT / 'test'}:{os.environ.get('PYTHONPATH', '')}"},
+            )
+
+    def interrupt(self) -> int:
+        """As a terminal does: everything in it hears of it."""
+        process = self.processes.pop("launch")
+        os.killpg(process.pid, signal.SIGINT)
+        return process.wait(STOP_LIMIT)
+
+    def started(self, name: str) -> list[int]:
+        """Process ids of a node, in the order of its starts."""
+        return [int(pid) for node, pid in STARTED.findall(self.log("launch")) if node == name]
+
+
+@pytest.fixture
+def cell(tmp_path: Path) -> Iterator[LaunchedCell]:
+    with LaunchedCell(tmp_path, nodes=NODES) as running:
+        yield running
+
+
+def test_it_mills_revives_what_dies_and_ends(cell: LaunchedCell) -> None:
+    result, _ = cell.mill(DOOR)
+    assert result.success, result.message
+    (first,) = cell.started("path_generator")
+    os.kill(first, signal.SIGKILL)
+    cell.wait(lambda: len(cell.started("path_generator")) == 2)
+    cell.wait_until_up()
+    result, _ = cell.mill(DOOR)
+    assert result.success, result.message
+    assert (cell.folder / "out" / "targets").is_dir()
+    pids = [int(pid) for _, pid in STARTED.findall(cell.log("launch"))]
+    assert cell.interrupt() == 0
+    assert "escalating" not in (cell.folder / "launch.log").read_text()
+    assert not [pid for pid in pids if Path(f"/proc/{pid}").exists()]

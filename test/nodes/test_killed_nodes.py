@@ -1,0 +1,36 @@
+"""A node that dies ends the run with its name, and another one takes its place."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+
+import pytest
+
+from doormill_ros.cell.errors import NodeDeadError
+from doormill_ros.nodes.alive import LEASE
+from support.cell_processes import CellProcesses
+
+DOOR = "thesis_190_0deg"
+
+
+@pytest.fixture(scope="module")
+def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcesses]:
+    parameters = {"abb_bridge": {"limit.sign_of_life": LEASE}}
+    with CellProcesses(tmp_path_factory.mktemp("cell"), parameters) as running:
+        yield running
+
+
+@pytest.mark.parametrize("node", ["door_localizer", "path_generator", "recipe_database", "cell_simulator"])
+def test_a_killed_node_ends_the_run_with_a_reason_and_is_replaced(cell: CellProcesses, node: str) -> None:
+    cell.stop(node, signal.SIGKILL)
+    result, _ = cell.mill(DOOR)
+    assert not result.success
+    assert result.error_code == NodeDeadError.code
+    assert node.removeprefix("cell") in result.message
+    assert result.target_file == ""
+    cell.start(node)
+    cell.wait_until_up()
+    # The bridge hears of the new node a moment later than this process.
+    result = cell.wait(lambda: (ended := cell.mill(DOOR)[0]).error_code != NodeDeadError.code and ended)
+    assert result.success, result.message
