@@ -39,7 +39,7 @@ stops: setup      ## 200 seeded stops and losses of power in the cut; a judge of
 shift: setup      ## 100 doors in one continuous run over Robot Web Services 1.0; path, report, memory, handles
 	@$(ENV) python bench/shift.py --doors 100
 
-corpus: setup     ## localization over 300 workshop-like pictures beside two peers, and under 31 conditions
+corpus: setup     ## localization over 300 workshop-like pictures beside two peers, and under 33 conditions
 	@$(ENV) python bench/bench_localization.py
 	@$(ENV) python bench/bench_conditions.py
 

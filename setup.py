@@ -15,6 +15,7 @@ NODES = [
     "folder_camera",
     "gige_camera",
     "door_sensors",
+    "door_shares",
 ]
 TOOLS = [
     "backup",

@@ -8,14 +8,21 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from rclpy.node import Node
+
 from doormill_ros.cell.layout import CAMERA
 from doormill_ros.cell.run_folder import RunFolder
+from doormill_ros.localization.gige.library import Aravis
 from doormill_ros.localization.sensors.registry import SENSORS
-from doormill_ros.nodes.cell import Cell, CellOptions
+from doormill_ros.nodes.cell import GLOBAL, Cell, CellOptions
+from doormill_ros.nodes.composition import Composition
+from doormill_ros.nodes.folder_camera import FolderCamera
+from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.operator.token import new_token
 from doormill_ros.resources import share_directory
 from doormill_ros.simulation.sensors.registry import SIMULATED
@@ -26,6 +33,11 @@ SIMULATORS = ("camera_simulator", "controller_simulator", "sensor_simulator")
 PROCESS = {
     **dict.fromkeys(SIMULATORS, "cell_simulator"),
     **dict.fromkeys(SENSORS, "door_sensors"),
+}
+#: Cameras in place of the simulated one; the one on the network reaches none here, which changes none of its topics.
+CAMERAS = {
+    "folder_camera": FolderCamera,
+    "gige_camera": partial(GigeCamera, Aravis(None, Exception)),
 }
 #: Stands for every sensor beside the camera: their nodes are of one class.
 SENSOR = next(iter(SIMULATED))
@@ -102,10 +114,11 @@ def whole_graph() -> Graph:
     """What the nodes do in any cell, whatever its sensors."""
     whole: Graph = {}
     for number, sensors in enumerate(CELLS):
-        with cell_graph(sensors, f"/cell{number}") as found:
-            for name, kinds in found.items():
-                for kind, names in kinds.items():
-                    whole.setdefault(name, {}).setdefault(kind, set()).update(names)
+        for graph in (cell_graph(sensors, f"/cell{number}"), cameras_graph(sensors, f"/cameras{number}")):
+            with graph as found:
+                for name, kinds in found.items():
+                    for kind, names in kinds.items():
+                        whole.setdefault(name, {}).setdefault(kind, set()).update(names)
     one = whole.pop(SENSOR)
     # Whoever watches one sensor's sign of life watches those of the others in their cells.
     for kinds in whole.values():
@@ -144,21 +157,40 @@ def cell_graph(sensors: tuple[str, ...], namespace: str) -> Iterator[Graph]:
             sensors=sensors,
         )
         with Cell(run, options) as cell:
-            composition = cell._composition
-            names = [node.get_name() for node in composition.nodes]
-            found, since = graph_of(composition.driver, names), time.monotonic()
-            deadline = since + LIMIT
-            while time.monotonic() - since < SETTLED:
-                time.sleep(0.2)
-                again = graph_of(composition.driver, names)
-                missing = [name for node in composition.nodes for name in untold(node, again)]
-                if again != found or missing:
-                    found, since = again, time.monotonic()
-                if time.monotonic() > deadline:
-                    raise TimeoutError(
-                        f"after {LIMIT:g} s the graph has not settled; it does not tell {missing}"
-                    )
-            yield found
+            yield settled(cell._composition)
+
+
+@contextmanager
+def cameras_graph(sensors: tuple[str, ...], namespace: str) -> Iterator[Graph]:
+    """The same of the cameras that stand in place of the simulated one."""
+    with tempfile.TemporaryDirectory(prefix="policies-") as folder:
+        parameters = {"sensors": ",".join(sensors), "folder": folder}
+        remapped = [("__ns", namespace), *((f"/{name}", name) for name in GLOBAL)]
+        arguments = ["policies", "--ros-args"]
+        arguments += [one for name, to in remapped for one in ("-r", f"{name}:={to}")]
+        arguments += [one for name, to in parameters.items() for one in ("-p", f"{name}:={to}")]
+        with Composition(arguments, list(CAMERAS.values()), lambda: Node("driver"), 2) as composition:
+            yield settled(composition)
+
+
+def settled(composition: Composition[Any]) -> Graph:
+    """The graph of its nodes, once it tells everything that they hold.
+
+    Raises:
+        TimeoutError: It does not.
+    """
+    names = [node.get_name() for node in composition.nodes]
+    found, since = graph_of(composition.driver, names), time.monotonic()
+    deadline = since + LIMIT
+    while time.monotonic() - since < SETTLED:
+        time.sleep(0.2)
+        again = graph_of(composition.driver, names)
+        missing = [name for node in composition.nodes for name in untold(node, again)]
+        if again != found or missing:
+            found, since = again, time.monotonic()
+        if time.monotonic() > deadline:
+            raise TimeoutError(f"after {LIMIT:g} s the graph has not settled; it does not tell {missing}")
+    return found
 
 
 def policies(graph: Graph) -> str:

@@ -44,6 +44,11 @@ RunCutOffError = CellError.row(
 BadParameterError = CellError.row(
     "BadParameterError", 811, "A node was started with a value that a parameter cannot have."
 )
+WrongGoalError = CellError.row(
+    "WrongGoalError",
+    812,
+    "A goal for a whole door came to a robot that mills shares, or the other way round.",
+)
 RunNoteError = CellError.row(
     "RunNoteError", 883, "It cannot be written down which run is in hand, so none is begun."
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -113,6 +114,10 @@ class CellLayout:
         T_other_base = inverse(T_base_other)
         obstacles = tuple(body.mapped(T_other_base) for body in self.obstacles)
         return replace(self, boards=(), obstacles=obstacles, rack=None)
+
+    def beside(self, bodies: Sequence[Body]) -> CellLayout:
+        """The cell with further bodies that stand in it, in this robot's base frame."""
+        return replace(self, obstacles=(*self.obstacles, *bodies))
 
     def with_rear_free(self) -> CellLayout:
         """The cell with its boards away, for a second robot that mills the rear face."""

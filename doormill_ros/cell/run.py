@@ -191,8 +191,8 @@ class RunDesk:
         self._run: Run | None = None
         self._ended: deque[str] = deque(maxlen=REMEMBERED)
 
-    def begin(self, door_id: str) -> Run:
-        """A run of its own for a door.
+    def begin(self, door_id: str, run_id: str = "") -> Run:
+        """A run for a door, of its own or, by its id, one that is in hand elsewhere.
 
         Raises:
             CellBusyError: Another door is being milled.
@@ -202,7 +202,7 @@ class RunDesk:
                 raise CellBusyError(
                     f"door {door_id} was refused: {self._run.door_id} is being milled; wait until it is done"
                 )
-            self._run = Run(new_run_id(), door_id, self._clock)
+            self._run = Run(run_id or new_run_id(), door_id, self._clock)
             return self._run
 
     def end(self) -> None:

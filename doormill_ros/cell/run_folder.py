@@ -34,6 +34,10 @@ class RunFolder:
         """HOME folder of the simulated controller."""
         return (self.shift or self.root) / "controller" / "HOME"
 
+    def controller_of(self, robot: str) -> Path:
+        """HOME folder of the simulated controller of one of two robots."""
+        return self.controller.parent / robot / "HOME"
+
     @property
     def inspection(self) -> Path:
         """What was measured on the milled door."""

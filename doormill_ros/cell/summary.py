@@ -61,6 +61,33 @@ class Touched:
 
 
 @dataclass(frozen=True)
+class CycleTime:
+    """How long the door takes with finding it, as predicted [s]; zeros where no program was made.
+
+    Attributes:
+        one: By one robot.
+        allowed: By appendix A.1 of the thesis.
+        two: By two robots that mill at once; 0 where one keeps what is allowed, or two cannot mill the door.
+        reason: Why two cannot.
+    """
+
+    one: float = 0.0
+    allowed: float = 0.0
+    two: float = 0.0
+    reason: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """For whoever reads the report."""
+        text = f"{self.one:.1f} s with finding the door, allowed are {self.allowed:.1f} s: "
+        if self.one <= self.allowed:
+            return text + "kept"
+        if self.reason:
+            return text + f"exceeded by one robot, and two cannot mill it: {self.reason}"
+        return text + f"exceeded by one robot; two that mill at once would need {self.two:.1f} s"
+
+
+@dataclass(frozen=True)
 class RunSummary:
     """Content of summary.json; metres, seconds, radians.
 
@@ -86,6 +113,7 @@ class RunSummary:
     localization_error: DoorOffset = field(default_factory=DoorOffset)
     feature_error: FeatureError = field(default_factory=FeatureError)
     touched: Touched = field(default_factory=Touched)
+    cycle: CycleTime = field(default_factory=CycleTime)
     measured: bool = False
     outcome: str = ""
 

@@ -26,7 +26,8 @@ _FLOOR = 0.25  # texture that noise alone makes [grey levels]
 _FAINTEST = 3.5  # smallest step taken for an edge [grey levels]
 _STRAY = 0.5e-3  # lines that far out of range are passed over if others are in range [m]
 _NEAR_CORNER = (16.0e-3, 32.0e-3)  # an edge must show within the second, one of the two within the first [m]
-_BROKEN, _WHOLE = 60.0e-3, 0.7  # so far from a broken corner an edge must show that share of its step [m]
+# Beside a broken corner, or else beyond a heap of dust, an edge must show that share of its step [m].
+_BROKEN, _BURIED, _WHOLE = (_NEAR_CORNER[1], 60.0e-3), (60.0e-3, 120.0e-3), 0.7
 _SIDE_BY_SIDE = 12.0e-3  # largest difference between the tilts of lines that run side by side [rad]
 _PARALLEL = 9.0e-3  # largest difference between the tilts of the two edges, as far as the search sees [rad]
 
@@ -118,8 +119,11 @@ def _ends_at_corner(
             sign * steps[edge].along_line(line.across, line.tilt, at + 0.8e-3, at + reach, quantile)
             for reach in _NEAR_CORNER
         )
-        if max(near, far) < 0.35 * abs(line.step):  # a corner may be broken off
-            far = sign * steps[edge].along_line(line.across, line.tilt, at + _NEAR_CORNER[1], at + _BROKEN)
+        if max(near, far) < 0.35 * abs(line.step):  # a corner may be broken off, or buried by dust
+            far = max(
+                sign * steps[edge].along_line(line.across, line.tilt, at + first, at + last)
+                for first, last in (_BROKEN, _BURIED)
+            )
             if not broken or far < _WHOLE * abs(line.step):
                 return False
         close.append(near > 0.35 * abs(line.step))

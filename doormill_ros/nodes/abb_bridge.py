@@ -35,7 +35,7 @@ from doormill_ros.nodes.mill_door import MillDoorServer
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
-from doormill_ros.pipeline.course import recipe_nodes, stage_of
+from doormill_ros.pipeline.course import SHARES, recipe_nodes, stage_of
 from doormill_ros.units import s_to_ns
 
 
@@ -61,6 +61,11 @@ class AbbBridge(ManagedNode):
             "in manual mode ask the operator for the remote privilege, for a dry run; over rws1 and rws2",
         ),
         NodeParameter("archive", "out/targets", "folder that keeps a copy of every target file handed over"),
+        NodeParameter(
+            "shared",
+            False,
+            "the robot mills shares of doors: goals and the word to mill come from /door_shares",
+        ),
         SENSORS_PARAMETER,
         NodeParameter("limit.recipe", 10.0, "longest wait for the recipe [s]", 0.1, 600.0, live=True),
         NodeParameter(
@@ -129,10 +134,13 @@ class AbbBridge(ManagedNode):
         self._loop.start()
         self._monitor.start()
         needed = recipe_nodes(sensors)
+        if self.value("shared"):
+            needed = (*needed, SHARES)
+            self.subscribe(topics.SHARE_GO, self._take_word)
         self._attendance = CellAttendance(
             self, needed, self._controller(), self._action.notify, self.value("limit.sign_of_life")
         )
-        self._action.open(self._attendance, sensors)
+        self._action.open(self._attendance, sensors, self.value("shared"))
         ExpectDoorServer(self, self.handshake.expect_door, self._group)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
@@ -198,6 +206,9 @@ class AbbBridge(ManagedNode):
     def _give_up(self, reason: str) -> None:
         if self.configured:
             self.handshake.abort(reason)
+
+    def _take_word(self, message: String) -> None:
+        self._action.give_word(message.data)
 
     def _take_localization(self, message: DoorLocalization) -> None:
         self._action.deliver(LOCALIZATION, message)

@@ -14,7 +14,7 @@ from typing import Any
 import rclpy
 import yaml
 
-from doormill_ros.cell.door_sensors import chosen_sensors
+from doormill_ros.cell.door_sensors import chosen_sensors, node_of
 from doormill_ros.cell.layout import CAMERA, load_layout
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import RunSummary
@@ -27,28 +27,25 @@ from doormill_ros.nodes.cell_driver import CellDriver
 from doormill_ros.nodes.composition import Composition
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.door_localizer import DoorLocalizer
+from doormill_ros.nodes.door_shares import DoorShares
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.recipe_database import RecipeDatabaseNode
+from doormill_ros.nodes.robots import ROBOTS, in_robot, robot_arguments
 from doormill_ros.nodes.sensor_localizer import SensorLocalizer
 from doormill_ros.nodes.sensor_simulator import SensorSimulator
 from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
+from doormill_ros.nodes.shared_door_judge import SharedDoorJudge
 from doormill_ros.operator.token import Keys
 from doormill_ros.simulation.robot_cell import RobotCell
 
-THREADS = 6
+THREADS = 6  #: and as many again for each further robot: every goal in hand keeps one
 #: Topics of one name for a whole network; a cell in a namespace has its own.
 GLOBAL = ("tf", "tf_static", "diagnostics")
 
-NODES: tuple[Callable[..., ManagedNode], ...] = (
-    BagRecorder,
-    RecipeDatabaseNode,
-    PathGenerator,
-    AbbBridge,
-    CameraSimulator,
-)
+NODES: tuple[Callable[..., ManagedNode], ...] = (BagRecorder, RecipeDatabaseNode)
 
 
 #: Who has to know which sensors there are, beside these themselves.
@@ -66,6 +63,7 @@ class CellOptions:
         namespace: Of every node, such as "/cell1"; empty: none. Cells in namespaces of their own share nothing.
         controller: The controller of doors that were milled before; None for one of the cell's own.
         sensors: What finds the door, the first one mills; empty for those of config/cell.yaml.
+        robots: 1, or 2 for one on either side of the door, in namespaces of their own.
     """
 
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -74,6 +72,31 @@ class CellOptions:
     namespace: str = ""
     controller: RobotCell | None = None
     sensors: tuple[str, ...] = ()
+    robots: int = 1
+
+    def millers(self, folder: RunFolder) -> list[Callable[[], ManagedNode]]:
+        """Makers of the nodes of the robot, or of both and of those that they share."""
+        if self.robots == 1:
+            return [PathGenerator, AbbBridge, partial(ControllerSimulator, self.controller)]
+        found: list[Callable[[], ManagedNode]] = []
+        names = self.sensors or chosen_sensors(load_layout())
+        finders = tuple(node_of(name) for name in names)
+        for robot in ROBOTS:
+            place = in_robot(robot)
+            folder.controller_of(place).mkdir(parents=True, exist_ok=True)
+            own: dict[type[ManagedNode], dict[str, Any]] = {
+                PathGenerator: {"share": robot},
+                AbbBridge: {
+                    "shared": True,
+                    "address": folder.controller_of(place),
+                    "archive": folder.targets / place,
+                },
+                ControllerSimulator: {"shared": True, "home": folder.controller_of(place)},
+            }
+            for node, values in own.items():
+                arguments = robot_arguments(robot, values, self.namespace, finders)
+                found.append(partial(node, cli_args=arguments))
+        return [*found, SharedDoorJudge, DoorShares]
 
     def finders(self) -> list[Callable[[], ManagedNode]]:
         """Makers of the nodes that find the door, and of who plays their sensors' drivers.
@@ -136,12 +159,15 @@ class Cell:
         options = options or CellOptions()
         nodes: list[Callable[[], ManagedNode]] = [
             *NODES,
+            CameraSimulator,
             *options.finders(),
-            partial(ControllerSimulator, options.controller),
+            *options.millers(folder),
         ]
         if options.page:
             nodes += [ModelMonitor, partial(OperatorPage, options.token)]
-        self._composition = Composition(options.arguments(folder), nodes, CellDriver, THREADS)
+        self._composition = Composition(
+            options.arguments(folder), nodes, CellDriver, THREADS * options.robots
+        )
 
     def __enter__(self) -> Cell:
         self._composition.__enter__()

@@ -16,6 +16,7 @@ from doormill_ros.cell.inspection import outcome
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import (
+    CycleTime,
     FeatureError,
     RunSummary,
     StageDurations,
@@ -24,9 +25,11 @@ from doormill_ros.cell.summary import (
     localization_error,
 )
 from doormill_ros.cell.waiting import wait
+from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.futures import result_of
 from doormill_ros.nodes.goal_client import GoalClient
+from doormill_ros.pipeline.cycle import cycle_time
 
 START_LIMIT = 20.0  # s
 RUN_LIMIT = 900.0  # s
@@ -40,6 +43,7 @@ class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
     """Sends goals and keeps the latest message of each topic that a summary needs."""
 
     KEPT = (
+        topics.DOOR_RECIPE,
         topics.DOOR_LOCALIZATION,
         topics.DOOR_PLACEMENT,
         topics.PATH_TARGETS,
@@ -92,6 +96,8 @@ class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
         verdict = self._of_run(topics.RUN_VERDICT, result.run_id)
         touched = Touched() if verdict is None else _touched(verdict)
         targets = self._of_run(topics.PATH_TARGETS, result.run_id)
+        recipe = self._of_run(topics.DOOR_RECIPE, result.run_id)
+        planned = recipe is not None and targets is not None and targets.accepted
         failed = result.success and verdict is not None and not verdict.success
         unknown = result.success and not result.measured
         known = found is not None and found.accepted and true is not None
@@ -122,6 +128,7 @@ class CellDriver(Node):  # type: ignore[misc]  # rclpy has no types
                 milled.uncorrected_max, milled.corrected_max, milled.tolerance, result.worst_feature
             ),
             touched=touched,
+            cycle=cycle_time(recipe_of(recipe), targets.cycle_time) if planned else CycleTime(),
             measured=result.measured,
             outcome=outcome(result.success, result.error_code, result.measured),
         )

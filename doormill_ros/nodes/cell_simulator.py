@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
+from functools import partial
+from pathlib import Path
+
+import rclpy.utilities
 
 from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.robots import ROBOTS, in_robot, robot_arguments
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.nodes.sensor_simulator import SensorSimulator
+from doormill_ros.nodes.shared_door_judge import SharedDoorJudge
 from doormill_ros.resources import resource
 
 #: What Fast DDS reads its settings from, in this release and in older ones.
@@ -27,7 +34,35 @@ def make_room_for_pictures() -> None:
 def main() -> int:
     """Run the nodes."""
     make_room_for_pictures()
-    return run_nodes(CameraSimulator, SensorSimulator, ControllerSimulator)
+    parser = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
+    parser.add_argument(
+        "--robots", type=int, choices=(1, 2), default=1, help="2: a controller for each of two"
+    )
+    parser.add_argument(
+        "--controllers",
+        type=Path,
+        default=Path("out/controller"),
+        help="of two robots: folder of robot1/HOME and robot2/HOME",
+    )
+    options, _ = parser.parse_known_args(rclpy.utilities.remove_ros_args(sys.argv)[1:])
+    if options.robots == 1:
+        return run_nodes(CameraSimulator, SensorSimulator, ControllerSimulator)
+    controllers = [partial(_controller_of, robot, options.controllers) for robot in ROBOTS]
+    return run_nodes(CameraSimulator, SensorSimulator, SharedDoorJudge, *controllers)
+
+
+def _controller_of(robot: str, folder: Path) -> ControllerSimulator:
+    """The controller of one of two robots, in its namespace below that of the process."""
+    home = folder / in_robot(robot) / "HOME"
+    home.mkdir(parents=True, exist_ok=True)
+    values = {"shared": True, "home": home}
+    return ControllerSimulator(cli_args=robot_arguments(robot, values, _namespace()))
+
+
+def _namespace() -> str:
+    """Of the process, empty for none."""
+    given = [word.partition(":=")[2] for word in sys.argv if word.startswith("__ns:=")]
+    return f"/{given[-1].strip('/')}".rstrip("/") if given else ""
 
 
 if __name__ == "__main__":

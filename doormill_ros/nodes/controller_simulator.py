@@ -61,6 +61,9 @@ class ControllerSimulator(ManagedNode):
             "false: somebody opens the clamp of the door that stands; the next is clamped",
             live=True,
         ),
+        NodeParameter(
+            "shared", False, "of two robots: tell what was done, and leave the door to /shared_door_judge"
+        ),
         NodeParameter("gauged", False, "measure every milled door and tell it on door/inspection"),
         *WORLD_PARAMETERS,
         NodeParameter(
@@ -106,10 +109,13 @@ class ControllerSimulator(ManagedNode):
         self._run: RobotCellRun | None = None
         self._thread: threading.Thread | None = None
         self._executed = self.publisher(topics.EXECUTED_PATH)
-        self._milled = self.publisher(topics.MILLED_DOOR)
-        self._judged_cell = load_cell()
-        self._verdict = self.publisher(topics.RUN_VERDICT)
-        self._gauged = self.publisher(topics.DOOR_INSPECTION)
+        if self.value("shared"):
+            self._uncorrected = self.publisher(topics.UNCORRECTED_PATH)
+        else:
+            self._milled = self.publisher(topics.MILLED_DOOR)
+            self._judged_cell = load_cell()
+            self._verdict = self.publisher(topics.RUN_VERDICT)
+            self._gauged = self.publisher(topics.DOOR_INSPECTION)
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_PLACEMENT, self._take_placement)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
@@ -142,6 +148,8 @@ class ControllerSimulator(ManagedNode):
         # A refused door is taken out by the operator, who also stops the waiting program; and whoever is started
         # after the end of a run hears of its door and of its end in any order.
         self._ended = result.run_id
+        if result.success:
+            return  # the program ends by itself
         waits = self._thread is not None and self._thread.is_alive()
         if waits and self._placement is not None and result.run_id == self._placement.run_id:
             self._halt()
@@ -178,6 +186,9 @@ class ControllerSimulator(ManagedNode):
 
     def _inspect(self, run: RobotCellRun, placement: DoorPlacement) -> None:
         targets, recipe = self._targets, self._recipe
+        if self.value("shared"):
+            self._tell_share(run, placement)
+            return
         if targets is None or recipe is None or targets.run_id != placement.run_id:
             # Nobody shall wait for what cannot come.
             self._milled.publish(MilledDoor(run_id=placement.run_id, door_id=placement.door_id))
@@ -202,6 +213,17 @@ class ControllerSimulator(ManagedNode):
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
         self._milled.publish(milled_message(door, corrected, uncorrected, TOLERANCE, header, placement))
         self.report(OK, "door milled", door_id=placement.door_id, deviation=corrected.max_deviation)
+
+    def _tell_share(self, run: RobotCellRun, placement: DoorPlacement) -> None:
+        """What this robot did to the door, and would have done without correction; the former comes last."""
+        if self._targets is None or self._targets.run_id != placement.run_id:
+            return
+        program = program_of(self._targets)
+        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
+        uncorrected = self._cell.execute_uncorrected(program)
+        self._uncorrected.publish(executed_message(uncorrected, header, placement))
+        self._executed.publish(executed_message(run.executed_path(program), header, placement))
+        self.report(OK, "share milled", door_id=placement.door_id)
 
     def _tell_gauged(self, points: MeasuredPoints, run_id: str) -> None:
         ended = self._shift.ended()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -11,23 +12,28 @@ from rclpy.logging import get_logger
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
-from doormill_interfaces.msg import DoorRecipe
-from doormill_ros.cell.layout import load_layout
+from doormill_interfaces.msg import DoorLocalization, DoorRecipe
+from doormill_ros.cell.layout import CAMERA, load_layout
+from doormill_ros.frames import BASE_FRAME
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.gige.aravis_device import AravisDevice
 from doormill_ros.localization.gige.device import Limits
-from doormill_ros.localization.gige.errors import AravisMissing
+from doormill_ros.localization.gige.errors import AravisMissing, GigeError, NoPictureInTime
 from doormill_ros.localization.gige.exposure import EdgeLight, Exposed, exposed
-from doormill_ros.localization.gige.library import load_aravis
+from doormill_ros.localization.gige.library import Aravis, load_aravis
 from doormill_ros.localization.gige.line import CameraLine
+from doormill_ros.localization.gige.waiting import Waiting
 from doormill_ros.localization.view import face_view
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.picture import camera_info_message, picture_message
+from doormill_ros.nodes.pose_teller import PoseTeller
 from doormill_ros.nodes.reporting_node import OK, NodeParameter
 from doormill_ros.nodes.requested_camera import RequestedCamera
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 
 WATCH_PERIOD = 2.0  # s between looks at a camera of which no picture is wanted
+LOOK_PERIOD = 0.1  # s between looks at how long a run has waited for its picture
 LAST_CALL = 3.0  # s that the end waits for the camera; the library may wait longer for one that is gone
 UNUSABLE = 2  #: exit status after which nobody starts the node again
 
@@ -50,20 +56,25 @@ class GigeCamera(RequestedCamera):
         NodeParameter(
             "retry_period", 1.0, "a picture that nobody used is taken again after [s]", 0.1, 3600.0
         ),
+        NodeParameter(
+            "limit",
+            8.0,
+            "a door of which no picture came is refused after [s]; below limit.picture of /abb_bridge",
+            0.1,
+            600.0,
+            live=True,
+        ),
+        SENSORS_PARAMETER,
     )
 
-    def __init__(self, **kwargs: Any) -> None:
-        """Load the library.
+    def __init__(self, aravis: Aravis | None = None, **kwargs: Any) -> None:
+        """Load the library, unless it is given.
 
         Raises:
             AravisMissing: It is not there.
         """
+        self._aravis = aravis or load_aravis()
         super().__init__("gige_camera", **kwargs)
-        try:
-            self._aravis = load_aravis()
-        except AravisMissing:
-            self.destroy_node()
-            raise
 
     def setup(self) -> None:
         """Read the camera file; subscribe. The camera itself is reached by the thread, whenever it is there."""
@@ -72,7 +83,11 @@ class GigeCamera(RequestedCamera):
         self._light: EdgeLight | None = None
         self._exposed = 0.0
         self._thread: threading.Thread | None = None
+        self._recipe: DoorRecipe | None = None
+        self._waiting = Waiting()
+        self._teller = PoseTeller(self, CAMERA, self._layout)
         self.open_camera(self.value("retry_period"))
+        self.every(LOOK_PERIOD, self._give_up_waiting)
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
 
     def start(self) -> None:
@@ -98,8 +113,25 @@ class GigeCamera(RequestedCamera):
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         if self.is_new(recipe.run_id):
             view = face_view(self._model, self._layout, recipe.width, recipe.thickness)
-            self._light = EdgeLight(view, self._layout.limits)
+            self._light, self._recipe = EdgeLight(view, self._layout.limits), recipe
             self.want(recipe.run_id)
+
+    def _give_up_waiting(self) -> None:
+        """Answer a run whose picture does not come: the library may wait for the camera longer than the bridge."""
+        recipe = self._recipe
+        run_id = recipe.run_id if recipe is not None and self.still_wanted(recipe.run_id) else ""
+        waited = self._waiting.of(run_id, time.monotonic())
+        if recipe is None or waited < self.value("limit"):
+            return
+        self.unwant(run_id)
+        reason = NoPictureInTime(
+            f"no picture of the door came within {waited:.1f} s: {self._waiting.reason}", run_id=run_id
+        )
+        answer = DoorLocalization(run_id=run_id, door_id=recipe.door_id, error_code=reason.code)
+        answer.header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
+        answer.reason, answer.duration = reason.message, waited
+        self._teller.refuse(answer)
+        self.get_logger().error(f"door {recipe.door_id}: {reason.message}")
 
     def send(self, run_id: str) -> None:
         """Have the thread take and send that run's picture."""
@@ -117,7 +149,15 @@ class GigeCamera(RequestedCamera):
         line.close()
 
     def _sent(self, run_id: str) -> bool:
-        return self.attempt("take a picture", lambda: super(GigeCamera, self).send(run_id))
+        def take() -> None:
+            try:
+                super(GigeCamera, self).send(run_id)
+            except GigeError as error:
+                self._waiting.failed(error.message)
+                raise
+            self._waiting.taken(run_id)
+
+        return self.attempt("take a picture", take)
 
     def _watched(self, well: bool) -> bool:
         before = self._line.reached

@@ -29,7 +29,7 @@ from doormill_ros.nodes.replay_driver import ReplayDriver
 from doormill_ros.nodes.sensor_localizer import SensorLocalizer
 from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.recipes.store.database import RecipeDatabase
-from doormill_ros.recording.replay.answer import Answer
+from doormill_ros.recording.replay.answer import Answer, pictureless
 from doormill_ros.recording.replay.live import LiveRun
 from doormill_ros.recording.replay.offline import LAST_REPLAYED
 from doormill_ros.recording.replay.recorded_run import RecordedRun
@@ -114,6 +114,8 @@ def repeats_the_end(run: RecordedRun) -> bool:
     """True when what ended the run is an answer of the nodes to what is played to them."""
     result = run.result
     if result is None:
+        return False
+    if any(pictureless(message) for _, message in run.localizations):
         return False
     without_picture = not run.pictures and result.error_code == StageTimeoutError.code
     return bool(

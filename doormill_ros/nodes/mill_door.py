@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +13,11 @@ from rclpy.action import CancelResponse, GoalResponse
 from rclpy.callback_groups import CallbackGroup
 
 from doormill_interfaces.action import MillDoor
-from doormill_interfaces.msg import RunResult, StageTimes
-from doormill_interfaces.srv import GetRecipe
+from doormill_interfaces.msg import RunResult
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.clock import Clock, step_text
-from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError
+from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError, WrongGoalError
 from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.run import RunDesk, StageLimits
 from doormill_ros.cell.run_in_hand import RunNote
@@ -26,11 +25,13 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.action_server import QuietActionServer
+from doormill_ros.nodes.convert.run_end import run_end_into
 from doormill_ros.nodes.door_inspections import DoorInspections
 from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.recipe_client import RecipeClient
 from doormill_ros.nodes.reporting_node import WARN
-from doormill_ros.pipeline.course import Course
-from doormill_ros.pipeline.partners import Attendance, Handover, RecipeAnswer
+from doormill_ros.pipeline.course import SHARES, Course
+from doormill_ros.pipeline.partners import Attendance, Handover
 from doormill_ros.pipeline.run_end import RunEnd
 from doormill_ros.units import ns_to_s
 
@@ -54,6 +55,8 @@ class MillDoorServer:
         give_up: Callable[[str], None],
         group: CallbackGroup,
     ) -> None:
+        self._shared = False
+        self._word = ""  # run of which the share may be milled
         self._node = node
         self._handover = handover
         self._give_up = give_up
@@ -61,10 +64,11 @@ class MillDoorServer:
         self._desk = RunDesk(
             Clock(wall=lambda: ns_to_s(node.get_clock().now().nanoseconds), was_set=self._tell_of_step)
         )
-        self._recipes: _Recipes | None = None
+        self._recipes: RecipeClient | None = None
         self._inspections: DoorInspections | None = None
         self._attendance: Attendance | None = None
         self._cut_off: RunEnd | None = None
+        self._note: RunNote | None = None
         self._ending = threading.Lock()
         self._result = node.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
@@ -83,19 +87,21 @@ class MillDoorServer:
         """Let another server of this name answer, or answer again."""
         self._server.silent = silent
 
-    def open(self, attendance: Attendance, sensors: Sequence[str]) -> None:
+    def open(self, attendance: Attendance, sensors: Sequence[str], shared: bool) -> None:
         """Connect to the recipe database and to who measures milled doors.
 
         Args:
             attendance: Which nodes are alive.
             sensors: What finds the doors.
+            shared: The robot mills a share of each door, in runs of /door_shares alone.
         """
+        self._shared = shared
         self._attendance = attendance
         self._sensors = tuple(sensors)
-        self._note = RunNote(Path(self._node.value("archive")))
-        self._recipes = _Recipes(self._node, self._group)
+        note = self._note = RunNote(Path(self._node.value("archive")))
+        self._recipes = RecipeClient(self._node, self._group)
         self._inspections = DoorInspections(self._node, self.notify)
-        cut_off = self._note.read()
+        cut_off = note.read()
         self._cut_off = None if cut_off is None else RunEnd(*cut_off)
         self._end_what_was_cut_off()
 
@@ -121,7 +127,11 @@ class MillDoorServer:
         else:
             end.refuse(MillingFaultError.code, outcome.reason)
         self._tell(end)
-        self._note.clear()
+        self._clear_note()
+
+    def _clear_note(self) -> None:
+        if self._note is not None:  # a bridge that was never configured has none
+            self._note.clear()
 
     def close(self) -> None:
         """Disconnect."""
@@ -138,6 +148,11 @@ class MillDoorServer:
         """Pass a stage's answer to the run in hand; False when it belongs to no run of this server."""
         return self._desk.deliver(stage, message.run_id, message, seconds_of(message.header.stamp))
 
+    def give_word(self, run_id: str) -> None:
+        """The share of that run may be milled."""
+        self._word = run_id
+        self._desk.notify()
+
     def notify(self) -> None:
         """The handshake changed."""
         self._desk.notify()
@@ -153,7 +168,7 @@ class MillDoorServer:
 
     def _execute(self, goal: Any) -> MillDoor.Result:
         try:
-            run = self._desk.begin(goal.request.door_id)
+            run = self._desk.begin(goal.request.door_id, goal.request.run_id)
         except CellBusyError as error:
             goal.abort()
             return MillDoor.Result(error_code=error.code, message=error.message)
@@ -164,13 +179,25 @@ class MillDoorServer:
 
         try:
             recipes, inspections, attendance = self._recipes, self._inspections, self._attendance
-            if not self._node.active or recipes is None or inspections is None or attendance is None:
+            note = self._note
+            if not self._node.active or not (recipes and inspections and attendance and note):
                 raise NodeInactiveError(
                     "the ABB bridge is not active; activate it (ros2 lifecycle set /abb_bridge activate)"
                 )
-            self._note.write(run.run_id, run.door_id)
+            if self._shared != bool(goal.request.run_id):
+                raise WrongGoalError(
+                    f"door {goal.request.door_id} was refused: this robot mills "
+                    + (
+                        "shares of runs, and the goal names no run"
+                        if self._shared
+                        else "whole doors, and the goal asks for a share"
+                    )
+                    + f"; send the goal to mill_door of the cell, served by /{SHARES if self._shared else 'abb_bridge'}"
+                )
+            note.write(run.run_id, run.door_id)
             partners = recipes, self._handover, inspections, attendance
-            course = Course(run, *partners, self._limits(), tell, self._sensors)
+            word = (lambda: self._word == run.run_id) if self._shared else None
+            course = Course(run, *partners, self._limits(), tell, self._sensors, word)
             end = course.end
             course.mill()
         except DoormillError as error:
@@ -199,8 +226,8 @@ class MillDoorServer:
         if not self._server.silent:
             self._tell(end)
         with suppress(OSError):  # it is told again after a restart, that is all
-            self._note.clear()
-        result = MillDoor.Result(**_values_of(_document(end), MillDoor.Result))
+            self._clear_note()
+        result = run_end_into(end, MillDoor.Result)
         if end.success:
             goal.succeed()
         elif goal.is_cancel_requested:
@@ -210,7 +237,7 @@ class MillDoorServer:
         return result
 
     def _tell(self, end: RunEnd) -> None:
-        message = RunResult(**_values_of(_document(end), RunResult))
+        message = run_end_into(end, RunResult)
         message.header.stamp = self._node.get_clock().now().to_msg()
         if self._node.context.ok():
             self._result.publish(message)
@@ -220,49 +247,3 @@ class MillDoorServer:
             log.info(end.message)
         else:
             log.warning(end.message)
-
-
-def _document(end: RunEnd) -> dict[str, Any]:
-    """How a run ended, by the names of the messages' fields."""
-    return {
-        **asdict(end),
-        "times": StageTimes(**asdict(end.times)),
-        "measured": end.inspection.measured,
-        "worst_feature": end.inspection.feature,
-        "deviation": end.inspection.deviation,
-        "tolerance": end.inspection.tolerance,
-    }
-
-
-def _values_of(values: dict[str, Any], message_type: Any) -> dict[str, Any]:
-    """Those of the values for which a message has a field of that name."""
-    return {name: values[name] for name in message_type.get_fields_and_field_types() if name in values}
-
-
-class _Recipes:
-    """The service recipes/get as a run asks it."""
-
-    def __init__(self, node: ManagedNode, group: CallbackGroup) -> None:
-        self._node = node
-        self._client = node.create_client(GetRecipe, "recipes/get", callback_group=group)
-
-    @property
-    def ready(self) -> bool:
-        """The service is there."""
-        return bool(self._client.service_is_ready())
-
-    def ask(self, door_id: str, run_id: str, hear: Callable[[RecipeAnswer], None]) -> None:
-        """Send a request."""
-
-        def answered(future: Any) -> None:
-            response = future.result()
-            if response is not None:
-                version = int(response.recipe.version)
-                hear(RecipeAnswer(response.success, response.error_code, response.message, version))
-
-        request = GetRecipe.Request(door_id=door_id, run_id=run_id)
-        self._client.call_async(request).add_done_callback(answered)
-
-    def close(self) -> None:
-        """Give the client back."""
-        self._node.destroy_client(self._client)

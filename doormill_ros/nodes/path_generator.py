@@ -50,6 +50,11 @@ class PathGenerator(ManagedNode):
             "folder of the store of models; one in use there takes the place of robot_model; empty: none",
         ),
         NodeParameter(
+            "share",
+            "",
+            "first or second: of two robots, whose share of each door; empty: one robot, whole doors",
+        ),
+        NodeParameter(
             "frames",
             True,
             "publish frames of the robot at its first target; false where its driver does that",
@@ -63,7 +68,10 @@ class PathGenerator(ManagedNode):
         """Load robot and compliance model; subscribe."""
         store = self.value("models")
         self._in_use = SetupInUse(
-            self.value("robot"), self.value("robot_model"), Path(store) if store else None
+            self.value("robot"),
+            self.value("robot_model"),
+            Path(store) if store else None,
+            self.value("share"),
         )
         self._setup = self._in_use.now
         self._unfit: Exception | None = None
@@ -88,7 +96,8 @@ class PathGenerator(ManagedNode):
         door_pose_of(pose_message(T_base_door))
         answer = program_into(TargetArray(), planned.program)
         deserialize_message(serialize_message(answer), TargetArray)
-        program_markers(planned.program, recipe, T_base_door, Header())
+        share = self._setup.setup.shared(recipe, T_base_door)
+        program_markers(planned.program, recipe, share.T_base_door, Header())
 
     def start(self) -> None:
         """Describe the robot to who draws it."""
@@ -158,8 +167,12 @@ class PathGenerator(ManagedNode):
             if self._unfit is not None:
                 raise self._unfit
             door = self._door if self._door is not None else recipe_of(recipe)
-            T_base_door = door_pose_of(pose.pose)
-            planned = plan(door, T_base_door, self._setup.setup)
+            T_cell_door = door_pose_of(pose.pose)
+            share = self._setup.setup.shared(door, T_cell_door)
+            if self.value("share") and not share.operations:
+                self.report(OK, f"door {recipe.door_id} has nothing for this robot")
+                return
+            planned = plan(door, T_cell_door, self._setup.setup)
         except Exception as unexpected:  # whatever it is, the run waits for an answer
             error = self.as_refusal(unexpected)
             answer.duration = time.perf_counter() - begun
@@ -175,7 +188,7 @@ class PathGenerator(ManagedNode):
         answer.duration = time.perf_counter() - begun
         self._targets.publish(answer)
         self.report(OK, "path generated", door_id=recipe.door_id, targets=len(program.targets))
-        self.later("show", lambda: self._show(answer.header, program, door, T_base_door))
+        self.later("show", lambda: self._show(answer.header, program, door, share.T_base_door))
 
     def _show(self, header: Header, program: MillingProgram, door: Recipe, T_base_door: FloatArray) -> None:
         targets = program.targets

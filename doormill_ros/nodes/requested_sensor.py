@@ -43,6 +43,12 @@ class RequestedSensor(ManagedNode):
             self._run_id, self._wanted = run_id, True
         self.expose()
 
+    def unwant(self, run_id: str) -> None:
+        """No reading of that run is sent any more."""
+        with self._lock:
+            if run_id == self._run_id:
+                self._wanted = False
+
     def expose(self) -> None:
         """Read once door and request are there; again until the targets are ready."""
         with self._lock:

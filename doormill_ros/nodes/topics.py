@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -96,8 +96,12 @@ ABB_READY = _topic("abb/ready", Bool, STATE)
 CONTROLLER_STATE = _topic("abb/controller_state", ControllerState, STATE)
 ABB_TARGET_FILE = _topic("abb/target_file", String, STATE)
 RUN_RESULT = _topic("run/result", RunResult, STATE)
+#: Id of the run of which a robot may mill its share, in the namespace of that robot.
+SHARE_GO = _topic("share/go", String, STATE)
 DOOR_PLACEMENT = _topic("simulation/door_placement", DoorPlacement, STATE)
 EXECUTED_PATH = _topic("simulation/executed_path", ExecutedPath, STATE)
+#: What the tool would have done had the targets not been corrected; of a robot that mills a share.
+UNCORRECTED_PATH = _topic("simulation/uncorrected_path", ExecutedPath, STATE)
 MILLED_DOOR = _topic("simulation/milled_door", MilledDoor, STATE)
 #: Several doors may be measured at once, and none shall be lost.
 DOOR_INSPECTION = _topic("door/inspection", DoorInspection, _qos(100))
@@ -135,3 +139,8 @@ ALL: tuple[Topic, ...] = (
     MODEL_VERDICT,
     DIAGNOSTICS,
 )
+
+
+def at(topic: Topic, namespace: str, name: str = "") -> Topic:
+    """A topic as it is in a namespace below the node's own, under another name where one is given."""
+    return replace(topic, name=f"{namespace}/{name or topic.name}")

@@ -17,15 +17,17 @@ from doormill_ros.cell.run import LOCALIZATION, Run, StageLimits
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.sensors.agreement import check_agreement
 from doormill_ros.messages.sensing import sensed_door_of
-from doormill_ros.pipeline.partners import Attendance, Handover, Inspector, RecipeAnswer, Recipes, Targets
+from doormill_ros.pipeline.partners import Attendance, Handover, Inspector, Recipes, Targets
+from doormill_ros.pipeline.recipe_stage import fetch_recipe
 from doormill_ros.pipeline.run_end import RunEnd
 
-ASK_AGAIN = 1.0  # s
 ALONE_LIMIT = 10.0  # s
 #: Nodes without which a run comes to nothing, by stage. Those of the simulation are missed only where they have been.
 MILLING = ("controller_simulator",)
 TARGETS = ("path_generator", *MILLING)
 SIMULATED = ("camera_simulator", "sensor_simulator")
+#: Who gives the word where two robots share a door.
+SHARES = "door_shares"
 
 
 def picture_nodes(sensors: Sequence[str]) -> tuple[str, ...]:
@@ -68,6 +70,7 @@ class Course:
         limits: How long it waits for each stage.
         tell: Called with each stage's name and the share of the run that is done, 0..1.
         sensors: What finds the door; targets are made from the pose of the first one.
+        may_mill: Of a robot that mills a share: whether it has been given the word; None for a robot by itself.
 
     Attributes:
         end: How it ended, as far as it got.
@@ -83,8 +86,10 @@ class Course:
         limits: StageLimits,
         tell: Callable[[str, float], None] = lambda stage, progress: None,
         sensors: Sequence[str] = (CAMERA,),
+        may_mill: Callable[[], bool] | None = None,
     ) -> None:
         self._run = run
+        self._may_mill = may_mill
         self._recipes = recipes
         self._handover = handover
         self._inspector = inspector
@@ -109,9 +114,13 @@ class Course:
             targets, request_number = self._measure()
             self.end.largest_correction = targets.largest_correction
             self.end.robot_model, self.end.model_version = targets.robot_model, targets.model_version
+            if self._may_mill is not None:
+                self._tell("targets", 0.4)
+                self._wait_for_the_word(self._may_mill)
             self._need(MILLING)
             data = self._handover.submit(targets, request_number)
-            self._tell("targets", 0.4)
+            if self._may_mill is None:
+                self._tell("targets", 0.4)
             path = self._announce(data)
             self._watch_milling()
             self.end.mill(len(targets.targets), data, path, self._inspect())
@@ -128,29 +137,8 @@ class Course:
 
     def _fetch_recipe(self) -> int:
         """Version of the recipe that the database has made known under the run's id."""
-        run, clock = self._run, self._run.clock.monotonic
-        self._steps = len(run.steps)
-        heard: list[RecipeAnswer] = []
-        asked_at = float("-inf")
-
-        def hear(answer: RecipeAnswer) -> None:
-            heard.append(answer)
-            run.notify()
-
-        def answered() -> bool:
-            # A database that was restarted a moment ago may miss the first request.
-            nonlocal asked_at
-            if not heard and clock() - asked_at > ASK_AGAIN and self._recipes.ready:
-                asked_at = clock()
-                self._recipes.ask(run.door_id, run.run_id, hear)
-            return bool(heard)
-
-        missing = "the recipe database does not answer; check that /recipe_database is active"
-        run.wait_until(answered, self._limits.recipe, missing)
-        answer = heard[0]
-        if not answer.accepted:
-            raise StageRefusedError(answer.reason, answer.error_code)
-        return answer.version
+        self._steps = len(self._run.steps)
+        return fetch_recipe(self._run, self._recipes, self._limits.recipe)
 
     def _measure(self) -> tuple[Targets, int]:
         """Targets from a picture that was taken for the controller's present request, and its number.
@@ -223,6 +211,16 @@ class Course:
         requested = snapshot.times.get(HandshakeState.REQUESTED.value, snapshot.since)
         run.not_before = run.clock.wall() - (run.clock.monotonic() - requested)
         return snapshot.request_number
+
+    def _wait_for_the_word(self, may_mill: Callable[[], bool]) -> None:
+        """Wait while the other robot gets its targets, and for as long as it mills where it is the first."""
+        limits = self._limits
+        self._need((SHARES, *TARGETS))
+        self._run.wait_until(
+            may_mill,
+            limits.picture + limits.targets + limits.ready + limits.read + limits.milling,
+            f"/{SHARES} did not give this robot the word to mill its share; look at the other robot",
+        )
 
     def _announce(self, data: bytes) -> Path:
         """Wait until the file is written, verified and announced; path of its copy."""

@@ -23,17 +23,19 @@ class SetupInUse:
     Args:
         robot, model: As for `load_setup`; the model of version 0.
         store: Folder of the store of models; None for a cell without one.
+        share: As for `load_setup`.
 
     Raises:
         DoormillError: What `load_setup` raises.
     """
 
-    def __init__(self, robot: str, model: str, store: Path | None) -> None:
+    def __init__(self, robot: str, model: str, store: Path | None, share: str = "") -> None:
         self._robot = robot
+        self._share = share
         self._model = model
         self._store = None if store is None else ModelStore(store)
         self._loaded = ModelInUse()
-        self.now = VersionedSetup(load_setup(robot, model), 0)
+        self.now = VersionedSetup(load_setup(robot, model, share), 0)
 
     def for_next_run(self) -> VersionedSetup:
         """The setup with the model in use now; to be asked once a run.
@@ -47,6 +49,7 @@ class SetupInUse:
             return self.now
         wanted = self._store.for_next_run()
         if wanted != self._loaded:
-            self.now = VersionedSetup(load_setup(self._robot, wanted.path or self._model), wanted.version)
+            setup = load_setup(self._robot, wanted.path or self._model, self._share)
+            self.now = VersionedSetup(setup, wanted.version)
             self._loaded = wanted
         return self.now

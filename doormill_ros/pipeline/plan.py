@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
@@ -13,12 +14,13 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.extended_model import load_model_of
+from doormill_ros.toolpath.beside import place_of
 from doormill_ros.toolpath.door_checks import DoorCheck, check_door
 from doormill_ros.toolpath.door_plan import door_plan, whole_door
 from doormill_ros.toolpath.generate import generate_program
-from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings, load_settings
+from doormill_ros.toolpath.split import FIRST, Share, share_of
 
 REHEARSED = "standard_door"
 
@@ -33,6 +35,8 @@ class MillingSetup:
         model: How it gives way under the process wrench, and sags under the weights that the cell tells of.
         model_name: What the model is called where programs are written down.
         settings: Values of config/toolpath.yaml.
+        share: "first" or "second" of two robots that mill a share of each door, its layout in its own base frame;
+            empty for the only one, which mills whole doors.
     """
 
     layout: CellLayout
@@ -40,6 +44,17 @@ class MillingSetup:
     model: ComplianceModel
     model_name: str
     settings: PathSettings
+    share: str = ""
+
+    def of(self, robot: str) -> MillingSetup:
+        """The setup of the first or the second of two robots, made from that of the only one."""
+        return replace(self, layout=place_of(robot, self.layout, self.robot, self.settings), share=robot)
+
+    def shared(self, recipe: Recipe, T_base_door: FloatArray) -> Share:
+        """What this robot mills of a door that stands at T_base_door in the first one's base frame, shape (4, 4)."""
+        if self.share:
+            return share_of(self.share, recipe, T_base_door, self.settings)
+        return Share(FIRST, tuple(whole_door(recipe)), T_base_door)
 
 
 @dataclass(frozen=True)
@@ -50,12 +65,13 @@ class PlannedProgram:
     check: DoorCheck
 
 
-def load_setup(robot: str = "", model: str = "") -> MillingSetup:
+def load_setup(robot: str = "", model: str = "", share: str = "") -> MillingSetup:
     """Read config/ once, for any number of doors.
 
     Args:
         robot: Robot description in config/robots; empty: the one of config/cell.yaml.
         model: Robot or model.yaml of a diagnosis that the correction takes; empty: the robot's joint springs.
+        share: "first" or "second" of two robots; empty: the only one.
 
     Raises:
         BadCellFile: The cell tells weights that the robot cannot have.
@@ -67,7 +83,8 @@ def load_setup(robot: str = "", model: str = "") -> MillingSetup:
     arm = load_robot(robot or layout.robot)
     name = model or arm.name
     sagging = with_gravity(load_model_of(arm, name), arm, layout.gravity)
-    return MillingSetup(layout, arm, sagging, name, load_settings())
+    setup = MillingSetup(layout, arm, sagging, name, load_settings())
+    return setup.of(share) if share else setup
 
 
 def rehearse(setup: MillingSetup) -> tuple[Recipe, FloatArray, PlannedProgram]:
@@ -90,33 +107,32 @@ def prepare(recipe: Recipe, setup: MillingSetup) -> None:
     Raises:
         PathError: NothingToMillError or ToolFitError.
     """
-    door_plan(recipe, whole_door(recipe), setup.settings)
+    door_plan(recipe, setup.shared(recipe, np.eye(4)).operations, setup.settings)
 
 
 def plan(
     recipe: Recipe,
     T_base_door: FloatArray,
     setup: MillingSetup,
-    operations: Sequence[Operation] | None = None,
 ) -> PlannedProgram:
     """Generate the program of a door and check it as a whole.
 
     Args:
         recipe: What to mill.
-        T_base_door: Where the door stands, shape (4, 4).
-        setup: Robot, model, tool and settings.
-        operations: One robot's share of the work; None for the whole recipe.
+        T_base_door: Where the door stands, in the base frame of the only or the first robot, shape (4, 4).
+        setup: Robot, model, tool and settings, and which share of the door the robot mills.
 
     Raises:
         PathError: The leaf class says what makes the door impossible to mill.
     """
+    share = setup.shared(recipe, T_base_door)
     program = generate_program(
         recipe,
-        T_base_door,
+        share.T_base_door,
         setup.layout,
         setup.robot,
         setup.model,
-        operations=operations,
+        operations=share.operations,
         settings=setup.settings,
     )
     return PlannedProgram(program, check_door(program, recipe, setup.robot, setup.settings))

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.door_checks import DoorCheck
-from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.split import split
+from doormill_ros.toolpath.split import FIRST, SECOND
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,16 +49,11 @@ def preview(recipe: Recipe, robots: int = 1, model: str | None = None) -> list[P
     place = recipe.placement
     offset = DoorOffset() if place is None else DoorOffset(place.y, place.z, place.rotation)
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
-    shares: list[tuple[str, FloatArray, tuple[Operation, ...] | None]]
-    if robots == 1:
-        shares = [("only", T_base_door, None)]
-    else:
-        both = split(recipe, T_base_door, setup.settings)
-        setup = replace(setup, layout=setup.layout.with_rear_free())
-        shares = [(share.robot, share.T_base_door, share.operations) for share in both if share.operations]
+    setups = [("only", setup)] if robots == 1 else [(name, setup.of(name)) for name in (FIRST, SECOND)]
     previews = []
-    second = replace(setup, layout=setup.layout.seen_from(setup.settings.second_robot.T_base_second))
-    for name, T_robot_door, operations in shares:
-        planned = plan(recipe, T_robot_door, second if name == "second" else setup, operations)
-        previews.append(ProgramPreview(name, T_robot_door, planned.program, planned.check))
+    for name, own in setups:
+        share = own.shared(recipe, T_base_door)
+        if share.operations:
+            planned = plan(recipe, T_base_door, own)
+            previews.append(ProgramPreview(name, share.T_base_door, planned.program, planned.check))
     return previews

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -71,6 +72,16 @@ class RunEnd:
             f"{targets} targets, largest correction {m_to_mm(self.largest_correction):.3f} mm, ready "
             f"{s_to_ms(self.times.request_to_ready):.0f} ms after the request",
         )
+
+    def mill_shares(self, files: Mapping[str, str], inspection: MeasuredDoor) -> None:
+        """The robots milled their shares to the end.
+
+        Args:
+            files: Copy of the target file of each robot that had something to mill, by the robot's name.
+            inspection: How the door came out.
+        """
+        said = ", ".join(f"{robot} robot by {Path(file).name}" for robot, file in files.items())
+        self._mill(inspection, f"{said}, largest correction {m_to_mm(self.largest_correction):.3f} mm")
 
     def mill_unseen(self, inspection: MeasuredDoor) -> None:
         """The same of a run whose bridge was started again while the robot milled.

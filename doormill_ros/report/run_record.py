@@ -24,6 +24,7 @@ LATEST = (
     "simulation/verdict",
 )
 STATUS = "abb/status"
+SECOND = "/robot2/"  #: in the topics of the second of two robots
 
 
 @dataclass
@@ -51,13 +52,20 @@ class RunRecord:
     handshake: list[HandshakeStep] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
 
+    @property
+    def shared(self) -> bool:
+        """Two robots milled the door."""
+        return any(SECOND in f"/{topic}" for topic in self.counts)
+
     def get(self, topic: str) -> Any:
         """The topic's last message, None when there is none."""
         return self.latest.get(topic)
 
 
 def _in_the_cell(topic: str) -> str:
-    """The name of a topic without the namespace of the cell that it was recorded in."""
+    """The name of a topic without the namespace of the cell that it was recorded in, or of the first of two robots."""
+    if SECOND in topic:
+        return topic.lstrip("/")
     return next((name for name in (*LATEST, STATUS) if topic.endswith(f"/{name}")), topic.lstrip("/"))
 
 

@@ -14,8 +14,9 @@ from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE,
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.files import write_atomically
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import inspection_of, program_of, transform_of
+from doormill_ros.messages.from_message import inspection_of, program_of, recipe_of, transform_of
 from doormill_ros.pages.page import Charts, Facts, Listing, Page, PageSection, Paragraphs, Picture, render
+from doormill_ros.pipeline.cycle import cycle_time
 from doormill_ros.recipes.drawing import draw_recipe
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.report.figures import (
@@ -29,7 +30,6 @@ from doormill_ros.report.figures import (
 from doormill_ros.report.run_record import RunRecord, read_run
 from doormill_ros.robot.description import load_robot
 from doormill_ros.toolpath.drawing import draw_program, draw_ways
-from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.units import m_to_mm, rad_to_deg, s_to_ms
 
 TOUCHED = "touched what it must not"
@@ -81,7 +81,10 @@ def _facts(record: RunRecord) -> dict[str, str]:
             f"largest correction {m_to_mm(targets.largest_correction):.3f} mm by model {targets.robot_model}"
         )
         facts["expected error"] = _expected(targets)
-        facts["cycle"] = _cycle(targets.cycle_time, targets.door_id)
+        if record.shared:
+            facts["robots"] = "two; path and handshake are those of the first"
+        elif recipe is not None:
+            facts["cycle"] = cycle_time(recipe_of(recipe), targets.cycle_time).sentence
     inspection = _inspection(record)
     if inspection.out_of_tolerance:
         facts["milled"] = f"out of tolerance: {inspection.sentence}"
@@ -251,13 +254,3 @@ def write_report(bag: Path, path: Path) -> None:
         BagError: The bag cannot be read or holds no run.
     """
     write_atomically(path, render_report(read_run(bag)))
-
-
-def _cycle(program: float, door_id: str) -> str:
-    """The predicted time of the door against appendix A.1 of the thesis."""
-    cycle = load_settings().cycle
-    found = program + cycle.probing
-    text = f"{found:.1f} s with finding the door, allowed are {cycle.total:.1f} s: "
-    if found <= cycle.total:
-        return text + "kept"
-    return text + f"exceeded by one robot; 'recipes check {door_id}' says what two would need"

@@ -21,6 +21,7 @@ from doormill_ros.values import Array, Exactly, Name, Positive, Section, Vector3
 
 SCHEMA = "doormill/bodies/1"
 FILE = "bodies.yaml"
+UPRIGHT = 1e-9  #: cosine of a pitch that is 90 degrees
 _FORMS = {"box": ("size", "position", "rotation"), "capsule": ("radius", "start", "end")}
 
 Size = Annotated[FloatArray, Array((3,), positive=True)]
@@ -105,14 +106,22 @@ class Body(Section):
         places = {name: getattr(self, name) for name in ("position", "start", "end")}
         changed = {name: R @ at + p for name, at in places.items() if at is not None}
         if self.rotation is not None:
-            turned = R @ Rotation.from_euler("xyz", self.rotation).as_matrix()
-            changed["rotation"] = Rotation.from_matrix(turned).as_euler("xyz")
+            changed["rotation"] = _roll_pitch_yaw(R @ Rotation.from_euler("xyz", self.rotation).as_matrix())
         return replace(self, **changed)
 
     @property
     def margin(self) -> float:
         """By how much the body is wider than the hull of its corners [m]."""
         return self.radius or 0.0
+
+
+def _roll_pitch_yaw(R: FloatArray) -> FloatArray:
+    """Angles of R = Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3) -> (3,) [rad]; no yaw for what stands on end."""
+    level = float(np.hypot(R[0, 0], R[1, 0]))
+    pitch = np.arctan2(-R[2, 0], level)
+    if level < UPRIGHT:
+        return np.array([np.arctan2(-R[1, 2], R[1, 1]), pitch, 0.0])
+    return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

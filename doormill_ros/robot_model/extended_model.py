@@ -15,6 +15,7 @@ from doormill_ros.frames import rotate_wrench, rotation_from_vector
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.errors import RobotError
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.displacement import Displacement, StandingDisplacement, displacement_of
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause, Setup, index
 from doormill_ros.robot_model.elastic.causes.joint_backlash import DisplacementBacklash
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
@@ -24,6 +25,7 @@ from doormill_ros.robot_model.elastic.knowledge import MeasuredForce, ModelKnowl
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
+from doormill_ros.robot_model.gravity.model import SaggingModel
 from doormill_ros.robot_model.model_file import MODEL_FILE, read_model, schema_of
 from doormill_ros.robot_model.pose.compliance import PoseErrorCompliance, load_pose_compliance
 from doormill_ros.robot_model.pose.model import SCHEMA as POSE_SCHEMA
@@ -49,6 +51,7 @@ class ExtendedComplianceModel:
         causes: What was established; those that are not of the robot are kept for the record only.
         laws: What no cause names, likewise.
         force: How well doors told the process force; None where none did.
+        place: Where the unloaded tool stands; None: where it is sent. `standing_model` makes it part of a model.
     """
 
     def __init__(
@@ -59,13 +62,15 @@ class ExtendedComplianceModel:
         causes: Sequence[SizedCause],
         laws: Sequence[SizedCause] = (),
         force: MeasuredForce | None = None,
+        place: Displacement | None = None,
     ) -> None:
-        """Keep robot, springs, causes, laws, and how well the force is known."""
+        """Keep robot, springs, causes, laws, how well the force is known, and where the tool stands."""
         self.robot = robot
         self.joint_stiffness = np.array(joint_stiffness, dtype=float)
         self.causes = tuple(causes)
         self.laws = tuple(laws)
         self.force = force
+        self.place = place
         self._kinematics = Kinematics(dh)
 
     def springs_of_joints(self) -> FloatArray:
@@ -152,6 +157,7 @@ def model_document(
     unchanged: str = "",
     laws: Sequence[SizedCause] = (),
     force: MeasuredForce | None = None,
+    standing: Displacement | None = None,
 ) -> dict[str, Any]:
     """The content of model.yaml.
 
@@ -163,6 +169,7 @@ def model_document(
         unchanged: Why no cause is in it although some are in question; empty when that is not so.
         laws: What no cause names.
         force: How well doors told the process force.
+        standing: Where they told the unloaded tool to stand.
     """
     return {
         "schema": SCHEMA,
@@ -172,6 +179,7 @@ def model_document(
         "joint_stiffness": [float(k) for k in joint_stiffness],
         "causes": [_entry(sized) for sized in causes],
         **({"measured_force": force.document()} if force is not None else {}),
+        **({"standing": standing.document()} if standing is not None else {}),
         **({"laws": [_law_entry(sized) for sized in laws]} if laws else {}),
     }
 
@@ -243,7 +251,8 @@ def _model(document: dict[str, Any], path: Path) -> ExtendedComplianceModel:
             path=str(path),
         )
     force = measured_force_of(document["measured_force"]) if "measured_force" in document else None
-    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes, laws, force)
+    place = displacement_of(document["standing"]) if "standing" in document else None
+    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes, laws, force, place)
 
 
 def unknown_on_path(model: ComplianceModel) -> tuple[str, ...]:
@@ -278,7 +287,14 @@ def load_model_of(robot: Robot, path_or_name: str | Path = "") -> ComplianceMode
             "robot, or correct the robot in config/cell.yaml",
             path=str(path_or_name),
         )
-    return model
+    return standing_model(robot, model) if isinstance(model, ExtendedComplianceModel) else model
+
+
+def standing_model(robot: Robot, model: ExtendedComplianceModel) -> ComplianceModel:
+    """A model with where its unloaded tool stands; the model itself where that is where it was sent."""
+    if model.place is None:
+        return model
+    return SaggingModel(model, StandingDisplacement(robot, model.place))
 
 
 def _own_springs(robot: Robot) -> ExtendedComplianceModel:

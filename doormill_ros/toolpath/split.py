@@ -16,7 +16,8 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.operation import Operation, operation
 from doormill_ros.toolpath.settings import PathSettings
 
-_FIRST = (Side.FRONT, Side.HINGE_EDGE)
+FIRST, SECOND = "first", "second"
+_FACED = (Side.FRONT, Side.HINGE_EDGE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +46,15 @@ def split(recipe: Recipe, T_base_door: FloatArray, settings: PathSettings) -> tu
     first: list[Operation] = []
     second: list[Operation] = []
     for feature in recipe.features:
-        near, far = (first, second) if feature.side in _FIRST else (second, first)
+        near, far = (first, second) if feature.side in _FACED else (second, first)
         half = feature.through and getattr(feature, "from_both_sides", False)
         near.append(operation(feature, recipe.size, half=half))
         if half:
             far.append(operation(feature, recipe.size, half=True, far_side=True))
     T_second_door = inverse(settings.second_robot.T_base_second) @ T_base_door
-    return Share("first", tuple(first), T_base_door), Share("second", tuple(second), T_second_door)
+    return Share(FIRST, tuple(first), T_base_door), Share(SECOND, tuple(second), T_second_door)
+
+
+def share_of(robot: str, recipe: Recipe, T_base_door: FloatArray, settings: PathSettings) -> Share:
+    """What one of the two robots mills, by its name; the other arguments as of `split`."""
+    return next(share for share in split(recipe, T_base_door, settings) if share.robot == robot)

@@ -51,6 +51,13 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         help="place the door this far off: mm, mm, degrees",
     )
     parser.add_argument(
+        "--robots",
+        type=int,
+        choices=(1, 2),
+        default=1,
+        help="2: one on either side of the door, each mills its share, see docs/two-robots.md",
+    )
+    parser.add_argument(
         "--namespace", default="", metavar="NS", help="ROS namespace, for example /cell1, beside another cell"
     )
     parser.add_argument("--robot-model", metavar="YAML", help="model.yaml of a diagnosis for the correction")
@@ -108,6 +115,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
             parser.error(
                 f"--sensor is {' '.join(options.sensor)}, allowed are {', '.join(allowed)}, each once"
             )
+    if options.robots > 1 and (options.ui is not None or options.doors is not None):
+        parser.error("--robots 2 mills one door: leave out --ui, --doors, --world and --monitor")
     if options.namespace and not NAMESPACE.fullmatch(options.namespace):
         parser.error(
             f"--namespace is {options.namespace!r}, allowed are slashes with names of letters, digits and _: /cell1"
@@ -169,6 +178,7 @@ def main(arguments: list[str] | None = None) -> int:
         Keys(operate, engineer),
         options.namespace,
         sensors=tuple(options.sensor),
+        robots=options.robots,
     )
     summary = run_once(options.door[0], folder, cell, progress, milled)
     write_report(Path(summary.bag), Path(summary.report))
@@ -185,7 +195,8 @@ def main(arguments: list[str] | None = None) -> int:
             f"(uncorrected {m_to_mm(feature.uncorrected_max):.3f}, tolerance {m_to_mm(feature.tolerance):.1f})"
         )
         print(summary.touched.message)
-        print(f"RAPID file  {folder / 'targets' / Path(summary.target_file).name}")
+        for file in sorted((folder / "targets").rglob(Path(summary.target_file).name)):
+            print(f"RAPID file  {file}")
     print(f"bag         {folder / 'bag'}")
     print(f"report      {folder / 'report.html'}")
     print(f"summary     {folder / 'summary.json'}")

@@ -15,10 +15,11 @@ from doormill_ros.frames import transform
 from doormill_ros.recipes.features.hinge_pocket import HingePocket
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
+from doormill_ros.toolpath.beside import place_of
 from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.route import route
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.split import split
+from doormill_ros.toolpath.split import FIRST, SECOND, split
 from doormill_ros.units import m_to_mm
 from doormill_ros.workspace.doors import DoorRange
 
@@ -139,7 +140,7 @@ def plan_shares(
 ) -> PlannedDoors:
     """How many doors two robots can mill, each its share; a door is refused when one of them cannot.
 
-    The robots are planned one by one: that their arms keep apart is not looked at.
+    Each is planned while the other one waits at home.
 
     Args:
         recipes: The doors.
@@ -148,8 +149,8 @@ def plan_shares(
         settings: Where the second one stands in that cell.
     """
     refused, planned, reason = 0, 0, ""
-    limits, second = layout.limits, layout.seen_from(settings.second_robot.T_base_second)
-    first = layout.with_rear_free()
+    limits = layout.limits
+    places = {name: place_of(name, layout, robot, settings) for name in (FIRST, SECOND)}
     for recipe, sign in itertools.product(recipes, (-1.0, 1.0)):
         offset = DoorOffset(sign * limits.y, sign * limits.z, sign * limits.rotation)
         T_base_door = layout.T_base_door(recipe.width, recipe.thickness, offset)
@@ -157,7 +158,7 @@ def plan_shares(
         for share in split(recipe, T_base_door, settings):
             if not share.operations:
                 continue
-            place = first if share.robot == "first" else second
+            place = places[share.robot]
             try:
                 route(recipe, share.operations, share.T_base_door, place, robot, settings)
             except DoormillError as error:

@@ -52,7 +52,10 @@ def test_what_it_copies_and_starts_is_there() -> None:
 
 def test_every_node_has_its_container_a_bounded_log_and_no_privileges() -> None:
     services = COMPOSE["services"]
-    assert set(services) == {*NEEDED, *BESIDE, "door_sensors", "cell_simulator"}
+    assert set(services) == {*NEEDED, *BESIDE, "door_sensors", "cell_simulator", "gige_camera"}
+    # Where its library is missing it says so and ends; a real fault brings it back.
+    assert services["gige_camera"]["restart"] == "on-failure:5"
+    assert services["gige_camera"]["profiles"] == ["gige"]
     assert all(service["command"] == [name] for name, service in services.items())
     for name in (*NEEDED, *BESIDE, "door_sensors", "cell_simulator"):
         service = services[name]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import ast
+import re
 from xml.etree import ElementTree
 
 import pytest
+import yaml
 
 from doormill_ros.cell.readiness import BESIDE, NEEDED
 from doormill_ros.localization.sensors.registry import SENSORS
-from scripts.list_policies import FILE, KINDS, SIMULATORS, Graph, policies, whole_graph
+from scripts.list_policies import CAMERAS, FILE, KINDS, SIMULATORS, Graph, policies, whole_graph
 from support.source_tree import ROOT
 
 
@@ -32,13 +35,14 @@ def allowed(enclave: str) -> set[tuple[str, str, str]]:
 
 def test_the_file_is_the_one_made_from_the_running_cell(graph: Graph) -> None:
     assert FILE == ROOT / "config" / "security" / "policies.xml"
-    assert set(graph) == {*NEEDED, *BESIDE, *SIMULATORS, *SENSORS}
+    assert set(graph) == {*NEEDED, *BESIDE, *SIMULATORS, *SENSORS, *CAMERAS}
     assert FILE.read_text(encoding="utf-8") == policies(graph), "run python -m scripts.list_policies"
 
 
 def test_only_the_bridge_takes_goals_and_only_the_path_generator_sends_targets() -> None:
     enclaves = [
-        f"/doormill/{name}" for name in (*NEEDED, *BESIDE, "cell_simulator", "door_sensors", "health")
+        f"/doormill/{name}"
+        for name in (*NEEDED, *BESIDE, *CAMERAS, "cell_simulator", "door_sensors", "health")
     ]
     said = [(enclave, *row) for enclave in enclaves for row in allowed(enclave)]
     assert [e for e, _, kind, name in said if (kind, name) == ("actions execute", "/mill_door")] == [
@@ -49,3 +53,13 @@ def test_only_the_bridge_takes_goals_and_only_the_path_generator_sends_targets()
     ]
     assert allowed("/doormill/health") == {("cell_health", "topics subscribe", "/diagnostics")}
     assert ("bag_recorder", "topics subscribe", "*") in allowed("/doormill/bag_recorder")
+
+
+def test_every_node_that_a_launch_file_or_a_container_starts_has_a_policy() -> None:
+    launch = (ROOT / "launch" / "cell.launch.py").read_text(encoding="utf-8")
+    (nodes,) = re.findall(r"^NODES = (\(.*?^\))", launch, re.MULTILINE | re.DOTALL)
+    services = yaml.safe_load((ROOT / "deploy" / "container" / "compose.yaml").read_text())["services"]
+    started = {*ast.literal_eval(nodes), *services}
+    assert "gige_camera" in started
+    enclaves = ElementTree.parse(FILE).getroot().findall("enclaves/enclave")
+    assert started <= {enclave.get("path", "").removeprefix("/doormill/") for enclave in enclaves}

@@ -12,20 +12,27 @@ from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import inverse
 from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan
+from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot_model.extended_model import ExtendedComplianceModel
-from doormill_ros.simulation.judge.bodies import JudgedCell, load_cell
+from doormill_ros.simulation.judge.boards import RIM
+from doormill_ros.simulation.judge.bodies import Box, JudgedCell, load_cell
 from doormill_ros.simulation.judge.judge import judge
+from doormill_ros.simulation.judge.pair import standing
 from doormill_ros.simulation.judge.verdict import Verdict
+from doormill_ros.toolpath.errors import UnbackedHoleError
 from doormill_ros.toolpath.settings import load_settings
-from doormill_ros.toolpath.split import Share, split
 from support import doors
-from support.file_run import run_file
+from support.file_run import HOME, run_file
 from support.way_search import WaySearch, seen_from
 
 RUN_ID = "20260101T000000000000Z"
 #: Region of operation of the thesis: widths and heights that the cell shall mill [m].
 WIDEST, NARROWEST, TALLEST = 1.350, 0.290, 2.700
+#: What `search` says where a refusal is right: no posture at all, or no wood that holds.
+CONFIRMED = ("no posture", "nothing behind it")
+BACKED = 3e-3  #: board round a hole that comes out against it, by docs/toolpath.md [m]
+WIDEST_MILL = 0.02  #: radius of the widest mill that a waiting robot may hold [m]
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,7 @@ class Outcome:
     planning: float = 0.0
     judging: float = 0.0
     robot: str = "first"
+    robots: int = 1
 
 
 def draw(count: int, number: int) -> list[tuple[Recipe, DoorOffset]]:
@@ -78,24 +86,37 @@ def rigid(setup: MillingSetup) -> MillingSetup:
 
 
 def judge_door(
-    recipe: Recipe, offset: DoorOffset, setup: MillingSetup, cell: JudgedCell, share: Share | None = None
+    recipe: Recipe, T_cell_door: np.ndarray, offset: DoorOffset, setup: MillingSetup, cell: JudgedCell
 ) -> Outcome:
     """Plan, run and judge one door, or one robot's share of it."""
-    T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
-    name, operations = "first", None
-    if share is not None:
-        name, T_base_door, operations = share.robot, share.T_base_door, share.operations
+    name, T_base_door = setup.share or "first", setup.shared(recipe, T_cell_door).T_base_door
     begun = time.perf_counter()
     try:
-        program = plan(recipe, T_base_door, setup, operations).program
+        program = plan(recipe, T_cell_door, setup).program
         text = render_target_file(program, RUN_ID).decode("ascii")
     except DoormillError as refusal:
-        return Outcome(recipe, offset, refusal, planning=time.perf_counter() - begun, robot=name)
+        return Outcome(
+            recipe,
+            offset,
+            refusal,
+            planning=time.perf_counter() - begun,
+            robot=name,
+            robots=2 if setup.share else 1,
+        )
     planned = time.perf_counter()
     executed, turned = run_file(text, setup.robot.name)
     run = time.perf_counter()
     verdict = judge(recipe, T_base_door, executed, cell, turned)
-    return Outcome(recipe, offset, None, verdict, planned - begun, time.perf_counter() - run, name)
+    return Outcome(
+        recipe,
+        offset,
+        None,
+        verdict,
+        planned - begun,
+        time.perf_counter() - run,
+        name,
+        2 if setup.share else 1,
+    )
 
 
 def judge_doors(count: int, number: int, tools: int | None = None, robots: int = 1) -> Iterator[Outcome]:
@@ -105,36 +126,41 @@ def judge_doors(count: int, number: int, tools: int | None = None, robots: int =
         count: How many doors.
         number: Seed.
         tools: For a cell that has more than the usual number of them at hand.
-        robots: 2 for a share of each door to either robot, one outcome a share; they are judged one by one, so that the
-            arms of the two might meet is not seen.
+        robots: 2 for a share of each door to either robot, one outcome a share; each is judged beside the other
+            one as it waits at home.
     """
     setup, cell = rigid(load_setup()), load_cell()
     if tools is not None:
         checks = replace(setup.settings.checks, tools=tools)
         setup = replace(setup, settings=replace(setup.settings, checks=checks))
     T_first_second = setup.settings.second_robot.T_base_second
+    bare = replace(cell, boards=())
+    setups = {"first": setup} if robots == 1 else {name: setup.of(name) for name in ("first", "second")}
+    cells = {"first": cell}
     if robots > 1:
-        setup, cell = replace(setup, layout=setup.layout.with_rear_free()), replace(cell, boards=())
-    places = {
-        "first": (setup, cell),
-        "second": (
-            replace(setup, layout=setup.layout.seen_from(T_first_second)),
-            seen_from(cell, T_first_second),
-        ),
-    }
+        home = np.radians(HOME)
+        cells = {
+            "first": _beside(bare, standing(bare, home, T_first_second, "second", WIDEST_MILL)),
+            "second": _beside(
+                seen_from(bare, T_first_second),
+                standing(bare, home, inverse(T_first_second), "first", WIDEST_MILL),
+            ),
+        }
     for recipe, offset in draw(count, number):
-        if robots == 1:
-            yield judge_door(recipe, offset, setup, cell)
-            continue
-        T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
-        for share in split(recipe, T_base_door, setup.settings):
-            if share.operations:
-                yield judge_door(recipe, offset, *places[share.robot], share)
+        T_cell_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
+        for name, own in setups.items():
+            if own.shared(recipe, T_cell_door).operations:
+                yield judge_door(recipe, T_cell_door, offset, own, cells[name])
+
+
+def _beside(cell: JudgedCell, boxes: list[Box]) -> JudgedCell:
+    return replace(cell, obstacles=(*cell.obstacles, *boxes))
 
 
 def search(outcome: Outcome, tries: int = 100) -> str:
-    """What an independent search says of a refused feature: "way", "posture", "no posture", or that none was named.
+    """What an independent look says of a refused feature: "way", "posture", "no posture", or that none was named.
 
+    Of a hole without a board it tells whether the judge knows of one.
     Of a way that is refused it asks for the feature where it begins, too.
     """
     named = outcome.refusal.data.get("feature") if outcome.refusal is not None else None
@@ -142,6 +168,8 @@ def search(outcome: Outcome, tries: int = 100) -> str:
     if named not in ids:
         return "no feature named"
     at = ids.index(named)
+    if isinstance(outcome.refusal, UnbackedHoleError):
+        return _behind(outcome, outcome.recipe.features[at])
     before = outcome.refusal is not None and outcome.refusal.message.startswith("the way to") and at > 0
     features = outcome.recipe.features[at - before : at + 1]
     recipe = outcome.recipe
@@ -153,3 +181,18 @@ def search(outcome: Outcome, tries: int = 100) -> str:
     asked = WaySearch(recipe, T_base_door, T_cell_robot=T_cell_robot)
     found = [asked.serves(feature, tries=tries).split(":")[0] for feature in features]
     return min(found, key=("no posture", "posture", "way").index)
+
+
+def _behind(outcome: Outcome, feature: Feature) -> str:
+    """Whether a hole that one mill cuts from one side comes out where the judge knows of no board."""
+    recipe = outcome.recipe
+    if not feature.through or (outcome.robots > 1 and feature.from_both_sides):
+        return "wrong: no hole that one mill takes through the door"
+    size = np.array([recipe.thickness, recipe.width, recipe.height])
+    T = recipe.T_door_feature(feature)
+    out = T[:3, 3] + T[:3, 2] * feature.cut_depth(recipe.size)
+    boards = () if outcome.robots > 1 or T[0, 2] < 0.0 else load_cell().boards
+    rim = (feature.outline().points(step=1e-3) @ T[:3, :2].T + out)[:, 1:]
+    beyond, more = np.zeros(len(rim)), np.full(len(rim), BACKED - RIM)
+    held = [board.backs(rim, more, beyond, size).all() for board in boards]
+    return "wrong: a board backs it" if any(held) else "nothing behind it"

@@ -12,10 +12,13 @@ from doormill_ros.diagnosis.parts.kind import InspectedDoor, Inspections, inspec
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
 from doormill_ros.measurements.inspection import inspections_in
+from doormill_ros.simulation.world.gauge import NOISE
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 
 #: Doors by which a step may be found too early or too late.
 NEAR = 3
+#: Gauge noise that a hidden effect has to move walls and floors by, root mean square, to be owed.
+OWED = 2.0
 #: What may be hidden; a shift has one to three of them, or none.
 EFFECTS = ("gap", "spring", "force", "angle", "bending", "camera", "clamp", "wear", "warming", "weight")
 
@@ -57,18 +60,26 @@ class Judged:
     late: tuple[Hidden, ...]
 
 
-def draw_shift(seed: int, shortest: int = 6, longest: int = 16) -> DrawnShift:
-    """A world with none to three effects, each from the first door on or from a later one."""
+def draw_shift(seed: int, shortest: int = 5, longest: int = 60, less: int | None = None) -> DrawnShift:
+    """A world with none to three effects, each from the first door on or from a later one.
+
+    Args:
+        seed: Of everything that is drawn.
+        shortest, longest: Doors, drawn evenly in their logarithm.
+        less: Number of an effect that the world is to be without, everything else as it is.
+    """
     rng = np.random.default_rng([seed, 1616])
-    count = int(rng.integers(shortest, longest + 1))
+    count = int(np.exp(rng.uniform(np.log(shortest), np.log(longest + 1))))
     doors = tuple(itertools.islice(itertools.cycle(HINGE_DOORS), count))
     world: dict = {"seed": seed}
     late: dict = {}
     step = int(rng.integers(3, count - 1))
-    hidden = []
-    for kind in rng.choice(EFFECTS, size=int(rng.choice([0, 1, 1, 2, 3])), replace=False):
+    hidden: list[Hidden] = []
+    whole, nothing = world, dict[str, dict]()
+    for number, kind in enumerate(rng.choice(EFFECTS, size=int(rng.choice([0, 1, 1, 2, 3])), replace=False)):
         begins = step if rng.random() < 0.5 else 0
-        into = late if begins else world
+        world = nothing if number == less else whole
+        into = {} if number == less else late if begins else world
         robot = into.setdefault("robot", {}) if kind in ("gap", "spring") else {}
         joint = int(rng.integers(0, 3))
         sign = float(rng.choice([-1.0, 1.0]))
@@ -97,14 +108,13 @@ def draw_shift(seed: int, shortest: int = 6, longest: int = 16) -> DrawnShift:
             }
             hidden.append(Hidden("gravity_sag", "tool", begins))
         elif kind == "camera":
-            into["camera"] = {"moved": [0.0, *(float(v) for v in _way(rng))], "from_door": step}
-            world["camera"] = into.pop("camera")
+            world["camera"] = {"moved": [0.0, *(float(v) for v in _way(rng))], "from_door": step}
             hidden.append(Hidden("camera_shift", "camera", step))
         elif kind == "clamp":
             world["clamp"] = {"shift": [0.0, *(float(v) for v in _way(rng))], "from_door": step}
             hidden.append(Hidden("clamp_shift", "clamp", step))
         elif kind == "wear":
-            world.setdefault("force", {})["wear_per_door"] = float(rng.uniform(0.02, 0.05))
+            world.setdefault("force", {})["wear_per_door"] = float(rng.uniform(0.2, 0.6)) / count
             hidden.append(Hidden("process_force", "tool"))
         elif kind == "warming":
             growth, rise = 1e-5, float(rng.uniform(10.0, 25.0))
@@ -112,9 +122,30 @@ def draw_shift(seed: int, shortest: int = 6, longest: int = 16) -> DrawnShift:
             hidden.append(Hidden("thermal_growth", "cell"))
     if late:
         for section, values in late.items():
-            late[section] = _with_earlier(section, world, values)
-        world["change"] = [{"from_door": step, **late}]
-    return DrawnShift(world, tuple(dict.fromkeys(hidden)), doors)
+            late[section] = _with_earlier(section, whole, values)
+        whole["change"] = [{"from_door": step, **late}]
+    return DrawnShift(whole, tuple(hidden), doors)
+
+
+def sizes(folder: Path, drawn: DrawnShift, seed: int) -> tuple[float, ...]:
+    """By how much each hidden effect moves the points of the doors that have it, root mean square, in gauge noise.
+
+    The same shift is gauged once more without it: whatever else is drawn is drawn again.
+
+    Args:
+        folder: That holds the shift as it was gauged; the others go beside it.
+        drawn: The shift.
+        seed: It was drawn and gauged with.
+    """
+    found, whole = [], inspections_in(folder)
+    for number, one in enumerate(drawn.hidden):
+        other = draw_shift(seed, less=number)
+        without = inspections_in(
+            gauged_shift(folder.parent / f"{folder.name}-{number}", other.world, drawn.doors, seed)
+        )
+        off = [a.deviation - b.deviation for a, b in zip(whole, without, strict=True) if len(a) == len(b)]
+        found.append(float(np.sqrt(np.mean(np.concatenate(off[one.from_door :]) ** 2))) / NOISE)
+    return tuple(found)
 
 
 def _with_earlier(section: str, world: dict, values: dict) -> dict:
@@ -141,7 +172,7 @@ def inspected(folder: Path) -> list[InspectedDoor]:
 
 
 def diagnosed(folder: Path, drawn: DrawnShift, seed: int) -> DoorDiagnosis:
-    """The diagnosis of a shift that is milled below a folder."""
+    """The diagnosis of a shift that is milled and gauged in a folder."""
     return Inspections().diagnose(
         inspected(gauged_shift(folder, drawn.world, drawn.doors, seed)), lambda line: None
     )

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.frames import rotate_wrench, rotation_from_vector
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
 
@@ -50,12 +49,8 @@ class CutCase:
     def felt(self, gain: FloatArray, angle: FloatArray) -> CutCase:
         """The same under wrenches times `gain`, turned about the tool by `angle` [rad], shape (n,) each."""
         load = self.load
-        couple = load.moment[:, 6] - np.cross(self._tip - load.origin[:, 6], load.force)
-        R = rotation_from_vector(angle[:, None] * load.axes[:, 6, :, 2])
-        wrench = gain[:, None] * rotate_wrench(R, np.concatenate([load.force, couple], axis=1))
-        force, couple = wrench[:, :3], wrench[:, 3:]
-        moment = couple[:, None] + np.cross(self._tip[:, None] - load.origin, force[:, None])
-        torque = np.einsum("nki,nki->nk", load.axes[:, :6, :, 2], moment[:, :6])
+        share = gain * np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)])
+        force, moment, torque = (np.einsum("cn,cn...->n...", share, part) for part in self._turned)
         kept: dict[object, FloatArray] = {
             key: value for key, value in load.cache.items() if isinstance(key, tuple) and key[0] == "joint"
         }
@@ -64,6 +59,29 @@ class CutCase:
         )
 
     @property
-    def _tip(self) -> FloatArray:
-        """The tool's tip at each point, base frame, shape (n, 3) [m]."""
-        return self.load.origin[:, 6] + self.load.axes[:, 6] @ self.tip
+    def _turned(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Force, moments and torques of which a turn by a takes 1, cos a and sin a, computed once.
+
+        Of every vector v these are k (k v), v less that, and k x v, with k along the tool (Rodrigues' formula).
+
+        Returns:
+            Shapes (3, n, 3) [N], (3, n, 7, 3) and (3, n, 6) [N m].
+        """
+        names = "force", "moment", "torque"
+        if ("turned", "force") not in self.cache:
+            load, axis = self.load, self.load.axes[:, 6, :, 2]
+            tip = load.origin[:, 6] + load.axes[:, 6] @ self.tip
+            couple = load.moment[:, 6] - np.cross(tip - load.origin[:, 6], load.force)
+
+            def parts(vector: FloatArray) -> FloatArray:
+                along = axis * np.sum(axis * vector, axis=1, keepdims=True)
+                return np.stack([along, vector - along, np.cross(axis, vector)])
+
+            force = parts(load.force)
+            arm = tip[:, None] - load.origin
+            moment = parts(couple)[:, :, None] + np.cross(arm, force[:, :, None])
+            torque = np.einsum("nki,cnki->cnk", load.axes[:, :6, :, 2], moment[:, :, :6])
+            for name, found in zip(names, (force, moment, torque), strict=True):
+                self.cache["turned", name] = found
+        force, moment, torque = (self.cache["turned", name] for name in names)
+        return force, moment, torque

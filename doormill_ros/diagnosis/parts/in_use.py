@@ -16,10 +16,11 @@ from doormill_ros.diagnosis.parts.cut_points import CutPoints
 from doormill_ros.diagnosis.parts.model import usable
 from doormill_ros.diagnosis.parts.placement import free_columns
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, GaugedDoor
+from doormill_ros.diagnosis.parts.standing import standing_of
 from doormill_ros.errors import DoormillError
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
-from doormill_ros.robot_model.extended_model import ExtendedComplianceModel, load_model_of
+from doormill_ros.robot_model.extended_model import ExtendedComplianceModel, load_model_of, standing_model
 
 LAST = 3  #: doors of a recipe by which its next one is judged
 
@@ -37,7 +38,10 @@ def in_use_document(diagnosis: DoorDiagnosis, model: str, first: int) -> dict[st
     """
     robot, doors = diagnosis.problem.robot, diagnosis.problem.doors
     used = load_model_of(robot, model)
-    found = ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, usable(diagnosis)[0])
+    causes, place = usable(diagnosis)[0], standing_of(diagnosis)
+    found = standing_model(
+        robot, ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, causes, place=place)
+    )
     tip, late = diagnosis.problem.tool[:3, 3], doors[first:]
     moved = [_along(door.points, used, tip) - _along(door.points, found, tip) for door in late]
     return {

@@ -7,16 +7,18 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.core.verdict import UNEXPLAINED
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.effects.force import TOOL, ForceScale, ForceTurn
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
+from doormill_ros.diagnosis.parts.standing import standing_of, undone
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce
 from doormill_ros.robot_model.extended_model import SizedCause, model_document
 
 
 def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:
-    """Causes that the correction can take, as they are at the last door, and what it cannot, in words.
+    """Causes that bend the robot, as they are at the last door, and what no correction undoes, in words.
 
     One that another would explain as well keeps no standard deviation: which of them it is, is the larger doubt.
     """
@@ -27,6 +29,8 @@ def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:
         try:
             known = build_cause(cause.name, cause.where, variant)
         except KeyError:
+            if undone(finding):
+                continue
             others.append(f"{cause.name} at {cause.where}")
             continue
         size = sum(parameter.size for parameter in known.parameters)
@@ -36,16 +40,21 @@ def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:
 
 
 def measured_force(diagnosis: DoorDiagnosis) -> MeasuredForce | None:
-    """How well the doors tell the process force; None where they named none, or something else would do as well.
+    """How well the doors tell the process force; None where they do not.
 
-    Size and direction about the tool go together: of the one that is not named, the spread is what a fit leaves to it
-    and what it finds.
+    They do not where something is left that no name explains, where something else would do as well as a force, or a
+    force as well as what is named. Size and direction about the tool go together: of one that is not named, the spread
+    is what a fit leaves to it and what it finds. Doors that come out as assumed have measured the force, too.
     """
-    problem, best = diagnosis.problem, diagnosis.examination.best
-    named = {finding.cause.name: finding for finding in diagnosis.findings if finding.cause.where == TOOL}
-    force = [named[name] for name in (ForceScale.name, ForceTurn.name) if name in named]
-    if not force or any(finding.confusable for finding in force):
+    if diagnosis.verdict == UNEXPLAINED:
         return None
+    problem, best = diagnosis.problem, diagnosis.examination.best
+    forces = (ForceScale.name, ForceTurn.name)
+    named = {finding.cause.name: finding for finding in diagnosis.findings if finding.cause.where == TOOL}
+    for finding in diagnosis.findings:
+        either = finding.cause, *finding.confusable
+        if finding.confusable and any(cause.name in forces for cause in either):
+            return None
     spreads = []
     for effect in (ForceScale(TOOL), ForceTurn(TOOL)):
         if effect.name in named:
@@ -69,4 +78,5 @@ def door_model_document(diagnosis: DoorDiagnosis, source: str) -> dict[str, Any]
         usable(diagnosis)[0],
         f"diagnosis of {source}, verdict {diagnosis.verdict}",
         force=measured_force(diagnosis),
+        standing=standing_of(diagnosis),
     )

@@ -2,7 +2,8 @@
 
 A door measured against itself may have stood anywhere. One measured against its recorded pose stood where the localizer
 says, within the covariance that it states: part of that is common to all doors (the calibration), the rest differs
-from door to door. How large the rest is shows between neighbouring doors of one recipe.
+from door to door. How large the rest is shows between neighbouring doors: of one recipe, whatever else is wrong with
+it, or of any, where nothing is wrong with one recipe more than with another.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ _LEAST = (
     0.01  #: share of the stated variance that is scatter at least: a few differences may be small by chance
 )
 _PAIRS = 4  #: neighbouring doors of one recipe from which on their differences tell the scatter
+_MEDIAN = 0.6745  #: of the size of a normal number, in standard deviations
+_NEIGHBOURS = 5  #: neighbouring doors of any recipe from which on theirs do
 
 
 def free_columns(point: FloatArray, normal: FloatArray) -> FloatArray:
@@ -74,13 +77,16 @@ def scatter_between(places: FloatArray, recipe: Sequence[str], stated: FloatArra
         stated: Variances that the localizer states, shape (3,).
     """
     recipes = np.array(recipe)
-    steps = [np.diff(places[recipes == name], axis=0) for name in dict.fromkeys(recipe)]
-    found = np.concatenate(steps)
-    if len(found) < _PAIRS:
-        return stated
-    # The lower quartile of their sizes: one step in a short shift shows in as many neighbours as there are recipes.
-    std = np.quantile(np.abs(found), 0.25, axis=0) / (_QUARTILE * np.sqrt(2.0))
-    result: FloatArray = np.clip(std**2, _LEAST * stated, stated)
+    found = np.concatenate([np.diff(places[recipes == name], axis=0) for name in dict.fromkeys(recipe)])
+    variance = [stated]
+    if len(found) >= _PAIRS:
+        # The lower quartile of their sizes: one step in a short shift shows in as many of them as there are recipes.
+        variance.append((np.quantile(np.abs(found), 0.25, axis=0) / _QUARTILE) ** 2 / 2.0)
+    if len(places) > _NEIGHBOURS:
+        # A step shows in one of these, what is wrong with one recipe in most: either can only make them larger.
+        steps = np.abs(np.diff(places, axis=0))
+        variance.append((np.median(steps, axis=0) / _MEDIAN) ** 2 / 2.0)
+    result: FloatArray = np.maximum(np.min(variance, axis=0), _LEAST * stated)
     return result
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Self
 
@@ -32,8 +33,9 @@ FEW = 3  #: doors from which on whole features are left out together instead
 MANY = 120  #: such groups; from there on whole doors
 ROWS = 3000  #: points that are fitted; of more, every second, third, ... counts
 DOORS_OVER_TIME = 5  #: from which on something may change
-#: Standard deviations to which the surfaces of a mill are known, each common to all doors: its end face, which tilts
-#: with the robot so that its lower edge cuts, and its flank [m].
+#: Standard deviations to which the surfaces of a mill are known, each common to all doors: its end face and its flank.
+#: The face tilts with the robot so that its lower edge cuts, under another load another one: from a step on it is
+#: as much off again [m].
 FACE, FLANK = 5e-6, 2e-6
 _STEP = 1e-4  #: of theta, to derive what a force does
 
@@ -112,8 +114,9 @@ class DoorProblem(Examined[InTime]):
         self.measured = self.points.deviation - self.points.sent
         self.configuration = self._groups()
         self.folds = make_folds(self.configuration)
-        self.placement = self._placement()
         self.steps: tuple[int, ...] = ()
+        self._unexplained = (self.measured - self.case.springs()) / self.noise
+        self.placement = self._placement()
 
     def __len__(self) -> int:
         return len(self.points)
@@ -141,11 +144,29 @@ class DoorProblem(Examined[InTime]):
         way = np.concatenate([[0.0], np.cumsum(np.where(other, 10.0 * STRETCH, step))])
         return np.unique((way / STRETCH).astype(int), return_inverse=True)[1].ravel()
 
+    def placed_by(self, members: Sequence[InTime], theta: FloatArray) -> Self:
+        """The same doors, the scatter of their places taken from what a model leaves instead of what springs do.
+
+        Args:
+            members: Of the model.
+            theta: Its numbers, shape (p,).
+        """
+        other = copy(self)
+        other._unexplained = (self.measured - self._moved(members, theta)[0]) / self.noise
+        other.placement = other._placement()
+        return other
+
+    def changed_at(self, steps: tuple[int, ...]) -> Self:
+        """The same doors, with the numbers of those from which on something may have changed."""
+        other = copy(self)
+        other.steps = steps
+        other.placement = other._placement()
+        return other
+
     def _placement(self) -> DoorPlaces:
         n, free = len(self), [np.zeros((0, 0))] * len(self.doors)
         known = [np.zeros((0, 0))] * len(self.doors)
         place, recipe = [], []
-        left = (self.measured - self.case.springs()) / self.noise
         for number, door in enumerate(self.doors):
             rows = self.door == number
             point, normal = self.points.point[rows], self.points.normal[rows]
@@ -155,7 +176,7 @@ class DoorProblem(Examined[InTime]):
                 continue
             columns = seen_columns(point, normal, door.corner) * scale
             free[number], known[number] = np.zeros((rows.sum(), 0)), columns
-            place.append(np.linalg.lstsq(columns, left[rows], rcond=None)[0])
+            place.append(np.linalg.lstsq(columns, self._unexplained[rows], rcond=None)[0])
             recipe.append(door.recipe)
         columns = np.zeros((n, 0))
         placings = [door.placing for door in self.doors if door.placing is not None]
@@ -173,7 +194,9 @@ class DoorProblem(Examined[InTime]):
             columns = np.hstack([block_columns(self.door, each, n), together])
         wall = self.points.wall
         mill = np.column_stack([FLANK * wall, FACE * ~wall]) / self.noise[:, None]
-        return DoorPlaces(np.hstack([columns, mill]), block_columns(self.door, free, n))
+        after = [mill[:, 1] * (self.door >= step) for step in self.steps]
+        columns = np.column_stack([columns, mill, *after])
+        return DoorPlaces(columns, block_columns(self.door, free, n))
 
     def effects(self) -> list[Effect]:
         """Everything that may be wrong, whatever its course."""

@@ -25,3 +25,4 @@ class PictureLost(GigeError):
 
 AravisMissing = GigeError.row("AravisMissing", 241, "The library for GenICam cameras is not installed.")
 CameraUnfit = GigeError.row("CameraUnfit", 244, "The camera cannot be set as it was asked to.")
+NoPictureInTime = GigeError.row("NoPictureInTime", 250, "The camera gave no picture of a door in time.")

@@ -9,6 +9,7 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorPlacement, FeatureDeviation, MilledDoor, RunVerdict
 from doormill_interfaces.msg import ExecutedPath as ExecutedPathMessage
 from doormill_interfaces.msg import Touch as TouchMessage
+from doormill_ros.messages.from_message import transforms_of, wrench_of
 from doormill_ros.nodes.convert.geometry import pose_message, wrench_message
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
@@ -30,6 +31,20 @@ def executed_message(path: ExecutedPath, header: Header, placement: DoorPlacemen
         cutting=path.cutting.tolist(),
         wrench=[wrench_message(w) for w in path.wrench],
         feature=path.feature.tolist(),
+    )
+
+
+def executed_of(message: ExecutedPathMessage) -> ExecutedPath:
+    """What a robot did; who watched spindle and guard is not told."""
+    return ExecutedPath(
+        time=np.array(message.time),
+        T_base_tool=transforms_of(message.actual),
+        T_base_tool_commanded=transforms_of(message.commanded),
+        q=np.array(message.joint_positions).reshape(-1, 6),
+        motion=np.array(message.motion),
+        cutting=np.array(message.cutting),
+        feature=np.array(message.feature),
+        wrench=np.array([wrench_of(wrench) for wrench in message.wrench]).reshape(-1, 6),
     )
 
 

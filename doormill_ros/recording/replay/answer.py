@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.frames import quaternion_xyzw
+from doormill_ros.localization.gige.errors import NoPictureInTime
 from doormill_ros.localization.sensors.agreement import SensedDoor
 from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM
 from doormill_ros.messages.from_message import nanoseconds_of, program_of, transform_of
@@ -75,6 +76,16 @@ class Answer:
 def refusal(topic: str, stamp_ns: int, code: int, reason: str) -> Answer:
     """The answer of a stage that refused."""
     return Answer(topic, stamp_ns, {"accepted": False, "error_code": code, "reason": reason})
+
+
+def pictureless(message: Any) -> bool:
+    """Whether a localization is what a camera said of a picture that it could not take."""
+    return bool(message.error_code == NoPictureInTime.code)
+
+
+def kept(answer: Answer) -> Answer:
+    """What no stage can be asked again."""
+    return replace(answer, not_compared="no picture came; only the camera knew why")
 
 
 def recipe_of(message: Any) -> Answer:

@@ -14,7 +14,9 @@ from doormill_ros.recording.replay.answer import (
     SENSED,
     STAGES,
     Answer,
+    kept,
     localization_of,
+    pictureless,
     recipe_of,
     result_answer,
     target_file_answer,
@@ -105,6 +107,9 @@ class LiveRun:
             self._cell.wait_for_request()
         for recorded_ns, message in run.localizations:
             stamp_ns = nanoseconds_of(message.header.stamp)
+            if pictureless(message):
+                answers.append(kept(localization_of(message)))
+                continue
             if stamp_ns not in run.pictures and stamp_ns not in run.readings:
                 continue
             if math.isfinite(self._rate):

@@ -26,10 +26,14 @@ from doormill_ros.recording.replay.answer import (
     STAGES,
     TARGETS,
     Answer,
+    kept,
     localization_answer,
+    localization_of,
+    pictureless,
     refusal,
     result_answer,
     sensed_answer,
+    sensed_of,
     target_file_answer,
     targets_answer,
 )
@@ -102,6 +106,8 @@ def _localize(run: RecordedRun, recorded_ns: int, message: Any) -> Answer:
     if stamp_ns in run.readings:
         return _of_reading(run, stamp_ns, layout)
     picture = run.pictures.get(stamp_ns)
+    if pictureless(message):
+        return kept(localization_of(message))
     if picture is None:
         return refusal(LOCALIZATION, stamp_ns, 0, "the bag holds no picture of this time")
     info = run.camera_infos.get(stamp_ns)
@@ -142,6 +148,8 @@ def _sense(run: RecordedRun, message: Any) -> tuple[Answer, SensedDoor | None]:
             door = SensedDoor(name, estimate.T_base_door, estimate.covariance, estimate.sees)
         elif stamp_ns in run.pictures:
             door = _seen(run, stamp_ns)
+        elif pictureless(message):
+            return kept(sensed_of(message)), None
         else:
             return refusal(SENSED, stamp_ns, 0, "the bag holds no reading of this time"), None
     except LocalizationError as error:

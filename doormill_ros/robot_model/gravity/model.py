@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread
-from doormill_ros.robot_model.gravity.sag import GravitySag
+
+
+class Sag(Protocol):
+    """What moves a tool without load, as `GravitySag` tells it."""
+
+    def twist(self, q: FloatArray, point: FloatArray) -> FloatArray:
+        """Of the tool; shapes (n, 6) [rad], (3,) [m] -> (n, 6) [m, rad]."""
+        ...
+
+    def spread(self, q: FloatArray, point: FloatArray, relative: FloatArray) -> StandingSpread:
+        """How well it is known; shapes (n, 6) [rad], (3,) [m], (6,)."""
+        ...
 
 
 class SaggingModel:
@@ -17,7 +30,7 @@ class SaggingModel:
         sag: What weight does to it.
     """
 
-    def __init__(self, springs: ComplianceModel, sag: GravitySag) -> None:
+    def __init__(self, springs: ComplianceModel, sag: Sag) -> None:
         """Keep both."""
         self.springs = springs
         self.sag = sag

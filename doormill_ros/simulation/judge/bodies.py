@@ -107,6 +107,7 @@ class JudgedCell:
         T_flange_tool: Tool centre point in the flange, shape (4, 4).
         nose: How far the mill reaches out of the spindle [m].
         boards: What is pressed against the rear face of a door.
+        rooted: Bodies of the arm that stand on the floor: for another robot they are in the way, too.
     """
 
     links: Links
@@ -115,6 +116,7 @@ class JudgedCell:
     T_flange_tool: FloatArray
     nose: float
     boards: tuple[SolidBoard, ...] = ()
+    rooted: tuple[Body, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -183,6 +185,7 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
         T_flange_tool,
         nose,
         tuple(check(boards, list[SolidBoard], BodiesError, str(path))),
+        tuple(b for b in bodies if b.link == BASE),
     )
 
 

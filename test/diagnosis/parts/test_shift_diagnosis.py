@@ -79,6 +79,25 @@ def test_a_clamp_that_slips_is_found_with_its_door_and_the_camera_stands_beside_
     assert {"camera_shift", "clamp_shift"} <= either
 
 
+def test_a_camera_that_moves_in_a_short_shift_is_found_although_each_recipe_comes_twice_only(tmp_path):
+    moved = {"camera": {"moved": [0.0, 1.2e-4, 0.0], "from_door": 3}}
+    diagnosis = diagnosed(tmp_path, moved, TURNS[:6])
+    found = judged(diagnosis, (Hidden("camera_shift", "camera", 3),))
+    assert (found.verdict, found.missed, found.wrong, found.late) == ("explained", (), (), ())
+
+
+def test_a_clamp_that_slips_behind_a_force_is_found_when_the_doors_are_asked_again(tmp_path):
+    world = {"force": {"factor": 1.32, "angle": 0.3}, "clamp": {"shift": [0.0, -1.9e-4, 0.0], "from_door": 4}}
+    diagnosis = diagnosed(tmp_path, world, TURNS[:7])
+    hidden = (
+        Hidden("process_force", "tool"),
+        Hidden("process_force_direction", "tool"),
+        Hidden("clamp_shift", "clamp", 4),
+    )
+    found = judged(diagnosis, hidden)
+    assert (found.verdict, found.missed, found.wrong, found.late) == ("explained", (), (), ())
+
+
 def test_points_of_one_moment_tell_the_load_of_that_moment(tmp_path):
     world = {"seed": 2, "force": {"factor": 1.5}}
     [one] = inspected(gauged_shift(tmp_path, world, HINGE_DOORS[:1], 2, (0.0, 0.0, 0.0)))

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 import yaml
 
-from doormill_ros.cell.layout import load_layout
-from doormill_ros.frames import apply
+from doormill_ros.cell.layout import DoorOffset, load_layout
+from doormill_ros.frames import apply, twist_between
 from doormill_ros.localization.sensors.errors import BadReading, BadSensorFile, Contradiction
 from doormill_ros.localization.sensors.touch_probe import load_touch_probe
+from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
+from doormill_ros.simulation.sensors.registry import SIMULATED
 from doormill_ros.simulation.sensors.touch_probe import TouchProbeRig
 from support.sensors.pose_errors import SIZES, assert_honest, error, mahalanobis, true_pose
 
@@ -132,3 +134,18 @@ def test_a_broken_file_is_refused(tmp_path):
     path.write_text("- 1\n", encoding="utf-8")
     with pytest.raises(BadSensorFile, match="mapping"):
         load_touch_probe(path)
+
+
+@pytest.mark.parametrize("width", [0.19, 0.826])
+def test_what_the_cells_probe_is_off_is_within_what_is_stated(sensor, width):
+    """The arm of the simulated cell is exact; what remains is the probe's, most of it about z of a narrow door."""
+    rng, off = np.random.default_rng(5), []
+    door = DoorSize(height=2.04, width=width, thickness=0.04)
+    for seed in range(40):
+        place = DoorOffset(*rng.uniform(-6e-3, 6e-3, 2), rng.uniform(-0.02, 0.02))
+        T_base_door = load_layout().T_base_door(width, door.thickness, place)
+        estimate = sensor.locate(SIMULATED["touch_probe"](T_base_door, door, seed).points, door)
+        missed = twist_between(estimate.T_base_door, T_base_door)
+        off.append(missed / np.sqrt(np.diag(estimate.covariance)))
+    assert np.all(np.sqrt(np.mean(np.square(off), axis=0)) < 1.0)
+    assert np.abs(off).max() < 3.0

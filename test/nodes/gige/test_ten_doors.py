@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from pathlib import Path
 
@@ -12,13 +13,14 @@ from rclpy.parameter import Parameter
 
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.gige.errors import NoPictureInTime
 from doormill_ros.localization.gige.exposure import EdgeLight
 from doormill_ros.localization.view import face_view
 from doormill_ros.nodes import topics
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene
-from support.cell_processes import NODES, CellProcesses
+from support.cell_processes import NODES, PATIENT, CellProcesses
 from support.gige.fake_camera import ADDRESS, FakeCamera
 
 DOOR = "thesis_190_0deg"
@@ -58,7 +60,7 @@ def test_ten_doors_are_milled_over_a_lossy_line(tmp_path: Path) -> None:
     camera.show(picture_of_a_door(0))
     parameters = {
         "cell_simulator": {"camera_simulator:pictures": False},
-        "gige_camera": {"address": ADDRESS, "packet_size": PACKET},
+        "gige_camera": {"address": ADDRESS, "packet_size": PACKET, "limit": PATIENT["limit.picture"]},
     }
     nodes = ("gige_camera", *(name for name in NODES if name != "bag_recorder"))
     results = []
@@ -107,3 +109,29 @@ def test_ten_doors_are_milled_over_a_lossy_line(tmp_path: Path) -> None:
         rendered.level(picture_of_a_door(BY_HAND)) * 5 * 10**0.3, rel=0.05
     )
     assert "Traceback" not in log
+
+
+def test_a_door_before_an_unplugged_camera_is_refused_with_the_reason(tmp_path: Path) -> None:
+    camera = FakeCamera(tmp_path / "scene.npy")
+    camera.show(picture_of_a_door(0))
+    parameters = {
+        "cell_simulator": {"camera_simulator:pictures": False},
+        "gige_camera": {"address": ADDRESS, "packet_size": PACKET},
+    }
+    nodes = ("gige_camera", *NODES)
+    with camera, CellProcesses(tmp_path / "cell", parameters, nodes) as cell:
+        found = cell.subscribe(topics.DOOR_LOCALIZATION)
+        y, z = OFFSETS[0].tolist()
+        put(cell, "camera_simulator", offset_y=y, offset_z=z, offset_rotation=TURN)
+        assert cell.mill(DOOR)[0].success
+        camera.unplug()
+        refused = cell.mill(DOOR)[0]
+        camera.plug()
+        put(cell, "gige_camera", limit=PATIENT["limit.picture"])
+        again = cell.mill(DOOR)[0]
+    assert not refused.success
+    assert refused.error_code == NoPictureInTime.code
+    assert re.search(r"no picture of the door came within [\d.]+ s: .*check its cable", refused.message)
+    (answer,) = [one for one in found if one.error_code == NoPictureInTime.code]
+    assert answer.run_id == refused.run_id
+    assert again.success, again.message

@@ -16,7 +16,6 @@ from doormill_ros.simulation.judge.boards import SolidBoard
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.exits import torn_out
 from doormill_ros.simulation.judge.judge import judge
-from doormill_ros.toolpath.split import split
 from support import doors
 from support.file_run import run_file
 from support.flights import flight, straight
@@ -66,12 +65,9 @@ def test_a_shipped_hole_in_one_go_is_torn_where_nothing_backs_it(name):
 def test_two_robots_tear_nothing_out_without_a_board(name):
     recipe, setup = WITH_HOLES[name], rigid(load_setup())
     assert all(f.from_both_sides for f in recipe.features if f.through)
-    setup = dataclasses.replace(setup, layout=setup.layout.with_rear_free())
+    setup = setup.of("first")
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness)
-    first, _ = split(recipe, T_base_door, setup.settings)
-    text = render_target_file(plan(recipe, T_base_door, setup, first.operations).program, RUN_ID).decode(
-        "ascii"
-    )
+    text = render_target_file(plan(recipe, T_base_door, setup).program, RUN_ID).decode("ascii")
     executed, turned = run_file(text)
     holes = {f.id for f in recipe.features if f.through}
     assert holes <= set(executed.feature)

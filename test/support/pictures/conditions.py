@@ -26,6 +26,7 @@ from doormill_ros.simulation.picture.scene import (
     Surface,
 )
 from doormill_ros.units import DEG, MM
+from support.pictures.marked_cell import marked_cameras
 
 EDGES = ("hinge", "bottom")
 Change = Callable[[PictureScene, np.random.Generator], PictureScene]
@@ -38,6 +39,8 @@ class ConditionPicture:
     Attributes:
         condition: Its name.
         fair: Whether a person sees both edges plainly.
+        marked: Whether the cell has marks; without them nothing in a picture tells that the camera was knocked.
+        beams: Whether six beams look at the door beside the camera; by itself no picture tells a thicker door.
         scene: The scene with its true pose.
         thickness: What the recipe says of the door's thickness [m].
         seed: Of its random fields.
@@ -45,6 +48,8 @@ class ConditionPicture:
 
     condition: str
     fair: bool
+    marked: bool
+    beams: bool
     scene: PictureScene
     thickness: float
     seed: int
@@ -54,14 +59,18 @@ class ConditionPicture:
 class _Condition:
     change: Change
     fair: bool = True
+    marked: bool = False
+    beams: bool = False
 
 
 CONDITIONS: dict[str, _Condition] = {}
 
 
-def _condition(name: str, fair: bool = True) -> Callable[[Change], Change]:
+def _condition(
+    name: str, fair: bool = True, marked: bool = False, beams: bool = False
+) -> Callable[[Change], Change]:
     def keep(change: Change) -> Change:
-        CONDITIONS[name] = _Condition(change, fair)
+        CONDITIONS[name] = _Condition(change, fair, marked, beams)
         return change
 
     return keep
@@ -104,6 +113,16 @@ def _which(rng: np.random.Generator) -> tuple[str, ...]:
 
 @_condition("plain")
 def plain(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
+    return scene
+
+
+@_condition("marks beside the door", marked=True)
+def marks(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
+    return scene
+
+
+@_condition("beams beside the camera", beams=True)
+def beams(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
     return scene
 
 
@@ -223,13 +242,13 @@ def heap(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
     return replace(scene, blots=(Blot(outline, scene.face.brightness * rng.uniform(0.85, 1.15)),))
 
 
-@_condition("camera moved", fair=False)
+@_condition("camera moved", fair=False, marked=True)
 def moved(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
     shift = np.array([0.0, *(rng.choice([-1.0, 1.0], 2) * rng.uniform(0.2, 0.5, 2))]) * MM
     return replace(scene, camera=replace(scene.camera, origin=scene.camera.origin + shift))
 
 
-@_condition("focal length off", fair=False)
+@_condition("focal length off", fair=False, marked=True)
 def focal(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
     matrix = scene.camera.matrix.copy()
     matrix[0, 0], matrix[1, 1] = matrix[0, 0] * 1.003, matrix[1, 1] * 1.003
@@ -309,16 +328,19 @@ def white(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
 
 # The door is drawn that much thicker than the localizer is told.
 for _extra in (0.3, 2.0, 10.0):
-    CONDITIONS[f"{_extra:g} mm thicker than its recipe"] = _Condition(plain, _extra < 1.0)
+    CONDITIONS[f"{_extra:g} mm thicker than its recipe"] = _Condition(
+        plain, fair=_extra < 1.0, beams=_extra > 1.0
+    )
 
 
 def pictures(name: str, count: int, seed: int = 7) -> Iterator[ConditionPicture]:
     """Pictures of one condition, equal for equal seeds."""
-    camera, layout = SceneCamera.load(), load_layout()
-    condition = CONDITIONS[name]
+    condition, layout = CONDITIONS[name], load_layout()
+    camera = marked_cameras()[0] if condition.marked else SceneCamera.load()
     extra = float(name.split(" ")[0]) * MM if name.endswith("than its recipe") else 0.0
     for number in range(count):
         rng = np.random.default_rng((seed, number, *name.encode()))
         scene = condition.change(_plain(rng, camera, layout), rng)
         thickness, scene = scene.thickness, replace(scene, thickness=scene.thickness + extra)
-        yield ConditionPicture(name, condition.fair, scene, thickness, int(rng.integers(2**31)))
+        has = condition.fair, condition.marked, condition.beams
+        yield ConditionPicture(name, *has, scene, thickness, int(rng.integers(2**31)))

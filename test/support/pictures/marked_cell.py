@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import tempfile
+from functools import cache
 from pathlib import Path
 
+from doormill_ros.localization.camera import CameraModel, load_camera
+from doormill_ros.simulation.picture.scene import SceneCamera
 from support.source_tree import ROOT
 
 MARKS = """
@@ -23,3 +27,11 @@ def marked_camera_file(folder: Path, marks: str = MARKS) -> Path:
     path = folder / "camera.yaml"
     path.write_text((ROOT / "config" / "camera.yaml").read_text(encoding="utf-8") + marks)
     return path
+
+
+@cache
+def marked_cameras() -> tuple[SceneCamera, CameraModel]:
+    """The true camera of such a cell, and what the localizer knows of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = marked_camera_file(Path(folder))
+        return SceneCamera.load(path), load_camera(path)

@@ -1,0 +1,64 @@
+"""Where the nodes of two robots are: in a namespace each below the cell's, with what is the door's taken from there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from doormill_ros.nodes import topics
+from doormill_ros.pipeline.course import SHARES
+from doormill_ros.toolpath.split import FIRST, SECOND
+
+ROBOTS = (FIRST, SECOND)  #: in the order in which they mill
+SHARE_RESULT = "share/result"
+#: Names that the nodes of a robot share with the cell. A share is no run: its result has another name.
+_OF_THE_CELL = (
+    topics.DOOR_RECIPE.name,
+    topics.DOOR_POSE.name,
+    topics.DOOR_LOCALIZATION.name,
+    topics.SENSOR_LOCALIZATION.name,
+    topics.DOOR_PLACEMENT.name,
+    "recipes/get",
+    *(f"_alive/{node}" for node in ("recipe_database", "camera_simulator", "sensor_simulator", SHARES)),
+)
+
+
+def in_robot(name: str) -> str:
+    """Namespace of a robot's nodes below the cell's: robot1 or robot2."""
+    return f"robot{ROBOTS.index(name) + 1}"
+
+
+def robot_remappings(name: str, cell: str = "", finders: tuple[str, ...] = ()) -> list[tuple[str, str]]:
+    """How the names of a robot's nodes are remapped, `__ns` among them.
+
+    Args:
+        name: "first" or "second".
+        cell: Namespace of the cell, such as "/cell1"; empty: none.
+        finders: Nodes that find the door.
+    """
+    alive = (f"_alive/{node}" for node in finders)
+    return [
+        ("__ns", f"{cell}/{in_robot(name)}"),
+        *((shared, f"{cell}/{shared}") for shared in (*_OF_THE_CELL, *alive)),
+        (topics.RUN_RESULT.name, SHARE_RESULT),
+        *((f"/{own}", own) for own in ("tf", "tf_static")),
+    ]
+
+
+def robot_arguments(
+    name: str, parameters: Mapping[str, Any], cell: str = "", finders: tuple[str, ...] = ()
+) -> list[str]:
+    """ROS arguments of one node of a robot in a process with others; see `robot_remappings`.
+
+    Args:
+        name: "first" or "second".
+        parameters: Of the node.
+        cell: Namespace of the cell.
+        finders: Nodes that find the door.
+    """
+    arguments = ["--ros-args"]
+    for old, new in robot_remappings(name, cell, finders):
+        arguments += ["-r", f"{old}:={new}"]
+    for key, value in parameters.items():
+        arguments += ["-p", f"{key}:={value}"]
+    return arguments

@@ -1,0 +1,102 @@
+"""Node /shared_door_judge: inspects a door that two simulated robots milled, and judges how they did it."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+from std_msgs.msg import Header
+
+from doormill_interfaces.msg import DoorPlacement, DoorRecipe, ExecutedPath
+from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.frames import DOOR_FRAME, inverse
+from doormill_ros.messages.from_message import recipe_of, transform_of
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.executed import executed_of, milled_message, verdict_message
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.reporting_node import OK
+from doormill_ros.nodes.robots import ROBOTS, in_robot
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.simulation.judge.bodies import load_cell
+from doormill_ros.simulation.judge.pair import Milled, judge_pair
+from doormill_ros.simulation.milled_part import MilledPart, inspect
+from doormill_ros.toolpath.settings import load_settings
+from doormill_ros.toolpath.split import FIRST, SECOND, split
+
+
+class SharedDoorJudge(ManagedNode):
+    """Waits for the paths of all robots that had something to mill, then inspects the door and judges the motions."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("shared_door_judge", **kwargs)
+
+    def setup(self) -> None:
+        """Read the cell; subscribe."""
+        self._settings = load_settings()
+        self._cell = load_cell()
+        second = self._settings.second_robot.T_base_second
+        self._bases: dict[str, FloatArray] = {FIRST: np.eye(4), SECOND: second}
+        self._recipe: DoorRecipe | None = None
+        self._placement: DoorPlacement | None = None
+        self._done: dict[str, ExecutedPath] = {}  # in the order in which they were told
+        self._uncorrected: dict[str, ExecutedPath] = {}
+        self._milled = self.publisher(topics.MILLED_DOOR)
+        self._verdict = self.publisher(topics.RUN_VERDICT)
+        self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
+        self.subscribe(topics.DOOR_PLACEMENT, self._take_placement)
+        for robot in ROBOTS:
+            place = in_robot(robot)
+            self.subscribe(topics.at(topics.EXECUTED_PATH, place), self._taker(self._done, robot))
+            self.subscribe(topics.at(topics.UNCORRECTED_PATH, place), self._taker(self._uncorrected, robot))
+
+    def _take_recipe(self, message: DoorRecipe) -> None:
+        self._recipe = message
+        self._look()
+
+    def _take_placement(self, message: DoorPlacement) -> None:
+        self._placement = message
+        self._look()
+
+    def _taker(self, paths: dict[str, ExecutedPath], robot: str) -> Any:
+        def take(message: ExecutedPath) -> None:
+            paths.pop(robot, None)
+            paths[robot] = message
+            self._look()
+
+        return take
+
+    def _look(self) -> None:
+        """Judge the door once all is there that is told of it."""
+        recipe, placement = self._recipe, self._placement
+        if recipe is None or placement is None or recipe.run_id != placement.run_id:
+            return
+        door = recipe_of(recipe)
+        shares = split(door, np.eye(4), self._settings)
+        working = [share.robot for share in shares if share.operations]
+        paths = (self._done, self._uncorrected)
+        if any(robot not in of or of[robot].run_id != recipe.run_id for of in paths for robot in working):
+            return
+        order = [robot for robot in self._done if robot in working]
+        T_cell_door = transform_of(placement.pose)
+        milled = [Milled(robot, self._bases[robot], executed_of(self._done[robot])) for robot in order]
+        verdict = judge_pair(door, T_cell_door, milled, self._cell)
+        corrected = self._inspect(door, T_cell_door, milled)
+        unmoved = [
+            dataclasses.replace(own, executed=executed_of(self._uncorrected[own.robot])) for own in milled
+        ]
+        uncorrected = self._inspect(door, T_cell_door, unmoved)
+        self._done.clear()
+        self._uncorrected.clear()
+        header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
+        self._verdict.publish(verdict_message(verdict, header, placement))
+        self._milled.publish(milled_message(door, corrected, uncorrected, TOLERANCE, header, placement))
+        self.report(OK, "door judged", door_id=placement.door_id, deviation=corrected.max_deviation)
+
+    @staticmethod
+    def _inspect(door: Recipe, T_cell_door: FloatArray, milled: list[Milled]) -> MilledPart:
+        """The door as all of them left it."""
+        seen = [(inverse(own.T_cell_robot) @ T_cell_door, own.executed) for own in milled]
+        (T_first, executed), *others = seen
+        return inspect(door, T_first, executed, others=others)

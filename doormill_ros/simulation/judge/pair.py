@@ -1,0 +1,135 @@
+"""Judge two robots that milled a share of one door each, one after the other: either against the other where it stands.
+
+Each is held against all that the other takes up, as boxes, so a capsule counts a little thicker than it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.judge.bodies import Body, Box, Capsule, JudgedCell
+from doormill_ros.simulation.judge.judge import judge
+from doormill_ros.simulation.judge.links import BASE, FLANGE
+from doormill_ros.simulation.judge.verdict import Harm, Verdict
+
+Kind = TypeVar("Kind", bound=Harm)
+
+
+@dataclass(frozen=True, eq=False)
+class Milled:
+    """What one robot did to the door.
+
+    Attributes:
+        robot: What it is called in a verdict.
+        T_cell_robot: Its base in the base frame of the cell, shape (4, 4).
+        executed: Everything it did, in its own base frame.
+    """
+
+    robot: str
+    T_cell_robot: FloatArray
+    executed: ExecutedPath
+
+
+def judge_pair(
+    recipe: Recipe, T_cell_door_true: FloatArray, milled: Sequence[Milled], cell: JudgedCell
+) -> Verdict:
+    """What the robots of a run touched beside the wood to be cut, one another among it.
+
+    Args:
+        recipe: The door and all its features.
+        T_cell_door_true: Where the door really stood, shape (4, 4).
+        milled: The robots in the order in which they moved, each of them after the one before; a robot stands where its
+            path begins until then and where it ends from then on.
+        cell: Robot, spindle and obstacles as the cell's file has them; the rear face is free.
+    """
+    verdicts, before = [], 0
+    widest = max(feature.tool.radius for feature in recipe.features)
+    for number, own in enumerate(milled):
+        T_robot_cell = np.linalg.inv(own.T_cell_robot)
+        others = [
+            box
+            for k, other in enumerate(milled)
+            if k != number and len(other.executed)
+            for box in standing(
+                cell,
+                other.executed.q[0 if k > number else -1],
+                T_robot_cell @ other.T_cell_robot,
+                other.robot,
+                widest,
+            )
+        ]
+        obstacles = [replace(box, at=T_robot_cell @ box.at) for box in cell.obstacles]
+        about = replace(cell, obstacles=(*obstacles, *others), boards=())
+        found = judge(recipe, T_robot_cell @ T_cell_door_true, own.executed, about)
+        verdicts.append(_told_of(found, own.robot, before))
+        before += found.judged
+    return Verdict(
+        before,
+        tuple(touch for verdict in verdicts for touch in verdict.touches),
+        tuple(gone for verdict in verdicts for gone in verdict.gone),
+        tuple(torn for verdict in verdicts for torn in verdict.torn),
+        tuple(bad for verdict in verdicts for bad in verdict.bad),
+    )
+
+
+def standing(
+    cell: JudgedCell, q: FloatArray, T_own_other: FloatArray, robot: str, mill_radius: float
+) -> list[Box]:
+    """All that a robot takes up in one posture, in the base frame of the one that moves.
+
+    Args:
+        cell: Its shapes.
+        q: Its joint angles, shape (6,) [rad].
+        T_own_other: Its base frame in that of the one that moves, shape (4, 4).
+        robot: What it is called.
+        mill_radius: Of the widest mill that it may hold [m].
+    """
+    frames = {link: T_own_other @ at[0] for link, at in cell.links.frames(q[None]).items()}
+    held = Box(
+        "mill",
+        FLANGE,
+        cell.T_flange_tool @ _back(cell.nose),
+        np.array([mill_radius, mill_radius, cell.nose / 2.0]),
+    )
+    boxes = []
+    for body in (*cell.bodies, *cell.rooted, held):
+        at, half = _box_of(body)
+        boxes.append(Box(f"{robot}'s {body.name}", BASE, frames[body.link] @ at, half))
+    return boxes
+
+
+def _box_of(body: Body) -> tuple[FloatArray, FloatArray]:
+    """Pose of the smallest box along a body in its link's frame, shape (4, 4), and half its extents, shape (3,) [m]."""
+    if isinstance(body, Capsule):
+        along = body.end - body.start
+        at = np.eye(4)
+        # Any three axes at right angles, the last one along the capsule.
+        at[:3, :3] = np.linalg.svd(along[None])[2].T[:, ::-1]
+        at[:3, :3] *= np.linalg.det(at[:3, :3])
+        at[:3, 3] = 0.5 * (body.start + body.end)
+        return at, np.array([body.radius, body.radius, 0.5 * float(np.linalg.norm(along)) + body.radius])
+    return body.at, body.half
+
+
+def _back(nose: float) -> FloatArray:
+    """Middle of the mill in the tool's frame, shape (4, 4)."""
+    at = np.eye(4)
+    at[2, 3] = -nose / 2.0
+    return at
+
+
+def _told_of(verdict: Verdict, robot: str, before: int) -> Verdict:
+    """A verdict whose bodies and samples are told from those of the other robot."""
+
+    def moved(harms: tuple[Kind, ...]) -> tuple[Kind, ...]:
+        return tuple(replace(h, samples=frozenset(before + number for number in h.samples)) for h in harms)
+
+    touches = tuple(replace(touch, body=f"{robot}'s {touch.body}") for touch in moved(verdict.touches))
+    return Verdict(verdict.judged, touches, moved(verdict.gone), moved(verdict.torn), moved(verdict.bad))

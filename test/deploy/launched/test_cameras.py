@@ -1,0 +1,62 @@
+"""Which camera the launch file starts, by its arguments, as ROS' own launch works them out."""
+
+from __future__ import annotations
+
+import runpy
+
+import pytest
+from launch.actions import DeclareLaunchArgument
+from launch_ros.actions import Node
+
+from launch import LaunchContext
+from support.source_tree import ROOT
+
+CAMERAS = {"folder_camera", "gige_camera"}
+
+
+def launched(**given: str) -> tuple[set[str], str]:
+    """Executables that are started, and whether the simulated camera draws pictures."""
+    description = runpy.run_path(str(ROOT / "launch" / "cell.launch.py"))["generate_launch_description"]()
+    context = LaunchContext()
+    context.launch_configurations.update(given)
+    started, draws = set(), ""
+    for entity in description.entities:
+        if isinstance(entity, DeclareLaunchArgument):
+            entity.visit(context)
+        elif isinstance(entity, Node) and (entity.condition is None or entity.condition.evaluate(context)):
+            started.add(entity.node_executable)
+            if entity.node_executable == "cell_simulator":
+                draws = worked_out(entity, context)
+    return started, draws
+
+
+def worked_out(node: Node, context: LaunchContext) -> str:
+    words = ["".join(part.perform(context) for part in word) for word in node.cmd]
+    (found,) = [word for word in words if word.startswith("camera_simulator:pictures:=")]
+    return found.partition(":=")[2].lower()
+
+
+@pytest.mark.parametrize(
+    ("given", "cameras", "draws"),
+    [
+        ({}, set(), "true"),
+        ({"camera": "gige"}, {"gige_camera"}, "false"),
+        ({"pictures": "brought"}, {"folder_camera"}, "false"),
+    ],
+)
+def test_one_camera_is_started(given: dict[str, str], cameras: set[str], draws: str) -> None:
+    started, drawn = launched(**given)
+    assert started & CAMERAS == cameras
+    assert drawn == draws
+    assert "cell_simulator" in started
+
+
+def test_of_a_real_cell_nothing_is_simulated() -> None:
+    started, _ = launched(camera="gige", simulate="false")
+    assert "cell_simulator" not in started
+    assert {"gige_camera", "door_localizer"} <= started
+
+
+def test_another_camera_is_refused() -> None:
+    with pytest.raises(RuntimeError, match="Valid options are: \\['', 'gige'\\]"):
+        launched(camera="usb")

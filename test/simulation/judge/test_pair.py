@@ -1,0 +1,71 @@
+"""Two robots that milled one door: each is held against the other one where it stands."""
+
+import numpy as np
+import pytest
+
+from doormill_ros.abb.target_file.target_file import render_target_file
+from doormill_ros.frames import inverse, transform
+from doormill_ros.pipeline.plan import load_setup, plan
+from doormill_ros.recipes.documents import load_recipe
+from doormill_ros.simulation.judge.bodies import load_cell
+from doormill_ros.simulation.judge.pair import Milled, judge_pair, standing
+from support.file_run import HOME, run_file
+from support.judged_doors import RUN_ID, rigid
+
+
+@pytest.fixture(scope="module")
+def door():
+    """Recipe, T_cell_door, where the second robot stands, and what the two did."""
+    recipe, setup = load_recipe("standard_door"), rigid(load_setup())
+    T_cell_door = setup.layout.T_base_door(recipe.width, recipe.thickness)
+    executed = []
+    for robot in ("first", "second"):
+        text = render_target_file(plan(recipe, T_cell_door, setup.of(robot)).program, RUN_ID).decode("ascii")
+        executed.append(run_file(text)[0])
+    return recipe, T_cell_door, setup.settings.second_robot.T_base_second, executed
+
+
+def milled(door, T_cell_second):
+    _, _, _, (first, second) = door
+    return [Milled("first", np.eye(4), first), Milled("second", T_cell_second, second)]
+
+
+def test_what_two_robots_do_is_free_of_touches(door):
+    recipe, T_cell_door, T_cell_second, executed = door
+    found = judge_pair(recipe, T_cell_door, milled(door, T_cell_second), load_cell())
+    assert found.error is None, found.sentence
+    assert found.judged == sum(len(path) for path in executed)
+
+
+def test_a_robot_in_the_space_of_the_other_is_found_and_named(door):
+    """The second robot stands 1.9 m nearer than its programs know."""
+    recipe, T_cell_door, T_cell_second, _ = door
+    near = transform(translation=[-1.9, 0.0, 0.0]) @ T_cell_second
+    found = judge_pair(recipe, T_cell_door, milled(door, near), load_cell())
+    mine = {touch.obstacle for touch in found.touches if touch.body.startswith("first's")}
+    assert any(obstacle.startswith("second's") for obstacle in mine), mine
+    assert found.error is not None
+
+
+def test_the_planner_keeps_clear_of_the_same_robot_as_the_judge():
+    """Boxes of the waiting robot, as the planner has them and as the judge has them by code of its own."""
+    setup, cell = load_setup(), load_cell()
+    T_first_second = setup.settings.second_robot.T_base_second
+    for robot, T_own_other in (("first", T_first_second), ("second", inverse(T_first_second))):
+        planned = {
+            body.name.removeprefix("other robot's "): body
+            for body in setup.of(robot).layout.obstacles
+            if body.name.startswith("other robot's ")
+        }
+        judged = {
+            box.name.removeprefix("x's "): box
+            for box in standing(cell, np.radians(HOME), T_own_other, "x", 0.01)
+        }
+        assert planned.keys() == judged.keys() - {"mill"}
+        for name, body in planned.items():
+            corners = body.corners[np.lexsort(np.round(body.corners, 6).T)]
+            signs = np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
+            box = judged[name]
+            own = (signs * box.half) @ box.at[:3, :3].T + box.at[:3, 3]
+            own = own[np.lexsort(np.round(own, 6).T)]
+            np.testing.assert_allclose(corners, own, atol=1e-9)
