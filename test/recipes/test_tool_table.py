@@ -360,7 +360,11 @@ def test_commands(run, tool_file, tmp_path):
 
 
 def test_the_shipped_tools_can_be_imported(run):
-    assert run("tools", "import", ROOT / "config" / "tools.yaml") == (0, "saved rack_mill_12\nsaved rack_mill_16\n", "")
+    assert run("tools", "import", ROOT / "config" / "tools.yaml") == (
+        0,
+        "saved rack_mill_12\nsaved rack_mill_16\n",
+        "",
+    )
 
 
 @pytest.mark.parametrize(
