@@ -96,7 +96,7 @@ def entry_points() -> dict[str, str]:
 
 
 def test_every_executable_has_a_main() -> None:
-    assert len(entry_points()) == 25
+    assert len(entry_points()) == 26
     for name, module in entry_points().items():
         assert callable(importlib.import_module(module).main), name
 

@@ -47,6 +47,8 @@ class RackWays:
     def change(self, old: int, new: int, first: int) -> tuple[list[FloatArray], list[Motion]]:
         """Points and motions that take the tool of one place back and that of another out, from home to home.
 
+        The points are joint angles [rad] of shape (6,).
+
         Args:
             old: Place of the tool in the spindle, from 0.
             new: Place of the other tool.

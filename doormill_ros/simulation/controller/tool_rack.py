@@ -110,7 +110,7 @@ class ToolRack:
         return {RELEASED: float(self._open), CLAMPED: float(not self._open and bool(self.carried))}
 
     def gauge(self, T_base_flange: FloatArray) -> float:
-        """How far the gauge is pressed [mm]."""
+        """How far the gauge is pressed [mm] by the tool at a flange pose of shape (4, 4)."""
         if self._gauge is None or not self.carried:
             return 0.0
         axis = self._gauge[:3, 2]
