@@ -47,6 +47,7 @@ def table(tally: Tally, title: str) -> Table:
         "runs that the page's history lacks": tally.not_on_page,
         "files and signals that outlived the last run": tally.left,
         "restarts by hand": tally.manual,
+        "nodes that died unstruck": tally.died,
     }
     out = Table(title=title)
     out.add_column("what")
@@ -56,7 +57,6 @@ def table(tally: Tally, title: str) -> Table:
     out.add_section()
     for what, found in wanted.items():
         out.add_row(f"{what} (wanted: 0)", str(len(found)), style="bold")
-    out.add_row("nodes that died unstruck (wanted: 0)", str(tally.died), style="bold")
     return out
 
 

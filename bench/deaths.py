@@ -46,7 +46,7 @@ def main() -> int:
         "milled by another door's or place's file": len(tally.wrong),
         "goals without a result": len(tally.without_result),
         "restarts by hand": len(tally.manual),
-        "nodes that died unstruck": tally.died,
+        "nodes that died unstruck": len(tally.died),
     }
     table.add_column("what")
     table.add_column("count", justify="right")

@@ -95,7 +95,8 @@ ABB_REQUEST = _topic("abb/request", Bool, STATE)
 ABB_READY = _topic("abb/ready", Bool, STATE)
 CONTROLLER_STATE = _topic("abb/controller_state", ControllerState, STATE)
 ABB_TARGET_FILE = _topic("abb/target_file", String, STATE)
-RUN_RESULT = _topic("run/result", RunResult, STATE)
+#: Whoever keeps results gets each, though runs that are refused at once follow each other faster than it looks.
+RUN_RESULT = Topic("run/result", RunResult, STATE, _qos(10, DurabilityPolicy.TRANSIENT_LOCAL))
 #: Id of the run of which a robot may mill its share, in the namespace of that robot.
 SHARE_GO = _topic("share/go", String, STATE)
 DOOR_PLACEMENT = _topic("simulation/door_placement", DoorPlacement, STATE)

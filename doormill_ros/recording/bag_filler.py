@@ -68,6 +68,7 @@ class BagFiller:
                 self._queue.close(failed=True)
                 with self._lock:
                     lost = Counter(self._writer.abandon())
-                lost.update(item.topic for item in received[written:])
+                # What came since they were taken was let in still, and nobody else will take it.
+                lost.update(item.topic for item in (*received[written:], *self._queue.take(0.0)))
                 self._queue.count_dropped(lost)
                 self.failure = f"the bag cannot be written: {error}; free the disk and restart the recorder"

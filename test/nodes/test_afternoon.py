@@ -57,10 +57,9 @@ def test_an_opened_clamp_takes_the_request_back(tmp_path: Path) -> None:
 
 
 def test_a_trouble_of_each_kind_is_told() -> None:
-    lists = ("wrong", "without_result", "unforeseen", "not_seen", "not_on_page", "left", "manual")
+    lists = ("wrong", "without_result", "unforeseen", "not_seen", "not_on_page", "left", "manual", "died")
     for name in lists:
         assert Tally(**{name: ["door oak"]}).troubles() == ["door oak"]
-    assert Tally(died=2).troubles() == ["2 executables ended unstruck"]
     assert Tally(doors=3, milled=1, refused=Counter({808: 2})).troubles() == []
 
 

@@ -104,9 +104,9 @@ class CellProcesses:
         return (self.folder / f"{name}.log").read_text(errors="replace")
 
     def __enter__(self) -> CellProcesses:
+        rclpy.init()
         for name in self._names:
             self.start(name)
-        rclpy.init()
         self.node = Node("test_driver")
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self.node)

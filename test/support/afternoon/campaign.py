@@ -42,13 +42,12 @@ class Tally:
     not_on_page: list[str] = field(default_factory=list)
     left: list[str] = field(default_factory=list)
     manual: list[str] = field(default_factory=list)
-    died: int = 0
+    died: list[str] = field(default_factory=list)
 
     def troubles(self) -> list[str]:
         """What must not be, a line each."""
         lists = (self.wrong, self.without_result, self.unforeseen, self.not_seen, self.not_on_page, self.left)
-        died = [f"{self.died} executables ended unstruck"] if self.died else []
-        return [line for found in (*lists, self.manual, died) for line in found]
+        return [line for found in (*lists, self.manual, self.died) for line in found]
 
 
 class _Afternoon:

@@ -83,7 +83,7 @@ class Tally:
     wrong: list[str] = field(default_factory=list)
     without_result: list[str] = field(default_factory=list)
     manual: list[str] = field(default_factory=list)
-    died: int = 0
+    died: list[str] = field(default_factory=list)
     seen: int = 0  # times the oracle saw the robot begin
     places: int = 0  # different ones where a door stood then
 

@@ -30,7 +30,7 @@ class Supervisor:
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, daemon=True)
-        self.deaths_by_themselves = 0
+        self.deaths_by_themselves: list[str] = []
         self._struck: set[int] = set()
 
     def __enter__(self) -> Supervisor:
@@ -75,6 +75,6 @@ class Supervisor:
             for name, process in list(self._processes.items()):
                 if process.poll() is not None:
                     if process.pid not in self._struck:
-                        self.deaths_by_themselves += 1
+                        self.deaths_by_themselves.append(f"{name} ended with {process.returncode}")
                     time.sleep(RESPAWN_DELAY)
                     self._start(name)

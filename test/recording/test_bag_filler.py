@@ -1,0 +1,55 @@
+"""The thread that writes a bag when the disk is full in the moment in which a message comes."""
+
+from __future__ import annotations
+
+import errno
+import threading
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from doormill_ros.recording.bag_filler import BagFiller
+from doormill_ros.recording.bag_writer import BagWriter
+from doormill_ros.recording.bounded_queue import BoundedQueue, Received
+
+TOPIC, MESSAGE = "run/note", bytes(8)
+
+
+def received(stamp: int) -> Received:
+    return Received(TOPIC, MESSAGE, stamp, stamp)
+
+
+class FullDisk(BagWriter):
+    """Has no room left, and while it finds out another message arrives."""
+
+    queue: BoundedQueue
+
+    def flush(self, force: bool = False) -> None:
+        assert self.queue.put(received(2))
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+
+@pytest.fixture
+def raised(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """What ended a thread."""
+    ended: list[Any] = []
+    monkeypatch.setattr(threading, "excepthook", ended.append)
+    return ended
+
+
+def test_what_comes_while_the_disk_is_found_full_counts_as_lost(tmp_path: Path, raised: list[Any]) -> None:
+    queue = BoundedQueue(1 << 20)
+    writer = FullDisk(tmp_path / "bag", split_size=1 << 20)
+    writer.queue = queue
+    filler = BagFiller(queue, writer)
+    filler.add_topic(TOPIC, "std_msgs/msg/String", [])
+    queue.put(received(1))
+    filler.start()
+    filler._thread.join()
+    assert not raised
+    assert "No space left on device" in filler.failure
+    assert queue.dropped == {TOPIC: 2}
+    assert not queue.put(received(3))
+    assert queue.dropped == {TOPIC: 3}
+    filler.stop()
