@@ -129,7 +129,7 @@ def test_a_door_that_cannot_be_milled_is_said_in_one_line(shipped, tmp_path, doc
     assert shipped("import", path, "--author", "anna")[0] == 0
     status, out, err = shipped("check", "door_1")
     assert (status, out) == (2, "")
-    assert "recipes: plate: the door takes 2 tools" in err
+    assert "recipes: hinge_1: tool 'mill_16' stands in no place of the rack" in err
 
 
 @pytest.mark.parametrize(
