@@ -103,6 +103,6 @@ def test_tools_and_nodes_named_in_the_readme_are_installed() -> None:
     before_dependencies = README.split("## Why each dependency")[0]
     cells = re.findall(r"^\| (`\w+`(?:, `\w+`)*) \|", before_dependencies, flags=re.MULTILINE)
     names = [name for cell in cells for name in re.findall(r"\w+", cell)]
-    assert len(names) == 25
+    assert len(names) == 26
     for name in names:
         assert (Path(prefix) / "lib" / "doormill_ros" / name).is_file(), name
