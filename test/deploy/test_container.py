@@ -1,4 +1,4 @@
-"""The recipe of the container against what it names; no container was built here."""
+"""The recipe of the container against what it names; it is built by hand, on a machine with an engine."""
 
 from __future__ import annotations
 
