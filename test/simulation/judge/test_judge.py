@@ -117,8 +117,8 @@ def join(first, second):
     later = dataclasses.replace(
         second, time=second.time + first.time[-1] + 0.01, motion=second.motion + first.motion[-1] + 1
     )
-    names = [field.name for field in dataclasses.fields(first)]
-    return type(first)(*(np.concatenate([getattr(first, n), getattr(later, n)]) for n in names))
+    names = [f.name for f in dataclasses.fields(first) if getattr(first, f.name) is not None]
+    return type(first)(**{n: np.concatenate([getattr(first, n), getattr(later, n)]) for n in names})
 
 
 def test_a_pocket_that_was_milled_is_free_for_all_that_follows(cell, door, hinge):
