@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-from rclpy.action import ActionServer
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import CallbackGroup
+from rclpy.node import Node
+
+from doormill_interfaces.action import MillDoor
+from doormill_ros.nodes.convert.run_end import run_end_into
+from doormill_ros.pipeline.run_end import RunEnd
 
 
 class QuietActionServer(ActionServer):  # type: ignore[misc]  # rclpy has no types
@@ -25,3 +32,42 @@ class QuietActionServer(ActionServer):  # type: ignore[misc]  # rclpy has no typ
     def _send_result_response(self, *args: Any) -> None:
         if not self.silent:
             super()._send_result_response(*args)
+
+
+class MillDoorActionServer(QuietActionServer):
+    """The action mill_door: every goal is taken, and told what hinders it.
+
+    Args:
+        node: That serves it.
+        execute: Mills the door of a goal.
+        cancel: Whether a goal may be ended.
+        group: Of its callbacks.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        execute: Callable[[Any], MillDoor.Result],
+        cancel: Callable[[Any], CancelResponse],
+        group: CallbackGroup,
+    ) -> None:
+        super().__init__(
+            node,
+            MillDoor,
+            "mill_door",
+            execute,
+            callback_group=group,
+            goal_callback=lambda _: GoalResponse.ACCEPT,
+            cancel_callback=cancel,
+        )
+
+    @staticmethod
+    def end(goal: Any, end: RunEnd) -> MillDoor.Result:
+        """Close a goal as its run ended; returns what the client is told."""
+        if end.success:
+            goal.succeed()
+        elif goal.is_cancel_requested:
+            goal.canceled()
+        else:
+            goal.abort()
+        return run_end_into(end, MillDoor.Result)

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action import CancelResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Bool
 
@@ -19,6 +19,7 @@ from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
 from doormill_ros.cell.run import Run, RunDesk, StageLimits
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.action_server import MillDoorActionServer
 from doormill_ros.nodes.convert.run_end import run_end_into
 from doormill_ros.nodes.door_inspections import DoorInspections
 from doormill_ros.nodes.managed_node import ManagedNode
@@ -57,15 +58,7 @@ class DoorShares(ManagedNode):
         self._result = self.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
         )
-        self._server = ActionServer(
-            self,
-            MillDoor,
-            "mill_door",
-            self._execute,
-            callback_group=self._group,
-            goal_callback=lambda _: GoalResponse.ACCEPT,
-            cancel_callback=self._cancel,
-        )
+        self._server = MillDoorActionServer(self, self._execute, self._cancel, self._group)
 
     def setup(self) -> None:
         """Reach for robots, recipes and inspections."""
@@ -152,13 +145,7 @@ class DoorShares(ManagedNode):
         if self.context.ok():
             self._result.publish(message)
         self.report(OK if end.success else WARN, end.message, error_code=end.error_code)
-        if end.success:
-            goal.succeed()
-        elif goal.is_cancel_requested:
-            goal.canceled()
-        else:
-            goal.abort()
-        return run_end_into(end, MillDoor.Result)
+        return self._server.end(goal, end)
 
 
 def main() -> int:

@@ -9,7 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from rclpy.action import CancelResponse, GoalResponse
+from rclpy.action import CancelResponse
 from rclpy.callback_groups import CallbackGroup
 
 from doormill_interfaces.action import MillDoor
@@ -24,7 +24,7 @@ from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.errors import DoormillError
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.action_server import QuietActionServer
+from doormill_ros.nodes.action_server import MillDoorActionServer
 from doormill_ros.nodes.convert.run_end import run_end_into
 from doormill_ros.nodes.door_inspections import DoorInspections
 from doormill_ros.nodes.managed_node import ManagedNode
@@ -73,15 +73,7 @@ class MillDoorServer:
         self._result = node.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
         )
-        self._server = QuietActionServer(
-            node,
-            MillDoor,
-            "mill_door",
-            self._execute,
-            callback_group=group,
-            goal_callback=lambda _: GoalResponse.ACCEPT,
-            cancel_callback=self._cancel,
-        )
+        self._server = MillDoorActionServer(node, self._execute, self._cancel, group)
 
     def leave_to_another(self, silent: bool) -> None:
         """Let another server of this name answer, or answer again."""
@@ -227,14 +219,7 @@ class MillDoorServer:
             self._tell(end)
         with suppress(OSError):  # it is told again after a restart, that is all
             self._clear_note()
-        result = run_end_into(end, MillDoor.Result)
-        if end.success:
-            goal.succeed()
-        elif goal.is_cancel_requested:
-            goal.canceled()
-        else:
-            goal.abort()
-        return result
+        return self._server.end(goal, end)
 
     def _tell(self, end: RunEnd) -> None:
         message = run_end_into(end, RunResult)

@@ -10,13 +10,13 @@ from pathlib import Path
 from doormill_ros.abb.handshake.state import HandshakeState, RunOutcome
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.door_sensors import node_of
-from doormill_ros.cell.errors import CellError, StageRefusedError
-from doormill_ros.cell.inspection import MeasuredDoor
+from doormill_ros.cell.errors import StageRefusedError
 from doormill_ros.cell.layout import CAMERA
 from doormill_ros.cell.run import LOCALIZATION, Run, StageLimits
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.sensors.agreement import check_agreement
 from doormill_ros.messages.sensing import sensed_door_of
+from doormill_ros.pipeline.inspection_stage import await_inspection
 from doormill_ros.pipeline.partners import Attendance, Handover, Inspector, Recipes, Targets
 from doormill_ros.pipeline.recipe_stage import fetch_recipe
 from doormill_ros.pipeline.run_end import RunEnd
@@ -123,7 +123,8 @@ class Course:
                 self._tell("targets", 0.4)
             path = self._announce(data)
             self._watch_milling()
-            self.end.mill(len(targets.targets), data, path, self._inspect())
+            measured = await_inspection(self._run, self._inspector, self._limits.inspection)
+            self.end.mill(len(targets.targets), data, path, measured)
         except DoormillError as error:
             self.end.refuse(error.code, error.message)
         return self.end
@@ -273,17 +274,6 @@ class Course:
         if not end.milled:
             raise MillingFaultError(end.reason)
         self._tell("milling", 1.0)
-
-    def _inspect(self) -> MeasuredDoor:
-        """How the milled door came out; one that nobody measures in time is not measured."""
-        run_id, inspector = self._run.run_id, self._inspector
-        with suppress(CellError):
-            self._run.wait_until(
-                lambda: not inspector.present or inspector.found(run_id),
-                self._limits.inspection,
-                "nobody told how the milled door came out",
-            )
-        return inspector.found(run_id) or MeasuredDoor()
 
     def _milled(self, run_id: str) -> RunOutcome | None:
         """How the milling of a run ended, None while it goes on."""

@@ -9,11 +9,11 @@ from functools import partial
 from typing import Protocol
 
 from doormill_ros.cell.errors import CellError, StageRefusedError
-from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.run import Run, StageLimits
 from doormill_ros.cell.summary import StageDurations
 from doormill_ros.cell.waiting import wait_until
 from doormill_ros.errors import DoormillError
+from doormill_ros.pipeline.inspection_stage import await_inspection
 from doormill_ros.pipeline.partners import Inspector, Recipes
 from doormill_ros.pipeline.recipe_stage import fetch_recipe
 from doormill_ros.pipeline.run_end import RunEnd
@@ -121,7 +121,8 @@ class SharedCourse:
                 self._mill(robot)
             self._tell("milling", 1.0)
             self._note(working)
-            self.end.mill_shares({r.name: e.target_file for r in working if (e := r.end)}, self._inspect())
+            measured = await_inspection(self._run, self._inspector, self._limits.inspection)
+            self.end.mill_shares({r.name: e.target_file for r in working if (e := r.end)}, measured)
         except DoormillError as error:
             done = [robot.name for robot in self._begun if robot.end is not None and robot.end.success]
             self._let_go()
@@ -218,17 +219,6 @@ class SharedCourse:
         end.times = StageDurations(
             *(max(getattr(one, name) for one in times) for name in StageDurations.__dataclass_fields__)
         )
-
-    def _inspect(self) -> MeasuredDoor:
-        """How the milled door came out; one that nobody measures in time is not measured."""
-        run_id, inspector = self._run.run_id, self._inspector
-        with suppress(CellError):
-            self._run.wait_until(
-                lambda: not inspector.present or inspector.found(run_id),
-                self._limits.inspection,
-                "nobody told how the milled door came out",
-            )
-        return inspector.found(run_id) or MeasuredDoor()
 
 
 def _dead(robot: ShareRobot) -> bool:

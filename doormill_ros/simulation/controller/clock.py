@@ -61,6 +61,7 @@ class ControllerClock:
         self.attendant: Attendant | None = None
         self.attended = True
         self.system = SystemOutputs({})
+        self._look()
 
     def now(self) -> float:
         """Simulated time [s]."""
@@ -196,6 +197,10 @@ class ControllerClock:
             self._cell.set_input(GUARD_CLOSED, float(self._panel.guard_closed))
         if state.powered:
             self.system.update(self._panel.system_outputs(), self._cell.read, self._cell.force)
+        self._look()
+
+    def _look(self) -> None:
+        """Let samples say how spindle, guard and tool are now."""
         self._engine.surroundings = Surroundings(
             self._level(self._cell.spindle_drive),
             self._level(SPINDLE_AT_SPEED),

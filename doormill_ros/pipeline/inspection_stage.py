@@ -1,0 +1,27 @@
+"""The last stage of a run: how the milled door came out, where somebody measures it."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+from doormill_ros.cell.errors import CellError
+from doormill_ros.cell.inspection import MeasuredDoor
+from doormill_ros.cell.run import Run
+from doormill_ros.pipeline.partners import Inspector
+
+
+def await_inspection(run: Run, inspector: Inspector, limit: float) -> MeasuredDoor:
+    """How the milled door came out; one that nobody measures in time is not measured.
+
+    Args:
+        run: In hand.
+        inspector: Who measures milled doors, if anybody does.
+        limit: Longest wait [s].
+    """
+    with suppress(CellError):
+        run.wait_until(
+            lambda: not inspector.present or inspector.found(run.run_id),
+            limit,
+            "nobody told how the milled door came out",
+        )
+    return inspector.found(run.run_id) or MeasuredDoor()
