@@ -68,13 +68,17 @@ class GigeCamera(RequestedCamera):
     )
 
     def __init__(self, aravis: Aravis | None = None, **kwargs: Any) -> None:
-        """Load the library, unless it is given.
+        """Take the parameters and load the library, unless it is given.
 
         Raises:
             AravisMissing: It is not there.
         """
-        self._aravis = aravis or load_aravis()
         super().__init__("gige_camera", **kwargs)
+        try:
+            self._aravis = aravis or load_aravis()
+        except AravisMissing:
+            self.destroy_node()
+            raise
 
     def setup(self) -> None:
         """Read the camera file; subscribe. The camera itself is reached by the thread, whenever it is there."""

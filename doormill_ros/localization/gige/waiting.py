@@ -9,7 +9,7 @@ class Waiting:
     """Of one run after the other. One thread asks, another one tells what became of the pictures.
 
     Attributes:
-        reason: Why the latest picture did not come.
+        reason: Why the latest picture did not come; as long as none comes it may have been wanted for a run before.
     """
 
     def __init__(self) -> None:
@@ -20,7 +20,7 @@ class Waiting:
     def of(self, run_id: str, now: float) -> float:
         """How long that run has waited until `now` [s]; nothing where its picture was taken, or there is no run."""
         if run_id != self._run_id:
-            self._run_id, self._since, self.reason = run_id, now, SILENT
+            self._run_id, self._since = run_id, now
         return 0.0 if run_id in ("", self._taken) else now - self._since
 
     def failed(self, reason: str) -> None:
@@ -29,4 +29,4 @@ class Waiting:
 
     def taken(self, run_id: str) -> None:
         """That run's picture was sent."""
-        self._taken = run_id
+        self._taken, self.reason = run_id, SILENT

@@ -73,7 +73,8 @@ def test_every_condition_is_seeded_and_changes_the_picture(scene):
     for name in CONDITIONS:
         (one,), (same,) = pictures(name, 1), pictures(name, 1)
         assert (one.seed, one.scene.offset) == (same.seed, same.scene.offset)
-        if name != "plain" and "thicker" not in name:
+        # With marks or beams beside it, it is the plain one in another cell, a thicker door is one of another recipe.
+        if name != "plain" and "beside the" not in name and "thicker" not in name:
             changed = CONDITIONS[name].change(scene, np.random.default_rng(1))
             assert repr(changed) != repr(scene), name
 
