@@ -23,16 +23,19 @@ STARTED = re.compile(r"\[(\w+)-\d+\]: process started with pid \[(\d+)\]")
 class LaunchedCell(CellProcesses):
     """The nodes of the launch file; its process is the only one that is ours."""
 
+    robots = 1
+
     def start(self, name: str) -> None:
         """All at once, with the first."""
         if self.processes:
             return
         parameters = self.folder / "parameters.yaml"
-        parameters.write_text(yaml.safe_dump({"/**": {"abb_bridge": {"ros__parameters": PATIENT}}}))
+        parameters.write_text(yaml.safe_dump({"/**/abb_bridge": {"ros__parameters": PATIENT}}))
         arguments = {
             "out": self.folder / "out",
             "page_port": free_port(),
             "parameters": parameters,
+            "robots": self.robots,
         }
         command = [sys.executable, "-m", "support.launching", str(ROOT / "launch" / "cell.launch.py")]
         with open(self.folder / "launch.log", "wb") as log:
@@ -55,6 +58,19 @@ class LaunchedCell(CellProcesses):
         return [int(pid) for node, pid in STARTED.findall(self.log("launch")) if node == name]
 
 
+class LaunchedPair(LaunchedCell):
+    """Two robots at one door."""
+
+    robots = 2
+
+    def wait_until_up(self) -> None:
+        """Database, camera and localizer, then both robots and who shares the door between them."""
+        names = ("bag_recorder", "recipe_database", "door_localizer", "camera_simulator", "door_shares")
+        of_robots = ("path_generator", "abb_bridge", "controller_simulator")
+        for node in (*names, *(f"robot{number}/{name}" for number in (1, 2) for name in of_robots)):
+            self.wait_until_active(node)
+
+
 @pytest.fixture
 def cell(tmp_path: Path) -> Iterator[LaunchedCell]:
     with LaunchedCell(tmp_path, nodes=NODES) as running:
@@ -75,3 +91,12 @@ def test_it_mills_revives_what_dies_and_ends(cell: LaunchedCell) -> None:
     assert cell.interrupt() == 0
     assert "escalating" not in (cell.folder / "launch.log").read_text()
     assert not [pid for pid in pids if Path(f"/proc/{pid}").exists()]
+
+
+def test_two_robots_share_a_door(tmp_path: Path) -> None:
+    with LaunchedPair(tmp_path, nodes=("launch",)) as cell:
+        result, _ = cell.mill("standard_door")
+        assert result.success, result.message
+        for robot in ("robot1", "robot2"):
+            assert list((tmp_path / "out" / "targets" / robot).glob("*.txt"))
+        assert cell.interrupt() == 0
