@@ -18,6 +18,7 @@ from doormill_ros.toolpath.beside import place_of
 from doormill_ros.toolpath.door_checks import DoorCheck, check_door
 from doormill_ros.toolpath.door_plan import door_plan, whole_door
 from doormill_ros.toolpath.generate import generate_program
+from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.split import FIRST, Share, share_of
@@ -125,6 +126,7 @@ def plan(
     Raises:
         PathError: The leaf class says what makes the door impossible to mill.
     """
+    check_placement(T_base_door, recipe, setup.layout)
     share = setup.shared(recipe, T_base_door)
     program = generate_program(
         recipe,

@@ -78,6 +78,16 @@ def test_a_program_is_checked_as_a_whole() -> None:
         plan(recipe, transform(translation=np.array([0.0, 1.0, 0.0])) @ T_base_door, setup)
 
 
+@pytest.mark.parametrize("share", ["", "first", "second"])
+def test_no_robot_mills_a_door_that_stands_too_far_off(share: str) -> None:
+    recipe, setup = shipped_recipes()["standard_door"], load_setup(share=share)
+    T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness)
+    assert plan(recipe, T_base_door, setup).program.targets
+    for off in ([0.0, 0.02, 0.0], [0.0, 0.0, 0.02], [0.01, 0.0, 0.0]):
+        with pytest.raises(DoorPoseError):
+            plan(recipe, transform(translation=np.array(off)) @ T_base_door, setup)
+
+
 def test_a_preview_is_the_program_of_the_cell() -> None:
     recipe, setup = shipped_recipes()["thesis_190_0deg"], load_setup()
     moved = replace(recipe, placement=ClampPlacement(0.004, -0.003, 0.01))
