@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import fields
 from functools import partial
 from typing import Protocol
 
@@ -217,7 +218,7 @@ class SharedCourse:
         end.target_file, end.sha256 = shares[0].target_file, shares[0].sha256
         times = [robot.times() for robot in working]
         end.times = StageDurations(
-            *(max(getattr(one, name) for one in times) for name in StageDurations.__dataclass_fields__)
+            *(max(getattr(one, field.name) for one in times) for field in fields(StageDurations))
         )
 
 

@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import inverse, transform
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import Body, Box, Capsule, JudgedCell
@@ -52,7 +53,7 @@ def judge_pair(
     verdicts, before = [], 0
     widest = max(feature.tool.radius for feature in recipe.features)
     for number, own in enumerate(milled):
-        T_robot_cell = np.linalg.inv(own.T_cell_robot)
+        T_robot_cell = inverse(own.T_cell_robot)
         others = [
             box
             for k, other in enumerate(milled)
@@ -95,7 +96,7 @@ def standing(
     held = Box(
         "mill",
         FLANGE,
-        cell.T_flange_tool @ _back(cell.nose),
+        cell.T_flange_tool @ transform(translation=np.array([0.0, 0.0, -cell.nose / 2.0])),
         np.array([mill_radius, mill_radius, cell.nose / 2.0]),
     )
     boxes = []
@@ -116,13 +117,6 @@ def _box_of(body: Body) -> tuple[FloatArray, FloatArray]:
         at[:3, 3] = 0.5 * (body.start + body.end)
         return at, np.array([body.radius, body.radius, 0.5 * float(np.linalg.norm(along)) + body.radius])
     return body.at, body.half
-
-
-def _back(nose: float) -> FloatArray:
-    """Middle of the mill in the tool's frame, shape (4, 4)."""
-    at = np.eye(4)
-    at[2, 3] = -nose / 2.0
-    return at
 
 
 def _told_of(verdict: Verdict, robot: str, before: int) -> Verdict:
