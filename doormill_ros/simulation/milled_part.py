@@ -114,13 +114,16 @@ def inspect(
     """
     paths = [(T_base_door_true, executed), *others]
     features = [f for f in recipe.features if only is None or f.id in only]
-    return MilledPart(tuple(_measure(recipe, feature, paths) for feature in features))
+    radii = [mill_radius(recipe, path) for _, path in paths]
+    return MilledPart(
+        tuple(_measure(recipe, feature, paths, _radius(feature, paths, radii)) for feature in features)
+    )
 
 
 def _measure(
-    recipe: Recipe, feature: Feature, paths: Sequence[tuple[FloatArray, ExecutedPath]]
+    recipe: Recipe, feature: Feature, paths: Sequence[tuple[FloatArray, ExecutedPath]], radius: float
 ) -> FeatureResult:
-    depth, radius = feature.cut_depth(recipe.size), _radius(recipe, feature, paths)
+    depth = feature.cut_depth(recipe.size)
     points = feature.outline().points(step=CONTOUR_STEP, chord_error=1e-7)
     station = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     ways = []
@@ -149,11 +152,14 @@ def _measure(
     )
 
 
-def _radius(recipe: Recipe, feature: Feature, paths: Sequence[tuple[FloatArray, ExecutedPath]]) -> float:
+def _radius(
+    feature: Feature, paths: Sequence[tuple[FloatArray, ExecutedPath]], radii: Sequence[FloatArray]
+) -> float:
     """Of the mill that was in the spindle at the feature; of its own where nothing was milled [m]."""
-    found = [mill_radius(recipe, path)[np.char.equal(path.feature, feature.id)] for _, path in paths]
-    radii = np.concatenate(found)
-    return float(np.median(radii)) if len(radii) else feature.tool.radius
+    found = np.concatenate(
+        [own[np.char.equal(path.feature, feature.id)] for (_, path), own in zip(paths, radii, strict=True)]
+    )
+    return float(np.median(found)) if len(found) else feature.tool.radius
 
 
 class _Way:
