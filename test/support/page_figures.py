@@ -10,12 +10,18 @@ from typing import Any
 
 import yaml
 
+from doormill_ros.errors import catalogue
 from support.source_tree import ROOT
 
 TABLE = ROOT / "test" / "figures.yaml"
 RESULTS = ROOT / "bench" / "results"
 COUNTED = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-WORDS = {**{word: float(number) for number, word in enumerate(COUNTED)}, "half": 0.5, "quarter": 0.25}
+WORDS = {
+    **{word: float(number) for number, word in enumerate(COUNTED)},
+    "half": 0.5,
+    "quarter": 0.25,
+    "twice": 2.0,
+}
 NUMBER = rf"([+-]?\d+(?:,\d{{3}})*(?:\.\d+)?|{'|'.join(WORDS)})"
 #: What a page may say before a figure that is rounded more coarsely than its digits, and how coarsely.
 ABOUT, COARSE = re.compile(r"\b(about|some)\b"), 0.1
@@ -78,7 +84,9 @@ def number_of(source: str) -> float:
     """What a source gives: `WHERE`, `WHERE * FACTOR` or `WHERE / DIVISOR`; WHERE is one of
 
     - `config/FILE.yaml#key.key`, an index for a list;
-    - `bench/results/NAME.txt#PATTERN`, with one group, in the output of a recorded run;
+    - `errors#CLASS` or `errors#ROOM/CLASS`, the code of an error;
+    - `PATH#PATTERN`, with one group that is found just once, in any other file of the repository: a bench's kept run, a
+      module of RAPID, the bound of a test;
     - `module:NAME.attribute`, a function is called; `module:CLASS#parameter` for the default of a node's parameter.
     """
     match = re.fullmatch(r"(.*?)(?: ([*/]) (\S+))?", source)
@@ -90,11 +98,14 @@ def number_of(source: str) -> float:
 
 def _value(where: str) -> float:
     place, _, key = where.partition("#")
-    if place.startswith("bench/results/"):
+    if place == "errors":
+        (code,) = {entry.code for entry in catalogue() if key in (entry.name, f"{entry.room}/{entry.name}")}
+        return float(code)
+    if place.startswith("config/") and place.endswith(".yaml"):
+        return float(_item(yaml.safe_load((ROOT / place).read_text(encoding="utf-8")), key))
+    if "/" in place:
         (found,) = re.findall(key, (ROOT / place).read_text(encoding="utf-8"))
         return float(found)
-    if place.startswith("config/"):
-        return float(_item(yaml.safe_load((ROOT / place).read_text(encoding="utf-8")), key))
     module, _, name = place.partition(":")
     found = _item(importlib.import_module(module), name)
     if key:

@@ -1,22 +1,11 @@
-"""Figures of the pages that follow from several values at once; named by `test/figures.yaml`."""
+"""What docs/localization.md prints: where the camera looks, and what a pixel is."""
 
 from __future__ import annotations
 
-import re
-
-from doormill_ros.abb.handshake.state import HandshakeTimeouts
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.recording.replay.tolerance import tolerance_of
 from support.page_figures import number_of
-from support.source_tree import ROOT
 
-TIMEOUTS = HandshakeTimeouts()
-POSE, ANGLE = tolerance_of("pose.pose.position"), tolerance_of("pose.pose.orientation")
-COVARIANCE, RESIDUAL = tolerance_of("pose.covariance[0]"), tolerance_of("residual")
-TARGET, JOINTS = tolerance_of("targets[0].position"), tolerance_of("targets[0].joint_positions")
-BENT, TURNED = tolerance_of("deflection.linear"), tolerance_of("deflection.angular")
-FORCE, TORQUE = tolerance_of("wrench.force"), tolerance_of("wrench.torque")
 #: Of the doors in the table of docs/localization.md [m].
 THIN, MIDDLE, THICK = 0.03, 0.05, 0.1
 
@@ -53,10 +42,3 @@ def seen_further_in_y() -> float:
 def seen_further_in_z() -> float:
     """The same in z."""
     return axis_above_bottom_edge() / MIDDLE_DISTANCE
-
-
-def remembered_runs() -> float:
-    """Run ids that the robot's program keeps."""
-    text = (ROOT / "rapid" / "DoorLink.mod").read_text(encoding="utf-8")
-    (number,) = re.findall(r"PERS string seenRuns\{(\d+)\}", text)
-    return float(number)
