@@ -10,6 +10,7 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.program import Program
 from doormill_ros.robot.description import load_robot
 from doormill_ros.toolpath.refine import FLAT_ARC
+from support.milled_worlds import WORLDS
 from support.page_figures import number_of
 
 SPREADS = [material.spread for material in COEFFICIENTS.values()]
@@ -62,3 +63,8 @@ def handle_hole() -> float:
 def cylinder_hole() -> float:
     """Torn out of the standard door [m^2]."""
     return _torn("cylinder_hole")
+
+
+def springs_off() -> float:
+    """By which share the springs of a soft world are softer than believed."""
+    return 1.0 - max(WORLDS["springs all soft"].springs)
