@@ -117,7 +117,7 @@ def _item(value: Any, path: str) -> Any:
     for key in path.split("."):
         if isinstance(value, dict):
             value = value[key]
-        elif isinstance(value, list | tuple):
+        elif isinstance(value, list | tuple) and key.isdecimal():
             value = value[int(key)]
         else:
             value = getattr(value, key)
