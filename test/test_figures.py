@@ -15,7 +15,22 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 ROWS = rows()
 CITED = cited()
 #: Pages of which every figure is held by a row, or listed as cited.
-FINISHED = ("docs/controller-link.md",)
+FINISHED = (
+    "README.md",
+    "docs/catalogue.md",
+    "docs/commissioning.md",
+    "docs/controller-link.md",
+    "docs/gige-camera.md",
+    "docs/inspection.md",
+    "docs/living.md",
+    "docs/model-monitor.md",
+    "docs/operators-page.md",
+    "docs/rapid.md",
+    "docs/recipes.md",
+    "docs/recording.md",
+    "docs/toolpath.md",
+    "docs/world.md",
+)
 
 
 def text_of(page: str) -> str:
@@ -104,7 +119,7 @@ def test_sources_are_read() -> None:
 
 @pytest.mark.parametrize("page", FINISHED)
 def test_every_figure_of_a_finished_page_has_its_source(page: str) -> None:
-    assert uncovered(page, text_of(page), ROWS, CITED[page]) == []
+    assert uncovered(page, text_of(page), ROWS, CITED.get(page, {})) == []
 
 
 @pytest.mark.parametrize("page", FINISHED)
@@ -112,18 +127,19 @@ def test_a_new_figure_in_a_finished_page_is_seen(page: str) -> None:
     paragraphs = text_of(page).split("\n\n")
     for place in (1, len(paragraphs) // 2, len(paragraphs)):
         text = "\n\n".join([*paragraphs[:place], "It takes 4711.3 s.", *paragraphs[place:]])
-        (said,) = uncovered(page, text, ROWS, CITED[page])
+        (said,) = uncovered(page, text, ROWS, CITED.get(page, {}))
         assert "It takes 4711.3 s." in said
 
 
 @pytest.mark.parametrize("page", FINISHED)
 def test_what_is_cited_is_in_the_page_and_is_no_leave_for_any_figure(page: str) -> None:
-    for pattern, why in CITED[page].items():
-        others = {other: reason for other, reason in CITED[page].items() if other != pattern}
+    patterns = CITED.get(page, {})
+    for pattern, why in patterns.items():
+        others = {other: reason for other, reason in patterns.items() if other != pattern}
         assert uncovered(page, text_of(page), ROWS, others) != [], pattern
         assert re.search(pattern, "It takes 4711.3 s, 0 or 1 or 2 | 12 | 0.5 mm (3).") is None, pattern
         assert len(why) > 10
 
 
 def test_only_finished_pages_cite() -> None:
-    assert CITED.keys() == set(FINISHED)
+    assert CITED.keys() <= set(FINISHED)

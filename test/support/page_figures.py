@@ -103,7 +103,7 @@ def _value(where: str) -> float:
         return float(code)
     if place.startswith("config/") and place.endswith(".yaml"):
         return float(_item(yaml.safe_load((ROOT / place).read_text(encoding="utf-8")), key))
-    if "/" in place:
+    if (ROOT / place).is_file():
         (found,) = re.findall(key, (ROOT / place).read_text(encoding="utf-8"))
         return float(found)
     module, _, name = place.partition(":")
