@@ -17,6 +17,7 @@ CITED = cited()
 #: Pages of which every figure is held by a row, or listed as cited.
 FINISHED = (
     "README.md",
+    "docs/calibration.md",
     "docs/catalogue.md",
     "docs/commissioning.md",
     "docs/controller-link.md",
