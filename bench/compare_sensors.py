@@ -184,10 +184,8 @@ def main() -> int:
     blind = "\n".join(
         f"- *{r.label.split(',')[0].capitalize()}*: {r.cannot_see}." for r in rows if r.cannot_see
     )
-    found = table(rows)
-    PAGE.write_text(
-        f"{head}{BEGIN}\n{found}\n\nWhat each cannot see:\n\n{blind}\n{END}{tail}", encoding="utf-8"
-    )
+    found = f"{table(rows)}\n\nWhat each cannot see:\n\n{blind}"
+    PAGE.write_text(f"{head}{BEGIN}\n{found}\n{END}{tail}", encoding="utf-8")
     draw(rows)
     print(found)
     print("refused:", {row.label: row.refused for row in rows})
