@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from support.page_coverage import cited, uncovered
-from support.page_figures import Row, agrees, not_recorded, number_of, results, rows
+from support.page_coverage import WRITTEN, cited, uncovered
+from support.page_figures import RESULTS, Row, agrees, not_recorded, number_of, results, rows
 from support.source_tree import ROOT
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -29,6 +29,7 @@ FINISHED = (
     "docs/rapid.md",
     "docs/recipes.md",
     "docs/recording.md",
+    "docs/sensors.md",
     "docs/toolpath.md",
     "docs/world.md",
 )
@@ -140,6 +141,13 @@ def test_what_is_cited_is_in_the_page_and_is_no_leave_for_any_figure(page: str) 
         assert uncovered(page, text_of(page), ROWS, others) != [], pattern
         assert re.search(pattern, "It takes 4711.3 s, 0 or 1 or 2 | 12 | 0.5 mm (3).") is None, pattern
         assert len(why) > 10
+
+
+def test_what_a_bench_wrote_into_a_page_is_what_its_kept_run_printed() -> None:
+    written = [part for page in PAGES for part in re.findall(WRITTEN, page.read_text(encoding="utf-8"))]
+    assert len(written) == 1
+    for bench, text in written:
+        assert text in (RESULTS / f"{bench}.txt").read_text(encoding="utf-8")
 
 
 def test_only_finished_pages_cite() -> None:

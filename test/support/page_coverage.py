@@ -10,8 +10,11 @@ from support.page_figures import NUMBER, TABLE, Row
 
 #: A number, not the digits of a name or of an exponent.
 FIGURE = re.compile(r"(?<![\w.])(?<!\de-)\d+(?:[.,]\d+)*")
+#: What a bench wrote into a page, see test/test_figures.py.
+WRITTEN = r"(?s)<!-- begin: bench/(\w+)\.py -->\n(.*?)\n<!-- end -->"
 #: What a page shows and does not say: code, names, addresses, the counting of lists and headings.
 SHOWN = (
+    WRITTEN,
     r"(?ms)^```.*?^```",
     r"(?m)^(?: {4,}|\t)(?![-*\d ]).*$",
     r"`[^`\n]*(?:\n[^`\n]*)?`",
