@@ -25,12 +25,20 @@ def page():
 
 def test_the_example_gives_the_line_and_the_figures_on_the_page(page, tmp_path, capsys):
     assert main(["--data", str(DOCS / "diagnosis_example"), "--out", str(tmp_path), "--quiet"]) == 0
-    assert capsys.readouterr().out.strip() in page
+    said = capsys.readouterr().out.strip()
+    assert said in page
+    before, after, noise = re.findall(r"\d+\.\d", said)
+    assert f"*{before} um*: the simulation's error now. *{after} um*: the extended model's" in page
+    assert f"The noise is {noise} um: nothing is left" in page
     document = json.loads((tmp_path / "diagnosis.json").read_text())
     gap, crossing = (document["causes"][0]["parameters"][name] for name in ("gap", "crossing"))
     assert f"Gap ({1e5 * gap['value']:.2f} +- {1e5 * gap['std']:.2f}) x 1e-5 rad" in page
     assert f"Crossing torque {crossing['value']:.0f} +- {crossing['std']:.0f} N m" in page
-    assert document["outliers"] == [1, 48, 62, 63]
+    away = abs(crossing["value"] - 30.0) / crossing["std"]
+    assert f"Its true value, 30, is {away:.1f} standard deviations away" in page
+    outliers = "{}, {}, {} and {}".format(*document["outliers"])
+    assert f"four gross errors (trials {outliers})" in page
+    assert f"the outliers are trials {outliers}." in page
     # What is hidden in the example, as the page tells.
     assert abs(gap["value"] - 5.7e-5) < 2 * gap["std"]
     assert abs(crossing["value"] - 30.0) < 2 * crossing["std"]

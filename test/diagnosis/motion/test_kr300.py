@@ -8,6 +8,7 @@ import pytest
 from doormill_ros.measurements.motion_set import read_motion_set
 from doormill_ros.robot_model.motion.model import load_motion_model
 from doormill_ros.tools.diagnose import main
+from support.source_tree import ROOT
 
 KR300 = Path(__file__).parents[2] / "data" / "kr300"
 
@@ -52,6 +53,18 @@ def test_other_recording_is_predicted(document, where, limit):
     assert one["baseline"] > 400e-6
     assert one["extended_with_offset_alone"] < 75e-6
     assert document["by_joint"][where]["extended"] < 75e-6
+
+
+def test_the_page_tells_what_was_left_before_and_after(document):
+    (check,) = document["checks"]
+    before, after = (
+        [f"{1e6 * check['by_joint'][f'joint {k}'][name]:.0f}" for k in (1, 2, 3)]
+        for name in ("baseline", "extended")
+    )
+    late = 1e3 * document["causes"][0]["parameters"]["skew"]["value"]
+    page = " ".join((ROOT / "docs" / "diagnosis.md").read_text(encoding="utf-8").split())
+    assert "miss recording B by {}, {} and {} urad in joints 1 to 3".format(*before) in page
+    assert f"with link encoders {late:.1f} ms late, by " + "{}, {} and {}.".format(*after) in page
 
 
 @pytest.mark.parametrize(("joint", "laws", "name"), [(1, False, "extended"), (2, True, "characterised")])
