@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
 from support.page_figures import number_of
+from support.pictures.conditions import CONDITIONS
+from support.pictures.corpus import HARD
 
 #: Of the doors in the table of docs/localization.md [m].
 THIN, MIDDLE, THICK = 0.03, 0.05, 0.1
@@ -42,3 +46,53 @@ def seen_further_in_y() -> float:
 def seen_further_in_z() -> float:
     """The same in z."""
     return axis_above_bottom_edge() / MIDDLE_DISTANCE
+
+
+def _known_in_y(thickness: float) -> float:
+    """Standard deviation of a pose in y [m] where the thickness of the door is known to so much [m]."""
+    mounting = number_of("config/camera.yaml#localizer.mounting_deviation.0")
+    return float(np.hypot(seen_further_in_y() * thickness, mounting))
+
+
+def known_as_shipped() -> float:
+    """Standard deviation of y with the shipped deviation of the thickness [m]."""
+    return _known_in_y(number_of("config/camera.yaml#localizer.thickness_deviation"))
+
+
+def known_when_measured() -> float:
+    """The same with a thickness that was measured to 0.05 mm [m]."""
+    return _known_in_y(5e-5)
+
+
+def _slab(thicker: float) -> float:
+    """By how much a door of 50 mm that is thicker seems to stand off in the y-z plane [m]."""
+    away = np.hypot(axis_from_hinge_edge(), axis_above_bottom_edge())
+    return float(away * thicker / (MIDDLE_DISTANCE - thicker))
+
+
+def as_told() -> float:
+    """A door 0.3 mm thicker than its recipe [m]."""
+    return _slab(3e-4)
+
+
+def _bow(length: float) -> float:
+    """Sagitta of an edge [m] that is bowed by 0.3 mm over 400 mm, over so much of it [m]."""
+    return 3e-4 * (length / 0.4) ** 2
+
+
+SHORT_BOW, LONG_BOW = _bow(0.06), _bow(0.15)
+
+
+def conditions() -> float:
+    """Conditions of the pictures that the localizer was not made for."""
+    return float(len(CONDITIONS))
+
+
+def half_a_pixel() -> float:
+    """Of a face 50 mm thick: what binning by two shifts the picture by [m]."""
+    return MIDDLE_PIXEL / 2.0
+
+
+def spoilt_ways() -> float:
+    """Ways in which pictures of the corpus are spoilt."""
+    return float(len(HARD))
