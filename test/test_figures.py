@@ -17,15 +17,18 @@ CITED = cited()
 #: Pages of which every figure is held by a row, or listed as cited.
 FINISHED = (
     "README.md",
+    "docs/architecture.md",
     "docs/calibration.md",
     "docs/catalogue.md",
     "docs/commissioning.md",
     "docs/controller-link.md",
+    "docs/diagnosis-thesis.md",
     "docs/diagnosis.md",
     "docs/gige-camera.md",
     "docs/inspection.md",
     "docs/laws.md",
     "docs/living.md",
+    "docs/localization.md",
     "docs/model-monitor.md",
     "docs/operators-page.md",
     "docs/rapid.md",
@@ -33,6 +36,8 @@ FINISHED = (
     "docs/recording.md",
     "docs/sensors.md",
     "docs/toolpath.md",
+    "docs/two-robots.md",
+    "docs/workspace.md",
     "docs/world.md",
 )
 
