@@ -14,7 +14,7 @@ from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.toolpath.errors import PathError
+from doormill_ros.toolpath.errors import ExpectedErrorError
 from doormill_ros.units import m_to_mm
 from support.milled_worlds import TOLD, WORLDS, MilledFile, both_files, wall_errors
 from support.told_makers import told
@@ -38,10 +38,10 @@ def main() -> None:
         for world, (*_, truth) in TOLD.items():
             try:
                 aware = files(recipe, T_base_door, told(setup, world))
-            except PathError as error:  # a weight in doubt leaves more open than the door allows
-                print(f"{name:20s} {world:36s} refused ({error.code})", flush=True)
-                continue
-            show(name, world, wall_errors(recipe, T_base_door, aware, truth))
+            except ExpectedErrorError as refusal:
+                print(f"{name:20s} {world:36s} refused: {refusal.message}", flush=True)
+            else:
+                show(name, world, wall_errors(recipe, T_base_door, aware, truth))
 
 
 def files(recipe: Recipe, T_base_door: FloatArray, maker: MillingSetup) -> tuple[MilledFile, ...]:
