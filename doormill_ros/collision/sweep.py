@@ -20,6 +20,7 @@ from doormill_ros.collision.world import World
 RESERVE = 0.002
 #: A way without a bulge keeps that all along but for this: the verdict does not hang on where it is looked at [m].
 HAIR = 1e-5
+LOOKS = 4  #: at each part of a way before much is spent on it
 CONVEX = 5  #: places that are looked at on a straight way of the tool
 MOST = 20_000  #: postures; more than any way within a cell takes
 
@@ -52,6 +53,20 @@ def contact_at(world: World, q: FloatArray, cutting: bool = False) -> Contact | 
     return _contact_of(world, q, pairs)
 
 
+def meets_again(world: World, q: FloatArray, found: Contact) -> bool:
+    """Whether two bodies that met elsewhere meet on a way too, as far as a few looks tell.
+
+    Args:
+        world: The bodies.
+        q: Postures, as for `contact_along`.
+        found: Where they met.
+    """
+    pair = np.array([world.names.index((found.body, found.obstacle))])
+    share = (np.arange(LOOKS) + 0.5)[:, None, None] / LOOKS
+    looked = (q[:-1] + share * (q[1:] - q[:-1])).reshape(-1, q.shape[1])
+    return any(world.distances(here, pair)[0] < world.clearance + RESERVE for here in looked)
+
+
 def contact_along(
     world: World,
     q: FloatArray,
@@ -80,7 +95,7 @@ def contact_along(
             return None
         # Long parts come first, so that what is in the way is found soon.
         q, off, pairs = ways.popleft()
-        at, size = _halfway(q, world.reach[pairs])
+        at, size = _halfway(q, world.farthest)
         here = 0.5 * (q[at] + q[at + 1])
         distance = world.distances(here, pairs)
         if distance.min() < world.clearance + RESERVE:
@@ -146,11 +161,11 @@ def _contact(world: World, pairs: IntArray, distance: FloatArray, q: FloatArray)
     return Contact(body, obstacle, float(distance[worst]), np.array(q))
 
 
-def _halfway(q: FloatArray, reach: FloatArray) -> tuple[int, float]:
-    """The part in the middle of a way, and how far a body may move on the longest one [m]; shapes (m, 6), (n, 6)."""
-    size = (np.abs(q[1:] - q[:-1]) @ reach.T).max(axis=1)
-    way = np.cumsum(size)
-    return int(np.searchsorted(way, 0.5 * way[-1])), float(size.max())
+def _halfway(q: FloatArray, farthest: FloatArray) -> tuple[int, float]:
+    """The part in the middle of a way, and how far a body may move on the longest one [m]; shapes (m, 6), (6,)."""
+    size = np.abs(q[1:] - q[:-1]) @ farthest
+    way = size.cumsum()
+    return int(way.searchsorted(0.5 * way[-1])), float(size.max())
 
 
 def bulge_of(q: FloatArray) -> FloatArray:

@@ -76,6 +76,7 @@ class World:
         names: The two bodies of every pair, the moving one first.
         reach: How far the farthest point of a pair's moving body can be from each axis that moves the two
             against each other, 0 for the others, shape (pairs, 6) [m].
+        farthest: The largest of that, shape (6,) [m].
         outside_cut: Pairs that must stay apart even while the mill is in the wood, shape (pairs,): there the tool
             meets the door and what backs it, and the spindle keeps off its surface by the depth of the feature alone.
         tool_and_cell: Pairs of spindle or mill and something that stands still, shape (pairs,).
@@ -112,6 +113,7 @@ class World:
         bones = skeleton_of(robot.urdf)
         reach = {b.index: bones.reach(b.joint, b.corners, b.margin) for b in moving if b.joint}
         self.reach = np.array([np.where(b.joint < _BEHIND, reach[a.index], 0.0) for a, b in pairs])
+        self.farthest: FloatArray = self.reach.max(axis=0, initial=0.0)
         self._curve = curve_of(self.reach)
         self._sides = np.array([(a.index, b.index) for a, b in pairs]).T
         pin.updateGeometryPlacements(self._model, self._data, self._geometry, self._results, layout.home)
