@@ -13,7 +13,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.collision.sweep import Contact, contact_along, contact_at
+from doormill_ros.collision.sweep import Contact, contact_along, contact_at, meets_again
 from doormill_ros.collision.world import World
 
 STRIDE = 0.6  #: longest edge of a tree, over all joints [rad]
@@ -44,15 +44,20 @@ def joint_way(
     straight = contact_along(world, np.array([start, end]))
     if straight is None:
         return []
+    met = straight
     for between in by_way_of:
-        if any(contact_at(world, q) for q in between):
+        way = np.array([start, *between, end])
+        if meets_again(world, way, met):
             continue
-        if contact_along(world, np.array([start, *between, end])) is None:
+        touching = [contact for contact in (contact_at(world, q) for q in between) if contact is not None]
+        found = touching[0] if touching else contact_along(world, way)
+        if found is None:
             return between
+        met = found
     if limits is None or contact_at(world, start) or contact_at(world, end):
         return straight
-    found = _Search(world, *limits).way(start, end)
-    return straight if found is None else found
+    searched = _Search(world, *limits).way(start, end)
+    return straight if searched is None else searched
 
 
 class _Tree:

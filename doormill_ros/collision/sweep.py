@@ -1,21 +1,26 @@
 """Prove that a motion keeps every pair of bodies apart, or find where it does not.
 
-No body's point moves further than the sum of the joints' turns, each times its reach. So one posture with known
-distances proves every posture near it, and a motion is done when such neighbourhoods cover it: nothing between
-samples is left to luck.
+No body's point moves further than the sum of the joints' turns, each times its reach, and a plane between two bodies
+tells more (`separation`). So one posture with known distances proves every posture near it, and a motion is done when
+such neighbourhoods cover it: nothing between samples is left to luck. A pair that is proven on a part of the motion is
+not looked at there again.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.collision.world import World
 
 #: At a posture that is looked at all pairs keep this much more than the clearance, so that each proves some way on [m].
 RESERVE = 0.002
+#: A way without a bulge keeps that all along but for this: the verdict does not hang on where it is looked at [m].
+HAIR = 1e-5
+LOOKS = 4  #: at each part of a way before much is spent on it
 CONVEX = 5  #: places that are looked at on a straight way of the tool
 MOST = 20_000  #: postures; more than any way within a cell takes
 
@@ -45,12 +50,21 @@ class Contact:
 def contact_at(world: World, q: FloatArray, cutting: bool = False) -> Contact | None:
     """The pair that is closest in one posture, None where all keep the clearance; q of shape (6,) [rad]."""
     pairs = np.flatnonzero(world.outside_cut) if cutting else np.arange(len(world.names))
-    found = world.distances(q)[pairs]
-    worst = int(found.argmin())
-    if found[worst] >= world.clearance + RESERVE:
-        return None
-    body, obstacle = world.names[pairs[worst]]
-    return Contact(body, obstacle, float(found[worst]), np.array(q))
+    return _contact_of(world, q, pairs)
+
+
+def meets_again(world: World, q: FloatArray, found: Contact) -> bool:
+    """Whether two bodies that met elsewhere meet on a way too, as far as a few looks tell.
+
+    Args:
+        world: The bodies.
+        q: Postures, as for `contact_along`.
+        found: Where they met.
+    """
+    pair = np.array([world.names.index((found.body, found.obstacle))])
+    share = (np.arange(LOOKS) + 0.5)[:, None, None] / LOOKS
+    looked = (q[:-1] + share * (q[1:] - q[:-1])).reshape(-1, q.shape[1])
+    return any(world.distances(here, pair)[0] < world.clearance + RESERVE for here in looked)
 
 
 def contact_along(
@@ -72,40 +86,36 @@ def contact_along(
     """
     if pairs is None:
         pairs = np.flatnonzero(world.outside_cut) if cutting else np.arange(len(world.names))
-    start, end = q[:-1], q[1:]
-    off = np.zeros_like(start) if bulge is None else bulge
-    reach = world.reach[pairs].T  # (6, pairs)
-    size = _size(start, end, reach)
-    for count in range(MOST):
-        # The ends first, then the middle of what is longest: what is in the way is found soon.
-        at = -1
-        if count < 2:
-            here = q[-1] if count == 0 else q[0]
-        else:
-            longest = (size > 0.9 * size.max()).nonzero()[0]
-            at = int(longest[len(longest) // 2])
-            here = 0.5 * (start[at] + end[at])
-        distance = world.distances(here)[pairs]
-        worst = int(distance.argmin())
-        spare = distance - world.clearance
-        if spare[worst] < RESERVE or (at >= 0 and size[at] < 0.1 * RESERVE):
-            # In the second case only what the way may leave its line by is too much: as good as a contact.
-            body, obstacle = world.names[pairs[worst]]
-            return Contact(body, obstacle, float(distance[worst]), here)
-        done = _within(np.concatenate([start, end]) - here, np.concatenate([off, off]), reach, spare)
-        done = done[: len(start)] & done[len(start) :]
-        if at >= 0 and not done[at]:
-            keep = ~done
-            keep[at] = False
-            start = np.concatenate([start[keep], start[at : at + 1], here[None]])
-            end = np.concatenate([end[keep], here[None], end[at : at + 1]])
-            off = np.concatenate([off[keep], off[[at, at]]])
-            size = np.concatenate([size[keep], [0.5 * size[at]] * 2])
-        elif done.any():
-            keep = ~done
-            start, end, off, size = start[keep], end[keep], off[keep], size[keep]
-        if not len(start):
+    n = len(q) - 1
+    off = None if bulge is None else np.maximum(bulge[np.r_[0, :n]], bulge[np.r_[:n, n - 1]])
+    needed = world.clearance + (RESERVE - HAIR if bulge is None else 0.0)
+    ways = deque([(q, off, pairs)] if len(pairs) else [])
+    for looked in range(MOST):
+        if not ways:
             return None
+        # Long parts come first, so that what is in the way is found soon.
+        q, off, pairs = ways.popleft()
+        at, size = _halfway(q, world.farthest)
+        here = 0.5 * (q[at] + q[at + 1])
+        distance = world.distances(here, pairs)
+        if distance.min() < world.clearance + RESERVE:
+            return _contact(world, pairs, distance, here)
+        q = np.concatenate([q[: at + 1], here[None], q[at + 1 :]])
+        if off is not None:
+            off = np.concatenate([off[: at + 1], off[at : at + 2].max(axis=0)[None], off[at + 1 :]])
+        lowest = world.separation(pairs, distance).lowest(q - here, off)
+        for end in () if looked else (-1, 0):
+            close = pairs[lowest[end] < world.clearance + RESERVE]
+            found = _contact_of(world, q[end], close)
+            if found is not None:
+                return found
+        for half in (slice(at + 2), slice(at + 1, None)):
+            rest = pairs[lowest[half].min(axis=0) < needed]
+            if len(rest) and size < 0.1 * RESERVE:
+                # Only what the way may leave its line by is too much: as good as a contact.
+                return _contact(world, pairs, distance, here)
+            if len(rest):
+                ways.append((q[half], None if off is None else off[half], rest))
     raise AssertionError("a way takes more postures than any can")
 
 
@@ -123,7 +133,7 @@ def contact_on_line(world: World, q: FloatArray, fraction: FloatArray) -> Contac
     """
     rows = np.linspace(0, len(q) - 1, CONVEX).round().astype(int)
     tool = np.flatnonzero(world.tool_and_cell)
-    found, t = np.array([world.distances(q[i])[tool] for i in rows]), fraction[rows, None]
+    found, t = np.array([world.distances(q[i], tool) for i in rows]), fraction[rows, None]
     slope = np.diff(found, axis=0) / np.diff(t, axis=0)  # (CONVEX - 1, pairs)
     # From the left the slope before goes on, from the right the one behind; at the ends there is one of them only.
     left = found[1:-1] + slope[:-1] * (t[2:] - t[1:-1])  # at the right end of intervals 1 .. CONVEX - 2
@@ -131,24 +141,31 @@ def contact_on_line(world: World, q: FloatArray, fraction: FloatArray) -> Contac
     lowest = np.concatenate([found.min(axis=0)[None], left.min(axis=0)[None], right.min(axis=0)[None]])
     proven = lowest.min(axis=0) >= world.clearance
     if (found < world.clearance + RESERVE).any():
-        place, worst = np.unravel_index(found.argmin(), found.shape)
-        body, obstacle = world.names[tool[worst]]
-        return Contact(body, obstacle, float(found[place, worst]), q[rows[place]])
+        place = int(found.min(axis=1).argmin())
+        return _contact(world, tool, found[place], q[rows[place]])
     rest = np.setdiff1d(np.arange(len(world.names)), tool[proven])
     return contact_along(world, q, bulge_of(q), pairs=rest)
 
 
-def _size(start: FloatArray, end: FloatArray, reach: FloatArray) -> FloatArray:
-    """How far a body may move on each part of a way, shape (m,) [m]."""
-    size: FloatArray = (np.abs(end - start) @ reach).max(axis=1)
-    return size
+def _contact_of(world: World, q: FloatArray, pairs: IntArray) -> Contact | None:
+    """The closest of some pairs in a posture, None where all keep the clearance; shapes (6,) [rad], (n,)."""
+    if not len(pairs):
+        return None
+    distance = world.distances(q, pairs)
+    return _contact(world, pairs, distance, q) if distance.min() < world.clearance + RESERVE else None
 
 
-def _within(step: FloatArray, off: FloatArray, reach: FloatArray, spare: FloatArray) -> BoolArray:
-    """Which postures a posture proves, by their joint angles from it, shape (m, 6) -> (m,)."""
-    pair: BoolArray = (np.abs(step) + off) @ reach <= spare
-    near: BoolArray = np.logical_and.reduce(pair, axis=1)
-    return near
+def _contact(world: World, pairs: IntArray, distance: FloatArray, q: FloatArray) -> Contact:
+    worst = int(distance.argmin())
+    body, obstacle = world.names[pairs[worst]]
+    return Contact(body, obstacle, float(distance[worst]), np.array(q))
+
+
+def _halfway(q: FloatArray, farthest: FloatArray) -> tuple[int, float]:
+    """The part in the middle of a way, and how far a body may move on the longest one [m]; shapes (m, 6), (6,)."""
+    size = np.abs(q[1:] - q[:-1]) @ farthest
+    way = size.cumsum()
+    return int(way.searchsorted(0.5 * way[-1])), float(size.max())
 
 
 def bulge_of(q: FloatArray) -> FloatArray:

@@ -1,13 +1,11 @@
 """Robot, spindle, mill, door and cell as bodies, and the distances between those that must not touch.
 
-Kinematics and distances are those of Pinocchio and coal: one posture a call, every pair of bodies in it.
+Kinematics and distances are those of Pinocchio and coal: one posture a call, every pair of bodies that is asked for.
 """
 
 from __future__ import annotations
 
-import functools
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -17,14 +15,16 @@ try:
 except ImportError:  # its name until Pinocchio 3
     import hppfcl as coal
 
-from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.cell.layout import CellLayout
+from doormill_ros.collision.separation import Bodies, Separation, curve_of
+from doormill_ros.collision.skeleton import model_of, skeleton_of
 from doormill_ros.robot.bodies import Body, load_bodies
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot
 
 DOOR, MILL = "door", "mill"
-PARALLEL = 1e-9  #: a step less than this beside an axis is on it [m]
+MANY = 60  #: pairs of which it is quicker to ask for all than for each
 _BEHIND = np.arange(1, JOINTS + 1)  #: numbers of the joints, of which the base is 0
 #: Bodies fewer joints apart than this are held apart by the joints' limits.
 JOINTS_APART = 3
@@ -51,13 +51,17 @@ class PlacedDoor:
 
 @dataclass(frozen=True, eq=False)
 class _Placed:
-    """A body on a moving joint (0: none): its name, the joint, and its farthest points in the joint's frame."""
+    """A body on a moving joint (0: none): its name, the joint, and its farthest points in the joint's frame.
+
+    `half` are half its edges along its own axes, those of a capsule 0 but for the third, shape (3,) [m].
+    """
 
     name: str
     joint: int
     corners: FloatArray
     margin: float
     index: int
+    half: FloatArray
 
     def distance_to(self, point: FloatArray) -> float:
         """Of a point from the box round the body along its joint's axes, shape (3,) [m]."""
@@ -72,6 +76,7 @@ class World:
         names: The two bodies of every pair, the moving one first.
         reach: How far the farthest point of a pair's moving body can be from each axis that moves the two
             against each other, 0 for the others, shape (pairs, 6) [m].
+        farthest: The largest of that, shape (6,) [m].
         outside_cut: Pairs that must stay apart even while the mill is in the wood, shape (pairs,): there the tool
             meets the door and what backs it, and the spindle keeps off its surface by the depth of the feature alone.
         tool_and_cell: Pairs of spindle or mill and something that stands still, shape (pairs,).
@@ -81,7 +86,7 @@ class World:
     def __init__(self, robot: Robot, layout: CellLayout, mill: Mill, door: PlacedDoor | None) -> None:
         """Take the bodies of the robot's and the cell's files, the mill at the tool centre point, and a door."""
         self.clearance = layout.clearance
-        self._model = _model_of(robot.urdf)
+        self._model = model_of(robot.urdf)
         self._data = self._model.createData()
         self._geometry = pin.GeometryModel()
         moving = [self._add(body, body.link) for body in load_bodies(robot)]
@@ -105,36 +110,75 @@ class World:
         # Each stays where it is and is filled anew; to take them out of Pinocchio costs as much as the distances.
         self._found = list(self._results.distanceResults)
         self.names = tuple((a.name, b.name) for a, b in pairs)
-        reach = {body.index: _reach_of(body, _skeleton_of(robot.urdf)) for body in moving if body.joint}
+        bones = skeleton_of(robot.urdf)
+        reach = {b.index: bones.reach(b.joint, b.corners, b.margin) for b in moving if b.joint}
         self.reach = np.array([np.where(b.joint < _BEHIND, reach[a.index], 0.0) for a, b in pairs])
+        self.farthest: FloatArray = self.reach.max(axis=0, initial=0.0)
+        self._curve = curve_of(self.reach)
+        self._sides = np.array([(a.index, b.index) for a, b in pairs]).T
+        pin.updateGeometryPlacements(self._model, self._data, self._geometry, self._results, layout.home)
+        all_ = sorted([*moving, *fixed], key=lambda body: body.index)
+        places = np.array([place.homogeneous for place in self._results.oMg])
+        self._bodies = Bodies(np.array([b.half for b in all_]), np.array([b.margin for b in all_]), places)
+        self._carried = np.array([body.index for body in moving if body.joint])
+        self._places = [self._results.oMg[i] for i in self._carried.tolist()]
         still = {body.name for body in fixed}
         self.tool_and_cell: BoolArray = np.array([a.name in tool and b.name in still for a, b in pairs])
         cut = {DOOR, *(board.name for board in layout.boards)}
         self.outside_cut: BoolArray = np.array([not (a.name in tool and b.name in cut) for a, b in pairs])
 
-    def distances(self, q: FloatArray) -> FloatArray:
-        """Distance of every pair in one posture, negative where they overlap, shape (6,) [rad] -> (pairs,) [m]."""
-        nearest = pin.computeDistances(
-            self._model, self._data, self._geometry, self._results, np.asarray(q, dtype=float)
+    def distances(self, q: FloatArray, pairs: IntArray | None = None) -> FloatArray:
+        """Distance of each pair in one posture, negative where two overlap [m].
+
+        Args:
+            q: The posture, shape (6,) [rad].
+            pairs: Numbers of the pairs, shape (n,); None for all of them.
+
+        Returns:
+            Shape (n,).
+        """
+        if pairs is None or len(pairs) > MANY:
+            nearest = pin.computeDistances(self._model, self._data, self._geometry, self._results, q)
+            found = np.array([result.min_distance for result in self._found])
+            if len(found) and found[nearest] != self._results.distanceResults[nearest].min_distance:
+                raise AssertionError("Pinocchio has put its distances elsewhere")
+            return found if pairs is None else found[pairs]
+        pin.updateGeometryPlacements(self._model, self._data, self._geometry, self._results, q)
+        return np.array(
+            [pin.computeDistance(self._geometry, self._results, i).min_distance for i in pairs.tolist()]
         )
-        found = np.array([result.min_distance for result in self._found])
-        if len(found) and found[nearest] != self._results.distanceResults[nearest].min_distance:
-            raise AssertionError("Pinocchio has put its distances elsewhere")
-        return found
+
+    def separation(self, pairs: IntArray, distance: FloatArray) -> Separation:
+        """What keeps pairs apart about the posture in which their distances were asked for last.
+
+        Args:
+            pairs: Their numbers, shape (n,).
+            distance: What was found, all above 0, shape (n,) [m].
+        """
+        results = [self._found[i] for i in pairs.tolist()]
+        first = np.concatenate([result.getNearestPoint1() for result in results])
+        second = np.concatenate([result.getNearestPoint2() for result in results])
+        way = (first - second).reshape(-1, 3)
+        normal = way / np.sqrt((way**2).sum(axis=1))[:, None]
+        self._bodies.put(self._carried, np.array([place.homogeneous for place in self._places]))
+        J = pin.computeJointJacobians(self._model, self._data)
+        sides, reach = self._sides[:, pairs], self.reach[pairs]
+        slope = self._bodies.slope(sides[0], normal, J) * (reach > 0.0)[:, None]
+        return Separation(distance, reach, self._bodies.gap(sides, normal), slope, self._curve[pairs])
 
     def _add(self, body: Body, link: str) -> _Placed:
         frame = self._model.frames[self._model.getFrameId(link)]
         joint = int(frame.parentJoint)
         T_joint_link = frame.placement.homogeneous
         if body.size is not None:
-            shape = coal.Box(*body.size)
+            shape, half = coal.Box(*body.size), 0.5 * body.size
         else:
-            start, end = body.ends
-            shape = coal.Capsule(body.margin, float(np.linalg.norm(end - start)))
+            length = float(np.linalg.norm(np.subtract(*body.ends)))
+            shape, half = coal.Capsule(body.margin, length), np.array([0.0, 0.0, 0.5 * length])
         place = pin.SE3(T_joint_link @ body.T_frame_body)
         index = self._geometry.addGeometryObject(_object(body.name, joint, place, shape))
         corners = body.corners @ T_joint_link[:3, :3].T + T_joint_link[:3, 3]
-        return _Placed(body.name, joint, corners, body.margin, int(index))
+        return _Placed(body.name, joint, corners, body.margin, int(index), half)
 
     def _add_box(self, name: str, low: FloatArray, high: FloatArray, T_base_door: FloatArray) -> _Placed:
         """A box between two corners of the door frame."""
@@ -142,7 +186,7 @@ class World:
         T[:3, 3] += T[:3, :3] @ (0.5 * (low + high))
         shape = coal.Box(*(high - low))
         index = self._geometry.addGeometryObject(_object(name, 0, pin.SE3(T), shape))
-        return _Placed(name, 0, np.zeros((0, 3)), 0.0, int(index))
+        return _Placed(name, 0, np.zeros((0, 3)), 0.0, int(index), 0.5 * (high - low))
 
 
 def _object(name: str, joint: int, place: pin.SE3, shape: coal.CollisionGeometry) -> pin.GeometryObject:
@@ -155,63 +199,3 @@ def _mill_body(layout: CellLayout, mill: Mill) -> Body:
     tip = layout.T_flange_tool[:3, 3]
     back = tip - mill.reach * layout.T_flange_tool[:3, 2]
     return Body(name=MILL, shape="capsule", radius=mill.radius, start=back, end=tip)
-
-
-@functools.cache
-def _model_of(urdf: Path) -> pin.Model:
-    return pin.buildModelFromUrdf(str(urdf))
-
-
-@dataclass(frozen=True, eq=False)
-class _Skeleton:
-    """A robot's joints.
-
-    Attributes:
-        own_axis: Axis of each joint in its own frame, shape (6, 3).
-        longest: How far the origin of joint b can be from that of joint a, whatever the angles, shape (6, 6) [m].
-    """
-
-    own_axis: FloatArray
-    longest: FloatArray
-
-
-@functools.cache
-def _skeleton_of(urdf: Path) -> _Skeleton:
-    model = _model_of(urdf)
-    data = model.createData()
-    pin.computeJointJacobians(model, data, np.zeros(JOINTS))
-    places = [data.oMi[i] for i in range(1, JOINTS + 1)]
-    axes = data.J[3:].T  # (6, 3)
-    points = np.array([place.translation for place in places])
-    own_axis = np.array([place.rotation.T @ axis for place, axis in zip(places, axes, strict=True)])
-    longest = np.zeros((JOINTS, JOINTS))
-    for a in range(JOINTS):
-        for b in range(a + 1, JOINTS):
-            longest[a, b] = _longest(points[a : b + 1], axes[a : b + 1])
-    return _Skeleton(own_axis, longest)
-
-
-def _longest(points: FloatArray, axes: FloatArray) -> float:
-    """How far the last of some joints' origins can be from the first, whatever the angles between them [m].
-
-    An origin on the axis of the joint before it is not moved by that joint, so that the two ways add as vectors.
-    """
-    total, way = 0.0, points[1] - points[0]
-    for i in range(1, len(points) - 1):
-        step = points[i + 1] - points[i]
-        if float(np.linalg.norm(np.cross(step, axes[i]))) < PARALLEL:
-            way = way + step
-        else:
-            total, way = total + float(np.linalg.norm(way)), step
-    return total + float(np.linalg.norm(way))
-
-
-def _reach_of(body: _Placed, skeleton: _Skeleton) -> FloatArray:
-    """How far the farthest point of a body can be from each axis before it, shape (6,) [m]."""
-    last = body.joint - 1
-    row = np.zeros(JOINTS)
-    far = float(np.linalg.norm(body.corners, axis=1).max())
-    row[:last] = skeleton.longest[:last, last] + far + body.margin
-    aside = np.linalg.norm(np.cross(body.corners, skeleton.own_axis[last]), axis=1)
-    row[last] = float(aside.max()) + body.margin
-    return row

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.frames import apply_twist, twist_between
 from doormill_ros.robot.kinematics import Kinematics
 
@@ -40,6 +41,14 @@ class Compensation:
         """Length of the predicted deflection at the tool centre point, shape (n,) [m]."""
         length: FloatArray = np.linalg.norm(self.deflection[:, :3], axis=1)
         return length
+
+    def replaced(self, rows: IntArray, others: Compensation) -> Compensation:
+        """With other targets in the place of some, shape (m,)."""
+        columns: dict[str, Any] = {}
+        for name in ("T_base_tool", "q", "deflection", "residual"):
+            columns[name] = getattr(self, name).copy()
+            columns[name][rows] = getattr(others, name)
+        return replace(self, **columns, iterations=max(self.iterations, others.iterations))
 
 
 def compensate(

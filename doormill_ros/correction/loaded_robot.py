@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.correction.compensate import Compensation, compensate
 from doormill_ros.correction.felt import felt
 from doormill_ros.correction.loads import Loads
@@ -33,6 +34,11 @@ class LoadedRobot:
     tolerance: float = 1e-6
     worth: Worth | None = None
 
+    @functools.cached_property
+    def _standing_model(self) -> StandingModel | None:
+        """The model, if its tool is off without any load: to ask a protocol takes longer than most models' answers."""
+        return self.model if isinstance(self.model, StandingModel) else None
+
     @property
     def load_point(self) -> FloatArray:
         """Tool centre point in the flange frame, shape (3,) [m]."""
@@ -44,15 +50,15 @@ class LoadedRobot:
 
     def standing(self, q: FloatArray, direction: FloatArray) -> FloatArray:
         """Twist of the unloaded tool, base axes; shapes (n, 6) each [rad], [-] -> [m, rad]."""
-        if isinstance(self.model, StandingModel):
-            return self.model.standing(q, self.load_point, direction)
+        if self._standing_model is not None:
+            return self._standing_model.standing(q, self.load_point, direction)
         return np.zeros((len(q), 6))
 
     def standing_spread(self, q: FloatArray) -> StandingSpread | None:
         """What is left to chance of it, joint angles of shape (n, 6) [rad]; None where there is nothing."""
-        if self.worth is None or not isinstance(self.model, StandingModel):
+        if self.worth is None or self._standing_model is None:
             return None
-        return self.model.standing_spread(q, self.load_point, self.worth.relative)
+        return self._standing_model.standing_spread(q, self.load_point, self.worth.relative)
 
     def spread(
         self, worth: Worth, q: FloatArray, loads: Loads, standing: StandingSpread | None = None
@@ -126,13 +132,41 @@ class LoadedRobot:
 
         def deflect(angles: FloatArray) -> FloatArray:
             each = self.deflection(angles[owner], loads.wrench, loads.direction) * share
-            if isinstance(self.model, StandingModel):
+            if self._standing_model is not None:
                 each = each + self.standing(angles[owner], loads.direction) * (own - share)
             mean = np.zeros((len(angles), 6))
             np.add.at(mean, owner, each * weight)
             return mean
 
         return compensate(T_base_tool, q, deflect, self.kinematics, self.T_flange_tool, self.tolerance)
+
+    def corrected_again(
+        self,
+        found: Compensation,
+        T_base_tool: FloatArray,
+        q: FloatArray,
+        owner: IntArray,
+        loads: Loads,
+        changed: BoolArray,
+    ) -> Compensation:
+        """As `corrected_for_all`, which found something where some of the loads were others.
+
+        Args:
+            found: What it found.
+            T_base_tool: Nominal poses, shape (n, 4, 4).
+            q: Joint angles near them, shape (n, 6) [rad].
+            owner: Target to which each load belongs, shape (e,).
+            loads: e loads.
+            changed: Which of them are others, shape (e,).
+        """
+        targets = np.unique(owner[changed])
+        acting = np.isin(owner, targets)
+        if not loads.wrench[acting].any():
+            # A model may count in shares of the largest load, and there is none among these.
+            return self.corrected_for_all(T_base_tool, q, owner, loads)
+        place = np.searchsorted(targets, owner[acting])
+        again = self.corrected_for_all(T_base_tool[targets], q[targets], place, loads.of(acting))
+        return found.replaced(targets, again)
 
     def _standing_share(self, q: FloatArray, direction: FloatArray) -> FloatArray:
         """Share of the twists of the unloaded tool that is corrected, shape (n, 1)."""

@@ -30,6 +30,12 @@ class Loads:
     bounded: BoolArray
     kind: npt.NDArray[Any]
 
+    def of(self, rows: BoolArray) -> Loads:
+        """Some of them, shape (n,)."""
+        return Loads(
+            self.wrench[rows], self.direction[rows], self.spread[rows], self.bounded[rows], self.kind[rows]
+        )
+
 
 def certain(wrench: FloatArray, direction: FloatArray) -> Loads:
     """Loads known exactly; shapes (n, 6) each [N, N m], [-]."""

@@ -93,8 +93,8 @@ class Worth:
             by_spring = by_spring + standing.joints
         by_gap = np.linalg.norm(J[:, :3], axis=1) * self.gap  # (n, 6)
         by_joint = np.hypot(np.linalg.norm(by_spring, axis=2), by_gap)
-        turns = np.einsum("nij,nci->ncj", J, components) / self.stiffness
-        moved = np.einsum("nij,ncj->nci", J[:, :3], turns)  # (n, 6 components, 3) [m]
+        turns = components @ J / self.stiffness  # (n, 6 components, 6 joints)
+        moved = turns @ np.swapaxes(J[:, :3], 1, 2)  # (n, 6 components, 3) [m]
         rest = np.zeros(len(q)) if standing is None else standing.rest
         return DeflectionSpread(by_joint, np.sqrt(np.sum(moved**2, axis=(1, 2))), rest)
 

@@ -220,7 +220,7 @@ def _flange_compliance(robot: Robot) -> Callable[[FloatArray], FloatArray]:
 
     def compliance(q: FloatArray) -> FloatArray:
         J = kinematics.jacobian(q)[..., :3, :]
-        C = np.einsum("...ij,j,...kj->...ik", J, 1.0 / robot.stiffness, J)
+        C = (J / robot.stiffness) @ np.swapaxes(J, -1, -2)
         length: FloatArray = np.sqrt(np.einsum("...ij,...ij->...", C, C) / 3.0)
         return length
 

@@ -47,15 +47,18 @@ def adapted(
     for number in range(ROUNDS):
         cut = np.array([i for i, step in enumerate(plan.steps) if step.cutting])
         every, place = np.repeat(cut, k), np.tile(np.arange(k), len(cut))
-        nominal = stations.T_base_tool[cut].reshape(-1, 4, 4)
-        turning = directions(q + shift)
-        for _ in range(DIRECTION_ROUNDS):
-            loads = stations.loads(every, place, turning[cut].reshape(-1, 6))
-            found = loaded.corrected(nominal, q[cut].reshape(-1, 6), loads)
+        nominal, at = stations.T_base_tool[cut].reshape(-1, 4, 4), q[cut].reshape(-1, 6)
+        turning = directions(q + shift)[cut].reshape(-1, 6)
+        found = loaded.corrected(nominal, at, stations.loads(every, place, turning))
+        for _ in range(DIRECTION_ROUNDS - 1):
             shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
-            before, turning = turning, directions(q + shift)
-            if np.array_equal(turning[cut], before[cut]):
+            before, turning = turning, directions(q + shift)[cut].reshape(-1, 6)
+            changed = (turning != before).any(axis=1)
+            if not changed.any():
                 break
+            loads = stations.loads(every, place, turning)
+            found = loaded.corrected_again(found, nominal, at, np.arange(len(at)), loads, changed)
+        shift[cut] = found.q.reshape(-1, k, 6) - q[cut]
         correction = np.zeros((len(plan.steps), k, 3))
         correction[cut] = (found.T_base_tool - nominal)[:, :3, 3].reshape(-1, k, 3)
         arc = np.array([step.curve.is_arc for step in plan.steps])

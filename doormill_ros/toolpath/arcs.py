@@ -56,26 +56,42 @@ def circle(
     Returns:
         Length and radius [m], and the unit directions of travel at begin and end, shape (3,).
     """
-    a, b = via - start, end - via
-    chord = end - start
+    # Plain numbers: three of them cost an array as much as a thousand do, and a door has hundreds of arcs.
+    a, b, chord = (via - start).tolist(), (end - via).tolist(), (end - start).tolist()
     # The angle at the circle point stands over half of the arc that lies opposite.
-    normal = cross(a, b)
-    across = float(np.linalg.norm(normal))
-    turned = 2.0 * math.atan2(across, float(a @ b))
+    normal = _cross(a, b)
+    across, before, behind, straight = (math.hypot(*vector) for vector in (normal, a, b, chord))
+    turned = 2.0 * math.atan2(across, _dot(a, b))
     if turned < STRAIGHT:
-        direction = chord / max(float(np.linalg.norm(chord)), 1e-12)
-        return float(np.linalg.norm(a) + np.linalg.norm(b)), math.inf, direction, direction
-    radius = float(np.linalg.norm(chord)) / (2.0 * abs(math.sin(0.5 * turned)))
-    normal = normal / across
-    before, behind = float(np.linalg.norm(a)), float(np.linalg.norm(b))
-    along = a / before
+        direction = np.array(chord) / max(straight, 1e-12)
+        return before + behind, math.inf, direction, direction
+    radius = straight / (2.0 * abs(math.sin(0.5 * turned)))
     # Between a chord and the tangent lies half the angle that the chord spans, asin of half of it over the radius.
     first = math.asin(min(1.0, before / (2.0 * radius)))
     last = math.asin(min(1.0, behind / (2.0 * radius)))
-    onward = b / behind
-    begin = math.cos(first) * along - math.sin(first) * cross(normal, along)
-    finish = math.cos(last) * onward + math.sin(last) * cross(normal, onward)
+    begin = _turned(a, _cross(normal, a), -first, before, across)
+    finish = _turned(b, _cross(normal, b), last, behind, across)
     return radius * turned, radius, begin, finish
+
+
+def turn_between(a: FloatArray, b: FloatArray) -> float:
+    """Angle between two vectors of shape (3,) [rad]."""
+    first, second = a.tolist(), b.tolist()
+    return math.atan2(math.hypot(*_cross(first, second)), _dot(first, second))
+
+
+def _turned(along: list[float], aside: list[float], angle: float, length: float, across: float) -> FloatArray:
+    """Unit direction of a vector turned towards another one at right angles, `across` times as long as itself."""
+    c, s = math.cos(angle) / length, math.sin(angle) / (length * across)
+    return np.array([c * u + s * v for u, v in zip(along, aside, strict=True)])
+
+
+def _dot(a: list[float], b: list[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: list[float], b: list[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def _angle(a: FloatArray, b: FloatArray) -> FloatArray:

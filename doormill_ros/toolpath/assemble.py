@@ -164,15 +164,16 @@ def assembled(
     owner, step, station = np.array(used).T
     nominal = stations.T_base_tool[place[:, 0], place[:, 1]]
     at_target = q[place[:, 0], place[:, 1]]
-    turning = directions(q)[step, station]
-    for _ in range(DIRECTION_ROUNDS):
-        loads = stations.loads(step, station, turning)
-        found = loaded.corrected_for_all(nominal, at_target, owner, loads)
+    loads = stations.loads(step, station, directions(q)[step, station])
+    found = loaded.corrected_for_all(nominal, at_target, owner, loads)
+    for _ in range(DIRECTION_ROUNDS - 1):
         # What counts is how the joints turn on the way that is sent, not on the nominal one.
         sent = q + shift_along(route, found.q - at_target)
-        before, turning = turning, directions(sent)[step, station]
-        if np.array_equal(before, turning):
+        before, loads = loads, stations.loads(step, station, directions(sent)[step, station])
+        changed = (loads.direction != before.direction).any(axis=1)
+        if not changed.any():
             break
+        found = loaded.corrected_again(found, nominal, at_target, owner, loads, changed)
     share = 1.0 / np.bincount(owner)[owner]
     each = loaded.deflection(found.q[owner], loads.wrench, loads.direction)
     mean_wrench, deflection, standing = np.zeros((3, len(route.stops), 6))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.collision.sweep import RESERVE, Contact, contact_along, contact_on_line
 from doormill_ros.collision.world import World
 from doormill_ros.frames import cross
@@ -22,7 +22,8 @@ from doormill_ros.units import m_to_mm
 
 OUTLINE_ERROR = 1e-3  #: of the polygon whose extent is that of a feature [m]
 SMALLEST_CELL = 1e-4  #: parts of a feature's space are not divided further [m]
-_Cell = tuple[FloatArray, FloatArray, FloatArray]  #: lowest and highest place, and postures of shape (9, 6)
+#: Lowest and highest place, postures of shape (9, 6), and the numbers of the pairs that are not proven in all of it.
+_Cell = tuple[FloatArray, FloatArray, FloatArray, IntArray]
 _CORNERS = np.array(np.meshgrid(*[[0.0, 1.0]] * 3)).reshape(3, -1).T  # (8, 3)
 
 
@@ -136,12 +137,10 @@ def check_feature(
     depth = float((front - p) @ R[:, 2])
     low = np.array([*outline.min(axis=0) - OUTLINE_ERROR, depth])
     high = np.array([*outline.max(axis=0) + OUTLINE_ERROR, item.depth])
-    pairs = np.flatnonzero(world.outside_cut)
-    reach = world.reach[pairs].T
     R_base_flange = T_base_door[:3, :3] @ item.R_door_tool @ T_tool_flange[:3, :3]
     arm = T_base_door[:3, :3] @ item.R_door_tool @ T_tool_flange[:3, 3]
 
-    def with_postures(*parts: tuple[FloatArray, FloatArray]) -> list[_Cell]:
+    def with_postures(pairs: IntArray, *parts: tuple[FloatArray, FloatArray]) -> list[_Cell]:
         """Parts of the box with the postures at their corners and in their middle, solved in one go."""
         boxes = [
             np.concatenate([low + _CORNERS * (high - low), 0.5 * (low + high)[None]]) for low, high in parts
@@ -151,37 +150,38 @@ def check_feature(
         poses[:, :3, :3] = R_base_flange
         poses[:, :3, 3] = ((places @ R.T) + p) @ T_base_door[:3, :3].T + T_base_door[:3, 3] + arm
         postures = inverse_near(robot, poses, q).reshape(len(parts), -1, 6)
-        return [(*part, own) for part, own in zip(parts, postures, strict=True)]
+        return [(*part, own, pairs) for part, own in zip(parts, postures, strict=True)]
 
-    cells = with_postures((low, high))
+    cells = with_postures(np.flatnonzero(world.outside_cut), (low, high))
     while cells:
-        low, high, postures = cells.pop()
+        low, high, postures, pairs = cells.pop()
         if np.isnan(postures).any():
             raise ReachError(
                 f"{item.feature.id}: {robot.label} cannot draw the tool straight out of it everywhere; move the "
                 "work or the robot",
                 feature=item.feature.id,
             )
-        distance = world.distances(postures[-1])[pairs]
+        here = postures[-1]
+        distance = world.distances(here, pairs)
         worst = int(distance.argmin())
-        spare = distance - world.clearance
         small = float((high - low).max()) < SMALLEST_CELL
-        if spare[worst] < RESERVE or small:
+        if distance[worst] < world.clearance + RESERVE or small:
             body, obstacle = world.names[pairs[worst]]
-            found = Contact(body, obstacle, float(distance[worst]), postures[-1])
+            found = Contact(body, obstacle, float(distance[worst]), here)
             raise BodyContactError(
                 f"{item.feature.id}: with the tool in it {meeting(found, world)}; place the robot differently, "
                 "use a longer tool or leave the feature to the second robot",
                 feature=item.feature.id,
                 **facts(found, world),
             )
-        bulge = 2.0 * np.abs(postures[:-1].mean(axis=0) - postures[-1])
-        if not ((np.abs(postures[:-1] - postures[-1]) + bulge) @ reach <= spare).all():
+        bulge = 2.0 * np.abs(postures[:-1].mean(axis=0) - here)
+        lowest = world.separation(pairs, distance).lowest(postures - here, bulge).min(axis=0)
+        if lowest.min() < world.clearance:
             axis = int((high - low).argmax())
             middle = 0.5 * (low[axis] + high[axis])
             first, second = high.copy(), low.copy()
             first[axis] = second[axis] = middle
-            cells += with_postures((low, first), (second, high))
+            cells += with_postures(pairs[lowest < world.clearance + RESERVE], (low, first), (second, high))
 
 
 def meeting(found: Contact, world: World) -> str:

@@ -10,8 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import cross
-from doormill_ros.toolpath.arcs import circle
+from doormill_ros.toolpath.arcs import circle, turn_between
 from doormill_ros.toolpath.curve import Arc
 from doormill_ros.toolpath.plan import Step
 from doormill_ros.toolpath.program import AT_POINTS, MillingProgram, Motion, MotionKind
@@ -43,7 +42,7 @@ def eased(steps: Sequence[Step], mill_radius: float, settings: PathSettings) -> 
     for i, (a, b) in enumerate(itertools.pairwise(steps)):
         if not (a.cutting or b.cutting):
             continue
-        turn = _angle(a.curve.tangent(1.0), b.curve.tangent(0.0))
+        turn = turn_between(a.curve.tangent(1.0), b.curve.tangent(0.0))
         if turn < EASY or (a.wall and b.wall and a.zone == "fine"):
             continue
         legs = min(ZONES[zone], 0.5 * a.curve.length, 0.5 * b.curve.length)
@@ -80,7 +79,7 @@ def paced(program: MillingProgram, settings: PathSettings) -> MillingProgram:
         if after is None or motion.zone == "fine" or not (motion.cutting or program.motions[i + 1].cutting):
             continue
         legs = min(ZONES[motion.zone], 0.5 * length, 0.5 * after[0])
-        passed = math.sqrt(acceleration * corner_radius(_angle(leaving, after[2]), legs))
+        passed = math.sqrt(acceleration * corner_radius(turn_between(leaving, after[2]), legs))
         speed[i], speed[i + 1] = min(speed[i], passed), min(speed[i + 1], passed)
     motions = (replace(m, speed=v) if v < m.speed else m for m, v in zip(program.motions, speed, strict=True))
     return replace(program, motions=tuple(motions))
@@ -150,7 +149,3 @@ def _way(
     length = math.dist(start, end)
     direction = (end - start) / max(length, 1e-12)
     return length, math.inf, direction, direction
-
-
-def _angle(a: FloatArray, b: FloatArray) -> float:
-    return math.atan2(float(np.linalg.norm(cross(a, b))), float(a @ b))

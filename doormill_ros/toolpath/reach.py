@@ -108,14 +108,11 @@ def joint_path(
 
 def _dense(steps: Sequence[Step]) -> tuple[IntArray, FloatArray]:
     """Step and fraction of every pose: the stations, and more between them on long ways."""
-    index, fraction = [], []
-    for i, step in enumerate(steps):
+    fractions = []
+    for step in steps:
         spacing = SPACING if step.cutting else AIR_SPACING
         parts = 4 * max(1, math.ceil(step.curve.length / spacing / 4.0))
-        if parts == 4 or step.kind is MotionKind.JOINT:
-            fractions = FRACTIONS
-        else:
-            fractions = np.arange(parts + 1) / parts
-        index.append(np.full(len(fractions), i))
-        fraction.append(fractions)
-    return np.concatenate(index), np.concatenate(fraction)
+        few = parts == 4 or step.kind is MotionKind.JOINT
+        fractions.append(FRACTIONS if few else np.arange(parts + 1) / parts)
+    index = np.repeat(np.arange(len(steps)), [len(own) for own in fractions])
+    return index, np.concatenate(fractions)

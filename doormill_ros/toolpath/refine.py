@@ -139,13 +139,16 @@ def _blended_group(group: Sequence[Step], correction: FloatArray, settings: Corr
     jump = np.linalg.norm(correction[1:, 0] - correction[:-1, -1], axis=-1) > settings.step  # (m - 1,)
     changes = np.concatenate([[False], jump, [False]])
     wrench = _Blend(border, np.array([step.wrench_tool for step in group]), settings.blend)
+    knots = [_knots(step, changes[i : i + 2].tolist(), settings) for i, step in enumerate(group)]
+    places = np.concatenate([border[i] + length[i] * np.array(cuts) for i, cuts in enumerate(knots)])
+    loads = iter(wrench.at_places(places))
     parts: list[Part] = []
-    for i, step in enumerate(group):
-        cuts = _knots(step, changes[i : i + 2].tolist(), settings)
-        loads = wrench.at_places(border[i] + length[i] * np.array(cuts))
-        for k, (first, last) in enumerate(itertools.pairwise(cuts)):
+    for i, (step, cuts) in enumerate(zip(group, knots, strict=True)):
+        load = next(loads)
+        for first, last in itertools.pairwise(cuts):
             part = step if len(cuts) == 2 else step.part(first, last)
-            parts.append((i, first, last, part.changed(wrench_tool=loads[k], wrench_end=loads[k + 1])))
+            begin, load = load, next(loads)
+            parts.append((i, first, last, part.changed(wrench_tool=begin, wrench_end=load)))
     return parts
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Collection
 
 import numpy as np
 
@@ -42,20 +42,21 @@ def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatAr
     straight = [i for i in range(1, n) if motions[i].kind not in JOINT_MOTIONS]
     lengths = {i: motion_length(program, i) for i in straight}
     passed = _passed(program, lengths, stop, cycle.acceleration)
-    tool = _Tool(program, robot)
-    q, spindle = program.home, 0.0
+    joint = {i for i, motion in enumerate(motions) if motion.kind in JOINT_MOTIONS} | {n}
+    by_joints = _joint_times(program, robot, cycle, joint)
+    spindle = 0.0
     for i, motion in enumerate(motions):
         if i in lengths:
             times[i] = _stretch(lengths[i], motion.speed, cycle.acceleration, passed[i], passed[i + 1])
-        elif motion.kind in JOINT_MOTIONS:
-            times[i] = tool.joint_time(q, program.q_after(motion), motion.speed, cycle)
+        elif i in joint:
+            times[i] = by_joints[i]
         times[i] += cycle.stop if stop[i] else 0.0
         if motion.kind in RACK_KINDS:
             times[i] += cycle.measuring if motion.kind is MotionKind.MEASURE else cycle.changing
         if motion.spindle_speed not in (0.0, spindle):
             times[i] += cycle.spindle
-        q, spindle = program.q_after(motion), motion.spindle_speed
-    times[-1] = tool.joint_time(q, program.home, HOME_SPEED, cycle)
+        spindle = motion.spindle_speed
+    times[-1] = by_joints[n]
     return times
 
 
@@ -85,36 +86,42 @@ def feature_times(program: MillingProgram, times: FloatArray) -> dict[str, float
     return result
 
 
-@dataclass(frozen=True, eq=False)
-class _Tool:
-    """The tool on joint motions."""
+def _joint_times(
+    program: MillingProgram, robot: Robot, cycle: Cycle, motions: Collection[int]
+) -> dict[int, float]:
+    """Time of joint motions from rest to rest by their numbers [s], that of the way home among them.
 
-    program: MillingProgram
-    robot: Robot
-
-    def joint_time(
-        self, start: FloatArray | None, end: FloatArray | None, speed: float, cycle: Cycle
-    ) -> float:
-        """Time of a joint motion from rest to rest [s]; 0 where an end is not known."""
-        if start is None or end is None:
-            return 0.0
-        move = np.abs(end - start)
+    0 where an end is not known.
+    """
+    n = len(program.motions)
+    times = dict.fromkeys(motions, 0.0)
+    known = [i for i in sorted(motions) if program.home is not None or i not in (0, n)]
+    stands = [program.home, *(program.q_after(motion) for motion in program.motions), program.home]
+    if not known:
+        return times
+    start, end = (np.array([stands[i + k] for i in known], dtype=float) for k in (0, 1))
+    ways = _ways(program, robot, start, end)
+    for i, move, way in zip(known, np.abs(end - start).tolist(), ways.tolist(), strict=True):
         slowest = max(
-            _stretch(float(turn), float(most), float(most) / cycle.joint_ramp, 0.0, 0.0)
-            for turn, most in zip(move, self.robot.max_velocity, strict=True)
+            _stretch(turn, most, most / cycle.joint_ramp, 0.0, 0.0)
+            for turn, most in zip(move, robot.max_velocity.tolist(), strict=True)
         )
-        return max(slowest, _stretch(self._way(start, end), speed, cycle.acceleration, 0.0, 0.0))
+        speed = program.motions[i].speed if i < n else HOME_SPEED
+        times[i] = max(slowest, _stretch(way, speed, cycle.acceleration, 0.0, 0.0))
+    return times
 
-    def _way(self, start: FloatArray, end: FloatArray) -> float:
-        """Length of the tool's way [m]."""
-        if not self.program.targets:
-            return 0.0
-        first = self.program.targets[0]
-        kinematics = Kinematics(self.robot)
-        T_flange_tool = inverse(kinematics.forward(first.q)) @ first.T_base_tool_corrected
-        q = start + np.linspace(0.0, 1.0, WAY_SAMPLES)[:, None] * (end - start)
-        places = (kinematics.forward(q) @ T_flange_tool)[:, :3, 3]
-        return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+
+def _ways(program: MillingProgram, robot: Robot, start: FloatArray, end: FloatArray) -> FloatArray:
+    """Lengths of the tool's ways on joint motions between postures, shapes (m, 6) [rad] -> (m,) [m]."""
+    if not program.targets:
+        return np.zeros(len(start))
+    first, kinematics = program.targets[0], Kinematics(robot)
+    T_flange_tool = inverse(kinematics.forward(first.q)) @ first.T_base_tool_corrected
+    share = np.linspace(0.0, 1.0, WAY_SAMPLES)[:, None]
+    q = start[:, None] + share * (end - start)[:, None]  # (m, samples, 6)
+    places = (kinematics.forward(q) @ T_flange_tool)[..., :3, 3]
+    lengths: FloatArray = np.linalg.norm(np.diff(places, axis=1), axis=2).sum(axis=1)
+    return lengths
 
 
 def _stops(program: MillingProgram, index: int) -> bool:

@@ -76,18 +76,24 @@ class LoadCase:
 
     def joint_twist(self, k: int) -> FloatArray:
         """Twist of each point for one radian of joint k (0..5), shape (n, 6): thesis eq. 2.29."""
-        key = ("joint", k)
-        if key not in self.cache:
-            self.cache[key] = self.rotate(self.axis(k), k, k + 1)
-        return self.cache[key]
+        return self.joint_twists()[:, k]
+
+    def joint_twists(self) -> FloatArray:
+        """Those of all joints, shape (n, 6 joints, 6)."""
+        if "joints" not in self.cache:
+            axes = self.axes[:, :6, :, 2]
+            twists = np.empty((len(self), 6, 6))
+            twists[..., :3] = cross(axes, self.point[:, None] - self.origin[:, :6])
+            twists[..., 3:] = axes
+            twists[self.link[:, None] <= np.arange(6)] = 0.0
+            self.cache["joints"] = twists
+        return self.cache["joints"]
 
     def springs(self) -> FloatArray:
         """Twist of each point by the linear joint springs, shape (n, 6) (thesis eq. 2.40)."""
         if "springs" not in self.cache:
             give = self.torque / self.joint_stiffness
-            self.cache["springs"] = sum(
-                (give[:, k, None] * self.joint_twist(k) for k in range(6)), np.zeros((len(self), 6))
-            )
+            self.cache["springs"] = (give[:, None] @ self.joint_twists())[:, 0]
         return self.cache["springs"]
 
     def curvature(self) -> FloatArray:
@@ -154,8 +160,10 @@ def build_load_case(
     moment = couple[:, None] + cross(load[:, None] - origin, force[:, None])
     joint_axes = axes[:, :6, :, 2]
     torque = np.einsum("nki,nki->nk", joint_axes, moment[:, :6])
-    arm = cross(joint_axes, load[:, None] - origin[:, :6])
-    torque_noise = np.sqrt((noise[0] * np.linalg.norm(arm, axis=2)) ** 2 + noise[1] ** 2)
+    torque_noise = np.zeros((n, 6))
+    if any(noise):
+        arm = cross(joint_axes, load[:, None] - origin[:, :6])
+        torque_noise = np.sqrt((noise[0] * np.linalg.norm(arm, axis=2)) ** 2 + noise[1] ** 2)
     if points is None:
         points, links = np.broadcast_to(load_point, (n, 3)), np.full(n, 6)
     rows = np.arange(n)
