@@ -52,10 +52,13 @@ def localize(
     checks.check_view(view.pixel)
     drift = drift_in(picture, camera, float(width), layout.T_base_door(width, thickness)[:3, 3])
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
-    fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness)
+    fit = fit_corner(
+        traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit
+    )
     checks.check_square(fit, settings)
     offset = DoorOffset(*(float(v) for v in fit.pose))
     checks.check_range(offset, layout.limits)
+    checks.check_straight({edge: trace.line for edge, trace in traces.items()}, settings)
     # A better picture cannot help against a wrong thickness or mounting: only the picture's own part is judged.
     checks.check_certainty(fit.covariance, traces[HINGE].line, traces[BOTTOM].line, settings)
     inlier = np.concatenate([t.line.inliers for t in traces.values()])
