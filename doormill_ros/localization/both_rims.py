@@ -1,4 +1,4 @@
-"""Rims along the two edges of a face: what one of them tells about the other, and on which side of a wide one the edge is."""
+"""Rims along the two edges of a face: what one tells about the other, and on which side of a wide one the edge is."""
 
 from __future__ import annotations
 
@@ -81,11 +81,11 @@ class _Seen:
         if sharp is None and not suspicious(spread, streaks):
             return
         rim = find_rim(self.wide(), streaks, sharp)
-        if rim is not None and wide_and_dark(rim, self.view.pixel):
-            # Grain beside an edge is no strip of its own.
-            if spread.misfit < checks.allowed_misfit(spread, streaks):
-                return
-        self.rim = rim
+        single = spread.misfit < checks.allowed_misfit(spread, streaks)
+        if rim is None or not (
+            single and wide_and_dark(rim, self.view.pixel)
+        ):  # grain is no strip of its own
+            self.rim = rim
 
     def blur(self) -> float:
         """Blur of the edge, a rim taken for what it is [px]."""

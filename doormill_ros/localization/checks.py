@@ -13,7 +13,6 @@ from doormill_ros.localization.errors import (
     BadDoorFace,
     BadPicture,
     Blurred,
-    BowedEdge,
     CameraInfoMissing,
     CameraInfoSize,
     NoEdge,
@@ -38,7 +37,6 @@ _FEWEST_ROWS = 60
 WIDTHS, THICKNESSES = (0.1, 3.0), (0.005, 0.2)
 #: Of a pixel on the door's face [m]: finer ones ask for more memory than there is, coarser ones show no edge.
 PIXELS = (2e-5, 2e-3)
-_BENT = 2.5  # standard deviations from which a bend is none of chance
 _SKEW = 3.0  # standard deviations of the measurement by which an angle may exceed the tolerance
 # Misfit of the mean profile from one blurred step that makes it two edges: as a share of the step, as
 # a multiple of the rows' scatter, and of the streaks of wood grain beside the edge.
@@ -232,32 +230,6 @@ def check_square(fit: CornerFit, settings: LocalizerSettings) -> None:
             f"{rad_to_deg(allowed):.3f}; one of them is not an edge of the door, or the door is not square",
             out_of_square=fit.out_of_square,
         )
-
-
-def check_straight(lines: dict[str, LineFit], settings: LocalizerSettings) -> None:
-    """Whether what shows of the edges bends no more than straight ones that were sawn.
-
-    Args:
-        lines: By edge.
-        settings: Limits of refusal.
-
-    Raises:
-        BowedEdge: One bends, and would be further from straight than allowed over `straightness_length`.
-    """
-    squared = settings.straightness_length**2 / 4.0  # an arc rises by that much per bend over its length
-    for edge, line in lines.items():
-        rise, deviation = line.bend * squared, float(np.sqrt(line.bend_variance)) * squared
-        sure = _BENT * float(np.hypot(deviation, settings.straightness_deviation))
-        if abs(rise) > max(sure, settings.straightness_limit):
-            raise BowedEdge(
-                f"the {edge} edge is bowed: over {m_to_mm(settings.straightness_length):.0f} mm what shows of it bends by "
-                f"{m_to_mm(abs(rise)):.2f} mm (standard deviation {m_to_mm(deviation):.2f}), allowed are "
-                f"{m_to_mm(settings.straightness_limit):.2f} mm, and the picture does not tell where the rest of it "
-                "runs; straighten the door or mill it by hand",
-                edge=edge,
-                rise=rise,
-                deviation=deviation,
-            )
 
 
 # A door at the very limit must not be lost to the noise of its measurement.

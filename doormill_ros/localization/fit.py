@@ -16,7 +16,7 @@ _CHIP = 1.0e-3  # length over which points are averaged to see chips in noise [m
 _CHIP_CUT = 6.0  # such averages lose weight from half that many standard deviations, and have none beyond
 _DOUBTED = 0.1  # least weight of a point in them
 # Shares of doors that are well made, less well by that factor, and cut as badly as is milled.
-_KINDS, _LESS = np.array([0.84, 0.14, 0.02]), 4.0
+_KINDS, _LESS = np.array([0.80, 0.17, 0.03]), 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +220,7 @@ def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float, limit: float)
 
 
 def _joined(hinge: LineFit, bottom: LineFit, squareness: float) -> tuple[FloatArray, FloatArray]:
-    """Pose y, z [m] and rotation [rad], shape (3,), and its covariance (3, 3), for doors askew by `squareness` [rad]."""
+    """Pose y, z [m], rotation [rad], shape (3,), and its covariance (3, 3); doors are askew by `squareness` [rad]."""
     # Two readings of the rotation: turn, and turn + skew with skew ~ N(0, squareness^2).
     turn_h, turn_b = -np.arctan(hinge.slope), np.arctan(bottom.slope)
     information = np.array(

@@ -75,7 +75,9 @@ def find_rim(spread: Spread, streaks: float, sharp: float | None = None) -> Rim 
         sharp: Blur of the other edge, where a rim shows along that one: one lens sees both [px].
     """
     profile = spread.mean
-    face = np.sqrt(1.0 - 0.75 * blurred_step(bin_places(profile.size), spread.blur))  # behind it there are less
+    face = np.sqrt(
+        1.0 - 0.75 * blurred_step(bin_places(profile.size), spread.blur)
+    )  # behind it there are less
     weight = 1.0 / np.sqrt(spread.error**2 + _MODEL**2 + (streaks * face) ** 2)
     known = None if sharp is None else Sharp(sharp, _SAME * sharp)
     plain = fit_one(profile, weight, spread.blur).misfit
@@ -87,8 +89,12 @@ def find_rim(spread: Spread, streaks: float, sharp: float | None = None) -> Rim 
         plain = fit_one(profile, weight, sharp, known).misfit
     starts, _ = two_starts(profile, weight)
     near = np.array([1.5, 1.8, 0.8]) * spread.blur  # narrower than the grid tells from one step
-    tries = [fit_two(profile, weight, start, known) for start in (*starts, near)]
-    best = min(tries, key=lambda found: (found.places[1] < 0, found.misfit))
+    tries = []
+    for start in (starts[0], near, *starts[1:]):
+        tries.append(fit_two(profile, weight, start, known))
+        best = min(tries, key=lambda found: (found.places[1] < 0, found.misfit))
+        if best.places[1] > 0 and best.misfit < 0.5 * _BETTER * plain:
+            break
     shift, width, blur = (float(v) for v in best.places)
     if width < 0 or blur < 0 or width > WIDEST + 2:
         return None

@@ -1,6 +1,6 @@
 """Fits of one step, of two, and of one seen by a defocused lens to the mean profile of an edge.
 
-Levenberg's and Marquardt's descent with derivatives in closed form; levels and heights are parameters as the places are.
+Levenberg's and Marquardt's descent with derivatives in closed form; levels and heights are parameters as places are.
 """
 
 from __future__ import annotations

@@ -169,8 +169,8 @@ def _trace(
         # Between two steps rows scatter: they are read again at the one that is the edge.
         for i, edge in enumerate(EDGES):
             if np.isfinite(borders[edge].room):
-                move = -borders[edge].shift * view.pixel
-                poses[edge] = reads[edge].pose + [move if i == 0 else 0.0, move if i == 1 else 0.0, 0.0]
+                poses[edge] = reads[edge].pose.copy()
+                poses[edge][i] -= borders[edge].shift * view.pixel
                 room[edge] = int(np.clip(borders[edge].room - _NARROW_BLUR, 4, WIDE_HALF))
         poses, around = _surroundings(picture, view, poses, room, settings)
         reads = _read(picture, view, poses, room, around, settings)
