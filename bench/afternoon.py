@@ -72,7 +72,9 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="afternoon-", ignore_cleanup_errors=True) as name:
         os.environ["XDG_DATA_HOME"], os.environ["ROS_LOG_DIR"] = f"{name}/data", f"{name}/ros"
         faults = [draw(arguments.seed, index) for index in range(arguments.doors)]
-        folder = arguments.keep or Path(name) / "cell"
+        folder = (
+            arguments.keep or Path(name) / "cell"
+        ).resolve()  # nodes take what is relative from their own
         tally = play(folder, faults, lambda line: progress.print(line, highlight=False))
     minutes = (time.monotonic() - begun) / 60.0
     console.print(

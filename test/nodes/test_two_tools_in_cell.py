@@ -1,0 +1,76 @@
+"""A door of two tools, from their table to the wood: the executables import tools and door, and `cell` mills it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from doormill_ros.recipes.store.database import RecipeDatabase
+from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.resources import resource
+from support.cell_processes import executable
+from support.two_tools import FILE
+
+LIMIT = 300.0  # s
+MILLS = {"lock_case": "rack_mill_16", "hinge_1": "rack_mill_12"}
+
+
+@pytest.fixture(scope="module")
+def milled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the run, beside the database it was milled from."""
+    folder = tmp_path_factory.mktemp("two_tools")
+    environment = {
+        **os.environ,
+        "XDG_DATA_HOME": str(folder / "data"),
+        "ROS_LOG_DIR": str(folder / "ros"),
+        "DOORMILL_DATABASE": f"sqlite:///{folder / 'recipes.sqlite'}",
+    }
+
+    def call(*command: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [executable(command[0]), *command[1:]],
+            cwd=folder,
+            env=environment,
+            timeout=LIMIT,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    early = call("recipes", "import", str(FILE))
+    assert (early.returncode, "recipes tools import" in early.stderr) == (2, True)
+    for command in (
+        ("recipes", "tools", "import", str(resource("config/tools.yaml"))),
+        ("recipes", "import", str(FILE)),
+        ("cell", "--door", "two_tool_door", "--out", "run"),
+    ):
+        done = call(*command)
+        assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_it_is_milled_within_its_tolerance_and_touches_nothing_else(milled: Path) -> None:
+    summary: dict[str, Any] = json.loads((milled / "run" / "summary.json").read_text())
+    assert (summary["outcome"], summary["error_code"]) == ("milled", 0)
+    assert summary["touched"]["known"]
+    assert summary["touched"]["samples"] == 0
+    assert summary["feature_error"]["corrected_max"] < summary["feature_error"]["tolerance"]
+
+
+def test_both_features_were_cut_and_gauged(milled: Path) -> None:
+    (executed,) = [m.message for m in read_bag(milled / "run" / "bag", ["/simulation/executed_path"])]
+    cut = {name for name, cuts in zip(executed.feature, executed.cutting, strict=True) if cuts}
+    assert cut == set(MILLS)
+
+
+def test_both_mills_are_worn_by_it(milled: Path) -> None:
+    with RecipeDatabase(f"sqlite:///{milled / 'recipes.sqlite'}") as database:
+        cut = {name: database.tools.get(name).tool.cut for name in MILLS.values()}
+    # Half the ways round that walls and floors are made of is the least that each has cut.
+    assert cut["rack_mill_16"] > 2 * 0.104
+    assert cut["rack_mill_12"] > 2 * (0.068 + 0.018)
