@@ -16,7 +16,7 @@ _CHIP = 1.0e-3  # length over which points are averaged to see chips in noise [m
 _CHIP_CUT = 6.0  # such averages lose weight from half that many standard deviations, and have none beyond
 _DOUBTED = 0.1  # least weight of a point in them
 # Shares of doors that are well made, less well by that factor, and cut as badly as is milled.
-_KINDS, _LESS = np.array([0.80, 0.17, 0.03]), 4.0
+_KINDS, _LESS = np.array([0.55, 0.44, 0.01]), 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +114,9 @@ def fit_line(
     lever = x - middle
     square = weight**2
     arc = lever**2 - _line_through(lever, lever**2, weight)
-    bent = float(weight @ arc**2)
+    stiffness = float(weight @ arc**2)
+    bend = float(weight @ (arc * residual)) / stiffness
+    straightened = point_variance(x, residual - bend * arc, weight)[0] if rounds > 2 else variance
     residuals = across - place - slope * (along - middle)
     inliers = usable & (np.abs(residuals) < _CUT * scale)
     inliers[usable] &= weight > 0
@@ -127,8 +129,8 @@ def fit_line(
         residuals,
         inliers,
         float(np.sqrt((weight @ residual**2) / weight.sum())),
-        float(weight @ (arc * residual)) / bent,
-        float(variance * (square @ arc**2)) / bent**2,
+        bend,
+        float(straightened * (square @ arc**2)) / stiffness**2,
         variance,
         freedom,
     )

@@ -57,7 +57,9 @@ def localize(
     checks.check_square(fit, settings)
     offset = DoorOffset(*(float(v) for v in fit.pose))
     checks.check_range(offset, layout.limits)
-    check_straight({edge: trace.line for edge, trace in traces.items()}, settings)
+    along = np.linspace(0.0, 1.0, 9)
+    drawn = {edge: view.pixels(view.line(edge, fit.pose, view.length(edge) * along)) for edge in traces}
+    check_straight({edge: trace.line for edge, trace in traces.items()}, drawn, settings)
     # A better picture cannot help against a wrong thickness or mounting: only the picture's own part is judged.
     checks.check_certainty(fit.covariance, traces[HINGE].line, traces[BOTTOM].line, settings)
     inlier = np.concatenate([t.line.inliers for t in traces.values()])

@@ -36,7 +36,7 @@ class StepFit:
     Attributes:
         places: Shift of the outer step [px], and what else the model has; see `fit_one`, `fit_disc` and `fit_two`.
         heights: Of the steps as shares of the edge's, shape (1,) or (2,).
-        misfit: RMS of the weighted residuals.
+        misfit: RMS of the weighted residuals, what is known of the blur among them.
         deviation: Standard deviation of the shift where the weights are those of the errors [px].
     """
 
@@ -59,12 +59,12 @@ def fit_one(profile: FloatArray, weight: FloatArray, blur: float, sharp: Sharp |
 
 def fit_disc(profile: FloatArray, weight: FloatArray, radius: float) -> StepFit:
     """One step under a point spread that is a disc; places are shift and radius [px], which starts from `radius`."""
-    return _descend(_Spread(profile.size, _DISC, _DISC_BLUR), profile, weight, np.array([0.0, radius]), None)
+    return _descend(_Spread(profile.size, _DISC), profile, weight, np.array([0.0, radius]), None)
 
 
 def fit_ramp(profile: FloatArray, weight: FloatArray, reach: float, blur: float) -> StepFit:
-    """A fibrous edge that thins out evenly; places are shift and half width [px], which starts from `reach`."""
-    return _descend(_Spread(profile.size, _RAMP, blur), profile, weight, np.array([0.0, reach]), None)
+    """A fibrous edge that thins out evenly; places are shift, half width from `reach` and blur from `blur` [px]."""
+    return _descend(_Spread(profile.size, _RAMP), profile, weight, np.array([0.0, reach, blur]), None)
 
 
 def fit_two(
@@ -124,17 +124,22 @@ class _Two:
 class _Spread:
     size: int
     share: FloatArray  # of each of _NODES
-    blur: float
-    blur_at: int = -1
+    blur_at: int = 2
 
     def columns(self, p: FloatArray) -> FloatArray:
         place = (bin_places(self.size) - p[0])[:, None] - p[1] * _NODES
-        return np.stack([np.ones(self.size), blurred_step(place, self.blur) @ self.share])
+        return np.stack([np.ones(self.size), blurred_step(place, _blur(p)) @ self.share])
 
     def slopes(self, p: FloatArray, heights: FloatArray) -> FloatArray:
         place = (bin_places(self.size) - p[0])[:, None] - p[1] * _NODES
-        by_shift = _slopes(place, self.blur)[0]
-        return heights[0] * np.stack([by_shift @ self.share, (by_shift * _NODES) @ self.share])
+        by_shift, by_blur = _slopes(place, _blur(p))
+        rows = [by_shift @ self.share, (by_shift * _NODES) @ self.share, by_blur @ self.share]
+        return heights[0] * np.stack(rows[: p.size])
+
+
+def _blur(p: FloatArray) -> float:
+    """That of a smeared step, fitted where it is among the places."""
+    return float(p[2]) if p.size > 2 else _DISC_BLUR
 
 
 def _slopes(place: FloatArray, blur: float) -> tuple[FloatArray, FloatArray]:
@@ -198,7 +203,7 @@ def _descend(
     return StepFit(
         state[count:],
         state[1:count],
-        float(np.sqrt(left @ left / profile.size)),
+        float(np.sqrt(cost / profile.size)),
         float(np.sqrt(max(covariance[count, count], 0.0))),
     )
 

@@ -7,20 +7,26 @@ told, and the 80 mm that show of the hinge edge by 0.01 mm, less than it wanders
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import stdtrit
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.errors import BowedEdge
 from doormill_ros.localization.fit import LineFit
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.units import m_to_mm
 
-_BENT = 2.5  # standard deviations from which a bend is none of chance
+_CHANCE = 2.0e-3  # probability that a straight edge seems to bend so much
+_SPENT = 4.0  # degrees of freedom of an edge's scatter that the arc and the pieces' overlap take
 
 
-def check_straight(lines: dict[str, LineFit], settings: LocalizerSettings) -> None:
+def check_straight(
+    lines: dict[str, LineFit], drawn: dict[str, FloatArray], settings: LocalizerSettings
+) -> None:
     """Whether what shows of the edges bends no more than straight ones that were sawn.
 
     Args:
         lines: By edge.
+        drawn: The same in the picture, u, v [px], each shape (n, 2).
         settings: Limits of refusal.
 
     Raises:
@@ -29,7 +35,9 @@ def check_straight(lines: dict[str, LineFit], settings: LocalizerSettings) -> No
     squared = settings.straightness_length**2 / 4.0  # an arc rises by that much per bend over its length
     for edge, line in lines.items():
         rise, deviation = line.bend * squared, float(np.sqrt(line.bend_variance)) * squared
-        sure = _BENT * float(np.hypot(deviation, settings.straightness_deviation))
+        # The scatter is learned from few pieces of an edge: Student's distribution.
+        often = -float(stdtrit(max(line.freedom - _SPENT, 2.0), 0.5 * _CHANCE))
+        sure = often * float(np.hypot(deviation, settings.straightness_deviation))
         if abs(rise) > max(sure, settings.straightness_limit):
             raise BowedEdge(
                 f"the {edge} edge is bowed: over {m_to_mm(settings.straightness_length):.0f} mm what shows of it bends "
@@ -39,4 +47,5 @@ def check_straight(lines: dict[str, LineFit], settings: LocalizerSettings) -> No
                 edge=edge,
                 rise=rise,
                 deviation=deviation,
+                marks=((edge, drawn[edge]),),
             )

@@ -71,3 +71,26 @@ def test_an_edge_softer_than_one_with_a_rim_hides_a_rim():
     with pytest.raises(WrongEdge, match=r"the hinge edge is 1\.40 px soft"):
         check_alike({"hinge": None, "bottom": rim}, {"hinge": 1.4, "bottom": 1.0})
     check_alike({"hinge": None, "bottom": rim}, {"hinge": 1.05, "bottom": 1.0})
+
+
+def test_a_narrow_rim_nearly_as_dark_as_the_background_is_found():
+    profile = 0.2 * soft(1.5, 0.85) + 0.8 * soft(-0.3, 0.85)
+    rim = find_rim(spread(profile), 0.0)
+    assert rim is not None
+    assert rim.shift == pytest.approx(1.5, abs=max(3 * rim.deviation, 0.1))
+
+
+def test_a_rim_half_as_dark_as_the_background_is_found_and_a_fibrous_edge_is_none():
+    rim = find_rim(spread(0.4 * soft(1.5, 0.95) + 0.6 * soft(-0.9, 0.95)), 0.0)
+    assert rim is not None
+    assert rim.shift == pytest.approx(1.5, abs=0.2)
+    fibrous = np.mean([soft(at, 0.9) for at in np.linspace(-2.0, 2.0, 101)], axis=0)
+    assert find_rim(spread(fibrous), 0.0) is None
+
+
+def test_the_blur_of_the_other_edge_shows_a_rim_that_looks_like_softness():
+    seen = spread(0.5 * soft(0.7, 1.0) + 0.5 * soft(-0.7, 1.0))
+    assert find_rim(seen, 0.0) is None
+    rim = find_rim(seen, 0.0, sharp=1.0)
+    assert rim is not None
+    assert rim.shift == pytest.approx(0.7, abs=max(3 * rim.deviation, 0.1))
