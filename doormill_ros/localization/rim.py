@@ -81,7 +81,7 @@ def find_rim(spread: Spread, streaks: float, sharp: float | None = None) -> Rim 
     weight = 1.0 / np.sqrt(spread.error**2 + _MODEL**2 + (streaks * face) ** 2)
     known = None if sharp is None else Sharp(sharp, _SAME * sharp)
     plain = fit_one(profile, weight, spread.blur).misfit
-    if known is None:
+    if sharp is None:
         if plain < _FITS:
             return None
         plain = min(plain, fit_disc(profile, weight, min(2 * spread.blur, 11.0)).misfit)

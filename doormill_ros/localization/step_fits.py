@@ -95,7 +95,8 @@ class _One:
     def slopes(self, p: FloatArray, heights: FloatArray) -> FloatArray:
         """Derivative of the profile with respect to the places, shape (k, m)."""
         by_shift, by_blur = _slopes(bin_places(self.size) - p[0], p[1])
-        return heights[0] * np.stack([by_shift, by_blur])
+        slopes: FloatArray = heights[0] * np.stack([by_shift, by_blur])
+        return slopes
 
 
 @dataclass(frozen=True)
@@ -134,7 +135,8 @@ class _Spread:
         place = (bin_places(self.size) - p[0])[:, None] - p[1] * _NODES
         by_shift, by_blur = _slopes(place, _blur(p))
         rows = [by_shift @ self.share, (by_shift * _NODES) @ self.share, by_blur @ self.share]
-        return heights[0] * np.stack(rows[: p.size])
+        slopes: FloatArray = heights[0] * np.stack(rows[: p.size])
+        return slopes
 
 
 def _blur(p: FloatArray) -> float:

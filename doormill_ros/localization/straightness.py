@@ -35,6 +35,8 @@ def check_straight(
     squared = settings.straightness_length**2 / 4.0  # an arc rises by that much per bend over its length
     for edge, line in lines.items():
         rise, deviation = line.bend * squared, float(np.sqrt(line.bend_variance)) * squared
+        if deviation > settings.straightness_limit:
+            continue  # too little shows of it for a bow of that size to be told from grain
         # The scatter is learned from few pieces of an edge: Student's distribution.
         often = -float(stdtrit(max(line.freedom - _SPENT, 2.0), 0.5 * _CHANCE))
         sure = often * float(np.hypot(deviation, settings.straightness_deviation))

@@ -33,6 +33,7 @@ SEEN = {
     "dark band of 0.8 mm, a little darker": {"strips": strips(-1.0, 0.8, 0.75)},
     "bevel of 1 mm": {"back_edge": BackEdge(1.0 * MM, 1.0 * MM, 1.0 * MM, 0.6)},
     "bevel of 1.5 mm": {"back_edge": BackEdge(1.5 * MM, 1.5 * MM, 1.5 * MM, 0.5)},
+    "lip behind the hinge edge": {"back_edge": BackEdge(1.6 * MM, 0.0, 3.0 * MM, 0.5)},
     "grooves beside both edges": {"strips": strips(7.0, 8.5, 0.5)},
 }
 
