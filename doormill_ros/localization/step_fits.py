@@ -53,24 +53,24 @@ def blurred_step(place: FloatArray, blur: FloatArray | float) -> FloatArray:
 
 
 def fit_one(profile: FloatArray, weight: FloatArray, blur: float, sharp: Sharp | None = None) -> StepFit:
-    """One step; places are shift and blur [px], which starts from `blur`."""
+    """One step in a profile (m,) of weights (m,); places are shift and blur [px], which starts from `blur`."""
     return _descend(_One(profile.size), profile, weight, np.array([0.0, blur]), sharp)
 
 
 def fit_disc(profile: FloatArray, weight: FloatArray, radius: float) -> StepFit:
-    """One step under a point spread that is a disc; places are shift and radius [px], which starts from `radius`."""
+    """One step of a profile (m,), weights (m,), spread by a disc; places are shift and radius from `radius` [px]."""
     return _descend(_Spread(profile.size, _DISC), profile, weight, np.array([0.0, radius]), None)
 
 
 def fit_ramp(profile: FloatArray, weight: FloatArray, reach: float, blur: float) -> StepFit:
-    """A fibrous edge that thins out evenly; places are shift, half width from `reach` and blur from `blur` [px]."""
+    """An edge that thins out evenly, profile and weights (m,); places: shift, half width from `reach`, blur [px]."""
     return _descend(_Spread(profile.size, _RAMP), profile, weight, np.array([0.0, reach, blur]), None)
 
 
 def fit_two(
     profile: FloatArray, weight: FloatArray, start: FloatArray, sharp: Sharp | None = None
 ) -> StepFit:
-    """Two steps; places are the outer one's shift, how far the inner one lies inside of it, and the blur [px]."""
+    """Two steps, profile and weights (m,); places: the outer's shift, how far inside the inner is, blur (3,) [px]."""
     return _descend(_Two(profile.size), profile, weight, start, sharp)
 
 
