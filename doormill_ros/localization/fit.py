@@ -15,8 +15,8 @@ _FINEST = 2.0e-7  # smallest scatter believed [m]
 _CHIP = 1.0e-3  # length over which points are averaged to see chips in noise [m]
 _CHIP_CUT = 6.0  # such averages lose weight from half that many standard deviations, and have none beyond
 _DOUBTED = 0.1  # least weight of a point in them
-_SQUARE = 2.4  # a door is taken for square up to that many standard deviations of the angle measured
-_SHOWN = 4.0  # variance expected of an angle that shows, as a multiple of its square
+# Shares of doors that are well made, less well by that factor, and cut as badly as is milled.
+_KINDS, _LESS = np.array([0.55, 0.44, 0.01]), 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +32,8 @@ class LineFit:
         residuals: Of all points [m], shape (n,).
         inliers: Points that agree with the line, shape (n,), bool.
         scatter: RMS residual of the inliers [m].
+        bend: Half the curvature, across = ... + bend along^2 [1/m].
+        bend_variance: Of `bend` [1/m^2].
         variance: That independent points would need to make the line as uncertain as it is [m^2].
         freedom: Degrees of freedom of `variance`.
     """
@@ -44,6 +46,8 @@ class LineFit:
     residuals: FloatArray
     inliers: BoolArray
     scatter: float
+    bend: float
+    bend_variance: float
     variance: float
     freedom: float
 
@@ -67,6 +71,13 @@ def _weighted_line(along: FloatArray, across: FloatArray, weight: FloatArray) ->
     pull = weight * lever
     slope = (pull @ (across - place)) / (pull @ lever)
     return middle, place, slope
+
+
+def _line_through(along: FloatArray, across: FloatArray, weight: FloatArray) -> FloatArray:
+    """The weighted line through points, at them, shape (n,)."""
+    middle, place, slope = _weighted_line(along, across, weight)
+    line: FloatArray = place + slope * (along - middle)
+    return line
 
 
 def fit_line(
@@ -102,6 +113,10 @@ def fit_line(
     variance, freedom = point_variance(x, residual, weight) if rounds > 2 else (scale**2, 1.0)
     lever = x - middle
     square = weight**2
+    arc = lever**2 - _line_through(lever, lever**2, weight)
+    stiffness = float(weight @ arc**2)
+    bend = float(weight @ (arc * residual)) / stiffness
+    straightened = point_variance(x, residual - bend * arc, weight)[0] if rounds > 2 else variance
     residuals = across - place - slope * (along - middle)
     inliers = usable & (np.abs(residuals) < _CUT * scale)
     inliers[usable] &= weight > 0
@@ -114,6 +129,8 @@ def fit_line(
         residuals,
         inliers,
         float(np.sqrt((weight @ residual**2) / weight.sum())),
+        bend,
+        float(straightened * (square @ arc**2)) / stiffness**2,
         variance,
         freedom,
     )
@@ -152,7 +169,10 @@ def pooled(lines: dict[str, LineFit]) -> dict[str, LineFit]:
         # A variance that is itself uncertain: this makes normalized errors spread as they should.
         share = variance / line.variance * freedom / max(freedom - 2.0, 0.5)
         out[name] = replace(
-            line, place_variance=share * line.place_variance, slope_variance=share * line.slope_variance
+            line,
+            place_variance=share * line.place_variance,
+            slope_variance=share * line.slope_variance,
+            bend_variance=share * line.bend_variance,
         )
     return out
 
@@ -174,20 +194,37 @@ class CornerFit:
     square_deviation: float
 
 
-def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float) -> CornerFit:
-    """Join the two lines of a door that was cut at a right angle.
+def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float, limit: float) -> CornerFit:
+    """Join the two lines of a door that was cut at a right angle, or of one of few that were not.
+
+    Each kind of door is worked out, and they are mixed by how probable the angle between the lines makes them.
 
     Args:
         hinge: y over z of the hinge edge.
         bottom: z over y of the bottom edge.
-        squareness: Standard deviation of the angle between door edges from a right angle [rad].
+        squareness: Standard deviation of the angle between the edges of a well made door from a right angle [rad].
+        limit: Largest such angle of any other; twice its standard deviation [rad].
     """
-    # Two readings of the rotation: turn, and turn + skew with skew ~ N(0, squareness^2). A skew that shows is one: then
-    # the hinge edge alone tells the turn.
-    turn_h, turn_b = -np.arctan(hinge.slope), np.arctan(bottom.slope)
+    apart = float(np.arctan(bottom.slope) + np.arctan(hinge.slope))
     read = hinge.slope_variance + bottom.slope_variance
-    beyond = (turn_b - turn_h) ** 2 - _SQUARE**2 * (read + squareness**2)
-    squareness = float(np.sqrt(squareness**2 + _SHOWN * max(beyond, 0.0)))
+    kinds = np.array([squareness, _LESS * squareness, max(0.5 * limit, squareness)])
+    variances = read + kinds**2
+    chances = np.log(_KINDS) - 0.5 * np.log(variances) - 0.5 * apart**2 / variances
+    chances = np.exp(chances - chances.max())
+    chances /= chances.sum()
+    pose, covariance = np.zeros(3), np.zeros((3, 3))
+    poses, covariances = zip(*(_joined(hinge, bottom, float(kind)) for kind in kinds), strict=True)
+    for chance, one in zip(chances, poses, strict=True):
+        pose += chance * one
+    for chance, one, spread in zip(chances, poses, covariances, strict=True):
+        covariance += chance * (spread + np.outer(one - pose, one - pose))
+    return CornerFit(pose, covariance, apart, float(np.sqrt(read)))
+
+
+def _joined(hinge: LineFit, bottom: LineFit, squareness: float) -> tuple[FloatArray, FloatArray]:
+    """Pose y, z [m], rotation [rad], shape (3,), and its covariance (3, 3); doors are askew by `squareness` [rad]."""
+    # Two readings of the rotation: turn, and turn + skew with skew ~ N(0, squareness^2).
+    turn_h, turn_b = -np.arctan(hinge.slope), np.arctan(bottom.slope)
     information = np.array(
         [
             [1 / hinge.slope_variance + 1 / bottom.slope_variance, 1 / bottom.slope_variance],
@@ -208,9 +245,4 @@ def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float) -> CornerFit:
     jacobian = np.array([[1, 0, -lever_h, 0], [0, 1, lever_b, lever_b], [0, 0, 1, 0]])
     states = np.zeros((4, 4))
     states[0, 0], states[1, 1], states[2:, 2:] = hinge.place_variance, bottom.place_variance, angles
-    return CornerFit(
-        np.array([y, z, turn]),
-        jacobian @ states @ jacobian.T,
-        float(turn_b - turn_h),
-        float(np.sqrt(read)),
-    )
+    return np.array([y, z, turn]), jacobian @ states @ jacobian.T

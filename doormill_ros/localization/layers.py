@@ -167,10 +167,14 @@ class _Edge:
         self.first = 0  # the innermost line that may be the face's edge
         self.ends: list[bool | None] = []
 
+    def against_face(self, level: float) -> float:
+        """Logarithm of a level over the face's, which a groove beside the innermost line hides: of two, the nearer."""
+        ratios = np.log(max(level, 1.0) / np.maximum([self.face, self.deep], 1.0))
+        return float(ratios[np.argmin(np.abs(ratios))])
+
     def like_face(self, strip: _Strip) -> bool:
         """Whether a strip is as bright as the face, or further from the background than it."""
-        faces = np.maximum([self.face, self.deep], 1.0)
-        near = bool(np.abs(np.log(max(strip.level, 1.0) / faces)).min() < _ALIKE)
+        near = abs(self.against_face(strip.level)) < _ALIKE
         apart = (strip.level - self.back) / (self.face - self.back) if self.face != self.back else 0.0
         return bool(apart > 1 + _BEYOND or (near and apart > 0.5))
 
@@ -219,7 +223,7 @@ class _Edge:
         if not self.strips or not other.strips:
             return None
         mine, its = self.strips[-1], other.strips[-1]
-        one, two = (np.log(max(s.level, 1.0) / max(e.face, 1.0)) for s, e in ((mine, self), (its, other)))
+        one, two = (e.against_face(s.level) for s, e in ((mine, self), (its, other)))
         if min(abs(one), abs(two)) < _CROSSED or one * two < 0 or max(mine.level, its.level) > _BRIGHT:
             return None
         low, high = self.lines[-1].at(self.corner), self.lines[-2].at(self.corner)
@@ -229,7 +233,7 @@ class _Edge:
         square = self.sight.level(
             self.edge, across, self.lines[-1].tilt, begin + 0.3 * width, stop - 0.3 * width + _PITCH
         )
-        found = np.log(max(square, 1.0) / max(self.face, 1.0))
+        found = self.against_face(square)
         return bool(abs(found - one - two) < abs(found - 0.5 * (one + two)))
 
     def doubt(self, inner: int, outer: int) -> WrongEdge:

@@ -14,6 +14,7 @@ from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdg
 from doormill_ros.localization.fit import CornerFit, fit_corner
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
+from doormill_ros.localization.straightness import check_straight
 from doormill_ros.localization.tracing import Trace, trace_edges
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView, face_view
 
@@ -52,10 +53,13 @@ def localize(
     checks.check_view(view.pixel)
     drift = drift_in(picture, camera, float(width), layout.T_base_door(width, thickness)[:3, 3])
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
-    fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness)
+    fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit)
     checks.check_square(fit, settings)
     offset = DoorOffset(*(float(v) for v in fit.pose))
     checks.check_range(offset, layout.limits)
+    along = np.linspace(0.0, 1.0, 9)
+    drawn = {edge: view.pixels(view.line(edge, fit.pose, view.length(edge) * along)) for edge in traces}
+    check_straight({edge: trace.line for edge, trace in traces.items()}, drawn, settings)
     # A better picture cannot help against a wrong thickness or mounting: only the picture's own part is judged.
     checks.check_certainty(fit.covariance, traces[HINGE].line, traces[BOTTOM].line, settings)
     inlier = np.concatenate([t.line.inliers for t in traces.values()])

@@ -7,34 +7,37 @@ steps a few pixels apart, of which the outer one is the edge. What a soft lens d
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.special import ndtr
 
-from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.blur import Spread, bin_places
 from doormill_ros.localization.errors import WrongEdge
-from doormill_ros.localization.texture import PIXEL_VARIANCE
+from doormill_ros.localization.step_fits import (
+    WIDEST,
+    Sharp,
+    blurred_step,
+    fit_disc,
+    fit_one,
+    fit_ramp,
+    fit_two,
+    two_starts,
+)
 from doormill_ros.units import m_to_mm
 
 _MODEL = 4.0e-3  # how far a true point spread is from a modelled one, as a share of the step
 _FITS = 0.85  # a misfit of one step below that, in standard deviations, is none
 _CLEAR, _CLEAN = 1.1, 0.01
 _SUSPECT = 1.15
-# A rim half as dark as the background, narrower than so many blurs, looks like a soft lens and shifts no edge.
+# A rim half as dark as the background, narrower than so many blurs, looks like a fibrous edge.
 _EVEN, _UNRESOLVED = 0.13, 2.6
 _BETTER, _MORE = 0.6, 0.35  # two steps must fit by that factor better, and by that much in squared deviations
 _STREAKS = 5.0  # and that many standard deviations of streaks
 _FAINTEST = 0.1  # brightness of a rim against the face, as a share of the step
-_NARROW = 0.42e-3  # a darker rim may as well lie behind the face, unless it is an arris: so narrow [m]
+NARROW = 0.42e-3  #: a darker rim may as well lie behind the face, unless it is an arris: so narrow [m]
+_READABLE = 4.0  # blurs: where a narrower one ends is not seen
 _PLACED = 0.3  # largest standard deviation of its outer border [px]
 _SOFTER = 1.12  # an edge that much softer than one with a rim has one too
-_RIDGE = 1.0e-6  # keeps least squares solvable where two steps coincide
-_WIDTHS = np.geomspace(1.0, 11.0, 12)  # px
-_BLURS = np.array([0.6, 0.9, 1.3, 1.9, 2.8])  # px
-_SHIFTS = np.arange(-4.0, 6.1, 0.5)  # px
+_SAME = 0.03  # by how much two edges differ in blur, as a share
 
 
 @dataclass(frozen=True)
@@ -58,130 +61,67 @@ class Rim:
     misfit: float
 
 
-def _step(place: FloatArray, blur: FloatArray | float) -> FloatArray:
-    sharp: FloatArray = ndtr(place / np.sqrt(np.square(blur) + PIXEL_VARIANCE))
-    return sharp
-
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(15)
-_DISC = _WEIGHTS * np.sqrt(1 - _NODES**2)  # a disc seen edge on
-_DISC /= _DISC.sum()
-
-
-def _disc_step(place: FloatArray, radius: float, blur: float) -> FloatArray:
-    """A step seen by a defocused lens, whose point spread is a disc."""
-    seen: FloatArray = _step(place[:, None] - radius * _NODES, blur) @ _DISC
-    return seen
-
-
-def _solved(
-    columns: list[FloatArray], profile: FloatArray, weight: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Weighted residuals and coefficients of least squares."""
-    design = np.stack(columns, axis=1) * weight[:, None]
-    normal = design.T @ design + _RIDGE * np.eye(len(columns))
-    found = np.asarray(np.linalg.solve(normal, design.T @ (profile * weight)), dtype=float)
-    return design @ found - profile * weight, found
-
-
-@lru_cache(maxsize=4)
-def _grid(size: int) -> tuple[FloatArray, FloatArray]:
-    """Parameters (g, 3) of shift, width and blur, and their two steps (g, 2, m)."""
-    place = bin_places(size)
-    shift, width, blur = (a.ravel() for a in np.meshgrid(_SHIFTS, _WIDTHS, _BLURS, indexing="ij"))
-    outer = _step(place - shift[:, None], blur[:, None])
-    inner = _step(place - (shift - width)[:, None], blur[:, None])
-    return np.stack([shift, width, blur], axis=1), np.stack([outer, inner], axis=1)
-
-
-def _start(profile: FloatArray, weight: FloatArray, few: int = 2) -> tuple[FloatArray, float]:
-    """The best parameters (few, 3) of the grid, and the cost of the best."""
-    parameters, steps = _grid(profile.size)
-    square = weight**2
-    design = np.concatenate([np.broadcast_to(1.0, (len(steps), 1, profile.size)), steps], axis=1)
-    weighted = design * square
-    normal = weighted @ np.swapaxes(design, 1, 2) + _RIDGE * np.eye(3)
-    moment = weighted @ profile
-    found = np.linalg.solve(normal, moment[..., None])[..., 0]
-    explained = np.einsum("gi,gi->g", moment, found)
-    order = np.argsort(-explained)
-    picked = [order[0]]
-    for i in order[1:]:
-        if len(picked) == few:
-            break
-        if all(abs(parameters[i, 1] / parameters[j, 1] - 1) > 0.5 for j in picked):
-            picked.append(i)
-    return parameters[picked], float(0.5 * ((square * profile) @ profile - explained[order[0]]))
-
-
 def suspicious(spread: Spread, streaks: float) -> bool:
     """Whether a mean profile differs from one step by more than chance and streaks, a share of the step, allow."""
     return bool(spread.misfit > _SUSPECT * np.sqrt(spread.level**2 + _MODEL**2 + 0.25 * streaks**2))
 
 
-def find_rim(spread: Spread, streaks: float) -> Rim | None:
+def find_rim(spread: Spread, streaks: float, sharp: float | None = None) -> Rim | None:
     """The rim that a mean profile shows, or None.
 
     Args:
         spread: Rows laid over each other, windows wide enough for the rim.
         streaks: Standard deviation of what all rows have in common beside the edge, as a share of the step.
+        sharp: Blur of the other edge, where a rim shows along that one: one lens sees both [px].
     """
-    profile, place = spread.mean, bin_places(spread.mean.size)
-    face = np.sqrt(1.0 - 0.75 * _step(place, spread.blur))  # behind the face there are less of them
+    profile = spread.mean
+    face = np.sqrt(
+        1.0 - 0.75 * blurred_step(bin_places(profile.size), spread.blur)
+    )  # behind it there are less
     weight = 1.0 / np.sqrt(spread.error**2 + _MODEL**2 + (streaks * face) ** 2)
-    one = np.ones_like(place)
-
-    def misfit(cost: float) -> float:
-        return float(np.sqrt(2 * cost / place.size))
-
-    def single(p: FloatArray) -> FloatArray:
-        return _solved([one, _step(place - p[0], p[1])], profile, weight)[0]
-
-    def disc(p: FloatArray) -> FloatArray:
-        return _solved([one, _disc_step(place - p[0], p[1], 0.5)], profile, weight)[0]
-
-    plain = misfit(least_squares(single, [0.0, spread.blur], method="lm", max_nfev=40).cost)
-    starts, least = _start(profile, weight)
-    if plain < _FITS or plain**2 - misfit(least) ** 2 < 0.5 * _MORE:
+    known = None if sharp is None else Sharp(sharp, _SAME * sharp)
+    plain = fit_one(profile, weight, spread.blur).misfit
+    if sharp is None:
+        if plain < _FITS:
+            return None
+        plain = min(plain, fit_disc(profile, weight, min(2 * spread.blur, 11.0)).misfit)
+    else:
+        plain = fit_one(profile, weight, sharp, known).misfit
+    starts, _ = two_starts(profile, weight)
+    near = np.array([1.5, 1.8, 0.8]) * spread.blur  # narrower than the grid tells from one step
+    tries = []
+    for start in (starts[0], near, *starts[1:]):
+        tries.append(fit_two(profile, weight, start, known))
+        best = min(tries, key=lambda found: (found.places[1] < 0, found.misfit))
+        if best.places[1] > 0 and best.misfit < 0.5 * _BETTER * plain:
+            break
+    shift, width, blur = (float(v) for v in best.places)
+    if width < 0 or blur < 0 or width > WIDEST + 2:
         return None
-    softest = [0.0, min(2 * spread.blur, 11.0)]
-    plain = min(plain, misfit(least_squares(disc, softest, method="lm", max_nfev=40).cost))
-
-    def columns(p: FloatArray) -> list[FloatArray]:
-        return [one, _step(place - p[0], p[2]), _step(place - p[0] + p[1], p[2])]
-
-    def double(p: FloatArray) -> FloatArray:
-        return _solved(columns(p), profile, weight)[0]
-
-    tries = [least_squares(double, start, method="lm", max_nfev=60) for start in starts]
-    best = min(tries, key=lambda found: (found.x[1] < 0, float(found.cost)))
-    shift, width, blur = (float(v) for v in best.x)
-    if width < 0 or blur < 0 or width > _WIDTHS[-1] + 2:
-        return None
-    two, steps = misfit(best.cost), _solved(columns(best.x), profile, weight)[1]
-    total = steps[1] + steps[2]
-    brightness = float(-steps[2] / total) if abs(total) > 1e-6 else 0.0
+    two, total = best.misfit, float(best.heights.sum())
+    brightness = float(-best.heights[1] / total) if abs(total) > 1e-6 else 0.0
     if plain**2 - two**2 < _MORE or abs(brightness) < max(_FAINTEST, _STREAKS * streaks):
         return None
-    covariance = np.linalg.pinv(best.jac.T @ best.jac) * max(two, 1.0) ** 2
     if two > _BETTER * plain and (plain < _CLEAR or streaks > _CLEAN):
         return None
-    deviation = float(np.sqrt(covariance[0, 0]))
-    if abs(brightness + 0.5) < _EVEN and width < _UNRESOLVED * blur:
-        return None
-    return Rim(shift, deviation, width, brightness, blur, two * _MODEL)
+    if known is None and abs(brightness + 0.5) < _EVEN and width < _UNRESOLVED * blur:
+        # What thins out evenly looks much the same, and there the edge is in the middle.
+        ramp = fit_ramp(profile, weight, 0.9 * width, blur).misfit
+        if two > _BETTER * ramp:
+            return None
+    return Rim(shift, best.deviation * max(two, 1.0), width, brightness, blur, two * _MODEL)
 
 
 def wide_and_dark(rim: Rim, pixel: float) -> bool:
     """Whether a rim may as well lie behind the face: too wide for an arris, and no polished one."""
-    return rim.brightness < 0 and rim.width * pixel > _NARROW
+    return rim.brightness < 0 and rim.width * pixel > NARROW
 
 
-def check_rim(edge: str, rim: Rim, pixel: float) -> None:
-    """Whether a rim belongs to the face for sure, and its border is placed.
+def check_placed(edge: str, rim: Rim, pixel: float) -> None:
+    """Whether a rim's outer border is placed, by the size of a pixel on the face [m].
 
     Raises:
-        WrongEdge: It does not.
+        WrongEdge: It is not.
     """
     if rim.deviation > _PLACED:
         raise WrongEdge(
@@ -190,13 +130,26 @@ def check_rim(edge: str, rim: Rim, pixel: float) -> None:
             f"{m_to_mm(_PLACED * pixel):.2f} mm; clean the edge or change the light",
             edge=edge,
         )
-    if wide_and_dark(rim, pixel):
+
+
+def check_readable(edge: str, rim: Rim, pixel: float) -> None:
+    """Whether a wide dark rim is sharp enough that its end tells on which side of it the edge of the face is.
+
+    Raises:
+        WrongEdge: It is not.
+    """
+    if wide_and_dark(rim, pixel) and rim.width < _READABLE * rim.blur:
         raise WrongEdge(
             f"two steps {m_to_mm(rim.width * pixel):.2f} mm apart may be the {edge} edge: the inner one if the dark "
             "rim between them lies behind the face, the outer one if it is a band on the face; change the light or "
             "clean the edge",
             edge=edge,
         )
+
+
+def softer(blur: float, sharp: float) -> bool:
+    """Whether an edge is softer than one along which a rim lies [px]: then a rim lies along it, too."""
+    return blur > _SOFTER * sharp
 
 
 def check_alike(rims: dict[str, Rim | None], blurs: dict[str, float]) -> None:
@@ -211,7 +164,7 @@ def check_alike(rims: dict[str, Rim | None], blurs: dict[str, float]) -> None:
     """
     sharp = [rim.blur for rim in rims.values() if rim is not None and rim.brightness < 0]
     for edge, rim in rims.items():
-        if rim is None and sharp and blurs[edge] > _SOFTER * min(sharp):
+        if rim is None and sharp and softer(blurs[edge], min(sharp)):
             raise WrongEdge(
                 f"the {edge} edge is {blurs[edge]:.2f} px soft, the other, along which a dark rim lies, "
                 f"{min(sharp):.2f} px: a rim hides in it, whose border cannot be placed; clean the edges or "

@@ -30,6 +30,8 @@ class LocalizerSettings(Section):
             the clamp [m].
         squareness_limit: Largest angle from a right angle of a door that is milled [rad].
         straightness_deviation: Standard deviation of a whole edge from the straight line of what shows of it [m].
+        straightness_length: Length over which a bend that shows is taken to go on [m].
+        straightness_limit: Largest rise of an edge over that length of a door that is milled [m].
         lens_deviation: Standard deviation of the focal length, as a share of it.
     """
 
@@ -42,6 +44,8 @@ class LocalizerSettings(Section):
     thickness_deviation: NotNegative
     squareness_limit: NotNegative = 2.6e-3
     straightness_deviation: NotNegative = 0.0
+    straightness_length: NotNegative = 0.4
+    straightness_limit: NotNegative = 1.0e-4
     lens_deviation: NotNegative = 0.0
 
     def picture_only(self) -> LocalizerSettings:

@@ -9,14 +9,14 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization import checks
-from doormill_ros.localization.blur import Spread, edge_spread
+from doormill_ros.localization.blur import Spread
+from doormill_ros.localization.both_rims import EdgeRead, find_borders
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.fit import LineFit, fit_line, pooled
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.neighbourhood import EVERY, WIDE_HALF, Neighbourhood, look_around
-from doormill_ros.localization.profiles import Profiles, crossing, measure, plain_weights
-from doormill_ros.localization.rim import Rim, check_alike, check_rim, find_rim, suspicious, wide_and_dark
+from doormill_ros.localization.profiles import Profiles, measure, plain_weights
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.localization.texture import push
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
@@ -27,6 +27,7 @@ _NARROW_BLUR = 1.5  # px; where another step is near
 # Wide, then sharp focusing ends when the edges move by less than the first two [px]; when they move
 # by more than the third, blur and texture are learned again.
 _CAUGHT, _NEAR, _FAR = 1.5, 0.6, 1.2
+_ASIDE = 0.6  # px between line and edge from which rows are read again beside another step
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,14 +156,58 @@ def _trace(
 ) -> dict[str, Trace]:
     poses, room = dict.fromkeys(EDGES, pose), dict.fromkeys(EDGES, WIDE_HALF)
     for _ in range(3):
-        poses, wide, near = _focus(picture, view, poses, room, settings)
-        around = {edge: look_around(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
+        poses, around = _surroundings(picture, view, poses, room, settings)
         if not any(beside.beside for beside in around.values()) or not _step_aside(
             picture, view, poses, room, around
         ):
             break
     else:
         raise checks.edge_in_edge()
+    reads = _read(picture, view, poses, room, around, settings)
+    borders = find_borders(picture, view, reads, settings)
+    if any(np.isfinite(one.room) and abs(one.shift) > _ASIDE for one in borders.values()):
+        # Between two steps rows scatter: they are read again at the one that is the edge.
+        for i, edge in enumerate(EDGES):
+            if np.isfinite(borders[edge].room):
+                poses[edge] = reads[edge].pose.copy()
+                poses[edge][i] -= borders[edge].shift * view.pixel
+                room[edge] = int(np.clip(borders[edge].room - _NARROW_BLUR, 4, WIDE_HALF))
+        poses, around = _surroundings(picture, view, poses, room, settings)
+        reads = _read(picture, view, poses, room, around, settings)
+        borders = find_borders(picture, view, reads, settings)
+    out = {}
+    for edge, read in reads.items():
+        border, beside = borders[edge], read.beside
+        line = read.line
+        if border.shift:
+            line = line.moved(-border.shift * view.pixel, (border.deviation * view.pixel) ** 2)
+        pushed = push(beside.face, beside.rows, beside.weights, beside.spread.blur, read.profiles.step)
+        line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
+        out[edge] = Trace(read.profiles, border.spread, line)
+    return out
+
+
+def _surroundings(
+    picture: ByteArray,
+    view: FaceView,
+    poses: dict[str, FloatArray],
+    room: dict[str, int],
+    settings: LocalizerSettings,
+) -> tuple[dict[str, FloatArray], dict[str, Neighbourhood]]:
+    """Poses to about half a pixel, and what lies beside the edges."""
+    poses, wide, near = _focus(picture, view, poses, room, settings)
+    return poses, {edge: look_around(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
+
+
+def _read(
+    picture: ByteArray,
+    view: FaceView,
+    poses: dict[str, FloatArray],
+    room: dict[str, int],
+    around: dict[str, Neighbourhood],
+    settings: LocalizerSettings,
+) -> dict[str, EdgeRead]:
+    """Every row of both edges, read as the surroundings ask for."""
     for _ in range(4):
         profiles, lines = {}, {}
         for edge, beside in around.items():
@@ -174,51 +219,8 @@ def _trace(
         if moved < _NEAR:
             break
         if moved > _FAR:
-            poses, wide, near = _focus(picture, view, poses, room, settings)
-            around = {edge: look_around(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
-    poses, lines, out = _poses(lines), pooled(lines), {}
-    rims: dict[str, Rim | None] = {}
-    for edge, beside in around.items():
-        step, line = profiles[edge].step, lines[edge]
-        checks.check_share(edge, share(line.inliers), settings)
-        rims[edge], spread = rim, spread = _rim(
-            picture, view, poses[edge], profiles[edge], line, beside, settings
-        )
-        if rim is None:
-            # A ragged edge smears the rows laid over each other as a soft one does.
-            ragged = line.scatter / view.pixel
-            blur = float(np.sqrt(max(beside.spread.blur**2 - ragged**2, 0.0)))
-            checks.check_spread(edge, replace(beside.spread, blur=blur), beside.streaks / abs(step), settings)
-        else:
-            check_rim(edge, rim, view.pixel)
-            checks.check_spread(edge, spread, beside.streaks / abs(step), settings)
-            line = line.moved(-rim.shift * view.pixel, (rim.deviation * view.pixel) ** 2)
-        pushed = push(beside.face, beside.rows, beside.weights, beside.spread.blur, step)
-        line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
-        out[edge] = Trace(profiles[edge], spread, line)
-    check_alike(rims, {edge: trace.spread.blur for edge, trace in out.items()})
-    return out
-
-
-def _rim(
-    picture: ByteArray,
-    view: FaceView,
-    pose: FloatArray,
-    profiles: Profiles,
-    line: LineFit,
-    beside: Neighbourhood,
-    settings: LocalizerSettings,
-) -> tuple[Rim | None, Spread]:
-    """A rim along an edge of which the line has been found, and the edge's spread with it taken for what it is."""
-    streaks = beside.streaks / abs(beside.step)
-    if beside.spread.blur > settings.max_blur or not suspicious(beside.spread, streaks):
-        return None, beside.spread
-    wide = measure(picture, view, profiles.edge, pose, plain_weights(WIDE_HALF, _WIDE_BLUR), EVERY)
-    lines, at = crossing(view, profiles.edge, pose, 0, -5.0e-3)
-    shift = np.interp(wide.lines, lines, at) - wide.centre
-    spread = edge_spread(wide, shift, np.isin(wide.lines, profiles.lines[line.inliers]))
-    rim = find_rim(spread, streaks)
-    allowed = checks.allowed_misfit(beside.spread, streaks)
-    if rim is None or (wide_and_dark(rim, view.pixel) and beside.spread.misfit < allowed):
-        return None, beside.spread  # grain beside an edge is no strip of its own
-    return rim, replace(spread, blur=rim.blur, misfit=rim.misfit)
+            poses, around = _surroundings(picture, view, poses, room, settings)
+    poses, lines = _poses(lines), pooled(lines)
+    for edge in EDGES:
+        checks.check_share(edge, share(lines[edge].inliers), settings)
+    return {edge: EdgeRead(poses[edge], profiles[edge], lines[edge], around[edge]) for edge in EDGES}

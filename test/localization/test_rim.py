@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.localization.blur import Spread, bin_places
 from doormill_ros.localization.errors import WrongEdge
-from doormill_ros.localization.rim import Rim, check_alike, check_rim, find_rim
+from doormill_ros.localization.rim import Rim, check_alike, check_placed, check_readable, find_rim
 
 PLACE = bin_places(47)
 PIXEL = 1e-4
@@ -55,14 +55,15 @@ def test_a_defocused_lens_is_no_rim():
 def test_a_rim_whose_place_is_open_is_refused():
     rim = Rim(shift=1.0, deviation=0.8, width=2.0, brightness=-0.8, blur=1.0, misfit=0.002)
     with pytest.raises(WrongEdge, match=r"known to 0\.08 mm only, allowed are 0\.03 mm"):
-        check_rim("hinge", rim, PIXEL)
+        check_placed("hinge", rim, PIXEL)
 
 
-def test_a_dark_rim_too_wide_for_an_arris_is_refused_and_a_bright_one_is_not():
-    rim = Rim(shift=1.0, deviation=0.05, width=7.0, brightness=-0.5, blur=1.0, misfit=0.002)
+def test_a_dark_rim_too_wide_for_an_arris_is_refused_where_it_is_too_soft_to_read_its_end():
+    soft, sharp = (Rim(1.0, 0.05, width=7.0, brightness=-0.5, blur=b, misfit=0.002) for b in (2.0, 1.0))
     with pytest.raises(WrongEdge, match=r"two steps 0\.70 mm apart"):
-        check_rim("bottom", rim, PIXEL)
-    check_rim("bottom", Rim(1.0, 0.05, 7.0, 0.5, 1.0, 0.002), PIXEL)
+        check_readable("bottom", soft, PIXEL)
+    check_readable("bottom", sharp, PIXEL)
+    check_readable("bottom", Rim(1.0, 0.05, width=7.0, brightness=0.5, blur=2.0, misfit=0.002), PIXEL)
 
 
 def test_an_edge_softer_than_one_with_a_rim_hides_a_rim():
@@ -70,3 +71,26 @@ def test_an_edge_softer_than_one_with_a_rim_hides_a_rim():
     with pytest.raises(WrongEdge, match=r"the hinge edge is 1\.40 px soft"):
         check_alike({"hinge": None, "bottom": rim}, {"hinge": 1.4, "bottom": 1.0})
     check_alike({"hinge": None, "bottom": rim}, {"hinge": 1.05, "bottom": 1.0})
+
+
+def test_a_narrow_rim_nearly_as_dark_as_the_background_is_found():
+    profile = 0.2 * soft(1.5, 0.85) + 0.8 * soft(-0.3, 0.85)
+    rim = find_rim(spread(profile), 0.0)
+    assert rim is not None
+    assert rim.shift == pytest.approx(1.5, abs=max(3 * rim.deviation, 0.1))
+
+
+def test_a_rim_half_as_dark_as_the_background_is_found_and_a_fibrous_edge_is_none():
+    rim = find_rim(spread(0.4 * soft(1.5, 0.95) + 0.6 * soft(-0.9, 0.95)), 0.0)
+    assert rim is not None
+    assert rim.shift == pytest.approx(1.5, abs=0.2)
+    fibrous = np.mean([soft(at, 0.9) for at in np.linspace(-2.0, 2.0, 101)], axis=0)
+    assert find_rim(spread(fibrous), 0.0) is None
+
+
+def test_the_blur_of_the_other_edge_shows_a_rim_that_looks_like_softness():
+    seen = spread(0.5 * soft(0.7, 1.0) + 0.5 * soft(-0.7, 1.0))
+    assert find_rim(seen, 0.0) is None
+    rim = find_rim(seen, 0.0, sharp=1.0)
+    assert rim is not None
+    assert rim.shift == pytest.approx(0.7, abs=max(3 * rim.deviation, 0.1))

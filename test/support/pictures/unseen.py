@@ -9,6 +9,4 @@ UNSEEN = frozenset(
 )
 
 # Plain to a person, yet refused in more than one of ten pictures, for a doubt that one picture does not settle.
-DOUBTFUL = frozenset(
-    {"edge band 0.4 to 1 mm", "edge band 2 mm", "bright arris", "wavy edge", "oak grain", "bevel"}
-)
+DOUBTFUL = frozenset({"edge band 2 mm", "wavy edge", "oak grain"})

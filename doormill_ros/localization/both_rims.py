@@ -1,0 +1,181 @@
+"""Rims along the two edges of a face: what one tells about the other, and on which side of a wide one the edge is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.localization import checks
+from doormill_ros.localization.blur import Spread, edge_spread
+from doormill_ros.localization.edge_line import EdgeLine, meet
+from doormill_ros.localization.fit import LineFit
+from doormill_ros.localization.layers import choose
+from doormill_ros.localization.neighbourhood import EVERY, WIDE_HALF, Neighbourhood
+from doormill_ros.localization.profiles import Profiles, crossing, measure, plain_weights
+from doormill_ros.localization.rim import (
+    Rim,
+    check_alike,
+    check_placed,
+    check_readable,
+    find_rim,
+    softer,
+    suspicious,
+    wide_and_dark,
+)
+from doormill_ros.localization.settings import LocalizerSettings
+from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
+
+_WIDE_BLUR = 3.0  # px
+_AS_WIDE = 0.7
+_ROOM = 5.5  # px: one of two steps so far apart can be read by itself
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeRead:
+    """One edge as it was read as if it were one step.
+
+    Attributes:
+        pose: Where it runs: y, z [m] and rotation [rad], shape (3,).
+        profiles: Its rows.
+        line: The line through their points.
+        beside: What lies beside it.
+    """
+
+    pose: FloatArray
+    profiles: Profiles
+    line: LineFit
+    beside: Neighbourhood
+
+    @property
+    def streaks(self) -> float:
+        """Standard deviation of what all rows have in common beside the edge, as a share of the step."""
+        return self.beside.streaks / abs(self.beside.step)
+
+
+class _Seen:
+    """An edge, its rim if there is one, and the mean profile over windows wide enough for it."""
+
+    def __init__(self, picture: ByteArray, view: FaceView, read: EdgeRead) -> None:
+        self.picture, self.view, self.read = picture, view, read
+        self.rim: Rim | None = None
+        self._wide: Spread | None = None
+
+    def wide(self) -> Spread:
+        """The rows laid over each other in wide windows."""
+        if self._wide is None:
+            read = self.read
+            edge = read.profiles.edge
+            weights = plain_weights(WIDE_HALF, _WIDE_BLUR)
+            wide = measure(self.picture, self.view, edge, read.pose, weights, EVERY)
+            lines, at = crossing(self.view, edge, read.pose, 0, -5.0e-3)
+            shift = np.interp(wide.lines, lines, at) - wide.centre
+            near = np.isin(wide.lines, read.profiles.lines[read.line.inliers])
+            self._wide = edge_spread(wide, shift, near)
+        return self._wide
+
+    def look(self, sharp: float | None = None) -> None:
+        """Look for a rim; see `find_rim`."""
+        spread, streaks = self.read.beside.spread, self.read.streaks
+        if sharp is None and not suspicious(spread, streaks):
+            return
+        rim = find_rim(self.wide(), streaks, sharp)
+        single = spread.misfit < checks.allowed_misfit(spread, streaks)
+        if rim is None or not (
+            single and wide_and_dark(rim, self.view.pixel)
+        ):  # grain is no strip of its own
+            self.rim = rim
+
+    def blur(self) -> float:
+        """Blur of the edge, a rim taken for what it is [px]."""
+        return self.read.beside.spread.blur if self.rim is None else self.rim.blur
+
+
+@dataclass(frozen=True, eq=False)
+class Border:
+    """The edge of the face beside the line that was fitted as if there were one step.
+
+    Attributes:
+        shift: How far outwards of it [px].
+        deviation: Standard deviation of that [px].
+        spread: Of the edge, a rim taken for what it is.
+        room: To another step beside it that has a side of its own [px]; infinite where there is none.
+    """
+
+    shift: float
+    deviation: float
+    spread: Spread
+    room: float = np.inf
+
+
+def find_borders(
+    picture: ByteArray, view: FaceView, reads: dict[str, EdgeRead], settings: LocalizerSettings
+) -> dict[str, Border]:
+    """The edges of the face, where rims lie along them or not.
+
+    Args:
+        picture: Grey picture, shape (h, w), uint8.
+        view: The camera before the face.
+        reads: By edge, what was read.
+        settings: Limits of refusal.
+
+    Raises:
+        LocalizationError: Blurred or WrongEdge.
+    """
+    seen = {edge: _Seen(picture, view, read) for edge, read in reads.items()}
+    for one in seen.values():
+        one.look()
+    sharp = min(
+        (s.rim.blur for s in seen.values() if s.rim is not None and s.rim.brightness < 0), default=None
+    )
+    if sharp is not None:
+        for one in seen.values():
+            if one.rim is None and softer(one.blur(), sharp):
+                one.look(sharp)
+    inner = _inside_of_rims(picture, view, seen)
+    out = {}
+    for edge, one in seen.items():
+        read, rim = one.read, one.rim
+        spread, streaks = read.beside.spread, read.beside.streaks / abs(read.profiles.step)
+        if rim is None:
+            # A ragged edge smears the rows laid over each other as a soft one does.
+            ragged = read.line.scatter / view.pixel
+            blur = float(np.sqrt(max(spread.blur**2 - ragged**2, 0.0)))
+            checks.check_spread(edge, replace(spread, blur=blur), streaks, settings)
+            out[edge] = Border(0.0, 0.0, spread)
+        else:
+            check_placed(edge, rim, view.pixel)
+            spread = replace(one.wide(), blur=rim.blur, misfit=rim.misfit)
+            checks.check_spread(edge, spread, streaks, settings)
+            shift = rim.shift - (rim.width if inner[edge] else 0.0)
+            room = rim.width if rim.width > _ROOM else np.inf
+            out[edge] = Border(shift, rim.deviation, spread, room)
+    check_alike({edge: one.rim for edge, one in seen.items()}, {e: one.blur() for e, one in seen.items()})
+    return out
+
+
+def _inside_of_rims(picture: ByteArray, view: FaceView, seen: dict[str, _Seen]) -> dict[str, bool]:
+    """For each edge whether the edge of the face is the inner border of its rim, which then lies behind the face.
+
+    Raises:
+        WrongEdge: It cannot be told.
+    """
+    pixel = view.pixel
+    wide = [edge for edge, one in seen.items() if one.rim is not None and wide_and_dark(one.rim, pixel)]
+    inner = dict.fromkeys(seen, False)
+    if not wide:
+        return inner
+    # What is done to one edge is done to the other, and a little narrower there.
+    least = _AS_WIDE * max(one.rim.width for one in seen.values() if one.rim is not None)
+    lines = {}
+    for edge, one in seen.items():
+        line = EdgeLine.at_pose(edge, one.read.pose, one.read.profiles.step)
+        lines[edge] = [line]
+        if one.rim is not None:
+            outer = replace(line, across=line.across - one.rim.shift * pixel)
+            within = replace(outer, across=outer.across + one.rim.width * pixel)
+            lines[edge] = [within, outer] if one.rim.width > least else [outer]
+            check_readable(edge, one.rim, pixel)
+    found = choose(picture, view, lines, meet(lines[HINGE][0], lines[BOTTOM][0])[:2])
+    return {edge: len(lines[edge]) > 1 and found[edge] is lines[edge][0] for edge in EDGES}

@@ -1,0 +1,53 @@
+"""Whether an edge is straight, as far as the picture shows it.
+
+A bow of 0.3 mm over 400 mm bends the 130 mm that show of the bottom edge by 0.03 mm, which a sawn edge leaves to be
+told, and the 80 mm that show of the hinge edge by 0.01 mm, less than it wanders.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import stdtrit
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.localization.errors import BowedEdge
+from doormill_ros.localization.fit import LineFit
+from doormill_ros.localization.settings import LocalizerSettings
+from doormill_ros.units import m_to_mm
+
+_CHANCE = 2.0e-3  # probability that a straight edge seems to bend so much
+_SPENT = 4.0  # degrees of freedom of an edge's scatter that the arc and the pieces' overlap take
+
+
+def check_straight(
+    lines: dict[str, LineFit], drawn: dict[str, FloatArray], settings: LocalizerSettings
+) -> None:
+    """Whether what shows of the edges bends no more than straight ones that were sawn.
+
+    Args:
+        lines: By edge.
+        drawn: The same in the picture, u, v [px], each shape (n, 2).
+        settings: Limits of refusal.
+
+    Raises:
+        BowedEdge: One bends, and would be further from straight than allowed over `straightness_length`.
+    """
+    squared = settings.straightness_length**2 / 4.0  # an arc rises by that much per bend over its length
+    for edge, line in lines.items():
+        rise, deviation = line.bend * squared, float(np.sqrt(line.bend_variance)) * squared
+        if deviation > settings.straightness_limit:
+            continue  # too little shows of it for a bow of that size to be told from grain
+        # The scatter is learned from few pieces of an edge: Student's distribution.
+        often = -float(stdtrit(max(line.freedom - _SPENT, 2.0), 0.5 * _CHANCE))
+        sure = often * float(np.hypot(deviation, settings.straightness_deviation))
+        if abs(rise) > max(sure, settings.straightness_limit):
+            raise BowedEdge(
+                f"the {edge} edge is bowed: over {m_to_mm(settings.straightness_length):.0f} mm what shows of it bends "
+                f"by {m_to_mm(abs(rise)):.2f} mm (standard deviation {m_to_mm(deviation):.2f}), allowed are "
+                f"{m_to_mm(settings.straightness_limit):.2f} mm, and the picture does not tell where the rest of it "
+                "runs; straighten the door or mill it by hand",
+                edge=edge,
+                rise=rise,
+                deviation=deviation,
+                marks=((edge, drawn[edge]),),
+            )

@@ -1,0 +1,45 @@
+"""Dark bands and bevels a few pixels wide: on the face or behind it, told by what happens where they cross."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.localization.localizer import localize
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.simulation.picture.scene import BackEdge, Edges, PictureScene, Sensor, Strip, Surface
+from doormill_ros.units import MM
+
+WIDTH, THICKNESS = 0.9, 0.05
+SCENE = PictureScene(
+    WIDTH,
+    THICKNESS,
+    DoorOffset(0.003, -0.002, 0.011),
+    face=Surface(0.6, mottle=0.015, grain=0.02),
+    background=Surface(0.15, mottle=0.03, mottle_size=4 * MM),
+    edges=Edges(0.015 * MM),
+    sensor=Sensor(blur=1.0),
+)
+
+
+def strips(start, stop, factor, edges=("hinge", "bottom")):
+    return tuple(Strip(edge, start * MM, stop * MM, factor) for edge in edges)
+
+
+SEEN = {
+    "dark band of 0.5 mm": {"strips": strips(-1.0, 0.5, 0.6)},
+    "dark band of 0.8 mm": {"strips": strips(-1.0, 0.8, 0.6)},
+    "dark band of 0.8 mm, a little darker": {"strips": strips(-1.0, 0.8, 0.75)},
+    "bevel of 1 mm": {"back_edge": BackEdge(1.0 * MM, 1.0 * MM, 1.0 * MM, 0.6)},
+    "bevel of 1.5 mm": {"back_edge": BackEdge(1.5 * MM, 1.5 * MM, 1.5 * MM, 0.5)},
+    "lip behind the hinge edge": {"back_edge": BackEdge(1.6 * MM, 0.0, 3.0 * MM, 0.5)},
+    "grooves beside both edges": {"strips": strips(7.0, 8.5, 0.5)},
+}
+
+
+@pytest.mark.parametrize("name", SEEN)
+def test_the_edge_of_the_face_is_found(name, camera, layout):
+    scene = replace(SCENE, **SEEN[name])
+    found = localize(render_picture(scene, 6), camera, layout, WIDTH, THICKNESS).offset
+    assert np.hypot(found.y - scene.offset.y, found.z - scene.offset.z) < 0.03 * MM

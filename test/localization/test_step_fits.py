@@ -1,0 +1,74 @@
+"""Fits of steps to mean profiles: places, derivatives and what is known of the blur."""
+
+from math import erf, sqrt
+
+import numpy as np
+import pytest
+
+from doormill_ros.localization import step_fits
+from doormill_ros.localization.blur import bin_places
+from doormill_ros.localization.step_fits import Sharp, fit_disc, fit_one, fit_ramp, fit_two, two_starts
+
+PLACE = bin_places(47)
+
+
+def soft(at, blur):
+    """A step at `at` seen with a Gaussian point spread and the pixel's own width."""
+    sigma = sqrt(blur**2 + 1 / 12)
+    return np.array([0.5 * (1 + erf((x - at) / sigma / sqrt(2))) for x in PLACE])
+
+
+def test_one_step_is_placed():
+    fit = fit_one(soft(0.37, 1.3), np.full(PLACE.size, 250.0), 0.9)
+    assert fit.places == pytest.approx([0.37, 1.3], abs=1e-3)
+    assert fit.misfit < 0.05
+
+
+@pytest.mark.parametrize(("width", "share", "blur"), [(1.8, 0.2, 0.85), (2.4, 0.4, 0.95), (8.0, 0.5, 1.1)])
+def test_two_steps_are_placed_from_the_grid(width, share, blur):
+    profile = share * soft(1.1, blur) + (1 - share) * soft(1.1 - width, blur)
+    weight = np.full(PLACE.size, 250.0)
+    starts, _ = two_starts(profile, weight)
+    best = min((fit_two(profile, weight, start) for start in starts), key=lambda fit: fit.misfit)
+    assert best.places == pytest.approx([1.1, width, blur], abs=0.02)
+    assert best.heights == pytest.approx([share, 1 - share], abs=0.01)
+
+
+def test_deviation_is_the_scatter_of_the_place():
+    noise, rng = 2e-3, np.random.default_rng(8)
+    profile = 0.3 * soft(1.5, 1.0) + 0.7 * soft(-1.5, 1.0)
+    weight = np.full(PLACE.size, 1 / noise)
+    start = np.array([1.4, 2.8, 1.1])
+    fits = [fit_two(profile + noise * rng.standard_normal(PLACE.size), weight, start) for _ in range(120)]
+    scatter = np.std([fit.places[0] for fit in fits])
+    assert scatter == pytest.approx(np.mean([fit.deviation for fit in fits]), rel=0.25)
+
+
+def test_a_blur_that_is_known_places_what_the_profile_leaves_open():
+    profile = 0.45 * soft(0.6, 1.0) + 0.55 * soft(-0.6, 1.0)
+    weight, start = np.full(PLACE.size, 250.0), np.array([0.6, 1.2, 1.0])
+    free, known = fit_two(profile, weight, start), fit_two(profile, weight, start, Sharp(1.0, 0.02))
+    assert known.deviation < 0.9 * free.deviation
+    assert known.places[0] == pytest.approx(0.6, abs=0.05)
+
+
+def test_what_thins_out_evenly_is_no_disc():
+    reach = 2.5
+    profile = np.mean([soft(at, 0.8) for at in np.linspace(-reach, reach, 201)], axis=0)
+    weight = np.full(PLACE.size, 250.0)
+    ramp = fit_ramp(profile, weight, 2.0, 0.8)
+    assert ramp.places == pytest.approx([0.0, reach, 0.8], abs=0.03)
+    assert ramp.misfit < 0.3 * fit_disc(profile, weight, 2.0).misfit
+
+
+@pytest.mark.parametrize(
+    "model", [step_fits._One(47), step_fits._Two(47), step_fits._Spread(47, step_fits._DISC)]
+)
+def test_slopes_are_those_of_the_columns(model):
+    heights = np.array([0.3, 0.6]) if isinstance(model, step_fits._Two) else np.array([0.9])
+    p = np.array([0.4, 1.7, 0.9])[: 3 if isinstance(model, step_fits._Two) else 2]
+    h = 1e-5
+    for i, slope in enumerate(model.slopes(p, heights)):
+        move = h * np.eye(p.size)[i]
+        numeric = heights @ (model.columns(p + move) - model.columns(p - move))[1:] / (2 * h)
+        np.testing.assert_allclose(slope, numeric, atol=1e-6)
