@@ -1,7 +1,7 @@
 """Run a bench and keep what it prints: `python bench/record.py bench/worlds.py [ARGUMENTS]`.
 
-`bench/results/NAME.txt` then holds command, date, commit and exit status of the run and its output; `test/figures.yaml`
-says which figures of the pages are read from it. A bench that finds a bound missed ends with 1 and is kept all the
+`bench/results/NAME.txt` then holds command, date, commit and exit status of the run and its output; test/figures says
+which figures of the pages are read from it. A bench that finds a bound missed ends with 1 and is kept all the
 same, with that status; one that breaks off (an exception, a signal, nothing printed) is not.
 """
 

@@ -1,12 +1,10 @@
-"""Figures of a page that nothing holds: neither a row of `test/figures.yaml` nor what it lists as cited."""
+"""Figures of a page that nothing holds: neither a row of its file in test/figures nor what that lists as cited."""
 
 from __future__ import annotations
 
 import re
 
-import yaml
-
-from support.page_figures import NUMBER, TABLE, Row
+from support.page_figures import NUMBER, Row, tables
 
 #: A number, not the digits of a name or of an exponent.
 FIGURE = re.compile(r"(?<![\w.])(?<!\de-)\d+(?:[.,]\d+)*")
@@ -27,7 +25,7 @@ SHOWN = (
 
 def cited() -> dict[str, dict[str, str]]:
     """Of each page that is looked through: patterns of figures that no row can hold, and why."""
-    return dict(yaml.safe_load(TABLE.read_text(encoding="utf-8"))["cited"])
+    return {table["page"]: table["cited"] for table in tables() if "cited" in table}
 
 
 def uncovered(page: str, text: str, rows: list[Row], patterns: dict[str, str]) -> list[str]:

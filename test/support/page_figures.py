@@ -1,4 +1,8 @@
-"""Figures of the pages and where each comes from: `test/figures.yaml` read and worked out."""
+"""Figures of the pages and where each comes from: the files of test/figures, one a page, read and worked out.
+
+`page` is the page; under `figures` stand its words, a `{}` for each figure, with the source of each (`number_of`); under
+`cited` patterns of figures that no source holds, each with where it is from.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,8 @@ import yaml
 from doormill_ros.errors import catalogue
 from support.source_tree import ROOT
 
-TABLE = ROOT / "test" / "figures.yaml"
+TABLES = ROOT / "test" / "figures"
+NOT_RECORDED = TABLES / "not_recorded.yaml"
 RESULTS = ROOT / "bench" / "results"
 COUNTED = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 WORDS = {
@@ -56,19 +61,24 @@ class Row:
         ]
 
 
+def tables() -> list[dict[str, Any]]:
+    """What the files say, one a page."""
+    files = sorted(path for path in TABLES.glob("*.yaml") if path != NOT_RECORDED)
+    return [yaml.safe_load(path.read_text(encoding="utf-8")) for path in files]
+
+
 def rows() -> list[Row]:
-    """The table."""
-    document = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
+    """The rows of all pages."""
     return [
-        Row(page, words, tuple(sources if isinstance(sources, list) else [sources]))
-        for page, said in document["figures"].items()
-        for words, sources in said.items()
+        Row(table["page"], words, tuple(sources if isinstance(sources, list) else [sources]))
+        for table in tables()
+        for words, sources in table.get("figures", {}).items()
     ]
 
 
 def not_recorded() -> dict[str, str]:
     """Benches whose figures the pages print, with no run of theirs in `bench/results`, and why."""
-    return dict(yaml.safe_load(TABLE.read_text(encoding="utf-8"))["not recorded"])
+    return dict(yaml.safe_load(NOT_RECORDED.read_text(encoding="utf-8")))
 
 
 def agrees(text: str, value: float, coarse: float) -> bool:
