@@ -1,7 +1,7 @@
 """Figures of the pages and where each comes from: the files of test/figures, one a page, read and worked out.
 
-`page` is the page; under `figures` stand its words, a `{}` for each figure, with the source of each (`number_of`); under
-`cited` patterns of figures that no source holds, each with where it is from.
+`page` is the page; under `figures` stand its words, a `{}` for each figure, with the source of each (`number_of`);
+under `cited` patterns of figures that no source holds, each with where it is from.
 """
 
 from __future__ import annotations
