@@ -17,6 +17,7 @@ from rclpy.logging import get_logger
 from rclpy.signals import uninstall_signal_handlers
 
 from doormill_ros.cell.errors import BadParameterError
+from doormill_ros.nodes.mailboxes import lost_mailboxes
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.resources import resource
@@ -59,7 +60,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
     """Run nodes in this process until interrupted; the body of every node's executable."""
     interrupt_once()
     init(sys.argv if arguments is None else arguments)
-    executor = SteadyExecutor(THREADS)
+    executor = SteadyExecutor(THREADS, lost=lost_mailboxes)
     nodes: list[ManagedNode] = []
     try:
         for factory in factories:

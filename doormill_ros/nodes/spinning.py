@@ -8,6 +8,7 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
 
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
@@ -36,10 +37,18 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
             again [s]; the stacks of all threads go to stderr first. Time in which the process is stopped does not
             count.
         context: Of its nodes; None for the default one.
+        lost: What the process hears no more, looked at as often; when it is twice the same the process is ended, too.
     """
 
-    def __init__(self, threads: int, still: float = STILL, context: Context | None = None) -> None:
+    def __init__(
+        self,
+        threads: int,
+        still: float = STILL,
+        context: Context | None = None,
+        lost: Callable[[], tuple[str, ...]] = tuple,
+    ) -> None:
         super().__init__(num_threads=threads, context=context)
+        self._lost = lost
         self._errors = 0
         self._last_error = -CALM
         self._turns = 0
@@ -80,7 +89,7 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
         return bool(super().shutdown(*args, **kwargs))
 
     def _watch(self, still: float) -> None:
-        seen, since = -1, 0.0
+        seen, since, lost = -1, 0.0, self._lost()
         period = still / 100
         # Periods are counted, not the clock: it runs on while the process is stopped.
         while not self._ended.wait(period):
@@ -88,14 +97,21 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
             since = since + period if turns == seen and turns else 0.0
             seen = turns
             if since >= still:
-                self._give_up(still)
+                get_logger("doormill").fatal(
+                    f"No callback of this process was called for {still:g} s; it ends, so that it can be started "
+                    "again. The stacks of its threads follow; hand them in."
+                )
+                faulthandler.dump_traceback(sys.__stderr__ or 2, all_threads=True)
+                self._give_up()
+            before, lost = lost, self._lost()
+            if lost and lost == before:
+                get_logger("doormill").fatal(
+                    "This process hears nobody any more: another one took it for dead and removed its port "
+                    f"{', '.join(lost)} in /dev/shm; it ends, so that it can be started again."
+                )
+                self._give_up()
 
-    def _give_up(self, still: float) -> None:
-        get_logger("doormill").fatal(
-            f"No callback of this process was called for {still:g} s; it ends, so that it can be started again. "
-            "The stacks of its threads follow; hand them in."
-        )
-        faulthandler.dump_traceback(sys.__stderr__ or 2, all_threads=True)
+    def _give_up(self) -> None:
         os.kill(os.getpid(), signal.SIGINT)
         if not self._ended.wait(ENDING):
             os._exit(1)
