@@ -115,7 +115,7 @@ def localisations_of(
     """What the localizer said of pictures of one door, in the form that is questioned.
 
     Args:
-        found: Results, one a picture, by `LocalizerSettings.picture_only`: what is wrong alike in all pictures is
+        found: Results, one a picture, by `LocalizerSettings.lens_in_question`: what is wrong alike in all pictures is
             no scatter.
         moved: Where the door was known to stand.
         time: When each picture was taken, shape (n,) [s].

@@ -129,7 +129,7 @@ def _localize(
 ) -> tuple[dict[int, Localization], list[dict[str, Any]]]:
     """What the localizer says of each picture by row, and the refusals."""
     # One door and one camera: its thickness and the mounting are the same in all pictures and scatter in none.
-    layout, settings = load_layout(), pictures.settings.picture_only()
+    layout, settings = load_layout(), pictures.settings.lens_in_question()
     found: dict[int, Localization] = {}
     refused: list[dict[str, Any]] = []
     for row, name in enumerate(pictures.names):

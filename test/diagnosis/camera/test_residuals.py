@@ -100,7 +100,7 @@ def believed(photographed, model):
     """Diagnosis when the localizer believes in `model(i)` at picture i."""
     moved, pictures = photographed
     layout, time = load_layout(), EVERY * np.arange(len(pictures))
-    known = load_settings().picture_only()  # one door: its thickness and the mounting are the same in all
+    known = load_settings().lens_in_question()  # one door: its thickness and the mounting are the same in all
     found = [localize(p, model(i), layout, WIDTH, THICKNESS, settings=known) for i, p in enumerate(pictures)]
     return diagnose_pictures(localisations_of(found, moved, time, model(0), layout, WIDTH, THICKNESS))
 
