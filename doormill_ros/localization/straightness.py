@@ -45,7 +45,7 @@ def check_straight(
                 f"the {edge} edge is bowed: over {m_to_mm(settings.straightness_length):.0f} mm what shows of it bends "
                 f"by {m_to_mm(abs(rise)):.2f} mm (standard deviation {m_to_mm(deviation):.2f}), allowed are "
                 f"{m_to_mm(settings.straightness_limit):.2f} mm, and the picture does not tell where the rest of it "
-                "runs; straighten the door or mill it by hand; where straight doors are refused too, calibrate the lens",
+                "runs; straighten the door or mill it by hand; are straight ones refused too, calibrate the lens",
                 edge=edge,
                 rise=rise,
                 deviation=deviation,
