@@ -137,7 +137,12 @@ class _Choice:
         free = [i for i in around if 0 < i < len(operations) and i not in self.retreats]
         if free:
             self.retreats[free[0]] = distances[0]
-        return bool(free)
+            return True
+        # What is out of reach may be the way round the door and not the feature.
+        if not number or number in self.free:
+            return False
+        self.free.add(number)
+        return True
 
 
 def check_size(features: Sequence[str], settings: PathSettings) -> None:
