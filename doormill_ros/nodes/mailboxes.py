@@ -13,10 +13,13 @@ from pathlib import Path
 #: What Fast DDS calls the thread that listens to a port, and its file.
 THREAD, FILE = "dds.shm.", "/dev/shm/fastdds_port"
 REMOVED = " (deleted)"
+#: Lowest port of a domain (DDSI-RTPS 2.2, 9.6.1.1). Those below are shared by all domains of a machine; a process whose
+#: file there is taken away was seen to hear as before.
+LOWEST = 7400
 
 
 def lost_mailboxes(process: str = "self") -> tuple[str, ...]:
-    """Ports of a process whose file was taken away; none with another middleware or without /proc.
+    """Ports of its domain whose file was taken from a process; none with another middleware or without /proc.
 
     Args:
         process: Its number, or `self`.
@@ -29,7 +32,7 @@ def lost_mailboxes(process: str = "self") -> tuple[str, ...]:
         return ()
     gone = (line.rstrip() for line in maps.splitlines() if line.rstrip().endswith(REMOVED))
     files = {line.rpartition(FILE)[2].removesuffix(REMOVED) for line in gone if FILE in line}
-    return tuple(sorted(heard & files))
+    return tuple(sorted(port for port in heard & files if port.isdigit() and int(port) >= LOWEST))
 
 
 def _threads(folder: Path) -> list[str]:

@@ -11,18 +11,17 @@ from pathlib import Path
 
 import pytest
 
-from doormill_ros.nodes.mailboxes import FILE, THREAD, lost_mailboxes
+from doormill_ros.nodes.mailboxes import FILE, LOWEST, THREAD, lost_mailboxes
 from support.cell_processes import executable
 
 LIMIT = 120.0  # s
 
 
 def ports_of(process: int) -> list[str]:
-    """Ports in shared memory that a process listens to."""
+    """Ports of its domain in shared memory that a process listens to."""
     names = [path.read_text().strip() for path in Path(f"/proc/{process}/task").glob("*/comm")]
-    return [
-        name[len(THREAD) :] for name in names if name.startswith(THREAD) and name[len(THREAD) :].isdigit()
-    ]
+    ports = [name.removeprefix(THREAD) for name in names if name.startswith(THREAD)]
+    return [port for port in ports if port.isdigit() and int(port) >= LOWEST]
 
 
 @pytest.fixture
