@@ -123,26 +123,23 @@ class _Choice:
     ) -> bool:
         """Note one more retreat that may help; False when there is none left to try."""
         number = next((i for i, o in enumerate(operations) if o.feature.id == error.data.get("feature")), 0)
+        held = number > 0 and number not in self.free
         if isinstance(error, AirMoveError):
-            if not number or number in self.free:
-                return False
             farther = [d for d in distances if d > self.retreats.get(number, 0.0)]
-            if farther and operations[number].side is operations[number - 1].side:
+            if held and farther and operations[number].side is operations[number - 1].side:
                 self.retreats[number] = farther[0]
-            else:
-                self.free.add(number)
-            return True
-        # Free the robot before the feature that it cannot serve, then after it, then anywhere.
-        around = [number, number + 1, *range(len(operations))]
-        free = [i for i in around if 0 < i < len(operations) and i not in self.retreats]
-        if free:
-            self.retreats[free[0]] = distances[0]
-            return True
-        # What is out of reach may be the way round the door and not the feature.
-        if not number or number in self.free:
-            return False
-        self.free.add(number)
-        return True
+                return True
+        else:
+            # Free the robot before the feature that it cannot serve, then after it, then anywhere.
+            around = [number, number + 1, *range(len(operations))]
+            near = [i for i in around if 0 < i < len(operations) and i not in self.retreats]
+            if near:
+                self.retreats[near[0]] = distances[0]
+                return True
+        # What cannot be done may be the way round the door and not the feature.
+        if held:
+            self.free.add(number)
+        return held
 
 
 def check_size(features: Sequence[str], settings: PathSettings) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from support.page_figures import NUMBER, Row, tables
+from support.page_figures import Row, tables
 
 #: A number, not the digits of a name or of an exponent.
 FIGURE = re.compile(r"(?<![\w.])(?<!\de-)\d+(?:[.,]\d+)*")
@@ -32,17 +32,13 @@ def uncovered(page: str, text: str, rows: list[Row], patterns: dict[str, str]) -
     """Figures of a page's text, each with the words about it, that neither its rows nor the patterns cover."""
     said = _flat(text)
     shown = _flat(_masked(text))
-    spans = [span for row in rows if row.page == page for span in _spans(_pattern(row), said)]
+    spans = [span for row in rows if row.page == page for span in _spans(row.pattern, said)]
     spans += [span for pattern in patterns for span in _spans(pattern, shown)]
     return [
         said[max(0, figure.start() - 40) : figure.end() + 30]
         for figure in FIGURE.finditer(shown)
         if not any(start <= figure.start() and figure.end() <= end for start, end in spans)
     ]
-
-
-def _pattern(row: Row) -> str:
-    return re.escape(" ".join(row.words.split())).replace(re.escape("{}"), NUMBER)
 
 
 def _spans(pattern: str, text: str) -> list[tuple[int, int]]:

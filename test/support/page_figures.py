@@ -40,10 +40,14 @@ class Row:
     words: str
     sources: tuple[str, ...]
 
+    @property
+    def pattern(self) -> str:
+        """What finds the words with any figures in a text of single spaces."""
+        return re.escape(" ".join(self.words.split())).replace(re.escape("{}"), NUMBER)
+
     def said(self, text: str) -> list[str] | None:
         """The figures as a page's text has them; None when the words are not there just once."""
-        pattern = re.escape(" ".join(self.words.split())).replace(re.escape("{}"), NUMBER)
-        found = list(re.finditer(pattern, " ".join(text.split())))
+        found = list(re.finditer(self.pattern, " ".join(text.split())))
         return [str(figure) for figure in found[0].groups()] if len(found) == 1 else None
 
     def complaints(self, text: str) -> list[str]:
