@@ -30,7 +30,9 @@ STAGES = (
     "read back, checked",
     "ready",
 )
-ROUNDING = 1_000_000  #: of times that travel as seconds, and between two clocks [ns]
+#: Between a stamp of the wall clock and a time that the bridge measured on its steady one, a switch of threads included
+#: [ns].
+ROUNDING = 20_000_000
 HANDOVER = (HandshakeState.WRITING, HandshakeState.VERIFYING, HandshakeState.RAISING, HandshakeState.READY)
 READ = (
     topics.DOOR_LOCALIZATION,
