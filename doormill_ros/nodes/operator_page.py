@@ -84,7 +84,7 @@ class OperatorPage(ManagedNode):
         control = ActionControl(self, self.store) if token else None
         hosts = (host, "127.0.0.1", "localhost", "[::1]") if is_loopback(host) else ("*",)
         audit = AuditLog(Path(self.value("audit") or self._history / "audit"))
-        app = create_app(self.store, control, token, hosts, audit)
+        app = create_app(self.store, control, token, hosts, audit, history=self._history)
         self._controls = control is not None
         self._server = PageServer(app, host, self.value("port")).start()
         self.url = self._server.url

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,9 @@ from doormill_ros.operator.state import HISTORY, EndedRun
 
 FILE = "history.jsonl"
 SUMMARIES = ("summary.json", "*/summary.json")
+MOST_READ = 16_000_000  # bytes of the file, its newest
+MOST_SUMMARIES = 1000
+_LATEST = 253402300800.0  # s since the epoch, the beginning of the year 10000
 _UNREADABLE = (ValueError, KeyError, TypeError, OverflowError, RecursionError)
 
 
@@ -36,6 +40,43 @@ def load_history(folder: Path) -> tuple[EndedRun, ...]:
         if run is not None:
             found[run.run_id] = run
     return tuple(sorted(found.values(), key=lambda run: run.ended, reverse=True)[:HISTORY])
+
+
+@dataclass(frozen=True)
+class Kept:
+    """Runs of a folder; `whole`: all of them."""
+
+    runs: tuple[EndedRun, ...] = ()
+    whole: bool = True
+
+
+def kept_runs(folder: Path | None, most: int = MOST_READ) -> Kept:
+    """All runs that ended, in the order of the file, each once; what cannot be read is passed over.
+
+    Args:
+        folder: As in `load_history`; None holds nothing.
+        most: The file's last bytes that are read [bytes].
+    """
+    if folder is None:
+        return Kept()
+    paths = (path for pattern in SUMMARIES for path in folder.glob(pattern))
+    single = list(islice(paths, MOST_SUMMARIES + 1))
+    lines, whole = _last_lines(folder / FILE, most)
+    runs = (*map(_summary, single[:MOST_SUMMARIES]), *map(_run, lines))
+    found = {run.run_id: run for run in runs if run is not None}
+    return Kept(tuple(found.values()), whole and len(single) <= MOST_SUMMARIES)
+
+
+def _last_lines(path: Path, most: int) -> tuple[list[str], bool]:
+    """Lines of a file, and whether they are all; a line that begins before its last bytes is none."""
+    try:
+        with path.open("rb") as stream:
+            begin = max(path.stat().st_size - most, 0)
+            stream.seek(begin)
+            lines = stream.read(most).split(b"\n")
+    except OSError:
+        return [], True
+    return [line.decode("utf-8", "replace") for line in lines[1 if begin else 0 :]], begin == 0
 
 
 def append_history(folder: Path, run: EndedRun) -> None:
@@ -77,4 +118,6 @@ def _ended(values: dict[str, Any]) -> EndedRun:
     )
     if not run.run_id:
         raise ValueError("a goal that never became a run")
+    if not 0.0 <= run.ended < _LATEST:
+        raise ValueError("a time that no calendar has")
     return run

@@ -1,4 +1,5 @@
 // Everything shown goes through textContent, so that no text of a recipe or a node becomes markup.
+import { outcome, showHistory } from "./history.js";
 import { ENGLISH, byId, language, speak, text, wanted, write } from "./language.js";
 import { answerToModelOrder, showModel, shown as model } from "./model.js";
 import { stopReason } from "./monitor_words.js";
@@ -7,27 +8,6 @@ const SILENCE = 15000; // ms without a sign of life
 let heard = 0;
 let token = "";
 let view = null;
-
-function cell(row, words, spoken) {
-  const made = row.insertCell();
-  made.textContent = words;
-  if (spoken) made.lang = spoken;
-}
-
-const outcome = (run) => text(`outcome.${run.came_to}`, { code: run.error_code });
-
-function showHistory(history) {
-  const rows = history.map((run) => {
-    const row = document.createElement("tr");
-    row.className = run.success ? "milled" : "refused";
-    cell(row, new Date(run.ended * 1000).toLocaleString(language(), { dateStyle: "short", timeStyle: "short" }));
-    cell(row, run.door_id);
-    cell(row, outcome(run));
-    cell(row, run.message, ENGLISH);
-    return row;
-  });
-  byId("history").replaceChildren(...rows);
-}
 
 function showFaults(faults) {
   const items = faults.map((fault) => {

@@ -8,6 +8,7 @@ import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
 from importlib.resources import files
+from pathlib import Path
 
 from fastapi import FastAPI, HTTPException, Request, Response
 from fastapi.responses import JSONResponse, StreamingResponse
@@ -17,6 +18,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.audited import Audited
+from doormill_ros.operator.history_pages import serve_history
+from doormill_ros.operator.languages import LANGUAGES
 from doormill_ros.operator.orders import Control, Doorkeeper, serve_orders
 from doormill_ros.operator.origin import OwnOrigin
 from doormill_ros.operator.state import CellView, ViewStore
@@ -34,13 +37,12 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
 }
-#: Of the page's texts; what the cell's nodes say in their own words is English.
-LANGUAGES = ("en", "de", "nb")
 _FILES = {
     "/": ("page.html", "text/html"),
     "/page.css": ("page.css", "text/css"),
     "/page.js": ("page.js", "text/javascript"),
     "/language.js": ("language.js", "text/javascript"),
+    "/history.js": ("history.js", "text/javascript"),
     "/model.js": ("model.js", "text/javascript"),
     "/monitor_words.js": ("monitor_words.js", "text/javascript"),
     **{f"/texts/{code}.json": (f"texts/{code}.json", "application/json") for code in LANGUAGES},
@@ -70,6 +72,7 @@ def create_app(
     hosts: tuple[str, ...] = ("127.0.0.1", "localhost"),
     audit: AuditLog | None = None,
     clock: Callable[[], float] = time.monotonic,
+    history: Path | None = None,
 ) -> FastAPI:
     """The application.
 
@@ -81,6 +84,7 @@ def create_app(
             reads it; "*" for any.
         audit: Where orders and refused tries are written down; None: nowhere.
         clock: Monotonic time that limits the tries of tokens [s].
+        history: Folder of the ended runs; None: those in the view are all that can be searched.
 
     Raises:
         ValueError: Control without a token.
@@ -96,6 +100,7 @@ def create_app(
     for path, (name, media_type) in _FILES.items():
         _serve_file(app, path, name, media_type)
     _serve_view(app, store, control is not None)
+    serve_history(app, store, history)
     if control is not None:
         keys = token if isinstance(token, Keys) else Keys(token)
         if not keys:

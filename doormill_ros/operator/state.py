@@ -106,9 +106,9 @@ class CellView:
             self,
             bridge_present=True,
             state=state,
-            state_reason=_short(reason),
+            state_reason=short(reason),
             state_run=run_id,
-            state_door=_short(door_id),
+            state_door=short(door_id),
             request=request,
         )
 
@@ -117,18 +117,18 @@ class CellView:
         if run_id == self.run_id or any(run.run_id == run_id for run in self.history):
             return self
         return replace(
-            self, run_id=run_id, door_id=_short(door_id), stage="recipe", progress=0.0, refusal="", notice=""
+            self, run_id=run_id, door_id=short(door_id), stage="recipe", progress=0.0, refusal="", notice=""
         )
 
     def with_stage(self, stage: str, progress: float) -> CellView:
         """The run in hand reached a stage; ignored while no run is in hand."""
         if not self.run_id:
             return self
-        return replace(self, stage=_short(stage), progress=min(max(progress, 0.0), 1.0))
+        return replace(self, stage=short(stage), progress=min(max(progress, 0.0), 1.0))
 
     def with_refused_picture(self, run_id: str, reason: str) -> CellView:
         """The door of the run in hand was not found in the picture."""
-        return replace(self, refusal=_short(reason)) if run_id == self.run_id else self
+        return replace(self, refusal=short(reason)) if run_id == self.run_id else self
 
     def with_found_door(self, run_id: str) -> CellView:
         """The door of the run in hand was found: an earlier picture's refusal is over."""
@@ -138,7 +138,7 @@ class CellView:
         """A run ended; each counts once."""
         if any(run.run_id == other.run_id for other in self.history):
             return self
-        run = replace(run, door_id=_short(run.door_id), message=_short(run.message))
+        run = replace(run, door_id=short(run.door_id), message=short(run.message))
         in_hand = self.run_id not in ("", run.run_id)
         view = self if in_hand else replace(self, run_id="", door_id="", stage="", progress=0.0)
         return replace(
@@ -154,29 +154,29 @@ class CellView:
 
     def with_notice(self, notice: str) -> CellView:
         """What the operator asked for was answered."""
-        return replace(self, notice=_short(notice))
+        return replace(self, notice=short(notice))
 
     def with_fault(self, node: str, message: str) -> CellView:
         """A node is in error; an empty message means that it no longer is."""
         faults = {name: text for name, text in self.faults.items() if name != node}
         if message:
-            faults[node] = _short(message)
+            faults[node] = short(message)
         return replace(self, faults=dict(sorted(faults.items())))
 
     def with_picture(self, data: bytes, media_type: str, caption: str) -> CellView:
         """A new picture."""
         number = self.picture.number + 1 if self.picture else 1
-        return replace(self, picture=EncodedPicture(data, media_type, _short(caption), number))
+        return replace(self, picture=EncodedPicture(data, media_type, short(caption), number))
 
     def with_model(self, model: ModelView) -> CellView:
         """The monitor of the model said something."""
         texts = (model.sentence, model.next_measurement, model.message)
-        sentence, next_measurement, message = map(_short, texts)
-        remarks = tuple(map(_short, model.remarks))
-        short = replace(
+        sentence, next_measurement, message = map(short, texts)
+        remarks = tuple(map(short, model.remarks))
+        cut = replace(
             model, sentence=sentence, next_measurement=next_measurement, message=message, remarks=remarks
         )
-        return replace(self, model=short)
+        return replace(self, model=cut)
 
     def _situation(self) -> Situation:
         """State and reason of the door that the page speaks of; the next step follows from the same."""
@@ -227,7 +227,8 @@ class CellView:
         }
 
 
-def _short(text: str) -> str:
+def short(text: str) -> str:
+    """A text that is cut where it is longer than the page shows."""
     return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 1] + "…"
 
 

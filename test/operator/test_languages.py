@@ -26,8 +26,8 @@ from doormill_ros.diagnosis.parts.next_step import CHECKS, STEPS, NextStep, next
 from doormill_ros.monitor.finding import ALWAYS, DoorFinding, finding_of
 from doormill_ros.monitor.stop import stop_sentence
 from doormill_ros.operator.advice import Advice, next_step
+from doormill_ros.operator.languages import LANGUAGES
 from doormill_ros.operator.model_view import ModelView, TrendDoor
-from doormill_ros.operator.server import LANGUAGES
 from doormill_ros.operator.state import EndedRun
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.robot_model.elastic.causes.registry import CUTTING, LIBRARY
