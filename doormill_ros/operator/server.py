@@ -41,6 +41,7 @@ _FILES = {
     "/page.css": ("page.css", "text/css"),
     "/page.js": ("page.js", "text/javascript"),
     "/language.js": ("language.js", "text/javascript"),
+    "/door.js": ("door.js", "text/javascript"),
     "/model.js": ("model.js", "text/javascript"),
     "/monitor_words.js": ("monitor_words.js", "text/javascript"),
     **{f"/texts/{code}.json": (f"texts/{code}.json", "application/json") for code in LANGUAGES},
