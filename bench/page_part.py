@@ -17,7 +17,7 @@ def put(page: Path, place: str, text: str) -> bool:
     """
     begin = f"<!-- begin: {place} -->\n"
     head, found, rest = page.read_text(encoding="utf-8").partition(begin)
-    _, ended, tail = rest.partition(f"\n{END}")
+    _, ended, tail = rest.partition(END)
     if not (found and ended):
         return False
     page.write_text(f"{head}{begin}{text}\n{END}{tail}", encoding="utf-8")
