@@ -163,7 +163,6 @@ def main() -> int:
         "certainty": tables.certainty(document),
         "warming": tables.warming(blocks, FIRST),
         "angles": tables.unvisited(document, outside, BINS),
-        "next": f"> {document['next_measurement']}",
     }
     for part, text in parts.items():
         place = f"bench/{Path(__file__).name} {part}"
