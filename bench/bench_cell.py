@@ -32,6 +32,8 @@ from harness import Entry, entry, exceeded, limit
 
 DOORS = 200  #: idle, and as many with a busy core
 THESIS_EXECUTION = 0.8  # s, table 4.7, a door of two hinges
+TRIES = 3  #: of a first door whose bag lacks a stamp
+UNTOLD = 0.05  #: of the doors milled, at most, may lack one
 WARM = 20  #: doors after which the processes hold what they need
 #: Request to ready [s]: of every shipped door, of those of two hinges, of the first door after the nodes are active.
 MEDIAN, MOST, SMALL_MEDIAN, FIRST = 0.060, 0.090, 0.030, 0.150
@@ -96,10 +98,13 @@ def _floors(console: Console) -> dict[str, float]:
 
 
 def _first(door: str) -> tuple[DoorWay, float]:
-    with timed_cell() as cell:
-        cell.take(door)
-        bag = _closed_bag(cell)
-        return _only(ways_of(bag), 1)[0], cell.up
+    for _ in range(TRIES):
+        with timed_cell() as cell:
+            cell.take(door)
+            ways = _told(ways_of(_closed_bag(cell)))
+            if ways:
+                return ways[0], cell.up
+    raise RuntimeError(f"no bag of {TRIES} tells the way of the first door {door}")
 
 
 def _shift(names: Sequence[str], doors: int) -> Shift:
@@ -118,9 +123,11 @@ def _shift(names: Sequence[str], doors: int) -> Shift:
             for _ in range(doors):
                 cell.take(next(turn))
         last, shared_last = cell.held(), cell.shared()
-        ways = _only(ways_of(_closed_bag(cell)), WARM + 2 * doors)
+        ways = ways_of(_closed_bag(cell))
+        if len(ways) != WARM + 2 * doors:
+            raise RuntimeError(f"the bag has {len(ways)} runs, milled were {WARM + 2 * doors} doors")
         grown = size_of(cell.folder) - disk
-    idle, busy = ways[WARM : len(ways) - doors], ways[len(ways) - doors :]
+    idle, busy = _told(ways[WARM:-doors]), _told(ways[-doors:])
     return Shift(idle, busy, warm, last, (shared, shared_last), grown / (2 * doors), start, spent, 2 * doors)
 
 
@@ -129,10 +136,15 @@ def _closed_bag(cell: TimedCell) -> Path:
     return cell.folder / "bag"
 
 
-def _only(ways: list[DoorWay], expected: int) -> list[DoorWay]:
-    if len(ways) != expected:
-        raise RuntimeError(f"the bag tells the way of {len(ways)} doors, milled were {expected}")
-    return ways
+def _told(ways: list[DoorWay | str]) -> list[DoorWay]:
+    """Those whose stamps are all there; what the others lack goes to the standard error."""
+    for way in ways:
+        if isinstance(way, str):
+            print(f"left out: {way}", file=sys.stderr)
+    told = [way for way in ways if isinstance(way, DoorWay)]
+    if len(told) < (1.0 - UNTOLD) * len(ways) and len(ways) > 1:
+        raise RuntimeError(f"the bag does not tell the way of {len(ways) - len(told)} doors of {len(ways)}")
+    return told
 
 
 def _table(console: Console, title: str, ways: Sequence[DoorWay], floor: dict[str, float]) -> None:

@@ -30,7 +30,9 @@ STAGES = (
     "read back, checked",
     "ready",
 )
-ROUNDING = 1_000_000  #: of times that travel as seconds, and between two clocks [ns]
+#: Between a stamp of the wall clock and a time that the bridge measured on its steady one, a switch of threads included
+#: [ns].
+ROUNDING = 20_000_000
 HANDOVER = (HandshakeState.WRITING, HandshakeState.VERIFYING, HandshakeState.RAISING, HandshakeState.READY)
 READ = (
     topics.DOOR_LOCALIZATION,
@@ -60,8 +62,8 @@ class _Stamps:
     result: Any = None
 
 
-def ways_of(bag: Path) -> list[DoorWay]:
-    """Every door of a bag that got its ready signal, in order; one whose stamps are not all there is left out."""
+def ways_of(bag: Path) -> list[DoorWay | str]:
+    """The runs of a bag in order, each its door's way, or what is missing to tell it."""
     runs: dict[str, _Stamps] = {}
     posed: dict[int, int] = {}
     for name, message, sent in _messages(bag):
@@ -79,21 +81,23 @@ def ways_of(bag: Path) -> list[DoorWay]:
             stamps.states.setdefault(message.state, nanoseconds_of(message.since))
         elif name == topics.RUN_RESULT.name:
             stamps.result = message
-    ways = [_way(stamps, posed) for stamps in runs.values()]
-    return [way for way in ways if way is not None]
+    return [_way(stamps, posed) for stamps in runs.values()]
 
 
-def _way(stamps: _Stamps, posed: dict[int, int]) -> DoorWay | None:
+def _way(stamps: _Stamps, posed: dict[int, int]) -> DoorWay | str:
     result, states = stamps.result, [stamps.states.get(state.value) for state in HANDOVER]
     if result is None or None in states:
-        return None
+        return f"result {'there' if result else 'missing'}, states {', '.join(stamps.states) or 'none'}"
     ready = states[-1]
     total = s_to_ns(result.times.request_to_ready)
     # A slow machine's camera takes a second picture before the first is used; that one counts.
     requested = ready - total
-    picture = min((stamp for stamp in stamps.localized if stamp >= requested - ROUNDING), default=0)
-    if picture not in stamps.planned or picture not in posed:
-        return None
+    used = stamps.localized.keys() & stamps.planned.keys() & posed.keys()
+    picture = min((stamp for stamp in used if stamp >= requested - ROUNDING), default=0)
+    if not picture:
+        at = {"pictures": stamps.localized, "targets": stamps.planned, "poses": posed}
+        told = (f"{name} {[round(ns_to_s(t - ready), 3) for t in times][-3:]}" for name, times in at.items())
+        return f"none led to targets since {ns_to_s(requested - ready):.3f} s before ready: {', '.join(told)}"
     planning, planned = stamps.planned[picture]
     heard = picture + s_to_ns(result.times.picture_to_pose + result.times.pose_to_targets)
     marks = [

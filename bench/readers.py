@@ -10,6 +10,7 @@ import argparse
 import logging
 import sys
 import tempfile
+from collections import Counter
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -20,6 +21,8 @@ from rich.table import Table
 
 from support.hostile.campaign import judge
 from support.hostile.readers import subjects
+
+KINDS = ("read", "refused", "fault")
 
 
 def main() -> int:
@@ -33,13 +36,17 @@ def main() -> int:
     logging.disable(logging.WARNING)
     table = Table("input", "read", "refused", "fault", title="Bad files")
     faults: list[str] = []
+    totals = Counter[str]()
     with tempfile.TemporaryDirectory() as folder:
         chosen = [item for item in subjects(Path(folder) / "good") if arguments.only in item.name]
         runs = -(-arguments.runs // len(chosen))
         for item in chosen:
             outcome = judge(item, range(runs))
-            table.add_row(item.name, *(str(outcome.answers[kind]) for kind in ("read", "refused", "fault")))
+            table.add_row(item.name, *(str(outcome.answers[kind]) for kind in KINDS))
+            totals.update(outcome.answers)
             faults += outcome.faults
+    table.add_section()
+    table.add_row(f"all {len(chosen)} inputs", *(str(totals[kind]) for kind in KINDS))
     console = Console(width=160)
     console.print(table)
     for fault in faults:

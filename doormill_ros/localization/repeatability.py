@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from doormill_ros.arrays import FloatArray
 
@@ -35,7 +35,7 @@ class Repeatability:
     @property
     def probability(self) -> float:
         """Chance of a chi-square at least this large if the covariances are right."""
-        return float(chi2.sf(self.chi_square, self.freedom))
+        return float(chdtrc(self.freedom, self.chi_square))
 
     @property
     def allowed(self) -> bool:

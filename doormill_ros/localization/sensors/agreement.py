@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import twist_between
@@ -57,7 +57,7 @@ def _compare(one: SensedDoor, other: SensedDoor, chance: float) -> None:
         return
     apart = twist_between(one.T_base_door, other.T_base_door)[shared]
     size = _deviations(apart, (one.covariance + other.covariance)[np.ix_(shared, shared)])
-    allowed = float(np.sqrt(chi2.isf(chance, len(shared))))
+    allowed = float(np.sqrt(chdtri(len(shared), chance)))
     if not size <= allowed:  # nor where it is no number
         raise SensorsDisagree(
             f"{one.sensor} and {other.sensor} disagree on where the door stands: {other.sensor} has it "

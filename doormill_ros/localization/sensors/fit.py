@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, cholesky, solve_triangular
-from scipy.stats import chi2
+from scipy.special import chdtrc, chdtri
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply_twist
@@ -105,10 +105,10 @@ def check_rank(jacobian: FloatArray, what: str) -> None:
 
 def _finish(T_base_door: FloatArray, residual: FloatArray, jacobian: FloatArray, what: str) -> PoseFit:
     chi_square, redundancy = float(residual @ residual), residual.size - 6
-    if redundancy > 0 and chi2.sf(chi_square, redundancy) < CONTRADICTION:
+    if redundancy > 0 and chdtrc(redundancy, chi_square) < CONTRADICTION:
         raise Contradiction(
             f"the {what} contradict each other: chi-square is {chi_square:.1f} with {redundancy} degrees of "
-            f"freedom, allowed is {chi2.isf(CONTRADICTION, redundancy):.1f}; clean the door and measure again",
+            f"freedom, allowed is {chdtri(redundancy, CONTRADICTION):.1f}; clean the door and measure again",
             chi_square=chi_square,
         )
     covariance = cho_solve(cho_factor(jacobian.T @ jacobian), np.eye(6))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
@@ -55,7 +55,7 @@ class DoorPoseEstimate:
         """Distance from a contradiction among the readings, 0..1; 1 where none is left over to contradict."""
         if self.redundancy <= 0 or not np.isfinite(self.chi_square):
             return 1.0
-        return float(np.clip(1.0 - self.chi_square / chi2.isf(CONTRADICTION, self.redundancy), 0.0, 1.0))
+        return float(np.clip(1.0 - self.chi_square / chdtri(self.redundancy, CONTRADICTION), 0.0, 1.0))
 
     @property
     def blind(self) -> tuple[str, ...]:
