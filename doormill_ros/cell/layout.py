@@ -63,6 +63,7 @@ class CellLayout:
         home: Where every program begins and ends, shape (6,) [rad].
         spindle: What is bolted to the flange, flange frame.
         obstacles: What stands in the cell beside robot and door, base frame.
+        with_second: What stands about a second robot, where there is one, in its base frame.
         clearance: Kept between any two bodies that must not touch, outside the cut [m].
         gravity: Whose weight moves the targets.
         boards: What backs the rear face of a door.
@@ -84,6 +85,7 @@ class CellLayout:
     boards: tuple[Board, ...] = ()
     sensors: tuple[str, ...] = (CAMERA,)
     rack: Rack | None = None
+    with_second: tuple[Body, ...] = ()
 
     def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> FloatArray:
         """Door frame in the base frame, shape (4, 4).
@@ -104,16 +106,14 @@ class CellLayout:
         return transform(rotation_x(offset.rotation), origin)
 
     def seen_from(self, T_base_other: FloatArray) -> CellLayout:
-        """The cell as another robot of the kind sees it, its tool and home the same.
-
-        It needs the rear face free, and the rack is out of its reach.
+        """The cell as another robot of the kind sees it, its tool and home the same; the rack is out of its reach.
 
         Args:
             T_base_other: The other robot's base frame, shape (4, 4).
         """
         T_other_base = inverse(T_base_other)
         obstacles = tuple(body.mapped(T_other_base) for body in self.obstacles)
-        return replace(self, boards=(), obstacles=obstacles, rack=None)
+        return replace(self, obstacles=obstacles, rack=None)
 
     def beside(self, bodies: Sequence[Body]) -> CellLayout:
         """The cell with further bodies that stand in it, in this robot's base frame."""
@@ -122,6 +122,10 @@ class CellLayout:
     def with_rear_free(self) -> CellLayout:
         """The cell with its boards away, for a second robot that mills the rear face."""
         return replace(self, boards=())
+
+    def of_two(self, T_base_second: FloatArray) -> CellLayout:
+        """The cell where a second robot stands, its base frame of shape (4, 4): rear face free, its obstacles there."""
+        return self.with_rear_free().beside([body.mapped(T_base_second) for body in self.with_second])
 
     def offset_of(self, T_base_door: FloatArray, width: float) -> DoorOffset:
         """The three free degrees of freedom of a door pose, shape (4, 4); inverse of `T_base_door`."""
@@ -160,6 +164,11 @@ class _Spindle(Section):
 
 
 @dataclass(frozen=True, eq=False)
+class _SecondRobot(Section):
+    obstacles: tuple[Body, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class _CellFile(Section):
     robot: Name
     fixture: _Fixture
@@ -173,6 +182,7 @@ class _CellFile(Section):
     backing: Backing | None = None
     sensors: tuple[Name, ...] = (CAMERA,)
     rack: Rack | None = None
+    second_robot: _SecondRobot | None = None
 
 
 def load_layout(path: Path | None = None) -> CellLayout:
@@ -199,4 +209,5 @@ def load_layout(path: Path | None = None) -> CellLayout:
         boards=() if content.backing is None else content.backing.boards,
         sensors=content.sensors,
         rack=check_rack(content.rack),
+        with_second=() if content.second_robot is None else content.second_robot.obstacles,
     )

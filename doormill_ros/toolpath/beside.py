@@ -33,9 +33,10 @@ def place_of(name: str, layout: CellLayout, robot: Robot, settings: PathSettings
         RobotDescriptionError: The robot's bodies are not told.
     """
     T_first_second = settings.second_robot.T_base_second
+    both = layout.of_two(T_first_second)
     if name == FIRST:
-        return layout.with_rear_free().beside(_at_home(layout, robot, T_first_second))
-    return layout.seen_from(T_first_second).beside(_at_home(layout, robot, inverse(T_first_second)))
+        return both.beside(_at_home(layout, robot, T_first_second))
+    return both.seen_from(T_first_second).beside(_at_home(layout, robot, inverse(T_first_second)))
 
 
 def _at_home(layout: CellLayout, robot: Robot, T_base_other: FloatArray) -> list[Body]:

@@ -134,7 +134,7 @@ def judge_doors(count: int, number: int, tools: int | None = None, robots: int =
         checks = replace(setup.settings.checks, tools=tools)
         setup = replace(setup, settings=replace(setup.settings, checks=checks))
     T_first_second = setup.settings.second_robot.T_base_second
-    bare = replace(cell, boards=())
+    bare = cell.of_two(T_first_second)
     setups = {"first": setup} if robots == 1 else {name: setup.of(name) for name in ("first", "second")}
     cells = {"first": cell}
     if robots > 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -108,6 +108,7 @@ class JudgedCell:
         nose: How far the mill reaches out of the spindle [m].
         boards: What is pressed against the rear face of a door.
         rooted: Bodies of the arm that stand on the floor: for another robot they are in the way, too.
+        with_second: Boxes about a second robot, where there is one, in its base frame.
     """
 
     links: Links
@@ -117,6 +118,12 @@ class JudgedCell:
     nose: float
     boards: tuple[SolidBoard, ...] = ()
     rooted: tuple[Body, ...] = ()
+    with_second: tuple[Box, ...] = ()
+
+    def of_two(self, T_base_second: FloatArray) -> JudgedCell:
+        """The cell with a second robot, base of shape (4, 4): its obstacles are there, the boards are not."""
+        placed = [replace(box, at=T_base_second @ box.at) for box in self.with_second]
+        return replace(self, obstacles=(*self.obstacles, *placed), boards=())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -159,6 +166,7 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
         spindle, obstacles = content["spindle"]["bodies"], content["obstacles"]
         T_flange_tool = pose(np.array(content["tool"]["position"], dtype=float), LEVEL)
         boards = (content.get("backing") or {"boards": []})["boards"]
+        second = (content.get("second_robot") or {"obstacles": []})["obstacles"]
         nose = float(read_document(resource(PATH), BodiesError)["approach"]["nose"])
         links = Links.read(folder / "robot.urdf")
     except (KeyError, TypeError, ValueError, OSError) as cause:
@@ -175,18 +183,24 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
             raise BodiesError(
                 f"{folder / 'bodies.yaml'}: {body.name} is on link {body.link!r}, allowed is one of {links.names}"
             )
-    standing = [body for body in _shapes(obstacles, path, BASE) if isinstance(body, Box)]
-    if len(standing) != len(obstacles):
-        raise BodiesError(f"{path}: obstacles hold a capsule, allowed are boxes: enclose it in one")
     return JudgedCell(
         links,
         tuple(b for b in bodies if b.link != BASE),
-        tuple(standing),
+        _boxes(obstacles, path),
         T_flange_tool,
         nose,
         tuple(check(boards, list[SolidBoard], BodiesError, str(path))),
         tuple(b for b in bodies if b.link == BASE),
+        _boxes(second, path),
     )
+
+
+def _boxes(content: Any, path: Path) -> tuple[Box, ...]:
+    shapes = _shapes(content, path, BASE)
+    boxes = tuple(body for body in shapes if isinstance(body, Box))
+    if len(boxes) != len(shapes):
+        raise BodiesError(f"{path}: obstacles hold a capsule, allowed are boxes: enclose it in one")
+    return boxes
 
 
 def _shapes(content: Any, path: Path, link: str | None = None) -> list[Body]:

@@ -48,8 +48,12 @@ def judge_pair(
         T_cell_door_true: Where the door really stood, shape (4, 4).
         milled: The robots in the order in which they moved, each of them after the one before; a robot stands where its
             path begins until then and where it ends from then on.
-        cell: Robot, spindle and obstacles as the cell's file has them; the rear face is free.
+        cell: Robot, spindle and obstacles as the cell's file has them; the rear face is free. Who does not stand in the
+            base frame of the cell is the second robot.
     """
+    for robot in milled:
+        if not np.allclose(robot.T_cell_robot, np.eye(4)):
+            cell = cell.of_two(robot.T_cell_robot)
     verdicts, before = [], 0
     widest = max(feature.tool.radius for feature in recipe.features)
     for number, own in enumerate(milled):

@@ -1,5 +1,7 @@
 """Two robots that milled one door: each is held against the other one where it stands."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -69,3 +71,35 @@ def test_the_planner_keeps_clear_of_the_same_robot_as_the_judge():
             own = (signs * box.half) @ box.at[:3, :3].T + box.at[:3, 3]
             own = own[np.lexsort(np.round(own, 6).T)]
             np.testing.assert_allclose(corners, own, atol=1e-9)
+
+
+def test_the_second_robot_stands_on_a_pedestal_for_planner_and_judge():
+    """In its own base frame it stands as the first one's does; for the first robot it is where the second stands."""
+    setup, cell = load_setup(), load_cell()
+    T_first_second = setup.settings.second_robot.T_base_second
+    planned = {
+        robot: {body.name: body for body in setup.of(robot).layout.obstacles} for robot in ("first", "second")
+    }
+    mine, beyond = (planned[robot]["second pedestal"] for robot in ("second", "first"))
+    own = planned["first"]["pedestal"]
+    np.testing.assert_allclose(mine.T_frame_body, own.T_frame_body, atol=1e-12)
+    np.testing.assert_allclose(mine.size, own.size)
+    np.testing.assert_allclose(beyond.T_frame_body, T_first_second @ own.T_frame_body, atol=1e-12)
+    (judged,) = (box for box in cell.of_two(T_first_second).obstacles if box.name == "second pedestal")
+    np.testing.assert_allclose(judged.at, beyond.T_frame_body, atol=1e-12)
+    np.testing.assert_allclose(2.0 * judged.half, own.size)
+
+
+def test_an_arm_in_the_pedestal_of_the_second_robot_is_told(door):
+    """The second robot ends with its arm laid down behind it, where its own pedestal stands."""
+    recipe, T_cell_door, T_cell_second, (first, second) = door
+    q = second.q.copy()
+    q[-1] = np.radians([157.0, 82.0, 50.0, 0.0, 0.0, 0.0])
+    laid = dataclasses.replace(second, q=q)
+    robots = [Milled("first", np.eye(4), first), Milled("second", T_cell_second, laid)]
+    found = judge_pair(recipe, T_cell_door, robots, load_cell())
+    assert "second pedestal" in {touch.obstacle for touch in found.touches}
+    without = dataclasses.replace(load_cell(), with_second=())
+    assert "second pedestal" not in {
+        touch.obstacle for touch in judge_pair(recipe, T_cell_door, robots, without).touches
+    }
