@@ -136,7 +136,7 @@ def _feature_view(recipe: Recipe, feature: Feature) -> FeatureView:
         Side.FRONT.value: y,
         Side.LOCK_EDGE.value: x,
     }
-    outline = np.round(1e3 * np.column_stack([across[face], z]), 1).tolist()
+    outline = np.round(m_to_mm(np.column_stack([across[face], z])), 1).tolist()
     return FeatureView(feature.id, face, feature.side is Side.REAR, tuple((u, v) for u, v in outline))
 
 
