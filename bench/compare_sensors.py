@@ -15,6 +15,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "test")]
 
+from page_part import put  # noqa: E402
+
 from doormill_ros.cell.layout import CellLayout, DoorOffset, load_layout  # noqa: E402
 from doormill_ros.frames import apply, apply_twist, twist_between  # noqa: E402
 from doormill_ros.localization.errors import LocalizationError  # noqa: E402
@@ -31,7 +33,6 @@ from support.sensors.pose_errors import SIZES as DOORS  # noqa: E402
 
 PAGE = ROOT / "docs" / "sensors.md"
 FIGURE = ROOT / "docs" / "images" / "sensors.svg"
-BEGIN, END = "<!-- begin: bench/compare_sensors.py -->", "<!-- end -->"
 CHEAP_TRIALS = 20  # trials of a sensor without pictures for each one with
 # What is milled: a hinge low, a hinge at 1.0 m, on the hinge edge.
 HINGES = np.array([[0.0, 0.0, 0.15], [0.0, 0.0, 1.0]])
@@ -178,14 +179,11 @@ def main() -> int:
     """Run the comparison and put its table into the page."""
     cv2.setNumThreads(1)
     rows = run(int(sys.argv[1]) if len(sys.argv) > 1 else 12)
-    text = PAGE.read_text(encoding="utf-8")
-    head, rest = text.split(BEGIN)
-    tail = rest.split(END, 1)[1]
     blind = "\n".join(
         f"- *{r.label.split(',')[0].capitalize()}*: {r.cannot_see}." for r in rows if r.cannot_see
     )
     found = f"{table(rows)}\n\nWhat each cannot see:\n\n{blind}"
-    PAGE.write_text(f"{head}{BEGIN}\n{found}\n{END}{tail}", encoding="utf-8")
+    put(PAGE, "bench/compare_sensors.py", found)
     draw(rows)
     print(found)
     print("refused:", {row.label: row.refused for row in rows})

@@ -1,26 +1,40 @@
-"""How far the diagnosis brings the measured UR10: whole procedure repeated without the rows it is judged on.
+"""What the diagnosis says of the measured UR10: every figure of docs/diagnosis-ur10.md, about ten minutes of one core.
 
-python bench/diagnosis_ur10.py [--folds 5] [--only blocks|series] [--data test/data/ur10]
+`diagnose` on the three series gives most of them. Its list of causes and orders comes from all rows; so the whole
+procedure (search, selection, fit) is redone without the rows that are judged: without each fifth of the blocks, and
+without each series. A whole run puts its tables into the page:
 
-Unlike the figures in diagnosis.json, where the list of causes and orders comes from all rows, everything is
-done anew here for every part left out: search, selection, fit.
+    python bench/record.py bench/diagnosis_ur10.py
+
+`--every 10` takes each tenth row alone, to try the script.
 """
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
+import json
+import subprocess
 import sys
+import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import yaml
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 # ruff: noqa: E402
+import ur10_tables as tables
+from page_part import END, put
+from ur10_tables import Redone
+
 from doormill_ros.diagnosis.pose.check import check_set
+from doormill_ros.diagnosis.pose.coverage import BINS
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, diagnose_poses
 from doormill_ros.diagnosis.pose.fit import contiguous, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.placement import Seen, place_together
@@ -30,9 +44,13 @@ from doormill_ros.robot_model.pose.causes.link_geometry import LinkGeometry
 from doormill_ros.robot_model.pose.chain import residual
 from doormill_ros.robot_model.pose.model import PoseModel
 
+PAGE = ROOT / "docs" / "diagnosis-ur10.md"
+DATA = ROOT / "test" / "data" / "ur10"
 NAMES = ("grid", "joint-configurations", "random-poses")
-#: A prediction this far off is a gross error of the row [um].
-GROSS = 1000.0
+#: Every so many-th block of each series is left out together.
+FOLDS = 5
+#: Rows of a series in which an arm that was switched on lately may still be warming up.
+FIRST = 100
 _COLUMNS = ("row", "time", "temperature", "q", "position", "rotation", "placement")
 
 
@@ -41,88 +59,118 @@ def part_of(data: PoseSet, rows: np.ndarray) -> PoseSet:
     return dataclasses.replace(data, **{name: getattr(data, name)[rows] for name in _COLUMNS})
 
 
-def predict(diagnosis: PoseDiagnosis, series: int, data: PoseSet) -> np.ndarray:
-    """Residuals of rows of a series that was diagnosed without them; its placement comes from the rest."""
-    placement = diagnosis.extended.problem.placements[series]
-    return residual(diagnosis.model.frames(data.view), placement, data.position, data.rotation)
+def say(text: str) -> None:
+    """Progress, beside what is kept."""
+    print(f"{time.strftime('%H:%M:%S')} {text}", file=sys.stderr, flush=True)
 
 
-def figures(errors: np.ndarray) -> str:
-    """Root mean square, the same without rows that are off like no nominal one (gross errors), and the median."""
-    size = 1e6 * np.linalg.norm(errors[:, :3], axis=1)
-    most = size[size < GROSS]
-    turn = 1e6 * np.sqrt(np.mean(np.sum(errors[:, 3:] ** 2, axis=1)))
-    return (
-        f"rms {np.sqrt(np.mean(size**2)):.0f} um, without {len(size) - len(most)} rows beyond 1 mm "
-        f"{np.sqrt(np.mean(most**2)):.0f} um, "
-        f"median {np.median(size):.0f} um, rotation {turn:.0f} urad"
-    )
+def diagnosed(every: int) -> dict[str, Any]:
+    """diagnosis.json of the three series, by the command."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "doormill_ros.tools.diagnose", "--quiet", "--out", f"{folder}/out"]
+        for name in NAMES:
+            source, target = DATA / name, Path(folder) / name
+            target.mkdir()
+            head, *rows = (source / "poses.csv").read_text(encoding="utf-8").splitlines()
+            (target / "poses.csv").write_text("\n".join([head, *rows[::every], ""]), encoding="utf-8")
+            described = yaml.safe_load((source / "set.yaml").read_text(encoding="utf-8"))
+            (target / "set.yaml").write_text(yaml.safe_dump(described), encoding="utf-8")
+            command += ["--data", str(target)]
+        subprocess.run(command, cwd=ROOT, stdout=subprocess.DEVNULL, check=True)
+        found: dict[str, Any] = json.loads(
+            (Path(folder) / "out" / "diagnosis.json").read_text(encoding="utf-8")
+        )
+    return found
 
 
-def main() -> None:
-    """Print the figures."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--folds", type=int, default=5, help="every so many-th block is left out together")
-    parser.add_argument("--data", type=Path, default=ROOT / "test" / "data" / "ur10")
-    parser.add_argument("--only", choices=("blocks", "series"), help="leave out these alone")
-    chosen = parser.parse_args()
-    sets = [read_pose_set(chosen.data / name) for name in NAMES]
-    if chosen.only != "series":
-        leave_blocks_out(sets, chosen.folds)
-    if chosen.only != "blocks":
-        leave_series_out(sets)
+def named(found: PoseDiagnosis) -> set[tuple[str, str]]:
+    """Cause and place of what was named."""
+    return {score.cause.key for score in found.established}
 
 
-def leave_blocks_out(sets: list[PoseSet], folds: int) -> None:
-    """Every so many-th block of each series predicted by a diagnosis without it."""
-    start = time.perf_counter()
-    errors = [np.zeros((len(data), 6)) for data in sets]
-    for fold in range(folds):
-        out = [np.concatenate(contiguous(len(data))[fold::folds]) for data in sets]
+def without_blocks(sets: Sequence[PoseSet], counted: Sequence[np.ndarray]) -> Redone:
+    """Every so many-th block of each series predicted by a diagnosis without it; its placement comes from the rest."""
+    redone = Redone()
+    errors = [np.zeros((len(data), 3)) for data in sets]
+    for fold in range(FOLDS):
+        out = [np.concatenate(contiguous(len(data))[fold::FOLDS]) for data in sets]
         rest = [np.setdiff1d(np.arange(len(data)), rows) for data, rows in zip(sets, out, strict=True)]
         found = diagnose_poses([part_of(data, rows) for data, rows in zip(sets, rest, strict=True)])
         for series, (data, rows) in enumerate(zip(sets, out, strict=True)):
-            errors[series][rows] = predict(found, series, part_of(data, rows))
-        names = ", ".join(map(repr, (score.cause for score in found.established)))
-        print(f"fold {fold + 1}, {time.perf_counter() - start:.0f} s: {names}", flush=True)
-    for data, error in zip(sets, errors, strict=True):
-        print(f"blocks left out, {data.name}: {figures(error)}")
-        sizes = [np.sqrt(np.mean(np.sum(error[b, :3] ** 2, axis=1))) for b in contiguous(len(data))]
-        print("  by block:", " ".join(f"{1e6 * size:.0f}" for size in sizes), "um")
-    print(f"blocks left out, all: {figures(np.concatenate(errors))}", flush=True)
+            gone, placement = part_of(data, rows), found.extended.problem.placements[series]
+            error = residual(found.model.frames(gone.view), placement, gone.position, gone.rotation)
+            errors[series][rows] = error[:, :3]
+        redone.named.append(named(found))
+        say(f"without fifth {fold + 1}")
+    redone.errors = {data.name: e[rows] for data, e, rows in zip(sets, errors, counted, strict=True)}
+    return redone
 
 
-def plain_calibration(sets: list[PoseSet], data: PoseSet) -> float:
-    """Position error of a series for a robot calibrated on others with link geometry and sag alone [m]."""
-    causes = [LinkGeometry(f"link {k}", data.dh) for k in range(1, 6)]
-    fitted = fit_causes(
-        sets, [*causes, *(JointSag(f"joint {k}") for k in range(2, 6))], place_nominally(sets)
-    )
-    problem = fitted.problem
-    model = PoseModel(data.robot, data.dh, problem.views[0].links, problem.layout.causes, problem.x)
+def plain_model(sets: Sequence[PoseSet]) -> tuple[PoseModel, tuple[float, float]]:
+    """A robot calibrated by link geometry and sag alone, and the noise that its fit took."""
+    causes = [LinkGeometry(f"link {k}", sets[0].dh) for k in range(1, 6)]
+    sag = (JointSag(f"joint {k}") for k in range(2, 6))
+    problem = fit_causes(sets, [*causes, *sag], place_nominally(sets)).problem
+    model = PoseModel(sets[0].robot, sets[0].dh, problem.views[0].links, problem.layout.causes, problem.x)
+    return model, problem.sigma
+
+
+def placed_error(
+    model: PoseModel, sigma: tuple[float, float], data: PoseSet, counted: np.ndarray
+) -> np.ndarray:
+    """Position error of the rows of a series that count, shape (n, 3) [m]; its marked rows place it and do not."""
     T, marked = model.frames(data.view), data.placement
-    placement = place_together([Seen(T[marked], data.position[marked], data.rotation[marked])], problem.sigma)
-    error = residual(T, placement, data.position, data.rotation)[~marked, :3]
-    return float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
+    placement = place_together([Seen(T[marked], data.position[marked], data.rotation[marked])], sigma)
+    error: np.ndarray = residual(T, placement, data.position, data.rotation)[counted & ~marked, :3]
+    return error
 
 
-def leave_series_out(sets: list[PoseSet]) -> None:
-    """Every series predicted by a diagnosis of the others, placed by its marked rows."""
-    for index, data in enumerate(sets):
-        others = [other for i, other in enumerate(sets) if i != index]
+def without_series(
+    sets: Sequence[PoseSet], counted: Sequence[np.ndarray]
+) -> tuple[Redone, Redone, dict[str, dict[str, float]]]:
+    """Every series predicted by a diagnosis of the others, by link geometry and sag; rows where no other was."""
+    redone, plain, outside = Redone(), Redone(), {}
+    for data, rows in zip(sets, counted, strict=True):
+        others = [other for other in sets if other is not data]
         found = diagnose_poses(others)
-        checked = check_set(found, data)
-        base, extended = checked["baseline"], checked["extended"]
-        outside = ", ".join(
-            f"{k} {100 * v:.0f} %" for k, v in checked["outside_coverage"].items() if v > 0.005
-        )
-        print(
-            f"series left out, {data.name}: {1e6 * base['rmse']:.0f} -> {1e6 * extended['rmse']:.0f} um, rotation "
-            f"{1e6 * base['rotation_rmse']:.0f} -> {1e6 * extended['rotation_rmse']:.0f} urad; link geometry and sag "
-            f"alone {1e6 * plain_calibration(others, data):.0f} um; angles never visited: {outside or 'none'}",
-            flush=True,
-        )
+        redone.named.append(named(found))
+        redone.errors[data.name] = placed_error(found.model, found.extended.problem.sigma, data, rows)
+        plain.errors[data.name] = placed_error(*plain_model(others), data, rows)
+        outside[data.name] = check_set(found, data)["outside_coverage"]
+        say(f"without {data.name}")
+    return redone, plain, outside
+
+
+def main() -> int:
+    """Print the tables; a whole run puts them into the page."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--every", type=int, default=1, help="each so many-th row alone")
+    every = parser.parse_args().every
+    document = diagnosed(every)
+    say("diagnosed")
+    sets = [read_pose_set(DATA / name) for name in NAMES]
+    sets = [part_of(data, np.arange(len(data))[::every]) for data in sets]
+    counted = [~np.isin(data.row, document["outliers_by_set"].get(data.name, [])) for data in sets]
+    blocks = without_blocks(sets, counted)
+    series, plain, outside = without_series(sets, counted)
+    parts = {
+        "verdict": tables.verdict(document),
+        "errors": tables.errors(document, blocks, series, plain),
+        "causes": tables.causes(document, blocks, series),
+        "refused": tables.refused(document),
+        "certainty": tables.certainty(document),
+        "warming": tables.warming(blocks, FIRST),
+        "angles": tables.unvisited(document, outside, BINS),
+    }
+    for part, text in parts.items():
+        place = f"bench/{Path(__file__).name} {part}"
+        print(f"<!-- begin: {place} -->\n{text}\n{END}\n")
+        if every == 1 and not put(PAGE, place, text):
+            say(f"{PAGE.name} has no place for {part}")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Score laws without a name in moving joints and poses: `python bench/unnamed_score.py --kind motion --sets 24`.
+"""Score laws without a name in moving joints and poses: `python bench/unnamed_score.py --sets 24`.
 
 Arms that obey a hidden law, alone and beside a named cause, are recorded by simulations that share no code with the
 diagnosis (test/support/motion_laws, test/support/pose_laws). Each set goes through the `diagnose` command with a second
@@ -119,8 +119,8 @@ def line(score: Score) -> str:
     )
 
 
-def summary(scores: Sequence[Score]) -> str:
-    """The figures together."""
+def summary(kind: str, scores: Sequence[Score]) -> str:
+    """The figures of a kind together."""
     n = len(scores)
     rows = [
         ("sets", str(n)),
@@ -133,23 +133,28 @@ def summary(scores: Sequence[Score]) -> str:
         ("unseen over noise", [one.unseen[1] for one in scores]),
     ):
         rows.append((f"{name}: median, 90 %", f"{np.median(values):.2f}, {np.quantile(values, 0.9):.2f}"))
-    return "\n".join(f"{name:32s} {value}" for name, value in rows)
+    return "\n".join(f"{kind}: {name:32s} {value}" for name, value in rows)
 
 
 def main() -> int:
     """Run the campaign and print it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--kind", choices=list(KINDS), default="motion")
-    parser.add_argument("--sets", type=int, default=24)
+    parser.add_argument("--kind", choices=list(KINDS), nargs="+", default=list(KINDS))
+    parser.add_argument("--sets", type=int, default=24, help="of each kind")
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--keep", type=Path, help="folder to leave sets and diagnoses in")
     chosen = parser.parse_args()
-    scores = []
-    with tempfile.TemporaryDirectory() as temporary:
-        for seed in range(chosen.first, chosen.first + chosen.sets):
-            scores.append(diagnose((chosen.keep or Path(temporary)) / f"{seed:04d}", chosen.kind, seed))
-            print(line(scores[-1]), flush=True)
-    print(summary(scores))
+    found = {}
+    for kind in chosen.kind:
+        found[kind] = []
+        with tempfile.TemporaryDirectory() as temporary:
+            for seed in range(chosen.first, chosen.first + chosen.sets):
+                found[kind].append(
+                    diagnose((chosen.keep or Path(temporary)) / kind / f"{seed:04d}", kind, seed)
+                )
+                print(line(found[kind][-1]), flush=True)
+    for kind, scores in found.items():
+        print(summary(kind, scores))
     return 0
 
 

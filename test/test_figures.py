@@ -23,6 +23,7 @@ FINISHED = (
     "docs/commissioning.md",
     "docs/controller-link.md",
     "docs/diagnosis-thesis.md",
+    "docs/diagnosis-ur10.md",
     "docs/diagnosis.md",
     "docs/gige-camera.md",
     "docs/inspection.md",
@@ -150,9 +151,15 @@ def test_what_is_cited_is_in_the_page_and_is_no_leave_for_any_figure(page: str, 
 
 def test_what_a_bench_wrote_into_a_page_is_what_its_kept_run_printed() -> None:
     written = [part for page in PAGES for part in re.findall(WRITTEN, page.read_text(encoding="utf-8"))]
-    assert len(written) == 1
-    for bench, text in written:
+    assert {bench for bench, _, _ in written} == {"compare_sensors", "diagnosis_ur10"}
+    for bench, _, text in written:
+        assert text.strip()
         assert text in (RESULTS / f"{bench}.txt").read_text(encoding="utf-8")
+    # Where the run prints its parts by name, each stands where its name is.
+    printed = [part for path in results() for part in re.findall(WRITTEN, path.read_text(encoding="utf-8"))]
+    named = [part for part in written if part[1]]
+    assert len(named) > 5
+    assert set(named) <= set(printed)
 
 
 def test_only_finished_pages_cite() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections import deque
@@ -13,18 +14,29 @@ from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Image
 
 from doormill_interfaces.action import MillDoor
-from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe, ModelVerdict, RunResult
+from doormill_interfaces.msg import (
+    AbbStatus,
+    DoorInspection,
+    DoorLocalization,
+    DoorRecipe,
+    MilledDoor,
+    ModelVerdict,
+    RunResult,
+    TargetArray,
+)
 from doormill_ros.arrays import ByteArray
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import seconds_of
+from doormill_ros.messages.from_message import recipe_of, seconds_of
 from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.planned_times import planned_times_of
 from doormill_ros.nodes.convert.verdict import faults_of, steps_of
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
+from doormill_ros.operator.door_view import door_view
 from doormill_ros.operator.history import append_history, load_history
 from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.page_server import PageServer, is_loopback
@@ -33,6 +45,7 @@ from doormill_ros.operator.server import create_app
 from doormill_ros.operator.state import EndedRun, ViewStore
 from doormill_ros.operator.token import Keys
 from doormill_ros.operator.token_file import load_keys
+from doormill_ros.recipes.errors import RecipeError
 
 BRIDGE = "abb_bridge"
 CONTROLLER = "/controller"  # what the bridge tells of it
@@ -93,7 +106,10 @@ class OperatorPage(ManagedNode):
         self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
         self.subscribe(topics.DOOR_OVERLAY, self._take_overlay)
         self.subscribe(topics.IMAGE, self._pictures.append)
+        self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.RUN_RESULT, self._take_result)
+        self.subscribe(topics.MILLED_DOOR, self._take_milled)
+        self.subscribe(topics.DOOR_INSPECTION, self._take_inspection)
         self.subscribe(topics.DIAGNOSTICS, self._take_diagnostics)
         self.subscribe(topics.MODEL_VERDICT, self._take_verdict)
         self.subscribe(FEEDBACK, self._take_feedback)
@@ -109,11 +125,39 @@ class OperatorPage(ManagedNode):
         self._server.stop()
 
     def _take_status(self, status: AbbStatus) -> None:
-        shown = status.state, status.reason, status.run_id, status.door_id, status.request
+        since = seconds_of(status.since)
+        shown = status.state, status.reason, status.run_id, status.door_id, status.request, since
         self.store.update(lambda view: view.with_handshake(*shown))
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         self.store.update(lambda view: view.with_run(recipe.run_id, recipe.door_id))
+        # A recipe that cannot be read is refused by who mills it; the page goes on without a drawing.
+        with suppress(RecipeError):
+            drawing = door_view(recipe_of(recipe), recipe.run_id)
+            self.store.update(lambda view: view.with_drawing(drawing))
+
+    def _take_targets(self, targets: TargetArray) -> None:
+        if targets.accepted:
+            times = planned_times_of(targets)
+            self.store.update(lambda view: view.with_plan(targets.run_id, times))
+
+    def _take_milled(self, door: MilledDoor) -> None:
+        found = {feature.feature: feature.corrected_max for feature in door.features}
+        self._measured(door.run_id, found, door.tolerance)
+
+    def _take_inspection(self, measured: DoorInspection) -> None:
+        found: dict[str, float] = {}
+        for feature, wall, deviation in zip(
+            measured.feature, measured.wall, measured.deviation, strict=False
+        ):
+            if wall:
+                found[feature] = max(found.get(feature, 0.0), abs(deviation))
+        self._measured(measured.run_id, found, 0.0)
+
+    def _measured(self, run_id: str, found: dict[str, float], tolerance: float) -> None:
+        finite = {name: value for name, value in found.items() if math.isfinite(value)}
+        allowed = tolerance if math.isfinite(tolerance) else 0.0
+        self.store.update(lambda view: view.with_measured(run_id, finite, allowed))
 
     def _take_feedback(self, message: Any) -> None:
         feedback = message.feedback
@@ -133,7 +177,8 @@ class OperatorPage(ManagedNode):
     def _take_overlay(self, overlay: Image) -> None:
         colours = colours_of(overlay)
         taken = time.strftime("%H:%M:%S", time.localtime(seconds_of(overlay.header.stamp)))
-        self._show(colours, f"Picture of {taken} with the door's edges as they were found")
+        door = self.store.view.door_id or "unknown"
+        self._show(colours, f"Door {door}: picture of {taken} with the edges as they were found")
 
     def _show(self, picture: ByteArray, caption: str) -> None:
         data = encode_picture(picture)

@@ -1,6 +1,7 @@
 // Everything shown goes through textContent, so that no text of a recipe or a node becomes markup.
 import { outcome, showHistory } from "./history.js";
 import { ENGLISH, byId, language, speak, text, wanted, write } from "./language.js";
+import { showDoor } from "./door.js";
 import { answerToModelOrder, showModel, shown as model } from "./model.js";
 import { stopReason } from "./monitor_words.js";
 
@@ -8,6 +9,7 @@ const SILENCE = 15000; // ms without a sign of life
 let heard = 0;
 let token = "";
 let view = null;
+let ageAt = null; // when the state began, by the browser's clock
 
 function showFaults(faults) {
   const items = faults.map((fault) => {
@@ -43,6 +45,8 @@ function show(told) {
   byId("refusal").hidden = !view.refusal;
   if (view.state) write("state", `${view.state}: ${view.state_reason}`, ENGLISH);
   else write("state", text("state.unknown"));
+  ageAt = view.state && view.state_age !== null ? Date.now() - 1000 * view.state_age : null;
+  showAge();
   write("door", view.run_id ? text("door.stage", { door: view.door_id, stage: view.stage }) : text("door.none"));
   const last = view.history[0];
   write("last", last ? text("last.run", { door: last.door_id, outcome: outcome(last) }) : text("last.none"));
@@ -51,9 +55,17 @@ function show(told) {
   write("notice", view.notice);
   showFaults(view.faults);
   showPicture(view.picture);
+  showDoor(view.drawing);
   showHistory(view.history);
   byId("control").hidden = !view.control;
   showModel(view.model, view.control);
+}
+
+// How long the state named above has lasted, by the clock of the cell.
+function showAge() {
+  const passed = ageAt === null ? -1 : Math.max(0, Math.floor((Date.now() - ageAt) / 1000));
+  const values = { minutes: Math.floor(passed / 60), seconds: passed % 60 };
+  write("since", passed < 0 ? text("state.unknown") : text("state.age", values));
 }
 
 function alive() {
@@ -145,6 +157,7 @@ byId("language").addEventListener("change", async (event) => {
   await speak(event.target.value);
   if (view) show(view);
 });
+setInterval(() => { if (view) showAge(); }, 1000);
 setInterval(() => { if (Date.now() - heard > SILENCE) byId("lost").hidden = false; }, 1000);
 await speak(wanted());
 connect();

@@ -42,6 +42,7 @@ _FILES = {
     "/page.css": ("page.css", "text/css"),
     "/page.js": ("page.js", "text/javascript"),
     "/language.js": ("language.js", "text/javascript"),
+    "/door.js": ("door.js", "text/javascript"),
     "/history.js": ("history.js", "text/javascript"),
     "/model.js": ("model.js", "text/javascript"),
     "/monitor_words.js": ("monitor_words.js", "text/javascript"),

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, outcome
 from doormill_ros.operator.advice import next_step
+from doormill_ros.operator.door_view import DoorView
 from doormill_ros.operator.model_view import ModelView
 from doormill_ros.operator.situation import Situation, situation
 
@@ -64,6 +66,7 @@ class CellView:
         state_reason: Why it is in that state.
         state_run: Run that it is about, empty when about none.
         state_door: Door of that run.
+        state_since: When it came into that state, seconds since the epoch; 0: not known.
         request: The controller asks for targets.
         run_id: Run in hand, empty when there is none.
         door_id: Door of that run.
@@ -75,6 +78,7 @@ class CellView:
         history: Ended runs, the newest first.
         picture: The latest picture worth showing.
         model: What the monitor of the model said last; None where there is none.
+        drawing: The door of the run in hand, or of the last one.
     """
 
     bridge_present: bool = False
@@ -82,6 +86,7 @@ class CellView:
     state_reason: str = ""
     state_run: str = ""
     state_door: str = ""
+    state_since: float = 0.0
     request: bool = False
     run_id: str = ""
     door_id: str = ""
@@ -93,15 +98,22 @@ class CellView:
     history: tuple[EndedRun, ...] = ()
     picture: EncodedPicture | None = None
     model: ModelView | None = None
+    drawing: DoorView | None = None
 
     def with_bridge(self, present: bool) -> CellView:
         """The bridge was heard of lately, or not."""
         return replace(self, bridge_present=present)
 
     def with_handshake(
-        self, state: str, reason: str, run_id: str = "", door_id: str = "", request: bool = False
+        self,
+        state: str,
+        reason: str,
+        run_id: str = "",
+        door_id: str = "",
+        request: bool = False,
+        since: float = 0.0,
     ) -> CellView:
-        """The handshake changed."""
+        """The handshake changed; `since` in seconds since the epoch, 0 where nobody tells."""
         return replace(
             self,
             bridge_present=True,
@@ -110,6 +122,7 @@ class CellView:
             state_run=run_id,
             state_door=short(door_id),
             request=request,
+            state_since=since,
         )
 
     def with_run(self, run_id: str, door_id: str) -> CellView:
@@ -168,6 +181,25 @@ class CellView:
         number = self.picture.number + 1 if self.picture else 1
         return replace(self, picture=EncodedPicture(data, media_type, short(caption), number))
 
+    def with_drawing(self, drawing: DoorView) -> CellView:
+        """The recipe of a run tells how its door looks; the one drawn already keeps what is known of it."""
+        known = self.drawing is not None and self.drawing.run_id == drawing.run_id
+        return self if known else replace(self, drawing=drawing)
+
+    def with_plan(self, run_id: str, times: Mapping[str, tuple[float, float]]) -> CellView:
+        """When each feature of a run's door is milled."""
+        drawing = self.drawing
+        if drawing is None or drawing.run_id != run_id:
+            return self
+        return replace(self, drawing=drawing.with_plan(times))
+
+    def with_measured(self, run_id: str, found: Mapping[str, float], tolerance: float) -> CellView:
+        """How far the features of a run's door are off; of another door's it is passed over."""
+        drawing = self.drawing
+        if drawing is None or drawing.run_id != run_id:
+            return self
+        return replace(self, drawing=drawing.with_measured(found, tolerance))
+
     def with_model(self, model: ModelView) -> CellView:
         """The monitor of the model said something."""
         texts = (model.sentence, model.next_measurement, model.message)
@@ -207,6 +239,7 @@ class CellView:
         return {
             "state": seen.state if self.bridge_present else "",
             "state_reason": seen.reason,
+            "state_age": max(time.time() - self.state_since, 0.0) if self.state_since > 0.0 else None,
             "urgency": step.urgency,
             "next_step": step.text,
             "step": {"key": step.key, "values": dict(step.values)},
@@ -224,7 +257,15 @@ class CellView:
             if self.picture is None
             else {"number": self.picture.number, "caption": self.picture.caption},
             "model": None if self.model is None else self.model.document(),
+            "drawing": self._drawn(),
         }
+
+    def _drawn(self) -> dict[str, Any] | None:
+        if self.drawing is None:
+            return None
+        run_id = self.drawing.run_id
+        ended = next((run.success for run in self.history if run.run_id == run_id), None)
+        return self.drawing.document(self.run_id == run_id and self.stage == "milling", ended)
 
 
 def short(text: str) -> str:

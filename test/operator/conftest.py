@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
+from playwright.sync_api import Page, expect
 
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
 from doormill_ros.models.errors import UnknownVersionError
@@ -16,8 +18,11 @@ from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.state import ViewStore
 from doormill_ros.operator.token import Keys, new_token
+from support.browser import TABLET, open_page
 
 NASTY = "<script>document.title='broken'</script>"
+
+LIMIT = 120_000  # ms
 
 
 @dataclass
@@ -116,3 +121,11 @@ def guarded(tmp_path: Path) -> Iterator[Guarded]:
     app = create_app(store, control, keys, audit=AuditLog(folder), clock=lambda: now[0])
     with PageServer(app, "127.0.0.1", 0) as server:
         yield Guarded(server.url, control, store, keys, folder, now)
+
+
+@pytest.fixture
+def shown(read_only: Any) -> Iterator[tuple[Any, Page, list[str]]]:
+    with open_page(read_only.url, **TABLET) as (page, errors):
+        page.set_default_timeout(LIMIT)
+        expect(page.locator("#lost")).to_be_hidden(timeout=LIMIT)
+        yield read_only, page, errors

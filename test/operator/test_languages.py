@@ -48,11 +48,22 @@ WITHOUT_ENGLISH = """element => {
   return copy.textContent;
 }"""
 #: Put together of other texts, the same in all languages.
-FRAMES = {"last.run", "size", "verdict.no_outlook", "cause.at", "run", "course.always"}
+FRAMES = {
+    "last.run",
+    "size",
+    "drawing.feature",
+    "state.age",
+    "verdict.no_outlook",
+    "cause.at",
+    "run",
+    "course.always",
+}
 #: One word in two of the languages.
 SHARED = {"model.version"}
 BY_DATA = (
     "outcome.",
+    "came.",
+    "face.",
     "step.",
     "verdict.",
     "place.",

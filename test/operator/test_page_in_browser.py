@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,20 +10,11 @@ from playwright.sync_api import Page, expect
 
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.operator.state import EndedRun
-from support.browser import open_page
+from support.browser import TABLET, open_page
 
-TABLET = {"viewport": {"width": 1024, "height": 768}, "has_touch": True}
 REASON = "door oak: no edge was found in the picture; clean the lens & check the lamp"
 LIMIT = 120_000  # ms
 NASTY = "<img src=x onerror=\"document.title='broken'\"><script>document.title='broken'</script>&amp;"
-
-
-@pytest.fixture
-def shown(read_only: Any) -> Iterator[tuple[Any, Page, list[str]]]:
-    with open_page(read_only.url, **TABLET) as (page, errors):
-        page.set_default_timeout(LIMIT)
-        expect(page.locator("#lost")).to_be_hidden(timeout=LIMIT)
-        yield read_only, page, errors
 
 
 def text_of(page: Page, selector: str, text: str) -> None:

@@ -8,8 +8,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
+from doormill_ros.operator.door_view import door_view
 from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.state import EndedRun
+from doormill_ros.recipes.documents import load_recipe
 from support.browser import open_page
 
 TEXT, EDGE = 4.5, 3.0  # least contrasts of WCAG 2.2, 1.4.3 and 1.4.11 or 2.4.11
@@ -75,9 +77,10 @@ FOCUS = (
       || box.top - reach < clip.top || box.bottom + reach > clip.bottom;
   });
   const under = ground(element.parentElement);
+  const part = (element.closest("section") || element).getBoundingClientRect();
   return {
     id: element.id,
-    top: box.top + scrollY,
+    place: [part.top + scrollY, part.left, box.top + scrollY],
     style: style.outlineStyle,
     width: parseFloat(style.outlineWidth),
     contrast: ratio(channels(style.outlineColor), under),
@@ -93,6 +96,7 @@ RARE = """() => {
 }"""
 CONTROLS = """() => [...document.querySelectorAll("a[href], button, input, select, textarea, summary, [tabindex]")]
   .filter((element) => element.checkVisibility() && !element.disabled).map((element) => element.id)"""
+DRAWING = door_view(load_recipe("standard_door"), "r1")
 NAMED = {
     "button",
     "textbox",
@@ -135,7 +139,11 @@ def views(store: Any) -> Iterator[str]:
         )
     )
     yield "act"
-    update(lambda v: v.with_run("r1", "oak").with_handshake("milling", "it mills", "r1", "oak"))
+    update(
+        lambda v: (
+            v.with_run("r1", "oak").with_handshake("milling", "it mills", "r1", "oak").with_drawing(DRAWING)
+        )
+    )
     yield "danger"
     update(lambda v: v.with_handshake("writing", "targets", "r1", "oak"))
     yield "wait"
@@ -187,7 +195,9 @@ def tabbed(page: Page, most: int = 60) -> list[dict[str, Any]]:
 def test_tab_leads_to_every_control_as_one_reads_and_shows_where_it_is(
     controlled: Any, scheme: str, size: str
 ) -> None:
-    controlled.store.update(lambda v: v.with_handshake("requested", "asks").with_model(model(False)))
+    controlled.store.update(
+        lambda v: v.with_handshake("requested", "asks").with_model(model(False)).with_drawing(DRAWING)
+    )
     controlled.store.update(lambda v: v.with_ended(EndedRun("r" * 40, "oak" * 9, False, 201, "no edge", 2.0)))
     with open_page(controlled.url, color_scheme=scheme, viewport=SIZES[size]) as (page, errors):
         expect(page.locator("#accept")).to_be_visible()
@@ -206,8 +216,9 @@ def test_tab_leads_to_every_control_as_one_reads_and_shows_where_it_is(
         } < set(wanted)
         stops = tabbed(page)
         assert [stop["id"] for stop in stops] == wanted
-        tops = [stop["top"] for stop in stops]
-        assert tops == sorted(tops)
+        # Section after section, those beside each other from left to right, each from its top down.
+        places = [stop["place"] for stop in stops]
+        assert places == sorted(places)
         for stop in stops:
             assert stop["style"] == "solid", stop
             assert stop["width"] >= 2, stop
@@ -241,9 +252,13 @@ def test_keys_alone_start_a_door_and_search(controlled: Any) -> None:
 def test_a_screen_reader_has_a_name_for_everything(controlled: Any, locale: str) -> None:
     controlled.store.update(
         lambda v: (
-            v.with_ended(EndedRun("r0", "oak", True, 0, "", 1.0)).with_run("r", "oak").with_model(model(True))
+            v.with_ended(EndedRun("r0", "oak", True, 0, "", 1.0))
+            .with_run("r1", "oak")
+            .with_drawing(DRAWING)
+            .with_model(model(True))
         )
     )
+    controlled.store.update(lambda v: v.with_drawing(DRAWING).with_model(model(True)))
     with open_page(controlled.url, locale=locale) as (page, errors):
         expect(page.locator("html")).to_have_attribute("lang", locale)
         expect(page.locator("#progress")).to_be_visible()

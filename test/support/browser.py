@@ -24,6 +24,7 @@ ARGUMENTS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+TABLET = {"viewport": {"width": 1024, "height": 768}, "has_touch": True}
 INSTALL_LIMIT = 240  # s
 PAGE_LIMIT = 120_000  # ms
 

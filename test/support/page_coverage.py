@@ -8,8 +8,8 @@ from support.page_figures import Row, tables
 
 #: A number, not the digits of a name or of an exponent.
 FIGURE = re.compile(r"(?<![\w.])(?<!\de-)\d+(?:[.,]\d+)*")
-#: What a bench wrote into a page, see test/test_figures.py.
-WRITTEN = r"(?s)<!-- begin: bench/(\w+)\.py -->\n(.*?)\n<!-- end -->"
+#: What a bench wrote into a page, in parts with a name where it is several, see test/test_figures.py.
+WRITTEN = r"(?s)<!-- begin: bench/(\w+)\.py ?(\w*) -->\n(.*?)\n<!-- end -->"
 #: What a page shows and does not say: code, names, addresses, the counting of lists and headings.
 SHOWN = (
     WRITTEN,
