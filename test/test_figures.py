@@ -25,6 +25,7 @@ FINISHED = (
     "docs/diagnosis-thesis.md",
     "docs/diagnosis-ur10.md",
     "docs/diagnosis.md",
+    "docs/errors.md",
     "docs/gige-camera.md",
     "docs/inspection.md",
     "docs/laws.md",
