@@ -37,6 +37,7 @@ FINISHED = (
     "docs/recipes.md",
     "docs/recording.md",
     "docs/sensors.md",
+    "docs/thesis.md",
     "docs/toolpath.md",
     "docs/two-robots.md",
     "docs/workspace.md",
