@@ -7,6 +7,7 @@ from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import CallbackGroup
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from doormill_interfaces.action import MillDoor
@@ -61,13 +62,17 @@ class MillDoorActionServer(QuietActionServer):
             cancel_callback=cancel,
         )
 
-    @staticmethod
-    def end(goal: Any, end: RunEnd) -> MillDoor.Result:
+    def end(self, goal: Any, end: RunEnd) -> MillDoor.Result:
         """Close a goal as its run ended; returns what the client is told."""
-        if end.success:
-            goal.succeed()
-        elif goal.is_cancel_requested:
-            goal.canceled()
-        else:
-            goal.abort()
+        try:
+            if end.success:
+                goal.succeed()
+            elif goal.is_cancel_requested:
+                goal.canceled()
+            else:
+                goal.abort()
+        except rclpy_implementation.RCLError:
+            # A process that is being stopped tells nobody any more; anything else is a fault.
+            if self._node.context.ok():
+                raise
         return run_end_into(end, MillDoor.Result)
