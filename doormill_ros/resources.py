@@ -7,10 +7,12 @@ from pathlib import Path
 
 PACKAGE = "doormill_ros"
 SITE = "DOORMILL_SITE"  #: environment variable that names the site's folder
+#: Folders of a site: files that go before the shipped, store of models, bags to be reproduced, who ordered what.
+CONFIG, MODELS, ACCEPTED, AUDIT = "config", "models", "accepted", "audit"
 
 
 def site_folder() -> Path:
-    """What this site has of its own: recipes, models, accepted bags, and files of config/ that go before the shipped.
+    """What this site has of its own: recipes, models, accepted bags, audit log, and files of config/.
 
     $DOORMILL_SITE, or a folder among the user's data. It need not exist.
     """

@@ -50,7 +50,8 @@ ARGUMENTS = {
     "namespace": ("", "namespace of every node, for example /cell1; cells in different ones share nothing"),
     "out": (
         "out",
-        "folder of bags, target files, models, inspections and the simulated controller; each cell needs its own",
+        "folder of bags, target files, models, inspections, audit log and the simulated controller; each cell needs "
+        "its own",
     ),
     "autostart": ("true", "bring the nodes up; false: an operator does"),
     "simulate": ("true", "simulated camera, controller and robot"),
@@ -141,6 +142,7 @@ def cell_node(name, both=False):
         },
         "operator_page": {
             "history": in_out("runs"),
+            "audit": in_out("audit"),
             "host": ParameterValue(LaunchConfiguration("page_host"), value_type=str),
             "port": LaunchConfiguration("page_port"),
             "tokens": ParameterValue(LaunchConfiguration("page_tokens"), value_type=str),

@@ -22,10 +22,11 @@ from doormill_ros.backup.errors import (
     NewerBackupError,
     TornBackupError,
 )
+from doormill_ros.resources import ACCEPTED, AUDIT, CONFIG, MODELS
 
-SCHEMA = 1  #: of the archive; a later release that changes its form counts it up
+SCHEMA = 2  #: of the archive, since it holds the audit log; whoever changes its form counts it up
 FIRST, LAST = "doormill-backup.json", "manifest.json"
-PARTS = ("config", "models", "accepted")  #: folders of a site that a backup holds
+PARTS = (CONFIG, MODELS, ACCEPTED, AUDIT)  #: folders of a site that a backup holds
 DATABASE = "database"
 LONGEST_TEXT = 64 << 20  # bytes; of the first and the last file
 BLOCK = 1 << 20  # bytes

@@ -7,6 +7,7 @@ import os
 import shutil
 import sqlite3
 import subprocess
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -66,7 +67,7 @@ class SiteDatabase:
                 source.backup(target)
                 target.execute("PRAGMA journal_mode = DELETE")
             return _revision(copy)
-        self._run("pg_dump", "--format=custom", "--no-owner", "--no-acl", f"--file={copy}")
+        self._run("pg_dump", self._dbname, "--format=custom", "--no-owner", "--no-acl", f"--file={copy}")
         with contextlib.closing(RecipeDatabase(self.url.render_as_string(hide_password=False))):
             return schema.REVISIONS[-1]  # an older one was migrated by being opened
 
@@ -140,7 +141,13 @@ class SiteDatabase:
                     self.remove()
                     _copy_files(copy, self._file)
             return
-        self._run("pg_restore", "--clean", "--if-exists", "--no-owner", "--single-transaction", str(copy))
+        with tempfile.TemporaryDirectory(prefix="doormill-") as folder:
+            script = Path(folder) / "restore.sql"
+            self._run("pg_restore", "--clean", "--if-exists", "--no-owner", f"--file={script}", str(copy))
+            # A dump of an earlier release drops no table that came since, which would stand in the migration's way.
+            drop = f"DROP TABLE IF EXISTS {', '.join(('alembic_version', *schema.metadata.tables))}"
+            whole = ("--no-psqlrc", "--quiet", "--set=ON_ERROR_STOP=1", "--single-transaction")
+            self._run("psql", *whole, self._dbname, f"--command={drop}", f"--file={script}")
         RecipeDatabase(self.url.render_as_string(hide_password=False)).close()
 
     def remove(self) -> None:
@@ -153,14 +160,18 @@ class SiteDatabase:
     def _file(self) -> Path:
         return Path(str(self.url.database))
 
-    def _run(self, program: str, *arguments: str) -> None:
-        """Run a program of PostgreSQL on the database; the password goes by the environment, which only we can read."""
+    @property
+    def _dbname(self) -> str:
+        """The option that names the database to a program of PostgreSQL, without the password."""
         bare = sa.URL.create("postgresql", self.url.username, None, self.url.host, self.url.port)
-        bare = bare.set(database=self.url.database, query=self.url.query)
+        return f"--dbname={bare.set(database=self.url.database, query=self.url.query).render_as_string()}"
+
+    def _run(self, program: str, *arguments: str) -> None:
+        """Run a program of PostgreSQL; the password goes by the environment, which only we can read."""
         environment = {**os.environ, "PGCONNECT_TIMEOUT": "5"}
         if self.url.password is not None:
             environment["PGPASSWORD"] = str(self.url.password)
-        command = [program, f"--dbname={bare.render_as_string()}", *arguments]
+        command = [program, *arguments]
         try:
             done = subprocess.run(
                 command, env=environment, capture_output=True, text=True, errors="replace", timeout=LIMIT

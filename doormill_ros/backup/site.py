@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,8 +15,11 @@ from doormill_ros import __version__
 from doormill_ros.backup.archive import DATABASE, PARTS, Backup, BackupHead, read_archive, write_archive
 from doormill_ros.backup.database import SiteDatabase
 from doormill_ros.backup.errors import BackupFileError, RestoreBusyError
+from doormill_ros.models.store import ModelStore
+from doormill_ros.resources import AUDIT, MODELS
 
 LOCK = ".backup.lock"
+_WRITTEN = (MODELS, AUDIT)  # parts that nodes write to meanwhile
 
 
 @contextmanager
@@ -40,7 +44,7 @@ def alone(site: Path) -> Iterator[None]:
 
 
 def make_backup(site: Path, database: SiteDatabase, path: Path) -> Backup:
-    """Put database, configuration, models and accepted bags of a site into one file.
+    """Put database, configuration, models, accepted bags and audit log of a site into one file.
 
     Args:
         site: The site's folder; see `alone`.
@@ -56,7 +60,9 @@ def make_backup(site: Path, database: SiteDatabase, path: Path) -> Backup:
     """
     made = datetime.now(UTC).isoformat(timespec="seconds")
     with tempfile.TemporaryDirectory(prefix=".backup-", dir=site) as folder:
-        entries = [entry for part in PARTS for entry in _files(site / part, part, ())]
+        entries = [entry for part in PARTS if part not in _WRITTEN for entry in _files(site / part, part, ())]
+        with ModelStore(site / MODELS).held():
+            entries += [entry for part in _WRITTEN for entry in _copied(site / part, part, Path(folder))]
         head = BackupHead(__version__, made)
         if database.present:
             copy = Path(folder) / database.name
@@ -69,6 +75,22 @@ def make_backup(site: Path, database: SiteDatabase, path: Path) -> Backup:
             raise BackupFileError(f"the folder {path.parent} cannot be made: {error.strerror}") from error
         write_archive(path, head, entries)
     return read_archive(path)
+
+
+def _copied(path: Path, name: str, folder: Path) -> list[tuple[str, Path]]:
+    """As `_files`, of copies in a folder: what is added from now on belongs to the next backup."""
+    copies = []
+    for entry, source in _files(path, name, ()):
+        copy = folder / entry
+        try:
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, copy)
+        except OSError as error:
+            raise BackupFileError(
+                f"{source} cannot be copied to {copy}: {error.strerror}; try again"
+            ) from error
+        copies.append((entry, copy))
+    return copies
 
 
 def _files(path: Path, name: str, above: tuple[Path, ...]) -> Iterator[tuple[str, Path]]:

@@ -6,6 +6,8 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
+from doormill_ros.resources import AUDIT, MODELS
+
 
 @dataclass(frozen=True)
 class RunFolder:
@@ -46,7 +48,12 @@ class RunFolder:
     @property
     def models(self) -> Path:
         """Store of models, of the shift where the run belongs to one."""
-        return (self.shift or self.root) / "models"
+        return (self.shift or self.root) / MODELS
+
+    @property
+    def audit(self) -> Path:
+        """Audit log of the operator's page."""
+        return self.root / AUDIT
 
     @property
     def inspections(self) -> Path:

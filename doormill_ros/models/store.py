@@ -26,6 +26,7 @@ from doormill_ros.models.errors import (
     VersionInUseError,
 )
 from doormill_ros.models.record import ACCEPT, REVERT, MillingStop, ModelOrder, ModelVersion, StoreRecord
+from doormill_ros.resources import MODELS, site_folder
 from doormill_ros.robot_model.model_file import MODEL_FILE
 
 RECORD, LOCK = "models.json", ".lock"
@@ -38,6 +39,11 @@ class ModelInUse:
 
     version: int = 0
     path: str = ""
+
+
+def store_folder(named: str) -> Path:
+    """The folder of a cell's store of models: the one that is named, else that of the site."""
+    return Path(named) if named else site_folder() / MODELS
 
 
 class ModelStore:
@@ -223,6 +229,18 @@ class ModelStore:
                 path=str(path),
             )
         return ModelInUse(version, str(path.resolve()))
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Let nobody change anything meanwhile, for who copies the folder, whatever state it is in."""
+        try:
+            lock = (self.folder / LOCK).open("rb")
+        except FileNotFoundError:  # no writer was ever there
+            yield
+            return
+        with lock:
+            fcntl.flock(lock, fcntl.LOCK_SH)
+            yield
 
     @contextmanager
     def _writing(self) -> Iterator[StoreRecord]:

@@ -145,7 +145,7 @@ def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callabl
     chosen: tuple[tuple[Callable[..., ManagedNode], dict[str, Any]], ...] = (
         (RecipeDatabaseNode, database),
         (DoorLocalizer, localizer),
-        (PathGenerator, {"robot_model": model, "models": "", "frames": False}),
+        (PathGenerator, {"robot_model": model, "models": "none", "frames": False}),
         (AbbBridge, bridge),
     )
     beside: list[tuple[Callable[..., ManagedNode], dict[str, Any]]] = [

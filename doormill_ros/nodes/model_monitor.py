@@ -17,6 +17,7 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.measurements.inspection import CAMERA
 from doormill_ros.messages.from_message import positions_of, seconds_of
 from doormill_ros.models.errors import MillingStoppedError
+from doormill_ros.models.store import store_folder
 from doormill_ros.monitor.kept_doors import DoorPoints
 from doormill_ros.monitor.watch import ModelWatch, WatchSettings, WatchState
 from doormill_ros.nodes import topics
@@ -34,7 +35,11 @@ class ModelMonitor(ManagedNode):
     PARAMETERS = (
         NodeParameter("inspections", "out/inspections", "folder that keeps inspections and the last verdict"),
         NodeParameter("bags", "out/bags", "folder below which runs are recorded"),
-        NodeParameter("models", "out/models", "folder of the store of models, as that of /path_generator"),
+        NodeParameter(
+            "models",
+            "",
+            "folder of the store of models, as that of /path_generator; empty: models in the site's folder",
+        ),
         NodeParameter("robot_model", "", "model of version 0, as robot_model of /path_generator"),
         NodeParameter("doors", 40, "last inspected doors that are questioned", 1, 1000, live=True),
         NodeParameter("since", "", "run before which doors are left aside; empty: none", live=True),
@@ -57,7 +62,7 @@ class ModelMonitor(ManagedNode):
         self._watch = ModelWatch(
             Path(self.value("inspections")),
             Path(self.value("bags")),
-            Path(self.value("models")),
+            store_folder(self.value("models")),
             self._settings,
             self._tell,
         )

@@ -47,6 +47,7 @@ from doormill_ros.operator.token import Keys
 from doormill_ros.operator.token_file import load_keys
 from doormill_ros.operator.view_store import ViewStore
 from doormill_ros.recipes.errors import RecipeError
+from doormill_ros.resources import AUDIT, site_folder
 
 BRIDGE = "abb_bridge"
 CONTROLLER = "/controller"  # what the bridge tells of it
@@ -76,7 +77,7 @@ class OperatorPage(ManagedNode):
         NodeParameter(
             "audit",
             "",
-            "folder of the audit log of orders and refused tries; empty: audit in history's folder",
+            "folder of the audit log of orders and refused tries; empty: audit in the site's folder",
         ),
     )
 
@@ -97,7 +98,7 @@ class OperatorPage(ManagedNode):
         token = self._given or (load_keys(Path(tokens)) if tokens else None)
         control = ActionControl(self, self.store) if token else None
         hosts = (host, "127.0.0.1", "localhost", "[::1]") if is_loopback(host) else ("*",)
-        audit = AuditLog(Path(self.value("audit") or self._history / "audit"))
+        audit = AuditLog(Path(self.value("audit") or site_folder() / AUDIT))
         app = create_app(self.store, control, token, hosts, audit, history=self._history)
         self._controls = control is not None
         self._server = PageServer(app, host, self.value("port")).start()

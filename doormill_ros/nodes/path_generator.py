@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import time
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -19,6 +18,7 @@ from doormill_ros.cell.clock import FUTURE
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
 from doormill_ros.messages.from_message import door_pose_of, nanoseconds_of, recipe_of, seconds_of
+from doormill_ros.models.store import store_folder
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import path_message, pose_message
 from doormill_ros.nodes.convert.markers import body_markers, no_markers, program_markers
@@ -47,7 +47,8 @@ class PathGenerator(ManagedNode):
         NodeParameter(
             "models",
             "",
-            "folder of the store of models; one in use there takes the place of robot_model; empty: none",
+            "folder of the store of models; one in use there takes the place of robot_model; empty: models in the "
+            "site's folder; none: no store",
         ),
         NodeParameter(
             "share",
@@ -70,7 +71,7 @@ class PathGenerator(ManagedNode):
         self._in_use = SetupInUse(
             self.value("robot"),
             self.value("robot_model"),
-            Path(store) if store else None,
+            None if store == "none" else store_folder(store),
             self.value("share"),
         )
         self._setup = self._in_use.now

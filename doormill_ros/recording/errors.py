@@ -22,3 +22,6 @@ BadExpectationError = BagError.row(
     "BadExpectationError", 605, "The file with what a replay must give is not of its form."
 )
 BadTimelineError = BagError.row("BadTimelineError", 606, "The timeline of reference bags is not of its form.")
+AcceptedBagError = BagError.row(
+    "AcceptedBagError", 607, "No bag is accepted yet, or one cannot be put to the accepted ones."
+)

@@ -129,6 +129,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parse(arguments)
     # Late, so that --help answers at once.
     from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
+    from doormill_ros.cell.run_folder import RunFolder
     from doormill_ros.cell.summary import RunSummary
     from doormill_ros.nodes.cell import CellOptions, run_once
     from doormill_ros.nodes.run import interrupt_once
@@ -158,7 +159,8 @@ def main(arguments: list[str] | None = None) -> int:
     if options.ui is not None:
         page: dict[str, object] = {"port": options.ui}
         if options.out is None:
-            page["history"] = folder.parent.resolve()
+            runs = RunFolder(folder.parent.resolve())
+            page |= {"history": runs.root, "audit": runs.audit}
         if options.ui_host:
             page["host"] = options.ui_host
         parameters["operator_page"] = page

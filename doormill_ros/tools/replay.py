@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from doormill_ros.errors import DoormillError
+from doormill_ros.recording.accepted import accept_bag, accepted_bags
 from doormill_ros.tools.command_line import counted
 
 EQUAL, DIFFERENT, UNREADABLE = 0, 1, 2
@@ -24,7 +25,13 @@ def _rate(text: str) -> float:
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(prog="replay", description=__doc__)
-    parser.add_argument("bags", metavar="BAG", type=Path, nargs="+", help="bag folder of one or more runs")
+    parser.add_argument(
+        "bags",
+        metavar="BAG",
+        type=Path,
+        nargs="*",
+        help="bag folder of one or more runs; without any: the accepted bags of the site",
+    )
     parser.add_argument(
         "--many",
         action="store_true",
@@ -40,6 +47,11 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--live", action="store_true", help="send the inputs to the nodes over DDS")
     parser.add_argument("--rate", type=_rate, default=1.0, help="of --live: times recorded speed, or max")
     parser.add_argument("--update", action="store_true", help="let today's answers be the expectation")
+    parser.add_argument(
+        "--accept",
+        action="store_true",
+        help="copy what is equal to the accepted bags of the site, which today's software must still reproduce",
+    )
     parser.add_argument("--all", action="store_true", help="tell every difference, not only the first")
     parser.add_argument(
         "--robot-model",
@@ -57,6 +69,10 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         parser.error("--workers and --scheduler belong to --many: add it")
     if options.many and (options.live or options.update or options.all):
         parser.error("--many tells a line a bag: leave out --live, --update and --all")
+    if options.accept and (options.many or options.update):
+        parser.error("--accept copies bags that are equal as they are: leave out --many and --update")
+    if options.accept and not options.bags:
+        parser.error("--accept wants the bags that are to be accepted: name them")
     if options.workers < 0 or (options.workers and options.scheduler):
         parser.error("--workers is a positive number of processes here; leave it out with --scheduler")
     return options
@@ -91,7 +107,11 @@ def _replay(bag: Path, options: argparse.Namespace) -> int:
         print(f"{bag}: {runs}, {f'equal: {counts}' if counts else 'nothing compared'}")
     for left_out in outcome.left_out:
         print(f"{bag}: not compared: {left_out}")
-    return DIFFERENT if outcome.found else EQUAL
+    if outcome.found:
+        return DIFFERENT
+    if options.accept:
+        print(f"{bag}: accepted as {accept_bag(bag, next(iter(outcome.answers)))}")
+    return EQUAL
 
 
 def _replay_many(options: argparse.Namespace) -> int:
@@ -137,6 +157,11 @@ def _replay_many(options: argparse.Namespace) -> int:
 def main(arguments: list[str] | None = None) -> int:
     """Replay; 0 when everything is equal, 1 when something differs, 2 when a bag cannot be replayed."""
     options = parse(arguments)
+    try:
+        options.bags = options.bags or accepted_bags()
+    except DoormillError as error:
+        print(f"replay: {error.message}", file=sys.stderr)
+        return UNREADABLE
     if options.many:
         return _replay_many(options)
     status = EQUAL

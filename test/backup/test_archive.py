@@ -21,7 +21,11 @@ from doormill_ros.backup.errors import (
 )
 
 HEAD = BackupHead("0.1.0", "2026-11-22T12:00:00+00:00")
-GOOD = {"config/camera.yaml": b"K: 1\n", "models/a/model.yaml": b"", "accepted/b.mcap": bytes(range(256)) * 9}
+GOOD = {
+    "config/camera.yaml": b"K: 1\n",
+    "models/a/model.yaml": b"",
+    "accepted/b.mcap": bytes(range(256)) * 9,
+} | {"audit/orders.jsonl": b"{}\n"}
 
 
 @pytest.fixture
@@ -127,8 +131,8 @@ def test_a_name_that_is_there_twice_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_backup_of_a_later_form_is_left_alone(tmp_path: Path) -> None:
-    with pytest.raises(NewerBackupError, match=r"release '9\.9'.*allowed is up to 1"):
-        read_archive(forged(tmp_path / "b.tar", [(entry("models/a"), b"1")], "doormill/backup/2"))
+    with pytest.raises(NewerBackupError, match=r"release '9\.9'.*allowed is up to 2"):
+        read_archive(forged(tmp_path / "b.tar", [(entry("models/a"), b"1")], "doormill/backup/3"))
 
 
 def test_one_cut_anywhere_is_refused_or_whole(written: Path, tmp_path: Path) -> None:

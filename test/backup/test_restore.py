@@ -22,6 +22,7 @@ from doormill_ros.backup.errors import (
 )
 from doormill_ros.backup.restore import WORK, restore, take_back
 from doormill_ros.backup.site import alone, make_backup
+from doormill_ros.models.store import ModelStore
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.tools import backup as backup_tool
@@ -34,7 +35,7 @@ def content(site: Path) -> dict[str, str]:
     """Files of the parts, and the versions of the doors in the database."""
     found = {
         str(p.relative_to(site)): p.read_text()
-        for part in ("config", "models", "accepted")
+        for part in ("config", "models", "accepted", "audit")
         for p in (site / part).rglob("*")
         if p.is_file()
     }
@@ -81,6 +82,32 @@ def test_a_check_changes_nothing(site: Path, tmp_path: Path) -> None:
     backup_tool.main([str(tmp_path / "b.tar"), "--site", str(site)])
     assert restore_tool.main([str(tmp_path / "b.tar"), "--check", "--site", str(tmp_path / "new")]) == 0
     assert not (tmp_path / "new").exists()
+
+
+def test_a_backup_of_a_store_in_use_is_of_one_moment(site: Path, tmp_path: Path) -> None:
+    """Each proposal takes the folder of the one before away; every copy names only what it holds."""
+    ended = threading.Event()
+
+    def propose() -> None:
+        number = 0
+        while not ended.is_set():
+            number += 1
+            ModelStore(site / "models").propose(b"%d" % number, "doors")
+
+    proposer = threading.Thread(target=propose)
+    proposer.start()
+    try:
+        for number in range(10):
+            make_backup(site, SiteDatabase(str(site / "recipes.sqlite")), tmp_path / f"{number}.tar")
+            folder = tmp_path / str(number)
+            folder.mkdir()
+            read_archive(tmp_path / f"{number}.tar").extract(folder)
+            copy = ModelStore(folder / "models")
+            versions = copy.record().versions
+            assert [copy.model(one.number).version for one in versions] == [one.number for one in versions]
+    finally:
+        ended.set()
+        proposer.join()
 
 
 def test_a_backup_of_a_database_in_use_is_of_one_moment(site: Path, recipe: Recipe, tmp_path: Path) -> None:
@@ -150,7 +177,7 @@ def test_a_database_of_a_later_release_is_left_alone(site: Path, tmp_path: Path)
     with pytest.raises(NewerBackupError, match="'0999'"):
         restore(read_archive(tmp_path / "b.tar"), other, SiteDatabase(str(other / "recipes.sqlite")))
     assert (other / "config" / "camera.yaml").read_text() == "mine config/camera.yaml\n"
-    assert sorted(p.name for p in other.iterdir()) == ["accepted", "config", "models"]
+    assert sorted(p.name for p in other.iterdir()) == ["accepted", "audit", "config", "models"]
 
 
 def test_a_torn_backup_changes_nothing(
@@ -211,7 +238,7 @@ def test_a_restore_killed_at_any_step_is_taken_back_or_done(
     change(site, recipe)
     second = content(site)
     outcomes = []
-    for step in range(12):
+    for step in range(14):
         command = [sys.executable, "-c", DIES, str(tmp_path / "b.tar"), str(site), str(step)]
         status = subprocess.run(command, timeout=120).returncode
         assert status in (0, 9)
@@ -220,8 +247,8 @@ def test_a_restore_killed_at_any_step_is_taken_back_or_done(
         outcomes.append((status, taken_back))
         if not taken_back:
             break
-    # The mark, three times old out and new in, the database, and the rename with which it is done.
-    assert outcomes == [(9, True)] * 9 + [(9, False)]
+    # The mark, four times old out and new in, the database, and the rename with which it is done.
+    assert outcomes == [(9, True)] * 11 + [(9, False)]
 
 
 def test_one_at_a_time(site: Path, tmp_path: Path) -> None:

@@ -9,7 +9,12 @@ from pathlib import Path
 import pytest
 import yaml
 
+from doormill_ros.backup.archive import PARTS
 from doormill_ros.cell.readiness import BESIDE, NEEDED
+from doormill_ros.models.store import store_folder
+from doormill_ros.nodes.model_monitor import ModelMonitor
+from doormill_ros.nodes.path_generator import PathGenerator
+from doormill_ros.resources import MODELS, site_folder
 from support.source_tree import ROOT
 
 RUN = ROOT / "deploy" / "doormill-run"
@@ -64,6 +69,16 @@ def test_a_node_takes_the_parameters_of_the_site_and_says_what_is_wrong_with_the
     assert done.returncode == 2, done.stdout + done.stderr
     assert f"parameter {name} of /" in done.stdout + done.stderr
     assert f"is {value}, allowed is" in done.stdout + done.stderr
+
+
+def test_who_mills_with_a_model_and_who_proposes_it_have_one_store_by_default() -> None:
+    """Neither a service nor the README names it, and a site's nodes.yaml need not."""
+    declared = {p.default for n in (PathGenerator, ModelMonitor) for p in n.PARAMETERS if p.name == "models"}
+    assert declared == {""}
+    assert store_folder("") == site_folder() / MODELS
+    assert MODELS in PARTS
+    shipped = yaml.safe_load((ROOT / "config" / "nodes.yaml").read_text(encoding="utf-8"))
+    assert not [node for node, values in shipped.items() if "models" in values["ros__parameters"]]
 
 
 def test_every_node_is_started_so() -> None:

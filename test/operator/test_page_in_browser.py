@@ -8,6 +8,10 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
+from doormill_ros.diagnosis.parts.next_step import NextStep
+from doormill_ros.monitor.finding import NamedFault
+from doormill_ros.operator.door_view import DoorView, FeatureView
+from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.operator.state import EndedRun
 from support.browser import TABLET, open_page
@@ -73,9 +77,63 @@ def test_no_text_becomes_markup(shown: tuple[Any, Page, list[str]]) -> None:
     )
     for selector in ("#state", "#door", "#last", "#refusal", "#faults", "#notice", "#caption", "#history"):
         text_of(page, selector, NASTY)
+    nothing_became_markup(page)
+    assert errors == []
+
+
+def nasty_model() -> ModelView:
+    """A verdict whose every word is hostile, in the monitor's own words and as the data of other languages."""
+    return ModelView(
+        sentence=NASTY,
+        next_measurement=NASTY,
+        remarks=(NASTY,),
+        version=1,
+        proposed=2,
+        expected=3e-4,
+        limit=5e-4,
+        stopped=True,
+        message=NASTY,
+        doors=(TrendDoor(NASTY, NASTY, 0, 3e-4), TrendDoor("elm", "r2", 1, 7e-4)),
+        verdict="explained",
+        causes=(NamedFault(NASTY, NASTY, "step", NASTY, NASTY),),
+        questioned=2,
+        next_steps=(NextStep("points", NASTY, NASTY, "", 40, NASTY, NASTY),),
+        error_code=840,
+    )
+
+
+def nasty_door() -> DoorView:
+    corners = ((10.0, 10.0), (60.0, 10.0), (60.0, 90.0))
+    features = tuple(FeatureView(NASTY, face, False, corners) for face in ("front", "lock_edge"))
+    return DoorView("r1", NASTY, 800.0, 2000.0, 40.0, features)
+
+
+def nothing_became_markup(page: Page) -> None:
     assert page.locator("img").count() == 1
     assert page.locator("script").count() == 1
-    assert page.title() == "Door milling cell"
+    assert page.locator("[onerror]").count() == 0
+    assert page.title() not in ("", "broken")
+
+
+@pytest.mark.parametrize("language", ["en", "de", "nb"])
+def test_no_word_of_a_door_or_a_verdict_becomes_markup(
+    shown: tuple[Any, Page, list[str]], language: str
+) -> None:
+    """Door ids and feature names come from recipes and bags, sentences from whoever can publish them."""
+    served, page, errors = shown
+    page.locator("#language").select_option(language)
+    served.store.update(
+        lambda v: v.with_run("r1", NASTY).with_drawing(nasty_door()).with_model(nasty_model())
+    )
+    own = ("#model-message", "#remarks") if language == "en" else ("#model-words", "#remarks")
+    for selector in ("#drawing-title", "#drawing-features", "#verdict", "#measure-next", *own):
+        text_of(page, selector, NASTY)
+    assert page.locator("#drawing polygon").count() == 2
+    for title in page.locator("#drawing polygon title").all():
+        assert NASTY in (title.text_content() or "")
+    assert page.locator("#trend circle").count() == 2
+    assert NASTY in (page.locator("#trend circle title").first.text_content() or "")
+    nothing_became_markup(page)
     assert errors == []
 
 
@@ -128,9 +186,7 @@ def test_no_answer_becomes_markup(controlled: Any, refused: bool) -> None:
         page.locator("#wanted").fill(f"{'silent' if refused else ''}{NASTY[:90]}")
         page.locator("#mill").click()
         text_of(page, "#answer", NASTY[:50])
-        assert page.locator("img").count() == 1
-        assert page.locator("script").count() == 1
-        assert page.title() == "Door milling cell"
+        nothing_became_markup(page)
         assert (controlled.control.orders == []) is refused
         errors[:] = [] if refused else errors  # the browser reports the 409
         assert errors == []

@@ -29,7 +29,8 @@ class Beside:
     def __init__(self, folder: Path) -> None:
         self.port, self.folder = free_port(), folder
         self.tokens = folder / "tokens.yaml"
-        parameters = {PAGE: {"port": self.port, "history": folder / "runs", "tokens": self.tokens}}
+        written = {"history": folder / "runs", "audit": folder / "audit"}
+        parameters = {PAGE: {"port": self.port, "tokens": self.tokens, **written}}
         self.cell = CellProcesses(folder, parameters, (*NODES, PAGE))
         self.url = f"http://127.0.0.1:{self.port}"
 
@@ -170,6 +171,4 @@ def test_it_ends_in_order_and_tells_no_token(beside: Beside) -> None:
     kept = [path for path in beside.folder.rglob("*") if path.is_file() and path != beside.tokens]
     assert {path.suffix for path in kept} >= {".mcap", ".jsonl", ".log"}
     assert [path for path in kept for token in tokens if token.encode() in path.read_bytes()] == []
-    assert re.search(
-        r'"order": "POST /control/mill"', (beside.folder / "runs/audit/orders.jsonl").read_text()
-    )
+    assert re.search(r'"order": "POST /control/mill"', (beside.folder / "audit/orders.jsonl").read_text())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hmac
 from typing import Any
 
 import pytest
@@ -49,6 +50,32 @@ def test_a_role_without_a_token_is_nobodys() -> None:
             assert keys.role(header) is None
     assert Keys("a", None).role("Bearer a") is Role.OPERATE
     assert Keys(None, "b").role("Bearer b") is Role.ENGINEER
+
+
+@pytest.mark.parametrize("said", ["first", "second", "wrong", "", "firs", "first "])
+def test_a_token_is_compared_in_the_same_time_wherever_it_differs(
+    monkeypatch: pytest.MonkeyPatch, said: str
+) -> None:
+    """Every comparison is that of `hmac`, with both tokens whatever the first gives, and its answer counts."""
+    compared: list[tuple[bytes, bytes]] = []
+
+    def compare(left: bytes, right: bytes) -> bool:
+        compared.append((left, right))
+        return False
+
+    monkeypatch.setattr(hmac, "compare_digest", compare)
+    assert Keys("first", "second").role(f"Bearer {said}") is None
+    assert compared == [(said.strip().encode(), b"first"), (said.strip().encode(), b"second")]
+
+
+@pytest.mark.parametrize(("number", "role"), [(0, Role.OPERATE), (1, Role.ENGINEER)])
+def test_what_the_comparison_says_is_the_role(
+    monkeypatch: pytest.MonkeyPatch, number: int, role: Role
+) -> None:
+    answers = [place == number for place in range(2)]
+    monkeypatch.setattr(hmac, "compare_digest", lambda left, right: answers.pop(0))
+    assert Keys("first", "second").role("Bearer neither") is role
+    assert answers == []
 
 
 def test_roles_have_tokens_of_their_own_that_no_text_of_them_shows() -> None:

@@ -18,8 +18,10 @@ from doormill_ros.operator.picture import LONGEST_SIDE, encode_picture
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.token import authorizes, new_token
 from doormill_ros.operator.view_store import ViewStore
+from support.source_tree import PACKAGE
 
 LIMIT = 120.0  # s
+PAGE = PACKAGE / "operator"
 get, post = partial(httpx.get, timeout=LIMIT), partial(httpx.post, timeout=LIMIT)
 ORDERS = [("/control/mill", {"door_id": "oak"}), ("/control/cancel", {})]
 
@@ -73,13 +75,36 @@ def test_answers_to_orders_are_kept_nowhere_and_shown_in_no_frame(
     assert "server" not in answer.headers
 
 
-def test_the_page_needs_nothing_from_elsewhere(read_only: Any) -> None:
-    for path in ("", "page.js", "page.css"):
-        text = get(read_only.url + path).text
-        assert "//" not in text.replace("// ", "")
-        assert "innerHTML" not in text
-        assert " style=" not in text
-        assert "onclick" not in text
+#: Everything that a browser gets of the page, page.html at the root.
+PAGE_FILES = [
+    path.relative_to(PAGE).as_posix()
+    for path in sorted(PAGE.rglob("*"))
+    if path.suffix in (".html", ".css", ".js", ".json", ".svg")
+]
+#: What makes markup or a program of a text.
+MAKERS = (
+    "innerHTML",
+    "outerHTML",
+    "insertAdjacentHTML",
+    "document.write",
+    "createContextualFragment",
+    "DOMParser",
+)
+
+
+def test_every_file_of_the_page_is_looked_at() -> None:
+    assert len(PAGE_FILES) >= 11
+    assert {"page.html", "door.js", "model.js", "monitor_words.js", "texts/de.json"} < set(PAGE_FILES)
+
+
+@pytest.mark.parametrize("name", PAGE_FILES)
+def test_the_page_needs_nothing_from_elsewhere_and_makes_no_markup_of_text(read_only: Any, name: str) -> None:
+    answer = get(read_only.url + ("" if name == "page.html" else name))
+    assert answer.status_code == 200
+    text = answer.text.replace('xmlns="http://www.w3.org/2000/svg"', "")  # names a format, fetches nothing
+    assert text == (PAGE / name).read_text(encoding="utf-8").replace('xmlns="http://www.w3.org/2000/svg"', "")
+    assert "//" not in text.replace("// ", "")
+    assert not [word for word in (*MAKERS, " style=", "onclick", "eval(", "javascript:") if word in text]
 
 
 @pytest.mark.parametrize(("path", "body"), ORDERS)

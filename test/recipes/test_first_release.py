@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
+import psycopg
 import pytest
+import sqlalchemy as sa
 
 from doormill_ros.backup.archive import read_archive
 from doormill_ros.backup.database import SiteDatabase
@@ -15,33 +19,70 @@ from doormill_ros.backup.restore import restore
 from doormill_ros.backup.site import make_backup
 from doormill_ros.recipes.store import schema
 from doormill_ros.recipes.store.database import SHIPPER, RecipeDatabase
+from support.postgres import Server, find_binaries
 from support.source_tree import DATA
 
-DUMP = (DATA / "first_release" / "recipes.sql").read_text(encoding="utf-8")
+FIRST = DATA / "first_release"
+DUMP = (FIRST / "recipes.sql").read_text(encoding="utf-8")
+POSTGRESQL = (FIRST / "postgresql.sql").read_text(encoding="utf-8")
+#: The rows are the same text on both; `postgresql.sql` has tables, constraints and triggers.
+ROWS = [line for line in DUMP.splitlines() if line.startswith("INSERT INTO")]
 
 
-@pytest.fixture
-def old(tmp_path: Path) -> Path:
-    path = tmp_path / "site" / "recipes.sqlite"
+def in_sqlite(path: Path) -> str:
     path.parent.mkdir()
     with closing(sqlite3.connect(path)) as connection:
         connection.executescript(DUMP)
-    return path
+    return f"sqlite:///{path}"
 
 
-def stored(path: Path) -> list[tuple[str, int, str, str, dict]]:
-    """Every version as the tables hold it, read without the code under test."""
-    with closing(sqlite3.connect(path)) as connection:
-        rows = connection.execute(
-            "SELECT door_id, version, author, created, document FROM recipe_version ORDER BY door_id, version"
-        ).fetchall()
-    return [(*row[:4], json.loads(row[4])) for row in rows]
+def in_postgresql(server: Server) -> str:
+    url = server.empty_database()
+    with psycopg.connect(url) as connection:
+        for text in (POSTGRESQL, *ROWS):
+            connection.execute(text)
+    return url
 
 
-def test_every_version_is_still_there_and_readable(old: Path) -> None:
+@pytest.fixture(params=["sqlite", "postgresql"])
+def old(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """URL of the database as the first release left it, in a site's folder or on a server."""
+    if request.param == "sqlite":
+        return in_sqlite(tmp_path / "site" / "recipes.sqlite")
+    return in_postgresql(request.getfixturevalue("postgres"))
+
+
+@pytest.fixture
+def programs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The server's own pg_dump, which is as new as it."""
+    monkeypatch.setenv("PATH", f"{find_binaries()}{os.pathsep}{os.environ['PATH']}")
+
+
+def rows_of(url: str, question: str) -> list[tuple[Any, ...]]:
+    """What the tables hold, read without the code under test."""
+    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    try:
+        with engine.connect() as connection:
+            return [tuple(row) for row in connection.execute(sa.text(question))]
+    finally:
+        engine.dispose()
+
+
+def stored(url: str) -> list[tuple[str, int, str, str, dict[str, Any]]]:
+    """Every version."""
+    found = rows_of(url, "SELECT door_id, version, author, created, document FROM recipe_version")
+    return sorted((*row[:4], json.loads(row[4])) for row in found)
+
+
+def revision(url: str) -> str:
+    ((found,),) = rows_of(url, "SELECT version_num FROM alembic_version")
+    return str(found)
+
+
+def test_every_version_is_still_there_and_readable(old: str) -> None:
     before = stored(old)
-    assert len(before) == 6
-    with RecipeDatabase(str(old)) as database:
+    assert (len(before), revision(old)) == (6, schema.REVISIONS[1])
+    with RecipeDatabase(old) as database:
         for door_id, version, author, created, document in before:
             recipe = database.get(door_id, version)
             assert (recipe.author, recipe.created.isoformat()) == (author, created)
@@ -50,29 +91,45 @@ def test_every_version_is_still_there_and_readable(old: Path) -> None:
             assert [f["id"] for f in recipe.to_document()["features"]] == [
                 f["id"] for f in document["features"]
             ]
-    assert stored(old) == before
+    assert (stored(old), revision(old)) == (before, schema.REVISIONS[-1])
 
 
-def test_it_counts_on_and_still_refuses_to_change_a_version(old: Path) -> None:
-    with RecipeDatabase(str(old)) as database:
+def test_it_counts_on_and_still_refuses_to_change_a_version(old: str) -> None:
+    with RecipeDatabase(old) as database:
         recipe = database.find_bar_code("7040000000017")
         assert (recipe.door_id, recipe.version, recipe.author) == ("standard_door", 2, "anna")
         assert database.save(recipe, "bob").version == 3
         # What ships follows the release, but not where somebody saved his own.
         database.add_shipped()
         assert [r.author for r in database.history("standard_door")] == [SHIPPER, "anna", "bob"]
-    with closing(sqlite3.connect(old)) as connection, pytest.raises(sqlite3.IntegrityError, match="final"):
-        connection.execute("UPDATE recipe_version SET author = 'eve'")
+    with pytest.raises(sa.exc.DBAPIError, match="final"):
+        rows_of(old, "UPDATE recipe_version SET author = 'eve'")
 
 
-def test_its_backup_is_brought_up_to_date_on_the_way_back(old: Path, tmp_path: Path) -> None:
+def test_its_backup_is_brought_up_to_date_on_the_way_back(tmp_path: Path) -> None:
+    old = in_sqlite(tmp_path / "site" / "recipes.sqlite")
     before = stored(old)
-    make_backup(old.parent, SiteDatabase(str(old)), tmp_path / "old.tar")
+    make_backup(tmp_path / "site", SiteDatabase(old), tmp_path / "old.tar")
     backup = read_archive(tmp_path / "old.tar")
     assert backup.head.revision == schema.REVISIONS[1]
     new = tmp_path / "new"
     new.mkdir()
-    restore(backup, new, SiteDatabase(str(new / "recipes.sqlite")))
-    assert stored(new / "recipes.sqlite") == before
-    with closing(sqlite3.connect(new / "recipes.sqlite")) as connection:
-        assert connection.execute("SELECT * FROM alembic_version").fetchall() == [(schema.REVISIONS[-1],)]
+    url = f"sqlite:///{new / 'recipes.sqlite'}"
+    restore(backup, new, SiteDatabase(url))
+    assert (stored(url), revision(url)) == (before, schema.REVISIONS[-1])
+
+
+def test_a_server_s_backup_of_then_takes_the_place_of_what_this_release_made_of_it(
+    postgres: Server, programs: None, tmp_path: Path
+) -> None:
+    """The dump was taken before the update; tables that came since stand in its way."""
+    url = in_postgresql(postgres)
+    before = stored(url)
+    make_backup(tmp_path, SiteDatabase(url), tmp_path / "old.tar")
+    with RecipeDatabase(url) as database:
+        database.save(database.get("standard_door"), "bob")
+        database.add_shipped()
+        restore(read_archive(tmp_path / "old.tar"), tmp_path, SiteDatabase(url))
+        assert database.save(database.get("standard_door"), "bob").version == 3
+    assert revision(url) == schema.REVISIONS[-1]
+    assert [row for row in stored(url) if row[2] != "bob"] == before

@@ -14,6 +14,7 @@ from bags.timeline import load_timeline
 from doormill_ros.abb.target_file import line as target_line
 from doormill_ros.correction import compensate
 from doormill_ros.localization import neighbourhood
+from doormill_ros.recording.accepted import accept_bag, accepted_bags
 from doormill_ros.recording.replay import offline
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_model import model_document
@@ -196,6 +197,52 @@ def test_a_model_of_another_robot_is_no_model(capsys: pytest.CaptureFixture[str]
     assert status == 1
     assert "/path/targets" in lines[0]
     assert "accepted: expected True, found False" in lines[0]
+
+
+def test_an_accepted_bag_is_the_site_s_and_replayed_from_then_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DOORMILL_SITE", str(tmp_path / "site"))
+    assert main([]) == 2
+    assert "replay --accept BAG" in capsys.readouterr().err
+    status, lines = replay(capsys, "--accept", BAG)
+    (kept,) = (tmp_path / "site" / "accepted").iterdir()
+    assert (status, lines[-1]) == (0, f"{BAG}: accepted as {kept}")
+    assert {p.name: p.read_bytes() for p in kept.iterdir()} == {p.name: p.read_bytes() for p in BAG.iterdir()}
+    status, lines = replay(capsys)
+    assert (status, len(lines)) == (0, 1)
+    assert lines[0].startswith(f"{kept}: 1 run, equal")
+    with monkeypatch.context() as patch:
+        fewer_decimals(patch)
+        assert replay(capsys)[0] == 1
+    assert main(["--accept", str(BAG)]) == 2
+    assert "is accepted already" in capsys.readouterr().err
+
+
+def test_what_differs_is_not_accepted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DOORMILL_SITE", str(tmp_path / "site"))
+    fewer_decimals(monkeypatch)
+    assert replay(capsys, "--accept", BAG)[0] == 1
+    assert not (tmp_path / "site").exists()
+
+
+def test_a_run_id_leads_no_copy_out_of_the_accepted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It comes from a bag that somebody else may have made."""
+    monkeypatch.setenv("DOORMILL_SITE", str(tmp_path / "site"))
+    for run_id in ("../../evil", "/evil", "", ".hidden"):
+        assert accept_bag(BAG, run_id).parent == tmp_path / "site" / "accepted"
+    assert len(accepted_bags()) == 4
+
+
+@pytest.mark.parametrize(
+    "options", [["--accept"], ["--accept", "--update", "b"], ["--accept", "--many", "b"]]
+)
+def test_what_accept_does_not_go_with_is_said(options: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(options)
+    assert "--accept" in capsys.readouterr().err.splitlines()[-1]
 
 
 def test_rates_are_positive(capsys: pytest.CaptureFixture[str]) -> None:

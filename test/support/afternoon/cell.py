@@ -200,7 +200,7 @@ def running(folder: Path) -> Iterator[AfternoonCell]:
             **{f"limit.{name}": value for name, value in LIMITS.items()},
         },
         "bag_recorder": {"folder": folder / "bags", "catalogue": "none"},
-        "operator_page": {"port": 0, "history": folder / "runs"},
+        "operator_page": {"port": 0, "history": folder / "runs", "audit": folder / "audit"},
         "cell_simulator": {
             "controller_simulator:home": home,
             "controller_simulator:time_scale": TIME_SCALE,
