@@ -1,4 +1,4 @@
-"""backup: put recipes, configuration, models, accepted bags and audit log of this site into one file; cells may go on."""
+"""backup: put recipes, configuration, models, accepted bags and audit log of a site into one file; cells go on."""
 
 from __future__ import annotations
 

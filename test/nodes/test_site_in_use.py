@@ -31,7 +31,7 @@ from doormill_ros.tools import backup, restore
 DOOR = "thesis_190_0deg"
 WHO = ("Kari", "door 15 to 30 say so")
 #: A site has a file of parameters of its own, or none and the shipped one counts.
-OWN = {"/**/abb_bridge": {"ros__parameters": {"address": "/mnt/controller"}}}
+OWN = {"/**/abb_bridge": {"ros__parameters": {"address": "controller"}}}
 
 
 @pytest.fixture(params=["shipped parameters", "own parameters"])
