@@ -1,4 +1,4 @@
-"""A door of two tools, from their table to the wood: the executables import tools and door, and `cell` mills it."""
+"""Doors of two tools, from their table to the wood: the executables import tools and doors, and `cell` mills them."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from doormill_ros.recipes.store.database import RecipeDatabase
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.resources import resource
 from support.cell_processes import executable
-from support.two_tools import FILE
+from support.two_tools import FILE, with_face_plate
 
 LIMIT = 300.0  # s
 MILLS = {"lock_case": "rack_mill_16", "hinge_1": "rack_mill_12"}
@@ -22,7 +23,7 @@ MILLS = {"lock_case": "rack_mill_16", "hinge_1": "rack_mill_12"}
 
 @pytest.fixture(scope="module")
 def milled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of the run, beside the database it was milled from."""
+    """The folder of a run by one robot and one by two, beside the database that both were milled from."""
     folder = tmp_path_factory.mktemp("two_tools")
     environment = {
         **os.environ,
@@ -44,10 +45,16 @@ def milled(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
     early = call("recipes", "import", str(FILE))
     assert (early.returncode, "recipes tools import" in early.stderr) == (2, True)
+    plate = folder / "face_plate_door.yaml"
+    plate.write_text(
+        yaml.safe_dump({**with_face_plate(), "door_id": "face_plate_door", "bar_code": "7040000000062"})
+    )
     for command in (
         ("recipes", "tools", "import", str(resource("config/tools.yaml"))),
         ("recipes", "import", str(FILE)),
         ("cell", "--door", "two_tool_door", "--out", "run"),
+        ("recipes", "import", str(plate)),
+        ("cell", "--door", "face_plate_door", "--robots", "2", "--out", "shared"),
     ):
         done = call(*command)
         assert done.returncode == 0, done.stderr
@@ -66,6 +73,16 @@ def test_both_features_were_cut_and_gauged(milled: Path) -> None:
     (executed,) = [m.message for m in read_bag(milled / "run" / "bag", ["/simulation/executed_path"])]
     cut = {name for name, cuts in zip(executed.feature, executed.cutting, strict=True) if cuts}
     assert cut == set(MILLS)
+
+
+def test_each_of_two_robots_changes_its_tools_and_touches_nothing_else(milled: Path) -> None:
+    summary: dict[str, Any] = json.loads((milled / "shared" / "summary.json").read_text())
+    assert (summary["outcome"], summary["error_code"]) == ("milled", 0)
+    assert summary["touched"]["samples"] == 0
+    assert summary["feature_error"]["corrected_max"] < summary["feature_error"]["tolerance"]
+    topics = [f"/robot{number}/simulation/executed_path" for number in (1, 2)]
+    paths = {m.topic: m.message for m in read_bag(milled / "shared" / "bag", topics)}
+    assert [set(paths[topic].tool) for topic in topics] == [{"", *MILLS.values()}] * 2
 
 
 def test_both_mills_are_worn_by_it(milled: Path) -> None:
