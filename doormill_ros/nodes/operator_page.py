@@ -42,9 +42,10 @@ from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.page_server import PageServer, is_loopback
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.operator.server import create_app
-from doormill_ros.operator.state import EndedRun, ViewStore
+from doormill_ros.operator.state import EndedRun
 from doormill_ros.operator.token import Keys
 from doormill_ros.operator.token_file import load_keys
+from doormill_ros.operator.view_store import ViewStore
 from doormill_ros.recipes.errors import RecipeError
 
 BRIDGE = "abb_bridge"
@@ -130,14 +131,15 @@ class OperatorPage(ManagedNode):
         self.store.update(lambda view: view.with_handshake(*shown))
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
-        self.store.update(lambda view: view.with_run(recipe.run_id, recipe.door_id))
+        since = seconds_of(recipe.header.stamp)
+        self.store.update(lambda view: view.with_run(recipe.run_id, recipe.door_id, since))
         # A recipe that cannot be read is refused by who mills it; the page goes on without a drawing.
         with suppress(RecipeError):
             drawing = door_view(recipe_of(recipe), recipe.run_id)
             self.store.update(lambda view: view.with_drawing(drawing))
 
     def _take_targets(self, targets: TargetArray) -> None:
-        if targets.accepted:
+        if targets.accepted and self.store.view.draws(targets.run_id):
             times = planned_times_of(targets)
             self.store.update(lambda view: view.with_plan(targets.run_id, times))
 
