@@ -97,7 +97,7 @@ Body = Capsule | Box
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class JudgedPlace:
     """A place of a rack.
 
     Attributes:
@@ -140,8 +140,8 @@ class JudgedCell:
     rooted: tuple[Body, ...] = ()
     with_second: tuple[Box, ...] = ()
     widest: float = 0.0
-    rack: tuple[Place, ...] = ()
-    rack_of_second: tuple[Place, ...] = ()
+    rack: tuple[JudgedPlace, ...] = ()
+    rack_of_second: tuple[JudgedPlace, ...] = ()
 
     def of_two(self, T_base_second: FloatArray) -> JudgedCell:
         """The cell with a second robot, base of shape (4, 4): its obstacles are there, the boards are not."""
@@ -230,7 +230,7 @@ def _boxes(content: Any, path: Path) -> tuple[Box, ...]:
     return boxes
 
 
-def _places(rack: Any, path: Path, links: Links) -> tuple[Place, ...]:
+def _places(rack: Any, path: Path, links: Links) -> tuple[JudgedPlace, ...]:
     if rack is None:
         return ()
     (holder,) = _boxes([rack["holder"]], path)
@@ -239,7 +239,7 @@ def _places(rack: Any, path: Path, links: Links) -> tuple[Place, ...]:
         T_base_seat = links.frames(np.array([place["front"]], dtype=float))[FLANGE][0]
         T_base_seat = T_base_seat @ pose(np.array([0.0, 0.0, depth]), LEVEL)
         held = Box(f"holder of {place['tool']}", BASE, T_base_seat @ holder.at, holder.half)
-        found.append(Place(str(place["tool"]), T_base_seat, depth, held))
+        found.append(JudgedPlace(str(place["tool"]), T_base_seat, depth, held))
     return tuple(found)
 
 

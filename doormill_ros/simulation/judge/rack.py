@@ -17,7 +17,7 @@ from doormill_ros.frames import inverse, transform
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.tabled_tool import TabledTool
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
-from doormill_ros.simulation.judge.bodies import Box, JudgedCell, Place
+from doormill_ros.simulation.judge.bodies import Box, JudgedCell, JudgedPlace
 from doormill_ros.simulation.judge.links import BASE, FLANGE
 from doormill_ros.simulation.judge.sweep import Meeting, Sweep
 
@@ -37,7 +37,7 @@ class InRack:
     """
 
     box: Box
-    place: Place
+    place: JudgedPlace
     tool: bool
 
     def there(self, carried: str) -> bool:
