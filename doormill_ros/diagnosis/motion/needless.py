@@ -84,12 +84,12 @@ def _behind(
     rest = [other for other in extended.members if other is not cause]
     delay = finding.search.delay if isinstance(cause, TimeSkew) else extended.delay
     problem, base = remainder(finding.problem, rest, delay, companies)
-    own = finding.problem.design([cause], delay)[finding.problem.counted]
-    offsets = len(finding.problem.motions)
+    effect = _effect(finding, cause)[finding.problem.counted]
+    offsets = finding.problem.design([], delay)[finding.problem.counted]
     terms = [
         term
         for term in dictionary(problem.case)
-        if _followed(own[:, offsets:], problem.effect(term)[:, 0], own[:, :offsets]) < _SAME
+        if _followed(effect, problem.effect(term)[:, 0], offsets) < _SAME
     ]
     problem = problem.coarser(float(found.problem.sigma[0] / problem.sigma[0]))
     progress(f"{cause!r} against laws alone")
@@ -97,9 +97,20 @@ def _behind(
     return rival.total - found.total if _explains(finding, rival.best) else float("inf")
 
 
-def _followed(columns: FloatArray, term: FloatArray, offsets: FloatArray) -> float:
-    """Share of some columns, shape (n, k), that those of a term, shape (n, m), follow beside offsets, shape (n, r)."""
+def _effect(finding: JointFinding, cause: MotionCause) -> FloatArray:
+    """What a cause leaves in a model, shape (n,), in a unit of its own."""
+    extended = finding.extended
+    index = extended.members.index(cause)
+    shared, own = finding.problem.columns_of(cause, extended.delay)
+    # A skew is about the delay at which the joint is seen: its own number is next to nothing.
+    x = np.ones(1) if isinstance(cause, TimeSkew) else extended.x[index]
+    parts = zip(shared, own, extended.own[index], strict=True)
+    return np.concatenate([one @ x + mine @ y for one, mine, y in parts])
+
+
+def _followed(effect: FloatArray, term: FloatArray, offsets: FloatArray) -> float:
+    """Share of an effect, shape (n,), that columns of a term, shape (n, m), follow beside offsets, shape (n, r)."""
     free, _ = np.linalg.qr(offsets)
-    asked, other = (part - free @ (free.T @ part) for part in (columns, term))
+    asked, other = (part - free @ (free.T @ part) for part in (effect, term))
     basis, _ = np.linalg.qr(other)
     return float(np.sum((basis.T @ asked) ** 2) / max(float(np.sum(asked**2)), 1e-300))
