@@ -6,7 +6,7 @@ in one place. Beside a remainder that no law explains nothing of that kind can b
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from doormill_ros.diagnosis.motion.patterns import FOLLOWING
 from doormill_ros.diagnosis.motion.remainder import Companies, remainder
 from doormill_ros.diagnosis.motion.search import WORTH
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
+from doormill_ros.robot_model.motion.causes.joint_friction import MotionFriction
+from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
 from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
 from doormill_ros.robot_model.motion.law.dictionary import dictionary
 from doormill_ros.robot_model.motion.law.term import MotionTerm
@@ -30,7 +33,14 @@ OTHER_LAW = "what follows the same driver beside it says that its law is another
 NEEDLESS = "a law without a name does as well without it"
 #: What a spring or a gap acts on in the words of laws, and a damper.
 _ACTS_ON = ("spring", "joint angle")
-#: Share of a cause's effect that one term follows to be the same in other words: a curve of the time holds a constant.
+#: What causes act on in the words of laws, as these begin: a friction that varies is a friction still.
+_OWN: Mapping[type[MotionCause], str] = {
+    MotionStiffness: "spring",
+    MotionFriction: "friction",
+    TimeSkew: "delay",
+    JointDamping: "delay",
+}
+#: Share of a cause's effect that one other term follows to be the same in other words, too.
 _SAME = 0.95
 
 
@@ -89,7 +99,8 @@ def _behind(
     terms = [
         term
         for term in dictionary(problem.case)
-        if _followed(effect, problem.effect(term)[:, 0], offsets) < _SAME
+        if not term.acts_on.startswith(_OWN.get(type(cause), "nothing"))
+        and _followed(effect, problem.effect(term)[:, 0], offsets) < _SAME
     ]
     problem = problem.coarser(float(found.problem.sigma[0] / problem.sigma[0]))
     progress(f"{cause!r} against laws alone")

@@ -1,5 +1,6 @@
 """Beside a law without a name no cause keeps a name that only stood for a part of it; one that acts keeps its own."""
 
+import numpy as np
 import pytest
 
 from doormill_ros.diagnosis.motion import laws as motion_laws
@@ -13,6 +14,7 @@ from doormill_ros.diagnosis.pose.laws import NEEDLESS
 from doormill_ros.measurements.motion_set import read_motion_set
 from doormill_ros.measurements.pose_set import read_pose_set
 from support.motion_laws.world import draw as draw_motion
+from support.motion_world import Recording, hide, record
 from support.pose_laws.world import draw as draw_poses
 
 
@@ -46,6 +48,26 @@ def test_what_stood_for_a_law_of_a_moving_joint_loses_its_name(tmp_path, seed, s
     # Said once, of the model that stands in the end.
     decisions = [margin.decision for margin in after.margins]
     assert len(decisions) == len(set(decisions))
+
+
+@pytest.mark.parametrize(
+    ("seed", "cause", "law", "driver"),
+    [
+        (31, "joint_friction", "crosstalk", "angle of joint 3"),
+        (32, "joint_stiffness", "warming", "time"),
+        (42, "joint_friction", "warming", "time"),
+    ],
+)
+def test_a_cause_that_acts_keeps_its_name_beside_a_law_of_its_joint(tmp_path, seed, cause, law, driver):
+    rng, hidden = np.random.default_rng([seed, 5]), Recording()
+    for effect, size in ((cause, 9.0), (law, 4.0)):
+        hidden, _, _ = hide(rng, hidden, effect, 2, size)
+    diagnosis = diagnose_motions([read_motion_set(record(tmp_path / "set", hidden, seed))])
+    after = motion_laws.with_laws(diagnosis)
+    assert [named.key for named in after.examination.named] == [(cause, "joint 2")]
+    assert after.verdict == "partly_explained"
+    ((found,),) = [one.laws for one in after.laws if one]
+    assert (found.where, found.driver) == ("joint 2", driver)
 
 
 def test_a_drift_that_stood_for_sag_by_time_loses_its_name_and_the_link_keeps_its_own(tmp_path):
