@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import cross
 from doormill_ros.robot_model.elastic.load_case import LoadCase
+from doormill_ros.units import deg_to_rad
 
 _FRAMES = {"base": 0, "tool": 6}
 #: How far from the middle of a face an edge may lie [m]; a seat's is small, and its edge all but through it.
@@ -57,7 +58,7 @@ class Edge:
     def _line(self, case: LoadCase) -> tuple[FloatArray, FloatArray]:
         """Axis, and the edge from the frame's origin, shape (n, 3) each; positive lifts the far side."""
         axes = case.axes[:, _FRAMES[self.where]]
-        c, s = np.cos(np.radians(self.way)), np.sin(np.radians(self.way))
+        c, s = np.cos(deg_to_rad(self.way)), np.sin(deg_to_rad(self.way))
         return axes @ np.array([-s, c, 0.0]), axes @ np.array([self.width * c, self.width * s, 0.0])
 
     def motion(self, case: LoadCase, where: str) -> list[FloatArray]:
