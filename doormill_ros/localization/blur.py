@@ -95,6 +95,26 @@ def _left_over(projector: FloatArray, mean: FloatArray) -> FloatArray:
     return squares
 
 
+def profile_covariance(
+    spread: Spread, step: float, inside: Variograms, outside: Variograms, model: float
+) -> FloatArray:
+    """Covariance of the errors of a mean profile, squared shares of the step, shape (m, m).
+
+    Args:
+        spread: The profile.
+        step: Step at the edge [grey levels].
+        inside: Texture of the face; its streaks last along the edge and remain in the mean.
+        outside: Texture of what lies behind it.
+        model: How far a true point spread is from a modelled one, as a share of the step.
+    """
+    out = ndtr(bin_places(spread.mean.size) / np.sqrt(spread.blur**2 + PIXEL_VARIANCE))
+    lag = _lags(out.size)
+    covariance = np.diag(spread.error**2 + model**2)
+    for share, side in ((1.0 - out, inside), (out, outside)):
+        covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
+    return covariance
+
+
 def _lowest(costs: FloatArray) -> float:
     """The blur with the lowest cost, between those tried [px]."""
     i = min(max(int(np.argmin(costs)), 1), len(_BLURS) - 2)
@@ -119,12 +139,8 @@ def textured_blur(spread: Spread, step: float, inside: Variograms, outside: Vari
     if max(inside.lasting.max(), outside.lasting.max()) < (_MODEL * step) ** 2:
         return spread.blur
     half = (spread.mean.size + 3) // (2 * _FINE)
-    design, _, place = _templates(half)
-    out = ndtr(place / np.sqrt(spread.blur**2 + PIXEL_VARIANCE))
-    lag = _lags(place.size)
-    covariance = np.diag(spread.error**2 + _MODEL**2)
-    for share, side in ((1.0 - out, inside), (out, outside)):
-        covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
+    design, _, _ = _templates(half)
+    covariance = profile_covariance(spread, step, inside, outside, _MODEL)
     columns = np.column_stack([design[0, :, 0], design[:, :, 1].T, design[:, :, 2].T, spread.mean])
     products = columns.T @ np.linalg.solve(covariance, columns)
     count = len(_BLURS)
