@@ -22,6 +22,7 @@ from doormill_ros.localization.step_fits import (
     fit_ramp,
     fit_soft_disc,
     fit_two,
+    nearness,
 )
 from doormill_ros.localization.texture import Variograms
 from doormill_ros.units import m_to_mm
@@ -33,6 +34,7 @@ _SLOPE = 1.0e-2  # change of light and texture over half a window, as a share of
 # Squared deviations by which two steps must fit better: of 700 edges without a rim one had more than 2, and with a
 # rim about as dark as the background, which texture makes, 8.6.
 _GAIN, _GAIN_DARK, _AS_BACKGROUND = 6.0, 10.0, 0.05
+_STARTS = 3  # of the starts, the best
 _FREE = 6  # parameters of two steps
 _LIGHTEST = 0.6  # share of the step at the outer border: a lighter rim moves the line by little
 _LEAST_SHIFT = 0.5  # px
@@ -96,7 +98,8 @@ class Profile:
         )
         # Half as dark as the background a rim softens the edge, as dark as it the line lies at its inner border.
         starts = [np.array([part * width, width, soft * blur]) for part, soft in _KINDS for width in _WIDTHS]
-        tries = [fit_two(mean, whiten, start) for start in starts]
+        starts.sort(key=lambda start: nearness(mean, whiten, start))
+        tries = [fit_two(mean, whiten, start) for start in starts[:_STARTS]]
         # What is left of chips trails behind an edge that stays where it is.
         plain = min([plain, *(self.squares(fit) for fit in tries if _trail(fit))])
         tries = [fit for fit in tries if _arris(fit, pixel)]

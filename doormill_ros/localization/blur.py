@@ -72,13 +72,9 @@ def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Sprea
         shift: Distance of the fitted line from the middle of each row's pixels [px], shape (n,).
         near: Rows whose edge point lies near the line: chips would smear the step, shape (n,), bool.
     """
-    half = profiles.values.shape[1] // 2
-    _, projector, place = _templates(half)
+    _, projector, place = _templates(profiles.values.shape[1] // 2)
     good = profiles.edge_like
-    shape = (profiles.values[good] - profiles.level[good, None]) / profiles.contrast[good, None]
-    at = np.arange(-half, half + 1) - shift[good, None]
-    index = np.rint((at - place[0]) * _FINE).astype(np.intp)
-    index[(index < 0) | (index >= place.size)] = place.size
+    shape, index = _shares(profiles, shift, good)
     mean, error = _lay_over(shape, index, place.size)
     misfit = np.sqrt(np.min(_left_over(projector, mean)))
     level = float(np.sqrt(np.mean(error**2)))
@@ -86,6 +82,24 @@ def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Sprea
     if 2 * np.count_nonzero(near) > near.size > np.count_nonzero(near):
         mean, error = _lay_over(shape[near], index[near], place.size)
     return Spread(_lowest(_left_over(projector, mean)), float(misfit), level, mean, error)
+
+
+def laid_over(profiles: Profiles, shift: FloatArray, near: BoolArray, known: Spread) -> Spread:
+    """As `edge_spread`, of the rows near the line only, with blur and misfit as they are `known`."""
+    size = _templates(profiles.values.shape[1] // 2)[2].size
+    mean, error = _lay_over(*_shares(profiles, shift, profiles.edge_like & near), size)
+    return Spread(known.blur, known.misfit, float(np.sqrt(np.mean(error**2))), mean, error)
+
+
+def _shares(profiles: Profiles, shift: FloatArray, good: BoolArray) -> tuple[Float32Array, IntArray]:
+    """Pixels of the good rows (k, w) as shares of their steps, and the bins in which they lie (k, w)."""
+    half = profiles.values.shape[1] // 2
+    place = _templates(half)[2]
+    shape = (profiles.values[good] - profiles.level[good, None]) / profiles.contrast[good, None]
+    at = np.arange(-half, half + 1) - shift[good, None]
+    index = np.rint((at - place[0]) * _FINE).astype(np.intp)
+    index[(index < 0) | (index >= place.size)] = place.size
+    return shape, index
 
 
 def _left_over(projector: FloatArray, mean: FloatArray) -> FloatArray:
@@ -111,7 +125,8 @@ def profile_covariance(
     lag = _lags(out.size)
     covariance = np.diag(spread.error**2 + model**2)
     for share, side in ((1.0 - out, inside), (out, outside)):
-        covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
+        if side.lasting.any():
+            covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
     return covariance
 
 

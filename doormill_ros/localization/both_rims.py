@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter1d
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization import checks
 from doormill_ros.localization.arris import Profile
-from doormill_ros.localization.blur import Spread, edge_spread
+from doormill_ros.localization.blur import Spread, edge_spread, laid_over
 from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.fit import LineFit
 from doormill_ros.localization.layers import choose
@@ -71,20 +71,27 @@ class _Seen:
             read = self.read
             edge = read.profiles.edge
             weights = plain_weights(WIDE_HALF, _WIDE_BLUR)
-            self._wide = self._laid_over(measure(self.picture, self.view, edge, read.pose, weights))
+            wide = measure(self.picture, self.view, edge, read.pose, weights)
+            near = np.isin(wide.lines, read.profiles.lines[read.line.inliers])
+            self._wide = edge_spread(wide, self._shift(wide), near)
         return self._wide
 
-    def _laid_over(self, profiles: Profiles) -> Spread:
-        """Rows laid over each other at their edge points, or the saw's waves would make steps of one."""
+    def _narrow(self) -> Spread:
+        """The rows laid over each other in the windows in which they were read."""
+        read = self.read
+        return laid_over(read.profiles, self._shift(read.profiles), read.line.inliers, read.beside.spread)
+
+    def _shift(self, profiles: Profiles) -> FloatArray:
+        """Where rows (n,) are laid over each other [px]: at their edge points, or waves would make steps of one."""
         read = self.read
         lines, at = crossing(self.view, profiles.edge, read.pose, 0, -5.0e-3)
         good, run = read.line.inliers, 0 if profiles.edge == HINGE else 1
         rows = read.profiles.lines[good]
         waves = uniform_filter1d(read.profiles.pixels[good, run] - np.interp(rows, lines, at), _SMOOTH)
-        shift = (
+        shift: FloatArray = (
             np.interp(profiles.lines, lines, at) + np.interp(profiles.lines, rows, waves) - profiles.centre
         )
-        return edge_spread(profiles, shift, np.isin(profiles.lines, rows))
+        return shift
 
     def _profile(self, spread: Spread) -> Profile:
         """Rows laid over each other, weighed by the textures beside the edge."""
@@ -100,7 +107,7 @@ class _Seen:
         if self.rim is not None:
             if self.rim.brightness < 0 and not wide_and_dark(self.rim, self.view.pixel):
                 self.rim = self.profile().placed(self.rim, self.view.pixel)
-        elif self._profile(self._laid_over(self.read.profiles)).odd():
+        elif self._profile(self._narrow()).odd():
             self.rim = self.profile().find(self.view.pixel)
 
     def look(self, sharp: float | None = None) -> None:

@@ -80,6 +80,13 @@ def fit_two(
     return _descend(_Two(profile.size), profile, weight, start, sharp)
 
 
+def nearness(profile: FloatArray, weight: FloatArray, places: FloatArray) -> float:
+    """Squared deviations of a profile (m,) from two steps at `places` (3,), as in `fit_two`, of the best heights."""
+    columns = _Two(profile.size).columns(places)
+    left = _weighted(_solved(columns, profile, weight) @ columns - profile, weight)
+    return float(left @ left)
+
+
 @dataclass(frozen=True)
 class Sharp:
     """A blur that is known beforehand, and its standard deviation [px]."""
