@@ -32,6 +32,7 @@ from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 _WIDE_BLUR = 3.0  # px
 _AS_WIDE = 0.7
 _SMOOTH = 9  # rows over which edge points are averaged; a saw's waves are longer
+_RAGGED = 1.0  # px; an edge that scatters more shows no rim, and is uncertain enough to be refused for that
 _ROOM = 5.5  # px: one of two steps so far apart can be read by itself
 
 
@@ -98,12 +99,19 @@ class _Seen:
         beside = self.read.beside
         return Profile(spread, beside.step, beside.inside, beside.outside)
 
+    @property
+    def ragged(self) -> bool:
+        """Whether its points scatter too much for a rim to be seen."""
+        return self.read.line.scatter > _RAGGED * self.view.pixel
+
     def profile(self) -> Profile:
         """That of wide windows."""
         return self._profile(self.wide())
 
     def look_closer(self) -> None:
         """Look for a dark arris where no rim was seen, and place one that was seen as well as it can be."""
+        if self.ragged:
+            return
         if self.rim is not None:
             if self.rim.brightness < 0 and not wide_and_dark(self.rim, self.view.pixel):
                 self.rim = self.profile().placed(self.rim, self.view.pixel)
@@ -113,7 +121,7 @@ class _Seen:
     def look(self, sharp: float | None = None) -> None:
         """Look for a rim; see `find_rim`."""
         spread, streaks = self.read.beside.spread, self.read.streaks
-        if sharp is None and not suspicious(spread, streaks):
+        if self.ragged or (sharp is None and not suspicious(spread, streaks)):
             return
         rim = find_rim(self.wide(), streaks, sharp)
         single = spread.misfit < checks.allowed_misfit(spread, streaks)
@@ -197,12 +205,12 @@ def _look_for_arrises(view: FaceView, seen: dict[str, _Seen]) -> None:
     Raises:
         WrongEdge: Whether there is one cannot be told.
     """
+    pixel = view.pixel
     for one in seen.values():
         one.look_closer()
-    pixel = view.pixel
     for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
         rim, own = seen[other].rim, seen[edge].rim
-        if rim is None or rim.brightness > 0 or wide_and_dark(rim, pixel):
+        if rim is None or rim.brightness > 0 or wide_and_dark(rim, pixel) or seen[edge].ragged:
             continue
         # Streaks may make a rim of it that no lens as sharp would show.
         if own is None or (own.brightness > 0 and softer(own.blur, rim.blur)):
