@@ -12,7 +12,7 @@ from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefu
 from doormill_ros.nodes.futures import result_of
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.operator.state import ViewStore
+from doormill_ros.operator.view_store import ViewStore
 
 ACTION = "mill_door"
 OFFERED_DOORS = 20

@@ -90,7 +90,9 @@ PATH_MARKERS = _topic("path/markers", MarkerArray, STATE)
 CELL_BODIES = _topic("cell/bodies", MarkerArray, STATE)
 PATH_JOINT_STATES = _topic("path/joint_states", JointState, STATE)
 ROBOT_DESCRIPTION = _topic("robot_description", String, STATE)
-ABB_STATUS = _topic("abb/status", AbbStatus, STATE)
+#: The latest counts, but a bag tells of every state: one that is lost on the wire is sent again only while it is kept,
+#: and a door's states follow each other within milliseconds.
+ABB_STATUS = Topic("abb/status", AbbStatus, _qos(16, DurabilityPolicy.TRANSIENT_LOCAL), STATE)
 ABB_REQUEST = _topic("abb/request", Bool, STATE)
 ABB_READY = _topic("abb/ready", Bool, STATE)
 CONTROLLER_STATE = _topic("abb/controller_state", ControllerState, STATE)

@@ -15,7 +15,8 @@ from doormill_ros.operator.history import kept_runs
 from doormill_ros.operator.history_csv import history_csv
 from doormill_ros.operator.history_search import Found, search_history
 from doormill_ros.operator.languages import Language
-from doormill_ros.operator.state import HISTORY, EndedRun, ViewStore, short
+from doormill_ros.operator.state import HISTORY, EndedRun, short
+from doormill_ros.operator.view_store import ViewStore
 
 LONGEST_SEARCH = 200  # characters
 MOST_SHOWN = 200  # runs in an answer to the page

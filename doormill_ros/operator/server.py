@@ -22,9 +22,10 @@ from doormill_ros.operator.history_pages import serve_history
 from doormill_ros.operator.languages import LANGUAGES
 from doormill_ros.operator.orders import Control, Doorkeeper, serve_orders
 from doormill_ros.operator.origin import OwnOrigin
-from doormill_ros.operator.state import CellView, ViewStore
+from doormill_ros.operator.state import CellView
 from doormill_ros.operator.token import Keys
 from doormill_ros.operator.tries import Tries
+from doormill_ros.operator.view_store import ViewStore
 
 KEEP_ALIVE = 5.0  # s, the longest silence on the event stream
 HEADERS = {

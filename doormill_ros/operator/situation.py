@@ -8,10 +8,11 @@ _ENDS = {"done": "was milled", "failed": "came to nothing"}
 
 
 class Situation(NamedTuple):
-    """State of the handshake and why it is in it, one sentence."""
+    """State of the handshake and why it is in it, one sentence; `told`: the controller's own state, not another's."""
 
     state: str
     reason: str
+    told: bool = True
 
 
 def situation(
@@ -44,9 +45,10 @@ def situation(
             return Situation(state, reason)
         if request:
             return Situation(
-                "requested", f"door {door_id} is measured for the controller's request; {before}"
+                "requested", f"door {door_id} is measured for the controller's request; {before}", False
             )
-        return Situation("idle", f"door {door_id} waits for the controller to ask for targets; {before}")
+        waits = f"door {door_id} waits for the controller to ask for targets"
+        return Situation("idle", f"{waits}; {before}", False)
     if state == "done" and told_run and last_run not in ("", told_run):
-        return Situation("idle", f"the controller asks for nothing; {before}")
+        return Situation("idle", f"the controller asks for nothing; {before}", False)
     return Situation(state, reason)

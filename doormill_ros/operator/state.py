@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -70,6 +69,7 @@ class CellView:
         request: The controller asks for targets.
         run_id: Run in hand, empty when there is none.
         door_id: Door of that run.
+        run_since: When that run began, seconds since the epoch; 0: not known.
         stage: Stage of that run, empty when not heard of.
         progress: Share of the run that is done, 0..1.
         refusal: Why the door in hand or the last one was refused; empty when it was not.
@@ -90,6 +90,7 @@ class CellView:
     request: bool = False
     run_id: str = ""
     door_id: str = ""
+    run_since: float = 0.0
     stage: str = ""
     progress: float = 0.0
     refusal: str = ""
@@ -125,12 +126,19 @@ class CellView:
             state_since=since,
         )
 
-    def with_run(self, run_id: str, door_id: str) -> CellView:
-        """A recipe was fetched for a run; one that has ended is not in hand again."""
+    def with_run(self, run_id: str, door_id: str, since: float = 0.0) -> CellView:
+        """A recipe was fetched for a run; one that has ended is not in hand again. `since`: see `run_since`."""
         if run_id == self.run_id or any(run.run_id == run_id for run in self.history):
             return self
         return replace(
-            self, run_id=run_id, door_id=short(door_id), stage="recipe", progress=0.0, refusal="", notice=""
+            self,
+            run_id=run_id,
+            door_id=short(door_id),
+            run_since=since,
+            stage="recipe",
+            progress=0.0,
+            refusal="",
+            notice="",
         )
 
     def with_stage(self, stage: str, progress: float) -> CellView:
@@ -183,22 +191,24 @@ class CellView:
 
     def with_drawing(self, drawing: DoorView) -> CellView:
         """The recipe of a run tells how its door looks; the one drawn already keeps what is known of it."""
-        known = self.drawing is not None and self.drawing.run_id == drawing.run_id
-        return self if known else replace(self, drawing=drawing)
+        return self if self.draws(drawing.run_id) else replace(self, drawing=drawing)
 
     def with_plan(self, run_id: str, times: Mapping[str, tuple[float, float]]) -> CellView:
-        """When each feature of a run's door is milled."""
-        drawing = self.drawing
-        if drawing is None or drawing.run_id != run_id:
-            return self
-        return replace(self, drawing=drawing.with_plan(times))
+        """When each feature of a run's door is milled; of another door's it is passed over."""
+        return self._redrawn(run_id, lambda drawing: drawing.with_plan(times))
 
     def with_measured(self, run_id: str, found: Mapping[str, float], tolerance: float) -> CellView:
         """How far the features of a run's door are off; of another door's it is passed over."""
-        drawing = self.drawing
-        if drawing is None or drawing.run_id != run_id:
+        return self._redrawn(run_id, lambda drawing: drawing.with_measured(found, tolerance))
+
+    def draws(self, run_id: str) -> bool:
+        """The door drawn is that of this run."""
+        return self.drawing is not None and self.drawing.run_id == run_id
+
+    def _redrawn(self, run_id: str, change: Callable[[DoorView], DoorView]) -> CellView:
+        if self.drawing is None or not self.draws(run_id):
             return self
-        return replace(self, drawing=drawing.with_measured(found, tolerance))
+        return replace(self, drawing=change(self.drawing))
 
     def with_model(self, model: ModelView) -> CellView:
         """The monitor of the model said something."""
@@ -239,7 +249,7 @@ class CellView:
         return {
             "state": seen.state if self.bridge_present else "",
             "state_reason": seen.reason,
-            "state_age": max(time.time() - self.state_since, 0.0) if self.state_since > 0.0 else None,
+            "state_age": self._state_age(seen.told),
             "urgency": step.urgency,
             "next_step": step.text,
             "step": {"key": step.key, "values": dict(step.values)},
@@ -260,6 +270,11 @@ class CellView:
             "drawing": self._drawn(),
         }
 
+    def _state_age(self, told: bool) -> float | None:
+        """How long the state has lasted [s]; a door that waits behind the controller's state, since its run began."""
+        since = self.state_since if told else self.run_since if self.run_id else 0.0
+        return max(time.time() - since, 0.0) if since > 0.0 else None
+
     def _drawn(self) -> dict[str, Any] | None:
         if self.drawing is None:
             return None
@@ -271,41 +286,3 @@ class CellView:
 def short(text: str) -> str:
     """A text that is cut where it is longer than the page shows."""
     return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 1] + "…"
-
-
-class ViewStore:
-    """The current view; changed and read from any thread."""
-
-    def __init__(self, view: CellView | None = None) -> None:
-        """Begin with an empty view."""
-        self._view = view or CellView()
-        self._lock = threading.Lock()
-        self._listeners: list[Callable[[], None]] = []
-
-    @property
-    def view(self) -> CellView:
-        """The view of this moment."""
-        return self._view
-
-    def update(self, change: Callable[[CellView], CellView]) -> None:
-        """Replace the view by what `change` makes of it, and tell who listens if it differs."""
-        with self._lock:
-            changed = change(self._view)
-            if changed == self._view:
-                return
-            self._view = changed
-            listeners = tuple(self._listeners)
-        for listener in listeners:
-            listener()
-
-    def listen(self, listener: Callable[[], None]) -> Callable[[], None]:
-        """Call `listener` after every change; returns what ends that."""
-        with self._lock:
-            self._listeners.append(listener)
-
-        def end() -> None:
-            with self._lock:
-                if listener in self._listeners:
-                    self._listeners.remove(listener)
-
-        return end

@@ -16,8 +16,8 @@ from doormill_ros.models.errors import UnknownVersionError
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.server import create_app
-from doormill_ros.operator.state import ViewStore
 from doormill_ros.operator.token import Keys, new_token
+from doormill_ros.operator.view_store import ViewStore
 from support.browser import TABLET, open_page
 
 NASTY = "<script>document.title='broken'</script>"

@@ -15,7 +15,8 @@ from playwright.sync_api import Page
 
 from doormill_ros.operator.door_view import door_view, planned_times
 from doormill_ros.operator.languages import LANGUAGES
-from doormill_ros.operator.state import CellView, EndedRun, ViewStore
+from doormill_ros.operator.state import CellView, EndedRun
+from doormill_ros.operator.view_store import ViewStore
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes
 
 LIMIT = 120_000.0  # ms

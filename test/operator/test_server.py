@@ -16,8 +16,8 @@ from doormill_ros.operator.errors import PageAddressError
 from doormill_ros.operator.page_server import PageServer, is_loopback
 from doormill_ros.operator.picture import LONGEST_SIDE, encode_picture
 from doormill_ros.operator.server import create_app
-from doormill_ros.operator.state import ViewStore
 from doormill_ros.operator.token import authorizes, new_token
+from doormill_ros.operator.view_store import ViewStore
 
 LIMIT = 120.0  # s
 get, post = partial(httpx.get, timeout=LIMIT), partial(httpx.post, timeout=LIMIT)

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.operator.advice import next_step
-from doormill_ros.operator.state import HISTORY, LONGEST_TEXT, CellView, EndedRun, ViewStore
+from doormill_ros.operator.state import HISTORY, LONGEST_TEXT, CellView, EndedRun
+from doormill_ros.operator.view_store import ViewStore
 
 STATES = [state.value for state in HandshakeState]
 
@@ -191,6 +192,22 @@ def test_a_started_door_is_not_told_how_the_door_before_ended(
     # Its own end is told as such.
     own = view.with_ended(ended("r1")).with_run("r2", "elm").with_handshake(state, reason, "r2", "elm")
     assert own.document()["state"] == state
+
+
+def test_a_waiting_door_shows_how_long_it_waits_not_how_long_ago_another_was_done(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = 1.8e9
+    monkeypatch.setattr("doormill_ros.operator.state.time.time", lambda: now)
+    view = CellView().with_run("r1", "oak", now - 900.0)
+    view = view.with_handshake("done", DONE, "r1", "oak", since=now - 600.0)
+    assert view.document()["state_age"] == 600.0
+    view = view.with_ended(ended("r1"))
+    assert view.document()["state_age"] == 600.0
+    waiting = view.with_run("r2", "elm", now - 200.0)
+    assert waiting.document()["state_age"] == 200.0
+    assert waiting.with_ended(ended("r2", False, "canceled")).document()["state_age"] is None
+    assert view.with_run("r2", "elm").document()["state_age"] is None
 
 
 def test_a_door_refused_before_it_was_asked_for_is_not_said_to_be_milled() -> None:

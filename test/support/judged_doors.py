@@ -50,7 +50,10 @@ class Outcome:
 
 
 def draw(count: int, number: int) -> list[tuple[Recipe, DoorOffset]]:
-    """Doors of the thesis' ranges with any features in any place; the same for the same number."""
+    """Doors of the thesis' ranges with any features in any place.
+
+    The same for the same number in the same program: hypothesis also draws constants of the modules loaded so far.
+    """
     drawn: dict[str, tuple[Recipe, DoorOffset]] = {}
 
     @seed(number)
