@@ -85,7 +85,7 @@ def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Sprea
 
 
 def laid_over(profiles: Profiles, shift: FloatArray, near: BoolArray, known: Spread) -> Spread:
-    """As `edge_spread`, of the rows near the line only, with blur and misfit as they are `known`."""
+    """As `edge_spread`, of the rows near the line only, blur and misfit as `known`; `shift` and `near` are (n,)."""
     size = _templates(profiles.values.shape[1] // 2)[2].size
     mean, error = _lay_over(*_shares(profiles, shift, profiles.edge_like & near), size)
     return Spread(known.blur, known.misfit, float(np.sqrt(np.mean(error**2))), mean, error)

@@ -64,7 +64,7 @@ def fit_disc(profile: FloatArray, weight: FloatArray, radius: float) -> StepFit:
 
 
 def fit_soft_disc(profile: FloatArray, weight: FloatArray, radius: float, blur: float) -> StepFit:
-    """The same with a point spread beside the disc; places are shift, radius from `radius` and blur [px]."""
+    """One step of a profile (m,), weights (m,), spread by a disc and a lens; places are shift, radius, blur [px]."""
     return _descend(_Spread(profile.size, _DISC), profile, weight, np.array([0.0, radius, blur]), None)
 
 
