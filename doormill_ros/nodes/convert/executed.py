@@ -31,6 +31,7 @@ def executed_message(path: ExecutedPath, header: Header, placement: DoorPlacemen
         cutting=path.cutting.tolist(),
         wrench=[wrench_message(w) for w in path.wrench],
         feature=path.feature.tolist(),
+        tool=[] if path.tool is None else path.tool.tolist(),
     )
 
 
@@ -45,6 +46,7 @@ def executed_of(message: ExecutedPathMessage) -> ExecutedPath:
         cutting=np.array(message.cutting),
         feature=np.array(message.feature),
         wrench=np.array([wrench_of(wrench) for wrench in message.wrench]).reshape(-1, 6),
+        tool=np.array(message.tool) if message.tool else None,
     )
 
 
