@@ -101,3 +101,8 @@ def test_a_column_inside_another_names_the_file(tmp_path: Path) -> None:
 def test_another_spelling_is_another_text(form: str, text: str) -> None:
     others = {spelt_anew(text.encode(), form, random.Random(seed)) for seed in range(20)}
     assert len(others - {text.encode()}) > 3
+
+
+def test_a_record_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
+    (tmp_path / RECORD).write_bytes(b"\xef\xbb\xbf" + json.dumps(MODELS).encode())
+    assert ModelStore(tmp_path).record().issued == 1

@@ -192,7 +192,7 @@ class ModelStore:
 
     def _read(self) -> StoreRecord | None:
         try:
-            text = (self.folder / RECORD).read_text(encoding="utf-8")
+            text = (self.folder / RECORD).read_text(encoding="utf-8-sig")
         except FileNotFoundError:
             return None
         return StoreRecord.from_document(json.loads(text))
