@@ -1,7 +1,7 @@
 """The campaign of nodes that die: `python bench/deaths.py --strikes 100 --seed 1`.
 
-The shipped executables as processes, killed, stopped and continued at drawn moments of every stage and started again
-as launch would; two doors alternate. An oracle at the controller's folder keeps the bytes that stood under a high
+The shipped executables as processes, killed, stopped and continued at drawn moments of every pair of stages and started
+again as launch would; two doors alternate. An oracle at the controller's folder keeps the bytes that stood under a high
 ready signal when the robot began to mill. Exit code 1 when a door was milled by another one's file, when a goal had
 no result, or when the cell did not mill again by itself.
 """
@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from statistics import median
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
@@ -21,7 +22,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 from rich.console import Console
 from rich.table import Table
 
-from support.deaths.campaign import draw, play
+from support.deaths.campaign import play
+from support.deaths.strikes import deal
 
 
 def main() -> int:
@@ -33,17 +35,25 @@ def main() -> int:
     console, begun = Console(width=150), time.monotonic()
     with tempfile.TemporaryDirectory(prefix="deaths-", ignore_cleanup_errors=True) as name:
         os.environ["XDG_DATA_HOME"], os.environ["ROS_LOG_DIR"] = f"{name}/data", f"{name}/ros"
-        strikes = [draw(arguments.seed, index) for index in range(arguments.strikes)]
-        tally = play(Path(name) / "cell", strikes, console.print)
+        rounds = deal(arguments.seed, arguments.strikes // 2)
+        tally = play(Path(name) / "cell", rounds, console.print)
     table = Table(title=f"Nodes that die, seed {arguments.seed}, {(time.monotonic() - begun) / 60.0:.1f} min")
     rows = {
         "strikes": tally.strikes,
+        "node, kill -9 or stop, and stage: different ones": len(tally.struck),
+        "pairs of stages": len({tuple(strike.stage for strike in strikes) for strikes in rounds}),
+        "of which both strikes fell in one run": len(tally.together),
         "goals": tally.goals,
         "milled": tally.milled,
         "refused, by code": dict(sorted(tally.refused.items())),
         "starts that the oracle saw": tally.seen,
+        "starts that it missed, kept from looking": tally.missed,
         "different places of the doors": tally.places,
+        "strike to the refusal that names a dead node, longest [s]": round(max(tally.named, default=0.0), 1),
+        "first strike to the next milled door, median [s]": round(median(tally.again), 1),
+        "first strike to the next milled door, longest [s]": round(max(tally.again), 1),
         "milled by another door's or place's file": len(tally.wrong),
+        "told as milled, and no robot ended": len(tally.not_ended),
         "goals without a result": len(tally.without_result),
         "restarts by hand": len(tally.manual),
         "nodes that died unstruck": len(tally.died),
@@ -53,9 +63,10 @@ def main() -> int:
     for what, value in rows.items():
         table.add_row(what, str(value))
     console.print(table)
-    for line in (*tally.wrong, *tally.without_result, *tally.manual):
+    failures = (*tally.wrong, *tally.not_ended, *tally.without_result, *tally.manual, *tally.died)
+    for line in failures:
         console.print(line)
-    return 1 if tally.wrong or tally.without_result or tally.manual or tally.died else 0
+    return 1 if failures else 0
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from support.shell import run_in_shell
 from support.source_tree import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -20,27 +21,6 @@ LIVING = (ROOT / "docs" / "living.md").read_text(encoding="utf-8")
 BLOCKS += re.findall(r"```bash\n(.*?)```", LIVING, flags=re.DOTALL)
 SHELL = [block for block in BLOCKS if not block.startswith("make ")]
 LIMIT = 240  # s
-
-
-def run(script: str, folder: Path, **kwargs: object) -> subprocess.Popen[str]:
-    """A bash of its own group in an empty folder, without what the tests' environment set up."""
-    environment = {
-        k: v for k, v in os.environ.items() if k in ("PATH", "HOME", "LANG", "TMPDIR", "XDG_DATA_HOME")
-    }
-    environment |= {
-        k: os.environ[k] for k in ("ROS_DOMAIN_ID", "ROS_DISTRO", "AMENT_PREFIX_PATH") if k in os.environ
-    }
-    script = "set -e\n" + script.replace(". ./activate", f". {ROOT}/activate")
-    return subprocess.Popen(
-        ["bash", "-c", script],
-        cwd=folder,
-        env=environment,
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
-        **kwargs,
-    )
 
 
 def test_the_readme_has_the_commands_it_promises() -> None:
@@ -61,7 +41,7 @@ def test_make_targets_exist(command: str) -> None:
 
 @pytest.mark.parametrize("block", [b for b in SHELL if " & " not in b])
 def test_shell_commands_run(block: str, tmp_path: Path) -> None:
-    process = run(block, tmp_path)
+    process = run_in_shell(block, tmp_path)
     try:
         output, _ = process.communicate(timeout=LIMIT)
     finally:
@@ -75,7 +55,7 @@ def test_nodes_started_in_the_background_come_up_and_stop(block: str, tmp_path: 
     names = re.findall(r"(\w+) &", block)
     assert len(names) == 8
     log = tmp_path / "log.txt"
-    process = run(f"exec > {log} 2>&1\n{block}\nwait", tmp_path)
+    process = run_in_shell(f"exec > {log} 2>&1\n{block}\nwait", tmp_path)
     try:
         deadline = time.monotonic() + LIMIT
         # cell_simulator is two nodes.

@@ -26,7 +26,7 @@ from doormill_interfaces.msg import (
 )
 from doormill_ros.arrays import ByteArray
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import recipe_of, seconds_of
+from doormill_ros.messages.from_message import nanoseconds_of, recipe_of, seconds_of
 from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.planned_times import planned_times_of
@@ -42,6 +42,7 @@ from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.page_server import PageServer, is_loopback
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
 from doormill_ros.operator.server import create_app
+from doormill_ros.operator.shown_door import ShownDoors
 from doormill_ros.operator.state import EndedRun
 from doormill_ros.operator.token import Keys
 from doormill_ros.operator.token_file import load_keys
@@ -92,6 +93,7 @@ class OperatorPage(ManagedNode):
         self._history = Path(self.value("history"))
         self.store.update(lambda view: view.with_history(load_history(self._history)))
         self._bridge_heard = float("-inf")
+        self._shown: ShownDoors[Image] = ShownDoors()
         self._pictures: deque[Image] = deque(maxlen=KEPT_PICTURES)
         host, tokens = self.value("host"), self.value("tokens")
         token = self._given or (load_keys(Path(tokens)) if tokens else None)
@@ -166,6 +168,9 @@ class OperatorPage(ManagedNode):
         self.store.update(lambda view: view.with_stage(feedback.stage, feedback.progress))
 
     def _take_localization(self, found: DoorLocalization) -> None:
+        overlay = self._shown.of_door(nanoseconds_of(found.header.stamp), found.door_id)
+        if overlay is not None:
+            self._show_overlay(overlay, found.door_id)
         if found.accepted:
             self.store.update(lambda view: view.with_found_door(found.run_id))
             return
@@ -177,9 +182,13 @@ class OperatorPage(ManagedNode):
                     self._show(picture_of(picture), f"Refused picture of door {found.door_id}")
 
     def _take_overlay(self, overlay: Image) -> None:
+        door = self._shown.of_picture(nanoseconds_of(overlay.header.stamp), overlay)
+        if door is not None:
+            self._show_overlay(overlay, door)
+
+    def _show_overlay(self, overlay: Image, door: str) -> None:
         colours = colours_of(overlay)
         taken = time.strftime("%H:%M:%S", time.localtime(seconds_of(overlay.header.stamp)))
-        door = self.store.view.door_id or "unknown"
         self._show(colours, f"Door {door}: picture of {taken} with the edges as they were found")
 
     def _show(self, picture: ByteArray, caption: str) -> None:

@@ -193,8 +193,8 @@ def _load(path: Path) -> Robot:
     if robot.unmeasured():
         figures = ", ".join(name.replace("_", " ") for name in robot.unmeasured())
         _log.warning(
-            "%s: %s are from data sheets or assumed; that does for a simulated cell, before a real robot moves compare "
-            "them with its manual: %s",
+            "%s: nobody measured %s, its file says where each is from; that does for a simulated cell, before a "
+            "real robot moves compare them with its manual: %s",
             robot.label,
             figures,
             path,

@@ -14,33 +14,50 @@ from doormill_ros.abb.errors import TargetFileWriteError
 from doormill_ros.abb.target_file.target_file import write_target_file
 from doormill_ros.cell.errors import RunNoteError
 from doormill_ros.cell.run_in_hand import NOTE, RunNote
-from support.deaths.campaign import Strike, play
+from support.deaths.campaign import play
 from support.deaths.oracle import Oracle, Place, Placed
+from support.deaths.strikes import NODES, PAIRS, STAGES, Strike, deal
 
 FILE = b"1000;2000;3000;1;\n#door oak\n#run r1\n#sum [1,2]\n"
 #: A quarter turn about x, origin at y = 1 m: the file's target lies at (1, 3, -1) from the door.
 TURNED = Place((0.0, 1.0, 0.0), (0.5**0.5, 0.0, 0.0, 0.5**0.5))
 SEEN = {"oak": np.array([[1.0, 3.0, -1.0]]), "birch": np.array([[1.0, 3.0, -1.0]])}
 MOVED = replace(TURNED, origin=(0.0, 1.002, 0.0))
-#: The bridge with ready high and while the robot mills, the controller with ready high, a stage that stands still.
-STRIKES = [
-    Strike("abb_bridge", True, "ready", 0.1, 0.0),
-    Strike("abb_bridge", True, "milling", 0.1, 0.0),
-    Strike("cell_simulator", True, "ready", 0.1, 0.0),
-    Strike("path_generator", False, "recipe", 0.0, 3.0),
+#: The bridge with ready high and while the robot mills, the controller with ready high, stages that stand still, two
+#: strikes in one run.
+ROUNDS = [
+    (Strike("abb_bridge", True, "ready", 0.1, 0.0),),
+    (Strike("abb_bridge", True, "milling", 0.1, 0.0),),
+    (Strike("cell_simulator", True, "ready", 0.1, 0.0),),
+    (
+        Strike("path_generator", False, "recipe", 0.0, 0.5),
+        Strike("recipe_database", False, "targets", 0.0, 3.0),
+    ),
+    (Strike("door_localizer", True, "recipe", 0.0, 0.0), Strike("abb_bridge", True, "milling", 0.1, 0.0)),
 ]
+STRUCK = [strike for strikes in ROUNDS for strike in strikes]
+
+
+def test_nothing_is_left_out_of_a_campaign() -> None:
+    dealt = deal(3, 126)
+    assert {(first.stage, second.stage) for first, second in dealt} == set(PAIRS)
+    kinds = {strike.kind for strikes in dealt for strike in strikes}
+    assert kinds == {(node, kill, stage) for node in NODES for kill in (True, False) for stage in STAGES}
+    assert deal(3, 126) == dealt != deal(4, 126)
 
 
 def test_nodes_that_die_leave_a_result_and_a_cell_that_mills_again_by_itself(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path / "ros"))
-    tally = play(tmp_path / "cell", STRIKES)
-    assert tally.strikes == len(STRIKES)
-    assert (tally.wrong, tally.without_result, tally.manual, tally.died) == ([], [], [], [])
-    # Once before the strikes and once after each.
-    assert tally.milled >= len(STRIKES) + 1
-    assert tally.seen >= len(STRIKES) + 1
+    tally = play(tmp_path / "cell", ROUNDS)
+    assert tally.strikes == len(STRUCK)
+    assert tally.struck == {strike.kind for strike in STRUCK}
+    failed = tally.wrong, tally.without_result, tally.manual, tally.died, tally.not_ended
+    assert failed == ([], [], [], [], [])
+    # Once before the rounds and once after each.
+    assert tally.milled >= len(ROUNDS) + 1
+    assert tally.seen >= len(ROUNDS) + 1
     assert tally.places > 1
 
 

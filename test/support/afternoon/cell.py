@@ -20,8 +20,9 @@ from doormill_interfaces.action import MillDoor
 from support.afternoon.faults import Fault
 from support.cell_processes import free_port
 from support.clock_to_set import ClockToSet
-from support.deaths.campaign import LIMITS, STAGES, TIME_SCALE, Client, good_targets, placed
+from support.deaths.campaign import LIMITS, TIME_SCALE, Client, good_targets, placed
 from support.deaths.oracle import Oracle
+from support.deaths.strikes import STAGES
 from support.deaths.supervisor import Supervisor
 from support.faults.proxy import Relay
 from support.faults.scenario import Scenario

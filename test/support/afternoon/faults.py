@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass
 
-from support.deaths.campaign import STAGES
+from support.deaths.strikes import STAGES
 
 KINDS = (
     "none",

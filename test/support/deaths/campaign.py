@@ -1,4 +1,4 @@
-"""Plays strikes: a goal, a signal to one executable at a drawn moment, and whether the next door is milled."""
+"""Plays rounds of strikes: a goal, signals to executables at drawn moments, and whether the next door is milled."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from doormill_interfaces.action import MillDoor
+from doormill_ros.cell.errors import NodeDeadError
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.recording.bag_reader import read_bag
 from support.deaths.oracle import Oracle, Place, Placed, targets_of
+from support.deaths.strikes import NODES, STAGES, Round, Strike
 from support.deaths.supervisor import Supervisor
 from support.source_tree import ROOT
 
 DOORS = ("thesis_190_0deg", "thesis_1350_0deg")
-NODES = ("recipe_database", "door_localizer", "path_generator", "abb_bridge", "cell_simulator")
-STAGES = ("recipe", "picture", "pose", "targets", "ready", "milling")
 LIMITS = {
     "recipe": 20.0,
     "picture": 30.0,
@@ -43,33 +43,9 @@ LIMITS = {
 }
 RESULT_LIMIT = 2.0 * sum(LIMITS.values())  # s; a run that has not ended by then has no end
 UP_LIMIT = 300.0  # s in which the cell mills again by itself
-LONGEST_DELAY, LONGEST_STOP = 1.0, 4.0  # s
 TIME_SCALE = 40.0
 #: How far off the doors stand; each of them at a place of its own [m, m, rad].
 SCATTER = {"offset_y": 0.008, "offset_z": 0.008, "offset_rotation": 0.03}
-
-
-@dataclass(frozen=True)
-class Strike:
-    """What happens to whom, so long after which stage [s]."""
-
-    node: str
-    kill: bool
-    stage: str
-    delay: float
-    stopped: float
-
-
-def draw(seed: int, index: int) -> Strike:
-    """One strike of a seeded campaign."""
-    rng = random.Random(f"{seed} {index}")
-    return Strike(
-        rng.choice(NODES),
-        rng.random() < 0.7,
-        rng.choice(STAGES),
-        rng.uniform(0.0, LONGEST_DELAY),
-        rng.uniform(0.2, LONGEST_STOP),
-    )
 
 
 @dataclass
@@ -84,7 +60,13 @@ class Tally:
     without_result: list[str] = field(default_factory=list)
     manual: list[str] = field(default_factory=list)
     died: list[str] = field(default_factory=list)
+    struck: set[tuple[str, bool, str]] = field(default_factory=set)  # node, killed or stopped, stage
+    together: set[tuple[str, ...]] = field(default_factory=set)  # stages of the strikes that fell in one run
+    named: list[float] = field(default_factory=list)  # from the last strike to the refusal of a dead node [s]
+    again: list[float] = field(default_factory=list)  # from the first strike to the next milled door [s]
+    not_ended: list[str] = field(default_factory=list)  # told as milled, and no robot ended
     seen: int = 0  # times the oracle saw the robot begin
+    missed: int = 0  # milled doors of which it did not see the begin
     places: int = 0  # different ones where a door stood then
 
 
@@ -179,6 +161,7 @@ def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
         "archive": folder / "targets",
         **{f"limit.{name}": value for name, value in LIMITS.items()},
     }
+    parameters["bag_recorder"] = {"folder": folder / "bags"}
     parameters["cell_simulator"] = {
         "controller_simulator:home": home,
         "controller_simulator:time_scale": TIME_SCALE,
@@ -194,73 +177,97 @@ def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
             client.close()
 
 
-def play(folder: Path, strikes: list[Strike], tell: Callable[[str], None] = lambda line: None) -> Tally:
-    """Play the strikes one after the other in one cell."""
-    tally, doors, draw_place = Tally(), 0, random.Random(len(strikes))
+class Game:
+    """Goals and strikes in one cell, and what came of them."""
 
-    def goal(client: Client, limit: float, meanwhile: Callable[[], None] = lambda: None) -> Any:
-        nonlocal doors
-        doors += 1
-        tally.goals += 1
-        client.move(draw_place)
-        return client.mill(DOORS[doors % 2], limit, meanwhile)
+    def __init__(self, supervisor: Supervisor, client: Client, seed: int) -> None:
+        self.tally = Tally()
+        self._supervisor, self._client = supervisor, client
+        self._places = random.Random(seed)
+        self._milled: list[str] = []
+        self._fallen: list[tuple[Strike, int, float]] = []  # strike, goal and when it fell
 
-    def count(result: Any) -> None:
-        if result.success:
-            tally.milled += 1
-        else:
-            tally.refused[result.error_code] = tally.refused.get(result.error_code, 0) + 1
-
-    def until_milled(client: Client) -> bool:
+    def until_milled(self) -> bool:
+        """Goal after goal until a door is milled; False when none is by itself."""
         deadline = time.monotonic() + UP_LIMIT
         while time.monotonic() < deadline:
-            result = goal(client, RESULT_LIMIT)
-            if result is None:
-                tally.without_result.append("a goal between two strikes")
-                continue
-            count(result)
-            if result.success:
+            result = self._goal("a goal between two strikes")
+            if result is not None and result.success:
                 return True
             time.sleep(0.5)
         return False
 
-    with running(folder) as (supervisor, oracle, client):
-        if not until_milled(client):
-            tally.manual.append("the cell did not come up")
-            return tally
-        for strike in strikes:
+    def play(self, strikes: Round, tell: Callable[[str], None]) -> None:
+        """Goals until each strike has fallen, and until a door is milled again."""
+        self._fallen, tally = [], self.tally
+        striking = threading.Thread(target=self._hit, args=(strikes,))
+        result = self._goal(str(strikes), striking.start)
+        while striking.is_alive():
+            result = self._goal(str(strikes))
+        striking.join()
+        tally.strikes += len(self._fallen)
+        tally.struck |= {strike.kind for strike, _, _ in self._fallen}
+        if len({goal for _, goal, _ in self._fallen}) == 1:
+            tally.together.add(tuple(strike.stage for strike in strikes))
+        if not self.until_milled():
+            tally.manual.append(str(strikes))
+        tally.again.append(time.monotonic() - min(when for _, _, when in self._fallen))
+        came_to = "no result" if result is None else f"{result.error_code} {result.message[:60]}"
+        tell(f"{', '.join(map(str, strikes))}: {came_to}, milled again {tally.again[-1]:.1f} s after")
 
-            def hit(strike: Strike = strike) -> None:
-                reached = STAGES.index(strike.stage)
-                deadline = time.monotonic() + sum(LIMITS.values())
-                while (client.stage not in STAGES or STAGES.index(client.stage) < reached) and not (
-                    time.monotonic() > deadline
-                ):
-                    time.sleep(0.005)
-                time.sleep(strike.delay)
-                client.move(draw_place)
-                supervisor.strike(strike.node, signal.SIGKILL if strike.kill else signal.SIGSTOP)
-                if not strike.kill:
-                    time.sleep(strike.stopped)
-                    supervisor.strike(strike.node, signal.SIGCONT)
-
-            begun = time.monotonic()
-            striking = threading.Thread(target=hit)
-            result = goal(client, RESULT_LIMIT, striking.start)
-            striking.join()
-            tally.strikes += 1
-            if result is None:
-                tally.without_result.append(str(strike))
-            else:
-                count(result)
-            came_to = "no result" if result is None else f"{result.error_code} {result.message[:60]}"
-            took = time.monotonic() - begun
-            if not until_milled(client):
-                tally.manual.append(str(strike))
-            tell(
-                f"{strike}: {came_to} after {took:.1f} s, milled again after {time.monotonic() - begun:.1f} s"
-            )
+    def end(self, oracle: Oracle) -> Tally:
+        """What came of all of it."""
+        tally = self.tally
+        begun = b"\n".join(start.data for start in oracle.starts)
+        ended = b"\n".join(oracle.named)
         tally.wrong = oracle.faults()
         tally.seen, tally.places = len(oracle.starts), oracle.places()
-        tally.died = supervisor.deaths_by_themselves
-    return tally
+        tally.missed = sum(run.encode() not in begun for run in self._milled)
+        tally.not_ended = [run for run in self._milled if run.encode() not in ended]
+        tally.died = self._supervisor.deaths_by_themselves
+        return tally
+
+    def _goal(self, what: str, meanwhile: Callable[[], None] = lambda: None) -> Any:
+        tally = self.tally
+        tally.goals += 1
+        self._client.move(self._places)
+        result = self._client.mill(DOORS[tally.goals % 2], RESULT_LIMIT, meanwhile)
+        if result is None:
+            tally.without_result.append(what)
+        elif result.success:
+            tally.milled += 1
+            self._milled.append(result.run_id)
+        else:
+            tally.refused[result.error_code] = tally.refused.get(result.error_code, 0) + 1
+            struck = [when for strike, goal, when in self._fallen if goal == tally.goals]
+            if result.error_code == NodeDeadError.code and struck:
+                tally.named.append(time.monotonic() - struck[-1])
+        return result
+
+    def _hit(self, strikes: Round) -> None:
+        for strike in strikes:
+            reached = STAGES.index(strike.stage)
+            deadline = time.monotonic() + sum(LIMITS.values())
+            while (
+                self._client.stage not in STAGES or STAGES.index(self._client.stage) < reached
+            ) and time.monotonic() < deadline:
+                time.sleep(0.005)
+            time.sleep(strike.delay)
+            self._client.move(self._places)
+            self._supervisor.strike(strike.node, signal.SIGKILL if strike.kill else signal.SIGSTOP)
+            self._fallen.append((strike, self.tally.goals, time.monotonic()))
+            if not strike.kill:
+                time.sleep(strike.stopped)
+                self._supervisor.strike(strike.node, signal.SIGCONT)
+
+
+def play(folder: Path, rounds: list[Round], tell: Callable[[str], None] = lambda line: None) -> Tally:
+    """Play the rounds one after the other in one cell."""
+    with running(folder) as (supervisor, oracle, client):
+        game = Game(supervisor, client, len(rounds))
+        if not game.until_milled():
+            game.tally.manual.append("the cell did not come up")
+            return game.tally
+        for strikes in rounds:
+            game.play(strikes, tell)
+        return game.end(oracle)

@@ -1,0 +1,1 @@
+thesis diagnose --out out/thesis

@@ -1,0 +1,6 @@
+cp -r "$ROOT/bags" .
+replay bags/thesis_190_0deg bags/outside_y
+replay --live --rate max bags/thesis_190_0deg
+replay --update bags/*/
+report bags/thesis_190_0deg
+python bags/repack.py bags/thesis_190_0deg repacked

@@ -1,0 +1,2 @@
+thesis identify --out out
+thesis contradictions

@@ -1,0 +1,1 @@
+cell --door standard_door --robots 2

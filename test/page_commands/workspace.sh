@@ -1,0 +1,1 @@
+workspace --out maps --step 0.2
