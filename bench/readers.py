@@ -1,7 +1,7 @@
 """Bad files for every reader: `python bench/readers.py --runs 5000`.
 
-Exit code 1 when one of them is neither read nor refused in one sentence that names the file, takes longer or more
-memory than allowed, or changes a file.
+Exit code 1 when one of them is neither read nor refused in one sentence that names the file and the place in it, takes
+longer or more memory than allowed, changes a file, or is read otherwise in another spelling or when written again.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ def main() -> int:
     )
     parser.add_argument("--runs", type=int, default=5000, help="files in all")
     parser.add_argument("--only", default="", help="kinds of input whose name contains this")
+    parser.add_argument("--seed", type=int, default=0, help="another number makes other files")
     arguments = parser.parse_args()
     logging.disable(logging.WARNING)
     table = Table("input", "read", "refused", "fault", title="Bad files")
@@ -41,7 +42,7 @@ def main() -> int:
         chosen = [item for item in subjects(Path(folder) / "good") if arguments.only in item.name]
         runs = -(-arguments.runs // len(chosen))
         for item in chosen:
-            outcome = judge(item, range(runs))
+            outcome = judge(item, range(runs), f"{arguments.seed} ")
             table.add_row(item.name, *(str(outcome.answers[kind]) for kind in KINDS))
             totals.update(outcome.answers)
             faults += outcome.faults

@@ -41,6 +41,15 @@ class _Loader(yaml.SafeLoader):
     The parser in Python, not the faster one in C: that one ends the process where lists are nested deeply.
     """
 
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        """The value of a node; a wrong one behind a tag, such as !!int x, ends in whatever Python says to it."""
+        try:
+            return super().construct_object(node, deep)
+        except NotYaml:
+            raise
+        except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
+            raise NotYaml(str(error), node.start_mark) from error
+
 
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
     seen = set()
@@ -74,6 +83,5 @@ def parse(text: str) -> Any:
         raise NotYaml(str(error.problem), error.problem_mark) from error
     except RecursionError as error:
         raise NotYaml("nested too deeply") from error
-    # A wrong value behind a tag, such as !!int x, ends in whatever Python says to it.
     except (yaml.YAMLError, ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
         raise NotYaml(str(error)) from error

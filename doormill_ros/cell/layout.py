@@ -69,6 +69,7 @@ class CellLayout:
         boards: What backs the rear face of a door.
         sensors: What finds the door, by name; milled is from the pose of the first one.
         rack: Where tools stand that the robot takes by itself.
+        rack_of_second: Where those of a second robot stand, by that robot's joint angles.
     """
 
     robot: str
@@ -86,6 +87,7 @@ class CellLayout:
     sensors: tuple[str, ...] = (CAMERA,)
     rack: Rack | None = None
     with_second: tuple[Body, ...] = ()
+    rack_of_second: Rack | None = None
 
     def T_base_door(self, width: float, thickness: float, offset: DoorOffset | None = None) -> FloatArray:
         """Door frame in the base frame, shape (4, 4).
@@ -106,14 +108,14 @@ class CellLayout:
         return transform(rotation_x(offset.rotation), origin)
 
     def seen_from(self, T_base_other: FloatArray) -> CellLayout:
-        """The cell as another robot of the kind sees it, its tool and home the same; the rack is out of its reach.
+        """The cell as another robot of the kind sees it, its tool and home the same; it has the rack of a second robot.
 
         Args:
             T_base_other: The other robot's base frame, shape (4, 4).
         """
         T_other_base = inverse(T_base_other)
         obstacles = tuple(body.mapped(T_other_base) for body in self.obstacles)
-        return replace(self, obstacles=obstacles, rack=None)
+        return replace(self, obstacles=obstacles, rack=self.rack_of_second)
 
     def beside(self, bodies: Sequence[Body]) -> CellLayout:
         """The cell with further bodies that stand in it, in this robot's base frame."""
@@ -166,6 +168,7 @@ class _Spindle(Section):
 @dataclass(frozen=True, eq=False)
 class _SecondRobot(Section):
     obstacles: tuple[Body, ...]
+    rack: Rack | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +197,7 @@ def load_layout(path: Path | None = None) -> CellLayout:
     content = read(path or resource(FORM), _CellFile, BadCellFile, f"compare it with {FORM}")
     T_flange_tool = transform(translation=content.tool.position)
     T_flange_tool.setflags(write=False)
+    second = content.second_robot or _SecondRobot(())
     return CellLayout(
         robot=content.robot,
         rear_face_x=content.fixture.rear_face_x,
@@ -209,5 +213,6 @@ def load_layout(path: Path | None = None) -> CellLayout:
         boards=() if content.backing is None else content.backing.boards,
         sensors=content.sensors,
         rack=check_rack(content.rack),
-        with_second=() if content.second_robot is None else content.second_robot.obstacles,
+        with_second=second.obstacles,
+        rack_of_second=check_rack(second.rack, "second_robot.rack"),
     )

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pydantic import StrictBool
 
 from doormill_ros.cell.errors import BadCellFile
+from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.description import Joints
 from doormill_ros.values import Name, Positive, Section
 
@@ -48,6 +49,7 @@ class Rack(Section):
         measured: False for a rack that somebody assumed.
         source: Where the figures come from.
         depth: How far the spindle goes along its axis from in front of a place until a tool is seated there [m].
+        holder: What holds the tool of a place, in the flange frame as it is where the tool is seated.
         places: Counted from 1, as in rapid/DoorTool.mod.
         gauge: What measures lengths.
     """
@@ -55,6 +57,7 @@ class Rack(Section):
     measured: StrictBool
     source: Name
     depth: Positive
+    holder: Body
     places: tuple[RackPlace, ...]
     gauge: Gauge
 
@@ -62,9 +65,17 @@ class Rack(Section):
         """Number of the place in which a tool stands, from 0; None for a tool that stands in none."""
         return next((i for i, place in enumerate(self.places) if place.tool == tool), None)
 
+    def held_in(self, place: RackPlace) -> Body:
+        """The holder of one place, under a name of its own, in the frame in which `holder` is given."""
+        return replace(self.holder, name=f"holder of {place.tool}")
 
-def check_rack(rack: Rack | None) -> Rack | None:
+
+def check_rack(rack: Rack | None, where: str = "rack") -> Rack | None:
     """The rack, or none.
+
+    Args:
+        rack: What the cell's file says.
+        where: Under which key.
 
     Raises:
         BadCellFile: It has no place or too many, or a tool stands in two.
@@ -73,12 +84,13 @@ def check_rack(rack: Rack | None) -> Rack | None:
         return None
     if not 1 <= len(rack.places) <= MOST_PLACES:
         raise BadCellFile(
-            f"rack.places holds {len(rack.places)} places, allowed are 1 to {MOST_PLACES}: name those with a tool"
+            f"{where}.places holds {len(rack.places)} places, allowed are 1 to {MOST_PLACES}: name those with a tool"
         )
     twice = _twice([place.tool for place in rack.places])
     if twice is not None:
         raise BadCellFile(
-            f"rack.places has tool {twice!r} in two places, allowed is one place for each tool: correct the name of one"
+            f"{where}.places has tool {twice!r} in two places, allowed is one place for each tool: correct the name of "
+            "one"
         )
     return rack
 

@@ -11,6 +11,8 @@ from doormill_ros.cell.door_sensors import LOCALIZER, node_of
 NEEDED = ("recipe_database", LOCALIZER, "path_generator", "abb_bridge", "bag_recorder")
 #: Started with them; milling goes on without.
 BESIDE = ("model_monitor", "operator_page")
+#: Of two robots each has these in its namespace.
+OF_A_ROBOT = ("path_generator", "abb_bridge")
 CONTROLLER = "abb_bridge/controller"  #: what the bridge says of the controller; not every transport can tell
 #: A node that has not been heard of for so long counts as gone [s].
 SILENCE = 3.0
@@ -68,13 +70,19 @@ class Readiness:
                     f"{name}: {found[name].message}; activate it (ros2 lifecycle set), or see its log"
                 )
         for name, heard in sorted(found.items()):
-            limit = WARNED if name == CONTROLLER else FAILED
+            limit = WARNED if name.endswith(CONTROLLER) else FAILED
             if heard.level >= limit and heard.message not in IDLE:
-                said.append(
-                    f"{name.replace('/', ' of ') if name != CONTROLLER else 'controller'}: {heard.message}"
-                )
+                said.append(f"{_called(name)}: {heard.message}")
         if not camera:
             said.append("camera: nobody offers pictures; start its driver")
         if not readings:
             said.append("sensors: nobody offers readings; start their drivers")
         return said
+
+
+def _called(name: str) -> str:
+    """What a sentence calls a node, or a controller: that of one of two robots by its namespace."""
+    if not name.endswith(CONTROLLER):
+        return name
+    robot = name.removesuffix(CONTROLLER).rstrip("/")
+    return f"controller of {robot}" if robot else "controller"

@@ -28,10 +28,17 @@ class Skeleton:
     Attributes:
         own_axis: Axis of each joint in its own frame, shape (6, 3).
         longest: How far the origin of joint b can be from that of joint a, whatever the angles, shape (6, 6) [m].
+        origin: That of the first joint, which stands still, base frame, shape (3,) [m].
     """
 
     own_axis: FloatArray
     longest: FloatArray
+    origin: FloatArray
+
+    def farthest(self, joint: int, corners: FloatArray, margin: float) -> float:
+        """How far the farthest point of a body can be from `origin` [m]; arguments as of `reach`."""
+        far = float(np.linalg.norm(corners, axis=1).max())
+        return float(self.longest[0, joint - 1]) + far + margin
 
     def reach(self, joint: int, corners: FloatArray, margin: float) -> FloatArray:
         """How far the farthest point of a body can be from each axis before it, shape (6,) [m].
@@ -64,7 +71,7 @@ def skeleton_of(urdf: Path) -> Skeleton:
     for a in range(JOINTS):
         for b in range(a + 1, JOINTS):
             longest[a, b] = _longest(points[a : b + 1], axes[a : b + 1])
-    return Skeleton(own_axis, longest)
+    return Skeleton(own_axis, longest, points[0])
 
 
 def _longest(points: FloatArray, axes: FloatArray) -> float:

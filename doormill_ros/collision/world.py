@@ -28,6 +28,7 @@ MANY = 60  #: pairs of which it is quicker to ask for all than for each
 _BEHIND = np.arange(1, JOINTS + 1)  #: numbers of the joints, of which the base is 0
 #: Bodies fewer joints apart than this are held apart by the joints' limits.
 JOINTS_APART = 3
+FAR = 0.05  #: pairs that cannot come this close beside the clearance are left out [m]
 #: The limits of axis 5 hold a bare flange off the forearm. What hangs on it is held against those of the forearm's
 #: bodies that do not come this close to the wrist centre [m].
 FOREARM, WRIST_ROOM = 4, 0.25
@@ -53,7 +54,8 @@ class PlacedDoor:
 class _Placed:
     """A body on a moving joint (0: none): its name, the joint, and its farthest points in the joint's frame.
 
-    `half` are half its edges along its own axes, those of a capsule 0 but for the third, shape (3,) [m].
+    `half` are half its edges along its own axes, those of a capsule 0 but for the third, shape (3,) [m]; `place` is the
+    pose of its middle in that frame, shape (4, 4).
     """
 
     name: str
@@ -62,6 +64,12 @@ class _Placed:
     margin: float
     index: int
     half: FloatArray
+    place: FloatArray
+
+    def distance_from(self, point: FloatArray) -> float:
+        """How far it is from a point of the joint's frame, shape (3,) [m]; not positive for one inside."""
+        own = (point - self.place[:3, 3]) @ self.place[:3, :3]
+        return float(np.linalg.norm((np.abs(own) - self.half).clip(0.0))) - self.margin
 
     def distance_to(self, point: FloatArray) -> float:
         """Of a point from the box round the body along its joint's axes, shape (3,) [m]."""
@@ -73,7 +81,7 @@ class World:
     """One robot before one door.
 
     Attributes:
-        names: The two bodies of every pair, the moving one first.
+        names: The two bodies of every pair that can meet at all, the moving one first.
         reach: How far the farthest point of a pair's moving body can be from each axis that moves the two
             against each other, 0 for the others, shape (pairs, 6) [m].
         farthest: The largest of that, shape (6,) [m].
@@ -98,7 +106,17 @@ class World:
             fixed += [self._add_box(name, *box, door.T_base_door) for name, box in boards if box is not None]
             fixed.append(self._add_box(DOOR, np.zeros(3), door.size, door.T_base_door))
         moving += [*spindle, mill_body]
-        pairs = [(a, b) for a in moving if a.joint for b in fixed]
+        bones = skeleton_of(robot.urdf)
+        # What a body reaches in no posture is no pair: of most of the cell the better part of the arm.
+        away = [body.distance_from(bones.origin) - self.clearance - FAR for body in fixed]
+        far = {a.index: bones.farthest(a.joint, a.corners, a.margin) for a in moving if a.joint}
+        pairs = [
+            (a, b)
+            for a in moving
+            if a.joint
+            for b, off in zip(fixed, away, strict=True)
+            if off < far[a.index]
+        ]
         tool = {body.name for body in [*spindle, mill_body]}
         wrist = self._model.jointPlacements[FOREARM + 1].translation
         forearm = [body for body in moving if body.joint == FOREARM and body.distance_to(wrist) >= WRIST_ROOM]
@@ -110,7 +128,6 @@ class World:
         # Each stays where it is and is filled anew; to take them out of Pinocchio costs as much as the distances.
         self._found = list(self._results.distanceResults)
         self.names = tuple((a.name, b.name) for a, b in pairs)
-        bones = skeleton_of(robot.urdf)
         reach = {b.index: bones.reach(b.joint, b.corners, b.margin) for b in moving if b.joint}
         self.reach = np.array([np.where(b.joint < _BEHIND, reach[a.index], 0.0) for a, b in pairs])
         self.farthest: FloatArray = self.reach.max(axis=0, initial=0.0)
@@ -178,7 +195,7 @@ class World:
         place = pin.SE3(T_joint_link @ body.T_frame_body)
         index = self._geometry.addGeometryObject(_object(body.name, joint, place, shape))
         corners = body.corners @ T_joint_link[:3, :3].T + T_joint_link[:3, 3]
-        return _Placed(body.name, joint, corners, body.margin, int(index), half)
+        return _Placed(body.name, joint, corners, body.margin, int(index), half, place.homogeneous)
 
     def _add_box(self, name: str, low: FloatArray, high: FloatArray, T_base_door: FloatArray) -> _Placed:
         """A box between two corners of the door frame."""
@@ -186,7 +203,7 @@ class World:
         T[:3, 3] += T[:3, :3] @ (0.5 * (low + high))
         shape = coal.Box(*(high - low))
         index = self._geometry.addGeometryObject(_object(name, 0, pin.SE3(T), shape))
-        return _Placed(name, 0, np.zeros((0, 3)), 0.0, int(index), 0.5 * (high - low))
+        return _Placed(name, 0, np.zeros((0, 3)), 0.0, int(index), 0.5 * (high - low), T)
 
 
 def _object(name: str, joint: int, place: pin.SE3, shape: coal.CollisionGeometry) -> pin.GeometryObject:

@@ -103,10 +103,10 @@ def read_inspection(folder: Path) -> Inspection:
     datum = document.get("datum")
     if not isinstance(datum, str) or (datum not in (CAMERA, PART) and not datum.startswith(FEATURE)):
         raise document.fail(("datum",), f"is {datum!r}, allowed are camera, part and feature NAME")
-    measured_at = document.get("measured_at")
-    if not isinstance(measured_at, datetime):
+    measured_at = _time(document.get("measured_at"))
+    if measured_at is None:
         raise document.fail(
-            ("measured_at",), f"is {measured_at!r}, allowed is a time as 2026-11-22T08:00:00Z"
+            ("measured_at",), f"is {document.get('measured_at')!r}, allowed is a time as 2026-11-22T08:00:00Z"
         )
     table = TrialTable(folder / TABLE, COLUMNS)
     surface = table.text("surface")
@@ -132,6 +132,18 @@ def read_inspection(folder: Path) -> Inspection:
         document=document,
         table=table,
     )
+
+
+def _time(value: object) -> datetime | None:
+    """The time that a text tells, None for a day alone and what is no time."""
+    try:
+        return (
+            datetime.fromisoformat(value)
+            if isinstance(value, str) and len(value) > len("2026-11-22")
+            else None
+        )
+    except ValueError:
+        return None
 
 
 def inspections_in(folder: Path) -> list[Inspection]:

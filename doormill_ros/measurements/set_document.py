@@ -11,6 +11,7 @@ import yaml
 from doormill_ros.arrays import FloatArray
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.errors import DataFileError, SetDescriptionError
+from doormill_ros.yaml_text import NotYaml, parse
 
 
 def read_text(path: Path) -> str:
@@ -50,18 +51,11 @@ class SetDocument:
         self.path = path
         text = read_text(path)
         try:
-            self._root = yaml.compose(text, Loader=yaml.SafeLoader)
-            self.data: Any = yaml.safe_load(text)
-        except yaml.YAMLError as error:
-            mark = getattr(error, "problem_mark", None)
-            line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-            problem = getattr(error, "problem", None) or "syntax error"
-            raise SetDescriptionError(f"{path}: line {line}, column {column}: not YAML: {problem}") from error
-        except RecursionError as error:
-            raise SetDescriptionError(f"{path}: line 1, column 1: not YAML: nested too deeply") from error
-        # A wrong value behind a tag, such as !!int x, ends in whatever Python says to it.
-        except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
-            raise SetDescriptionError(f"{path}: line 1, column 1: not YAML: {error}") from error
+            self.data: Any = parse(text)
+        except NotYaml as error:
+            where = error.where or " line 1, column 1"
+            raise SetDescriptionError(f"{path}:{where}: not YAML: {error.problem}", path=str(path)) from error
+        self._root = yaml.compose(text, Loader=yaml.SafeLoader)
         if not isinstance(self.data, dict):
             raise SetDescriptionError(f"{path}: line 1, column 1: holds no mapping of keys to values")
 

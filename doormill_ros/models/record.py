@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, TypeVar
 
 SCHEMA = "doormill/models/1"
@@ -128,38 +128,45 @@ class StoreRecord:
         """
         if not isinstance(document, dict) or document.get("schema") != SCHEMA:
             raise ValueError(f"its schema is not {SCHEMA}")
-        versions = _read(document.get("versions"), lambda v: ModelVersion(**v))
-        orders = _read(document.get("orders"), lambda o: ModelOrder(**o))
+        versions = _entries(document, "versions", ModelVersion)
+        orders = _entries(document, "orders", ModelOrder)
         stop = document.get("stop")
         record = cls(
-            _whole(document.get("issued")),
+            _whole(document.get("issued"), "issued"),
             versions,
             orders,
-            None if stop is None else MillingStop(**_entry(stop)),
+            None if stop is None else _entry(stop, "stop", MillingStop),
         )
-        numbers = [_whole(version.number) for version in versions]
+        numbers = [version.number for version in versions]
         if numbers != sorted(set(numbers)) or any(number > record.issued for number in numbers):
             raise ValueError(f"its versions are {numbers}, allowed are rising numbers up to issued")
-        for order in orders:
-            if order.order not in (ACCEPT, REVERT) or _whole(order.version) not in (0, *numbers):
-                raise ValueError(f"it has the order {order.order!r} of version {order.version!r}")
-            _whole(order.before)
+        for i, order in enumerate(orders):
+            if order.order not in (ACCEPT, REVERT) or order.version not in (0, *numbers):
+                raise ValueError(f"orders.{i} is {order.order!r:.80} of version {order.version!r:.40}")
         return record
 
 
-def _read(entries: Any, build: Callable[[Mapping[str, Any]], Entry]) -> tuple[Entry, ...]:
+def _entries(document: Mapping[str, Any], key: str, kind: type[Entry]) -> tuple[Entry, ...]:
+    entries = document.get(key)
     if not isinstance(entries, list):
-        raise ValueError("versions and orders have to be lists")
-    return tuple(build(_entry(entry)) for entry in entries)
+        raise ValueError(f"{key} is {entries!r:.80}, allowed is a list")
+    return tuple(_entry(entry, f"{key}.{i}", kind) for i, entry in enumerate(entries))
 
 
-def _entry(entry: Any) -> Mapping[str, Any]:
-    if not isinstance(entry, dict):
-        raise ValueError(f"it has {type(entry).__name__} where a mapping belongs")
-    return entry
+def _entry(entry: Any, place: str, kind: type[Entry]) -> Entry:
+    """A part of the record: its keys are the attributes, whole numbers or texts."""
+    kinds = {field.name: field.type for field in fields(kind)}  # type: ignore[arg-type]  # all are dataclasses
+    if not isinstance(entry, dict) or set(entry) != set(kinds):
+        raise ValueError(f"{place} is {entry!r:.80}, allowed is a mapping of {', '.join(kinds)}")
+    for name, value in entry.items():
+        if kinds[name] == "int":
+            _whole(value, f"{place}.{name}")
+        elif not isinstance(value, str):
+            raise ValueError(f"{place}.{name} is {value!r:.80}, allowed is text")
+    return kind(**entry)
 
 
-def _whole(value: Any) -> int:
+def _whole(value: Any, place: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise ValueError(f"it has {value!r} where a number of a version belongs")
+        raise ValueError(f"{place} is {value!r:.80}, allowed is a whole number from 0 up")
     return value

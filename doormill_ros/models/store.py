@@ -64,7 +64,9 @@ class ModelStore:
                 if found is None:
                     raise self._useless("it is gone, and models are there")
             return found or StoreRecord()
-        except (OSError, ValueError, TypeError, RecursionError) as error:
+        except RecursionError as error:
+            raise self._useless("it is nested too deeply") from error
+        except (OSError, ValueError) as error:
             raise self._useless(str(error)) from error
 
     def model(self, version: int) -> ModelInUse:
@@ -190,7 +192,7 @@ class ModelStore:
 
     def _read(self) -> StoreRecord | None:
         try:
-            text = (self.folder / RECORD).read_text(encoding="utf-8")
+            text = (self.folder / RECORD).read_text(encoding="utf-8-sig")
         except FileNotFoundError:
             return None
         return StoreRecord.from_document(json.loads(text))

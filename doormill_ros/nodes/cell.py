@@ -91,7 +91,7 @@ class CellOptions:
                     "address": folder.controller_of(place),
                     "archive": folder.targets / place,
                 },
-                ControllerSimulator: {"shared": True, "home": folder.controller_of(place)},
+                ControllerSimulator: {"share": robot, "home": folder.controller_of(place)},
             }
             for node, values in own.items():
                 arguments = robot_arguments(robot, values, self.namespace, finders)

@@ -55,7 +55,7 @@ def _controller_of(robot: str, folder: Path) -> ControllerSimulator:
     """The controller of one of two robots, in its namespace below that of the process."""
     home = folder / in_robot(robot) / "HOME"
     home.mkdir(parents=True, exist_ok=True)
-    values = {"shared": True, "home": home}
+    values = {"share": robot, "home": home}
     return ControllerSimulator(cli_args=robot_arguments(robot, values, _namespace()))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun, load_effects
 from doormill_ros.simulation.world.door_truth import GAUGE
 from doormill_ros.simulation.world.gauge import NOISE, gauge
+from doormill_ros.toolpath.split import SECOND
 
 STOP_LIMIT = 5.0  # s
 BAG = "bag"  #: of a run, beside its inspection
@@ -65,7 +67,10 @@ class ControllerSimulator(ManagedNode):
             live=True,
         ),
         NodeParameter(
-            "shared", False, "of two robots: tell what was done, and leave the door to /shared_door_judge"
+            "share",
+            "",
+            "first or second: of two robots, whose rack it has; tell what was done, and leave the door to "
+            "/shared_door_judge; empty: one robot",
         ),
         NodeParameter("gauged", False, "measure every milled door and tell it on door/inspection"),
         *WORLD_PARAMETERS,
@@ -95,6 +100,7 @@ class ControllerSimulator(ManagedNode):
             load_effects(Path(effects)) if effects else (),
             self.value("time_scale") or None,
             self.value("spindle_works"),
+            self.value("share"),
         )
         self._web_services = serve(
             self.value("web_services"),
@@ -112,7 +118,7 @@ class ControllerSimulator(ManagedNode):
         self._run: RobotCellRun | None = None
         self._thread: threading.Thread | None = None
         self._executed = self.publisher(topics.EXECUTED_PATH)
-        if self.value("shared"):
+        if self.value("share"):
             self._uncorrected = self.publisher(topics.UNCORRECTED_PATH)
         else:
             self._milled = self.publisher(topics.MILLED_DOOR)
@@ -189,7 +195,7 @@ class ControllerSimulator(ManagedNode):
 
     def _inspect(self, run: RobotCellRun, placement: DoorPlacement) -> None:
         targets, recipe = self._targets, self._recipe
-        if self.value("shared"):
+        if self.value("share"):
             self._tell_share(run, placement)
             return
         if targets is None or recipe is None or targets.run_id != placement.run_id:
@@ -242,9 +248,21 @@ def switch_on(
     effects: Iterable[Mapping[str, Any]] = (),
     time_scale: float | None = None,
     spindle_works: bool = True,
+    share: str = "",
 ) -> RobotCell:
-    """The robot of the cell's layout and its controller; arguments as of `RobotCell`."""
+    """The robot of the cell's layout and its controller.
+
+    Args:
+        home: As of `RobotCell`, and likewise the three that follow.
+        effects: What the robot hides.
+        time_scale: Simulated over real seconds.
+        spindle_works: False for a spindle that never comes to speed.
+        share: "second" for the robot that has the second one's rack.
+    """
+    layout = load_layout()
+    if share == SECOND:
+        layout = replace(layout, rack=layout.rack_of_second)
     # The published geometry is all that the truth takes from the robot's description.
-    robot = load_robot(load_layout().robot)
+    robot = load_robot(layout.robot)
     arm = ControllerArm(robot.dh, robot.lower, robot.upper, robot.max_velocity)
-    return RobotCell(home, arm, effects, time_scale, spindle_works)
+    return RobotCell(home, arm, effects, time_scale, spindle_works, layout)

@@ -11,21 +11,25 @@ from rclpy.node import Node
 
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.layout import CAMERA, load_layout
-from doormill_ros.cell.readiness import Readiness, needed_nodes
+from doormill_ros.cell.readiness import OF_A_ROBOT, Readiness, needed_nodes
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.robots import ROBOTS, in_robot
+from doormill_ros.pipeline.course import SHARES
 
 PERIOD = 0.1  # s
 
 
-def listen(namespace: str, limit: float) -> list[str]:
+def listen(namespace: str, limit: float, robots: int = 1) -> list[str]:
     """What hinders the cell of a namespace, once it is ready or the limit is over; empty when it is ready.
 
     Args:
         namespace: Such as "/cell1"; empty: none.
         limit: Longest wait [s].
+        robots: 2 for two of them at one door.
     """
     sensors = chosen_sensors(load_layout())
-    readiness = Readiness(needed_nodes(sensors))
+    needed = needed_nodes(sensors)
+    readiness = Readiness(needed if robots == 1 else _of_two(needed))
     prefix = f"{namespace.strip('/')}/".lstrip("/")
 
     def take(array: DiagnosticArray) -> None:
@@ -59,3 +63,9 @@ def listen(namespace: str, limit: float) -> list[str]:
         executor.shutdown()
         node.destroy_node()
         rclpy.try_shutdown()
+
+
+def _of_two(needed: tuple[str, ...]) -> tuple[str, ...]:
+    """The nodes that two robots need, from those that one needs."""
+    own = (f"{in_robot(robot)}/{name}" for robot in ROBOTS for name in needed if name in OF_A_ROBOT)
+    return (*(name for name in needed if name not in OF_A_ROBOT), SHARES, *own)

@@ -105,7 +105,7 @@ class PathGenerator(ManagedNode):
         """Describe the robot to who draws it."""
         setup = self._setup.setup
         self._description.publish(String(data=setup.robot.urdf.read_text(encoding="utf-8")))
-        self._bodies.publish(body_markers(setup.robot, setup.layout))
+        self._bodies.publish(body_markers(setup.robot, setup.layout, setup.settings))
         self._tell_of(self._setup)
 
     def _tell_of(self, used: VersionedSetup) -> None:

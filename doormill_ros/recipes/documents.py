@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from doormill_ros.recipes.errors import DuplicateField, FieldError, UnreadableFile
+from doormill_ros.recipes.reading import located
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.resources import resource
 from doormill_ros.yaml_text import DuplicateKey, NotYaml, parse
@@ -26,7 +27,8 @@ def parse_yaml(text: str, name: str = "document") -> Any:
     try:
         return parse(text)
     except DuplicateKey as error:
-        raise DuplicateField(error.key, f"is given twice, the second time in line {error.line}") from error
+        twice = DuplicateField(error.key, f"is given twice, the second time in line {error.line}")
+        raise located(twice, name) from error
     except NotYaml as error:
         raise UnreadableFile(f"{name}{error.where}: not YAML, {error.problem}") from error
 
@@ -40,6 +42,8 @@ def parse_json(text: str, name: str = "document") -> Any:
     """
     try:
         return json.loads(text, object_pairs_hook=_unique)
+    except DuplicateField as error:
+        raise located(error, name) from error
     except json.JSONDecodeError as error:
         raise UnreadableFile(
             f"{name} line {error.lineno}, column {error.colno}: not JSON, {error.msg}"
@@ -99,11 +103,11 @@ def load_recipe(name_or_path: str | Path) -> Recipe:
                 f"{name_or_path}: no such recipe file, and no recipe of that name ships"
             ) from error
     read = parse_json if path.suffix.lower() == ".json" else parse_yaml
+    document = read(read_text(path), str(path))
     try:
-        return Recipe.from_document(read(read_text(path), str(path)))
+        return Recipe.from_document(document)
     except FieldError as error:
-        error.args = (f"{path}: {error.message}",)
-        raise
+        raise located(error, str(path)) from error
 
 
 def shipped_recipes() -> dict[str, Recipe]:

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from doormill_ros.config import adapter, keys_at
+from doormill_ros.errors import one_line
 from doormill_ros.recipes.errors import FieldError, MissingField, UnknownField, WrongType
 
 T = TypeVar("T")
@@ -17,6 +18,13 @@ T = TypeVar("T")
 def join(path: str, *names: str | int) -> str:
     """Dotted path of a part of `path`."""
     return ".".join([path, *map(str, names)] if path else map(str, names))
+
+
+def located(error: FieldError, place: str) -> FieldError:
+    """The same error with the place in the file in front of its message."""
+    error.message = one_line(f"{place}: {error.message}")
+    error.args = (error.message,)
+    return error
 
 
 def as_mapping(document: Any, path: str) -> Mapping[str, Any]:

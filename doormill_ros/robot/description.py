@@ -151,19 +151,20 @@ def load_robot(name_or_path: str | Path) -> Robot:
     Raises:
         RobotDescriptionError: Nothing there, or the files contradict the form or each other.
     """
-    path = Path(name_or_path)
-    if path.is_dir():
-        path = path / "robot.yaml"
-    elif path.suffix not in (".yaml", ".yml"):
-        try:
+    try:
+        path = Path(name_or_path)
+        if path.is_dir():
+            path = path / "robot.yaml"
+        elif path.suffix not in (".yaml", ".yml"):
             path = resource(f"config/robots/{name_or_path}/robot.yaml")
-        except FileNotFoundError as error:
-            shipped = sorted(folder.name for folder in resource("config/robots").iterdir())
-            raise RobotDescriptionError(
-                f"no robot '{name_or_path}': it is no folder and not one of {', '.join(shipped)}",
-                robot=str(name_or_path),
-            ) from error
-    return _load(path.resolve())
+        path = path.resolve()
+    except (OSError, ValueError) as error:  # not there, or no name that a file can have
+        shipped = sorted(folder.name for folder in resource("config/robots").iterdir())
+        raise RobotDescriptionError(
+            f"no robot '{name_or_path!s:.200}': it is no folder and not one of {', '.join(shipped)}",
+            robot=str(name_or_path),
+        ) from error
+    return _load(path)
 
 
 @functools.cache

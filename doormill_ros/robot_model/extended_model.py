@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.gravity.model import SaggingModel
-from doormill_ros.robot_model.model_file import MODEL_FILE, read_model, schema_of
+from doormill_ros.robot_model.model_file import MODEL_FILE, inside, read_model, schema_of
 from doormill_ros.robot_model.pose.compliance import PoseErrorCompliance, load_pose_compliance
 from doormill_ros.robot_model.pose.model import SCHEMA as POSE_SCHEMA
 
@@ -241,17 +241,21 @@ def load_compliance_model(path_or_name: str | Path) -> ExtendedComplianceModel |
 
 
 def _model(document: dict[str, Any], path: Path) -> ExtendedComplianceModel:
-    robot = load_robot(str(document["robot"]))
-    stiffness = np.array(document["joint_stiffness"], dtype=float)
-    causes = [_sized(entry) for entry in document["causes"]]
-    laws = [_sized_law(entry) for entry in document.get("laws", ())]
+    with inside("robot"):
+        robot = load_robot(str(document["robot"]))
+    with inside("joint_stiffness"):
+        stiffness = np.array(document["joint_stiffness"], dtype=float)
+    causes = _entries(document["causes"], "causes", _sized)
+    laws = _entries(document.get("laws", []), "laws", _sized_law)
     if stiffness.shape != (6,) or not np.all(stiffness > 0.0):
         raise ExtendedModelError(
             f"{path} has joint_stiffness {document['joint_stiffness']}, allowed are 6 positive numbers [N m / rad]",
             path=str(path),
         )
-    force = measured_force_of(document["measured_force"]) if "measured_force" in document else None
-    place = displacement_of(document["standing"]) if "standing" in document else None
+    with inside("measured_force"):
+        force = measured_force_of(document["measured_force"]) if "measured_force" in document else None
+    with inside("standing"):
+        place = displacement_of(document["standing"]) if "standing" in document else None
     return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes, laws, force, place)
 
 
@@ -300,6 +304,17 @@ def standing_model(robot: Robot, model: ExtendedComplianceModel) -> ComplianceMo
 def _own_springs(robot: Robot) -> ExtendedComplianceModel:
     """What a robot's description says of it, nothing added."""
     return ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, ())
+
+
+def _entries(entries: Any, place: str, build: Callable[[dict[str, Any]], SizedCause]) -> list[SizedCause]:
+    with inside(place):
+        if not isinstance(entries, list):
+            raise ValueError(f"it is {entries!r:.80}, allowed is a list")
+    built = []
+    for i, entry in enumerate(entries):
+        with inside(f"{place}.{i}"):
+            built.append(build(entry))
+    return built
 
 
 def _sized_law(entry: dict[str, Any]) -> SizedCause:

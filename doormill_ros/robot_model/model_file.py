@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -26,6 +27,23 @@ def schema_of(document: Any) -> Any:
     return document.get("schema") if isinstance(document, dict) else type(document).__name__
 
 
+def _said(cause: Exception) -> str:
+    return f"the key {cause} is missing" if isinstance(cause, KeyError) else str(cause)
+
+
+@contextmanager
+def inside(place: str) -> Iterator[None]:
+    """Put a place of a document in front of what is said of the part that is read there.
+
+    Raises:
+        ValueError: The part is of no use.
+    """
+    try:
+        yield
+    except (KeyError, TypeError, ValueError, OverflowError, RobotError) as cause:
+        raise ValueError(f"{place}: {_said(cause)}") from cause
+
+
 def read_model(
     path: Path, schema: str, error: type[DoormillError], build: Callable[[dict[str, Any]], M]
 ) -> M:
@@ -47,4 +65,6 @@ def read_model(
     try:
         return build(document)
     except (KeyError, TypeError, ValueError, RobotError) as cause:
-        raise error(f"{path} cannot be used: {cause}; write it anew with diagnose", path=str(path)) from cause
+        raise error(
+            f"{path} cannot be used: {_said(cause)}; write it anew with diagnose", path=str(path)
+        ) from cause

@@ -9,6 +9,7 @@ from typing import Any
 
 from doormill_ros.abb import signals
 from doormill_ros.arrays import BoolArray
+from doormill_ros.cell.layout import CellLayout
 from doormill_ros.config import read
 from doormill_ros.frames import quaternion_wxyz
 from doormill_ros.simulation.controller.arm import ControllerArm
@@ -97,6 +98,7 @@ class RobotCell:
         effects: What the robot hides, see `TruthRobot`.
         time_scale: Simulated over real seconds of motion; None for as fast as possible.
         spindle_works: False for a spindle that never comes to speed.
+        layout: The robot's rack and tool; None for those of config/cell.yaml.
     """
 
     def __init__(
@@ -106,8 +108,10 @@ class RobotCell:
         effects: Iterable[Mapping[str, Any]] = (),
         time_scale: float | None = None,
         spindle_works: bool = True,
+        layout: CellLayout | None = None,
     ) -> None:
         self._home = home
+        self._layout = layout
         self._arm = arm
         self._spindle_works = spindle_works
         self._truth = TruthRobot(self._arm.dh, effects)
@@ -133,6 +137,7 @@ class RobotCell:
             self._truth,
             io=self.io,
             limits=self.limits,
+            layout=self._layout,
             time_scale=self._time_scale,
             on_time=_release,
         )
@@ -194,6 +199,7 @@ class RobotCell:
             io=MemoryIo(),
             process=listed_process(program, first=0),
             limits=replace(limits, short_in_row=None, zero_length=False),
+            layout=self._layout,
         )
         controller.supervise_configuration(linear=True, on=False)  # as rapid/DoorMill.mod does
         data = controller.program.read

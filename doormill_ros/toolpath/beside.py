@@ -1,4 +1,4 @@
-"""What each of two robots has about it: the cell, and the other robot as it waits at home.
+"""What each of two robots has about it: the cell, and the other robot as it waits at home beside its rack.
 
 One of them moves at a time, the other stands at home meanwhile, so that a program kept clear of the other one's body
 there never meets it.
@@ -16,6 +16,7 @@ from doormill_ros.robot.description import Robot
 from doormill_ros.robot.urdf import link_poses
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.split import FIRST
+from doormill_ros.toolpath.waiting_tools import waiting_tools
 
 OTHER = "other robot's"  #: before the names of its bodies
 
@@ -33,10 +34,13 @@ def place_of(name: str, layout: CellLayout, robot: Robot, settings: PathSettings
         RobotDescriptionError: The robot's bodies are not told.
     """
     T_first_second = settings.second_robot.T_base_second
-    both = layout.of_two(T_first_second)
-    if name == FIRST:
-        return both.beside(_at_home(layout, robot, T_first_second))
-    return both.seen_from(T_first_second).beside(_at_home(layout, robot, inverse(T_first_second)))
+    first = layout.of_two(T_first_second)
+    second = first.seen_from(T_first_second)
+    own, other, T_own_other = first, second, T_first_second
+    if name != FIRST:
+        own, other, T_own_other = second, first, inverse(T_first_second)
+    waiting = [_standing(body, T_own_other) for body in waiting_tools(other, robot, settings, {})]
+    return own.beside([*_at_home(layout, robot, T_own_other), *waiting])
 
 
 def _at_home(layout: CellLayout, robot: Robot, T_base_other: FloatArray) -> list[Body]:

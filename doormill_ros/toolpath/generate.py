@@ -25,12 +25,13 @@ from doormill_ros.toolpath.operation import Operation
 from doormill_ros.toolpath.pace import paced
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.route import check_size, door_world, route
+from doormill_ros.toolpath.route import check_size, route
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.stations import stations_of
 from doormill_ros.toolpath.tool_change import RackWays, joined
 from doormill_ros.toolpath.tool_life import check_life
 from doormill_ros.toolpath.tool_order import tool_shares
+from doormill_ros.toolpath.waiting_tools import beside_rack
 from doormill_ros.units import m_to_mm
 
 
@@ -71,16 +72,17 @@ def generate_program(
     for item in operations:
         _check_length(item, settings)
     shares = tool_shares(operations, layout.rack, settings.checks.tools)
-    made = [
-        (
-            share.place or 0,
-            _with_one_tool(recipe, T_base_door, layout, robot, model, share.operations, settings),
+    made = []
+    for share in shares:
+        place = share.place or 0
+        carried = None if layout.rack is None else layout.rack.places[place].tool
+        about = beside_rack(layout, robot, settings, recipe.tools, carried)
+        made.append(
+            (place, _with_one_tool(recipe, T_base_door, about, robot, model, share.operations, settings))
         )
-        for share in shares
-    ]
     program = made[0][1]
     if len(made) > 1 or made[0][0]:
-        ways = RackWays(door_world(recipe, T_base_door, layout, robot, settings), robot, layout, settings)
+        ways = RackWays(recipe, T_base_door, layout, robot, settings)
         program = joined(made, ways)
         check_size([motion.feature for motion in program.motions], settings)
     check_life(program, recipe)

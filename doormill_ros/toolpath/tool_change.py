@@ -9,10 +9,11 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
-from doormill_ros.cell.rack import Rack
+from doormill_ros.cell.rack import Rack, RackPlace
 from doormill_ros.collision.joint_way import joint_way
 from doormill_ros.collision.sweep import Contact, bulge_of, contact_along
-from doormill_ros.collision.world import World
+from doormill_ros.collision.world import MILL, World
+from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_near
 from doormill_ros.robot.kinematics import Kinematics
@@ -20,26 +21,41 @@ from doormill_ros.toolpath.assemble import MOST_POINTS
 from doormill_ros.toolpath.clearance import facts, meeting
 from doormill_ros.toolpath.errors import NoWayError, ProgramSizeError
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+from doormill_ros.toolpath.route import door_world
 from doormill_ros.toolpath.settings import PathSettings
+from doormill_ros.toolpath.waiting_tools import NO_TOOL, beside_rack, tool_name
 
 SEAT_SAMPLES = 21  #: postures between the front of a place and its seat
 
 
 class RackWays:
-    """Motions from home through the rack and home again, checked once for each pair of places.
+    """Motions from home through the rack and home again.
+
+    They are checked with a mill in the spindle, so that they hold for an empty one as well, and among the tools that
+    wait meanwhile.
 
     Args:
-        world: Robot, cell and door, with a mill in the spindle: the ways hold for an empty one as well.
-        robot: Whose joints.
+        recipe: The door and its tools.
+        T_base_door: Where the door stands, shape (4, 4).
         layout: Home, tool and rack.
+        robot: Whose joints.
         settings: Speeds and margins.
     """
 
-    def __init__(self, world: World, robot: Robot, layout: CellLayout, settings: PathSettings) -> None:
+    def __init__(
+        self,
+        recipe: Recipe,
+        T_base_door: FloatArray,
+        layout: CellLayout,
+        robot: Robot,
+        settings: PathSettings,
+    ) -> None:
         if layout.rack is None:
             raise ValueError("the cell has no rack, allowed is one with places")
         self.rack: Rack = layout.rack
-        self.world, self.robot, self.layout = world, robot, layout
+        self.recipe, self.T_base_door = recipe, T_base_door
+        self.layout, self.robot, self.settings = layout, robot, settings
+        self._worlds: dict[str, World] = {}
         margin = settings.checks.joint_margin
         self.limits = robot.lower + margin, robot.upper - margin
         self.speed = settings.approach.way_speed
@@ -58,21 +74,28 @@ class RackWays:
             NoWayError: A way touches something, and none was found that does not.
         """
         home, gauge = self.layout.home, self.rack.gauge
-        stops: list[tuple[FloatArray, MotionKind | None, int, float]] = [
-            (self.rack.places[old].front, MotionKind.PUT, old, self.rack.depth),
-            (self.rack.places[new].front, MotionKind.TAKE, new, self.rack.depth),
-            (gauge.front, MotionKind.MEASURE, new, gauge.depth),
-            (home, None, new, 0.0),
+        put, take = self.rack.places[old], self.rack.places[new]
+        # Where to, what is done there, at which place, and the tool in the spindle on the way.
+        stops: list[tuple[FloatArray, MotionKind | None, int, str]] = [
+            (put.front, MotionKind.PUT, old, put.tool),
+            (take.front, MotionKind.TAKE, new, NO_TOOL),
+            (gauge.front, MotionKind.MEASURE, new, take.tool),
+            (home, None, new, take.tool),
         ]
         points: list[FloatArray] = []
         motions: list[Motion] = []
         at = home
-        for goal, kind, place, depth in stops:
-            for q in [*self._way(at, goal), goal]:
+        for goal, kind, place, carried in stops:
+            world = self._world(carried)
+            for q in [*self._way(world, at, goal), goal]:
                 motions.append(self._motion(MotionKind.ABSOLUTE, first + len(points), None))
                 points.append(q)
+            if kind is MotionKind.MEASURE:
+                self._check_seat(world, goal, gauge.depth)
+            elif kind is not None:
+                # The tool of this place is there before it is taken and after it was put back.
+                self._check_seat(self._world(NO_TOOL), goal, self.rack.depth, self.rack.places[place])
             if kind is not None:
-                self._check_seat(goal, depth)
                 motions.append(self._motion(kind, first + len(points) - 1, place))
             at = goal
         return points, motions
@@ -80,14 +103,25 @@ class RackWays:
     def _motion(self, kind: MotionKind, point: int, place: int | None) -> Motion:
         return Motion(kind, point, place, self.speed, "fine", "", False)
 
-    def _way(self, start: FloatArray, goal: FloatArray) -> list[FloatArray]:
-        found = joint_way(self.world, start, goal, (), self.limits)
+    def _world(self, carried: str) -> World:
+        """Robot, door and cell while a tool is in the spindle, by its name."""
+        if carried not in self._worlds:
+            about = beside_rack(self.layout, self.robot, self.settings, self.recipe.tools, carried)
+            self._worlds[carried] = door_world(
+                self.recipe, self.T_base_door, about, self.robot, self.settings
+            )
+        return self._worlds[carried]
+
+    def _way(self, world: World, start: FloatArray, goal: FloatArray) -> list[FloatArray]:
+        found = joint_way(world, start, goal, (), self.limits)
         if isinstance(found, Contact):
-            raise self._blocked("on a way at the rack", found)
+            raise self._blocked("on a way at the rack", found, world)
         return found
 
-    def _check_seat(self, front: FloatArray, depth: float) -> None:
-        """Refuse a place into which the spindle does not get straight along its axis."""
+    def _check_seat(
+        self, world: World, front: FloatArray, depth: float, place: RackPlace | None = None
+    ) -> None:
+        """Refuse what the spindle does not get into straight along its axis; it may touch what is of a `place`."""
         T = Kinematics(self.robot).forward(front)
         axis = T[:3, :3] @ self.layout.T_flange_tool[:3, 2]
         poses = np.tile(T, (SEAT_SAMPLES, 1, 1))
@@ -99,16 +133,19 @@ class RackWays:
                 "spindle's axis; choose another posture in front of it (rack in config/cell.yaml)",
                 feature="",
             )
-        found = contact_along(self.world, q, bulge_of(q))
+        changed = set() if place is None else {self.rack.held_in(place).name, tool_name(place)}
+        spindle = {MILL, *(body.name for body in self.layout.spindle)}
+        apart = [body not in spindle or obstacle not in changed for body, obstacle in world.names]
+        found = contact_along(world, q, bulge_of(q), pairs=np.flatnonzero(apart))
         if found is not None:
-            raise self._blocked("on the way into a place of the rack", found)
+            raise self._blocked("on the way into a place of the rack", found, world)
 
-    def _blocked(self, what: str, found: Contact) -> NoWayError:
+    def _blocked(self, what: str, found: Contact, world: World) -> NoWayError:
         return NoWayError(
-            f"{what} {meeting(found, self.world)}, and no other way was found; choose other postures in front of the "
+            f"{what} {meeting(found, world)}, and no other way was found; choose other postures in front of the "
             "places (rack in config/cell.yaml), or take what is in the way out of it",
             feature="",
-            **facts(found, self.world),
+            **facts(found, world),
         )
 
 

@@ -17,6 +17,7 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument(
         "--wait", type=_seconds, default=5.0, metavar="S", help="longest wait until it is ready; default is 5"
     )
+    top.add_argument("--robots", type=int, choices=(1, 2), default=1, help="2: two of them at one door")
     return top
 
 
@@ -33,7 +34,7 @@ def main(argv: list[str] | None = None) -> int:
     # Late, so that --help answers without ROS.
     from doormill_ros.nodes.health import listen
 
-    hindrances = listen(options.namespace, options.wait)
+    hindrances = listen(options.namespace, options.wait, options.robots)
     if not hindrances:
         print("ready")
         return READY

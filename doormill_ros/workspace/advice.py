@@ -20,6 +20,7 @@ from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.route import route
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.toolpath.split import FIRST, SECOND, split
+from doormill_ros.toolpath.waiting_tools import beside_rack
 from doormill_ros.units import m_to_mm
 from doormill_ros.workspace.doors import DoorRange
 
@@ -119,12 +120,13 @@ def plan_doors(
     """
     refused, planned, reason = 0, 0, ""
     limits = layout.limits
+    about = beside_rack(layout, robot, settings, {})
     for recipe, sign in itertools.product(recipes, (-1.0, 1.0)):
         offset = DoorOffset(sign * limits.y, sign * limits.z, sign * limits.rotation)
         planned += 1
         try:
             T_base_door = layout.T_base_door(recipe.width, recipe.thickness, offset)
-            route(recipe, whole_door(recipe), T_base_door, layout, robot, settings)
+            route(recipe, whole_door(recipe), T_base_door, about, robot, settings)
         except DoormillError as error:
             refused += 1
             reason = (
@@ -150,7 +152,10 @@ def plan_shares(
     """
     refused, planned, reason = 0, 0, ""
     limits = layout.limits
-    places = {name: place_of(name, layout, robot, settings) for name in (FIRST, SECOND)}
+    places = {
+        name: beside_rack(place_of(name, layout, robot, settings), robot, settings, {})
+        for name in (FIRST, SECOND)
+    }
     for recipe, sign in itertools.product(recipes, (-1.0, 1.0)):
         offset = DoorOffset(sign * limits.y, sign * limits.z, sign * limits.rotation)
         T_base_door = layout.T_base_door(recipe.width, recipe.thickness, offset)

@@ -52,6 +52,8 @@ def test_a_node_that_fell_silent_is_named(name: str) -> None:
         ),
         ("abb_bridge/controller", 1, "it is in manual mode", "controller: it is in manual mode"),
         ("abb_bridge/controller", 2, "emergency stop", "controller: emergency stop"),
+        ("robot2/abb_bridge/controller", 1, "it is in manual mode", "controller of robot2: it is in manual"),
+        ("robot2/abb_bridge", 2, "no folder", "robot2/abb_bridge: no folder"),
         ("camera_driver", 2, "no link", "camera_driver: no link"),
         ("bag_recorder", 3, "stale", "bag_recorder: stale"),
     ],

@@ -100,3 +100,16 @@ def test_a_capsule_is_as_wide_all_round_as_it_is():
     w = World(ROBOT, layout, Mill(0.12, 0.01), None)
     q = posture(transform(R_FACING, np.array([1.7, 0.4, 0.8])))
     assert gap(w, q, MILL, "post") == pytest.approx(0.2 - 0.1 - 0.01, abs=1e-6)
+
+
+def test_what_is_no_pair_is_never_near():
+    """Pairs that are left out, in hundreds of postures, against a world that leaves none out."""
+    T_base_door = transform(np.eye(3), np.array([1.86, -0.03, -0.15]))
+    near = world(T_base_door)
+    every = World(ROBOT, replace(LAYOUT, clearance=10.0), Mill(0.12, 0.01), PlacedDoor(SIZE, T_base_door))
+    out = np.array([number for number, pair in enumerate(every.names) if pair not in near.names])
+    assert len(out) > 20
+    assert len(every.names) == len(near.names) + len(out)
+    postures = np.random.default_rng(5).uniform(ROBOT.lower, ROBOT.upper, (300, 6))
+    least = min(every.distances(q, out).min() for q in postures)
+    assert least > LAYOUT.clearance

@@ -24,6 +24,7 @@ from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.robot.description import load_robot
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+from doormill_ros.toolpath.settings import load_settings
 
 
 def pose(rng: np.random.Generator) -> np.ndarray:
@@ -113,11 +114,15 @@ def test_ways_come_back_over_the_wire() -> None:
 
 
 def test_every_body_is_shown_in_the_frame_that_moves_it() -> None:
-    robot, layout = load_robot("irb6600_175_255"), load_layout()
+    robot, layout, settings = load_robot("irb6600_175_255"), load_layout(), load_settings()
     post = Body("post", "capsule", radius=0.1, start=np.zeros(3), end=np.array([0.0, 0.3, 0.0]))
-    markers = body_markers(robot, replace(layout, obstacles=(*layout.obstacles, post))).markers
+    markers = body_markers(robot, replace(layout, obstacles=(*layout.obstacles, post)), settings).markers
     shown = {(m.ns, m.id): m for m in markers}
-    assert len(shown) == len(markers) == 11 + 1 + 6 + 3
+    assert len(shown) == len(markers) == 11 + 1 + 6 + 3 + 3
+    # Of the rack both holders, and the tool that is not in the spindle.
+    assert ("tool rack_mill_12", 0) in shown
+    assert ("tool rack_mill_16", 0) not in shown
+    assert shown["holder of rack_mill_16", 0].scale.x == pytest.approx(0.21)
     disc = shown["turning disc", 0]
     assert (disc.header.frame_id, disc.pose.position.x, disc.scale.x) == ("link_6", 0.18, 0.04)
     assert shown["spindle", 0].header.frame_id == "flange"

@@ -5,8 +5,15 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import threading
 from pathlib import Path
 
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from doormill_ros.nodes import topics
 from support.cell_processes import CellProcesses, executable
 
 
@@ -33,6 +40,57 @@ def test_a_running_cell_is_ready_until_a_node_is_killed(tmp_path: Path) -> None:
         assert said.splitlines() == ["not ready", "  path_generator: not heard of for 3 s; start it"]
         cell.start("path_generator")
         assert health("--wait", "60") == (0, "ready\n")
+
+
+class TwoRobots:
+    """The nodes of a cell with two robots, as far as they tell of themselves."""
+
+    def __init__(self) -> None:
+        own = [f"robot{number}/{name}" for number in (1, 2) for name in ("path_generator", "abb_bridge")]
+        self.said = dict.fromkeys(
+            ("recipe_database", "bag_recorder", "door_localizer", "door_shares", *own), (b"\0", "active")
+        )
+
+    def __enter__(self) -> TwoRobots:
+        rclpy.init()
+        self._node = Node("two_robots")
+        self._told = self._node.create_publisher(
+            topics.DIAGNOSTICS.type, topics.DIAGNOSTICS.name, topics.DIAGNOSTICS.offered
+        )
+        self._node.create_publisher(topics.IMAGE.type, topics.IMAGE.name, topics.IMAGE.offered)
+        self._node.create_timer(0.1, self._tell)
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self._node)
+        self._thread = threading.Thread(target=self._executor.spin, daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._executor.shutdown(timeout_sec=2.0)
+        rclpy.try_shutdown()
+        self._thread.join(2.0)
+
+    def _tell(self) -> None:
+        status = [
+            DiagnosticStatus(name=name, level=level, message=message, hardware_id="doormill")
+            for name, (level, message) in list(self.said.items())
+        ]
+        self._told.publish(DiagnosticArray(status=status))
+
+
+def test_of_two_robots_each_must_be_there_and_take_files() -> None:
+    with TwoRobots() as cell:
+        assert health("--wait", "60", "--robots", "2") == (0, "ready\n")
+        # Who does not say so looks for the nodes of one robot.
+        status, said = health("--wait", "1")
+        assert status == 1
+        assert "  path_generator: not heard of" in said
+        cell.said["robot2/abb_bridge/controller"] = b"\1", "it is in manual mode"
+        status, said = health("--wait", "10", "--robots", "2")
+        assert (status, said) == (1, "not ready\n  controller of robot2: it is in manual mode\n")
+        del cell.said["robot2/abb_bridge/controller"], cell.said["robot1/path_generator"]
+        status, said = health("--wait", "10", "--robots", "2")
+        assert (status, said) == (1, "not ready\n  robot1/path_generator: not heard of for 3 s; start it\n")
 
 
 def test_a_wrong_wait_is_refused() -> None:

@@ -29,6 +29,7 @@ from doormill_ros.abb.link_errors import (
 )
 from doormill_ros.abb.transports.bounded import BoundedCaller, CallTimeout
 from doormill_ros.abb.transports.rws_address import check_url
+from doormill_ros.abb.transports.rws_answer import BoundedTransport
 
 _BUSY_FIRST = 0.05
 _BUSY_LAST = 1.0
@@ -245,10 +246,13 @@ class RwsHttp:
         self._fresh = True
         return httpx.Client(
             cookies=self._cookies,
-            headers=self._headers,
-            verify=self.tls if self.tls is not None else True,
+            headers={"Accept-Encoding": "identity"} | self._headers,
             timeout=httpx.Timeout(limits.read, connect=limits.connect, write=limits.write),
-            limits=httpx.Limits(max_connections=1),
+            transport=BoundedTransport(
+                verify=self.tls if self.tls is not None else True,
+                limits=httpx.Limits(max_connections=1),
+                trust_env=False,
+            ),
             trust_env=False,  # no proxies and no .netrc between the PC and its robot
             follow_redirects=False,
         )

@@ -182,5 +182,7 @@ def compared(examiner: Examiner[Any, Any], found: E) -> E:
             margins.append(
                 Margin(f"another cause in place of {cause!r}", min(behind), examiner.equal, "score")
             )
-    finite = [margin for margin in (*margins, *found.margins) if np.isfinite(margin.value)]
+    # Where names were taken back this is asked anew: what was said before gives way.
+    last = {margin.decision: margin for margin in (*found.margins, *margins)}
+    finite = [margin for margin in last.values() if np.isfinite(margin.value)]
     return replace(found, doubles=doubles, margins=tuple(finite))

@@ -112,8 +112,15 @@ def judge_question(
     return weighed(question, question.examine(question.search(progress)))
 
 
-def weighed(question: Question[K, M], found: Examination[K, M]) -> Judgement[K, M]:
-    """The verdict on what an examination leaves."""
+def weighed(question: Question[K, M], found: Examination[K, M], stays: bool = False) -> Judgement[K, M]:
+    """The verdict on what an examination leaves.
+
+    Args:
+        question: The question.
+        found: What may be named.
+        stays: Whether what is named was weighed before, with names that were taken back for a law: it stays partly
+            explained, however much that law's part was.
+    """
     before, after = (question.holdout_rmse(one, found.kept) for one in (found.baseline, found.extended))
     complete = all(cause.named for cause in found.best.members) and not found.refused
     beyond = before**2 - question.noise_floor**2
@@ -123,7 +130,7 @@ def weighed(question: Question[K, M], found: Examination[K, M]) -> Judgement[K, 
         silent=not found.best.members and question.at_noise(found.baseline),
         quiet=complete and question.at_noise(found.extended),
         share=share,
-        main_part=question.main_part,
+        main_part=0.0 if stays else question.main_part,
     )
     most = Margin("the causes explain most of what is beyond the noise", share, question.main_part, "share")
     if word in (UNEXPLAINED, CONSISTENT):
@@ -141,5 +148,5 @@ def weighed(question: Question[K, M], found: Examination[K, M]) -> Judgement[K, 
         holdout_rmse=(unseen[0], unseen[1]),
         ratio=ratio,
         ratio_ci=interval,
-        margins=(*found.margins, *([most] if question.main_part and beyond > 0.0 else ())),
+        margins=(*found.margins, *([most] if question.main_part and beyond > 0.0 and not stays else ())),
     )

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.core.characterised import Characterised
+from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.verdict import AT_NOISE
 from doormill_ros.diagnosis.law.beside import Beside
 from doormill_ros.diagnosis.law.characterise import account
@@ -22,13 +24,43 @@ _MANY = 50
 _FADED = 0.1
 
 
-def laws_for(
+@dataclass(frozen=True, eq=False)
+class Searched:
+    """A search for laws beside what a diagnosis has established.
+
+    Attributes:
+        problem: What was left to explain, rows counting as they did in the end.
+        search: All that was tried.
+        best: The best model; it holds no law where nothing can be said.
+    """
+
+    problem: LinearProblem
+    search: LawSearch[Any]
+    best: Fit[Any]
+
+    @property
+    def laws(self) -> list[Any]:
+        """Terms that were found."""
+        return self.search.laws(self.best)
+
+    @property
+    def total(self) -> float:
+        """Held-out score with the prices of numbers and choices; smaller is better."""
+        return self.search.total(self.best)
+
+    @property
+    def told(self) -> Characterised[Any] | None:
+        """What is told of the laws; None without any."""
+        return account(self.search, self.best, np.ones(len(self.problem), dtype=bool)) if self.laws else None
+
+
+def searched(
     problem: LinearProblem,
     base: Established,
     terms: Sequence[Any],
     progress: Callable[[str], None] = lambda line: None,
-) -> Characterised[Any] | None:
-    """Laws beside what a diagnosis has established; None where nothing can be said.
+) -> Searched:
+    """Laws beside what a diagnosis has established.
 
     Args:
         problem: What is left to explain.
@@ -36,19 +68,24 @@ def laws_for(
         terms: What may join.
         progress: Told of every step.
     """
-    theta = np.zeros(base.size)
-    for _ in range(2):
-        beside = Beside(problem, base) if base.size >= _MANY else None
-        search = LawSearch(problem, [base], theta, terms, place_of, progress, spread=True, beside=beside)
-        best = search.run()
-        if not search.laws(best):
-            return None
-        left = excess(problem.white(best), problem)
-        if left < AT_NOISE:
-            break
+    found = searched_once(problem, base, terms, progress)
+    if found.laws and (left := excess(problem.white(found.best), problem)) >= AT_NOISE:
         # What no law holds errs alike from row to row: by that much less do rows say.
-        problem = problem.coarser(left)
-    return account(search, best, np.ones(len(problem), dtype=bool))
+        return searched_once(problem.coarser(left), base, terms, progress)
+    return found
+
+
+def searched_once(
+    problem: LinearProblem,
+    base: Established,
+    terms: Sequence[Any],
+    progress: Callable[[str], None] = lambda line: None,
+) -> Searched:
+    """The same, rows counting as the problem says; arguments as of `searched`."""
+    beside = Beside(problem, base) if base.size >= _MANY else None
+    none = np.zeros(base.size)
+    search = LawSearch(problem, [base], none, terms, place_of, progress, spread=True, beside=beside)
+    return Searched(problem, search, search.run())
 
 
 def excess(held_out: FloatArray, problem: LinearProblem) -> float:

@@ -113,6 +113,17 @@ class MotionQuestion(Question[MotionCause, MotionFit]):
         self.joints = tuple(finding.withdrawn() for finding in self.joints)
         return self._examination(examination.best, 0.0)
 
+    def less(
+        self,
+        examination: Examination[MotionCause, MotionFit],
+        back: Sequence[Sequence[tuple[MotionCause, str]]],
+    ) -> Examination[MotionCause, MotionFit]:
+        """The same without some names of each joint, each with the reason."""
+        self.joints = tuple(
+            finding.less(part) if part else finding for finding, part in zip(self.joints, back, strict=True)
+        )
+        return self._examination(examination.best, examination.extended.skew)
+
     def compared(
         self, examination: Examination[MotionCause, MotionFit]
     ) -> Examination[MotionCause, MotionFit]:

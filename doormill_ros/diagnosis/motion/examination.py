@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 from doormill_ros.diagnosis.core.examination import MOST_REMAINS, Double, Examination, Examiner
 from doormill_ros.diagnosis.core.margin import Check, Margin
@@ -151,3 +152,17 @@ class JointFinding(Examination[MotionCause, JointFit]):
     def problem(self) -> JointProblem:
         """The joint made ready."""
         return self.examiner.problem
+
+    def less(self, back: Sequence[tuple[MotionCause, str]]) -> Self:
+        """The same without some names, each with the reason; without any where the others explain too little."""
+        gone = [cause for cause, _ in back]
+        rest = [cause for cause in self.named if cause not in gone]
+        asked, extended, later = self.examiner.settled(self.best, rest, (), False)
+        return replace(
+            self,
+            asked=asked,
+            extended=extended,
+            named=extended.members,
+            refused=(*self.refused, *back, *later),
+            doubles=(),
+        )

@@ -2,65 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from doormill_ros.diagnosis.core.characterised import Characterised
-from doormill_ros.diagnosis.core.wording import RADIANS
+from doormill_ros.diagnosis.core.judgement import weighed
 from doormill_ros.diagnosis.law.characterise import remains
-from doormill_ros.diagnosis.law.linear import LinearProblem, established
-from doormill_ros.diagnosis.law.remainder import laws_for
+from doormill_ros.diagnosis.law.remainder import Searched, searched
 from doormill_ros.diagnosis.motion.diagnosis import MotionDiagnosis
 from doormill_ros.diagnosis.motion.examination import JointFinding
 from doormill_ros.diagnosis.motion.model import model_of
+from doormill_ros.diagnosis.motion.needless import taken_back
+from doormill_ros.diagnosis.motion.remainder import Companies, remainder
 from doormill_ros.robot_model.motion.law.dictionary import dictionary
-from doormill_ros.robot_model.motion.law.ride import ride_of
-from doormill_ros.robot_model.motion.law.term import MotionTerm
 from doormill_ros.robot_model.motion.model import MotionModel
-from doormill_ros.robot_model.motion.view import JointMotion
-
-#: Samples that are searched, at most: the others repeat them.
-SAMPLES = 3000
-
-
-def laws_of(
-    finding: JointFinding,
-    companies: Sequence[Sequence[JointMotion]],
-    progress: Callable[[str], None] = lambda line: None,
-) -> Characterised[MotionTerm] | None:
-    """Laws for what the causes of a joint leave; None where nothing can be said.
-
-    Args:
-        finding: The joint.
-        companies: All joints of each recording.
-        progress: Told of every step.
-    """
-    problem, extended = finding.problem, finding.extended
-    rides = tuple(
-        ride_of(motion, company, extended.delay)
-        for motion, company in zip(problem.motions, companies, strict=True)
-    )
-    rows = np.flatnonzero(problem.kept)
-    rows = rows[:: -(-len(rows) // SAMPLES)]
-    sigma = np.array([problem.floor])
-    columns = problem.design(extended.members, extended.delay)[:, None, :]
-    base = established(columns, sigma, np.full(columns.shape[2], np.inf))
-    target = problem.target(extended.delay)[:, None]
-    remainder = LinearProblem(target, sigma, rides, problem.block, problem.floor, RADIANS, rows)
-    return laws_for(remainder, base, dictionary(rides), progress)
 
 
 def with_laws(
     diagnosis: MotionDiagnosis, progress: Callable[[str], None] = lambda line: None
 ) -> MotionDiagnosis:
-    """The diagnosis with laws for what its causes leave."""
+    """The diagnosis with laws for what its causes leave, and without names that these take back."""
     if not remains(diagnosis.verdict):
         return diagnosis
     companies = [one.motions for one in diagnosis.sets]
-    found = [laws_of(one, companies, progress) if _open(one) else None for one in diagnosis.joints]
-    return replace(diagnosis, laws=tuple(found))
+    found = [_searched(one, companies, progress) if _open(one) else None for one in diagnosis.joints]
+    back = [
+        [] if laws is None else taken_back(one, companies, laws, progress)
+        for one, laws in zip(diagnosis.joints, found, strict=True)
+    ]
+    if any(back):
+        progress(f"beside laws no name for {', '.join(repr(cause) for part in back for cause, _ in part)}")
+        question = diagnosis.question
+        fewer = question.less(diagnosis.examination, back)
+        return with_laws(
+            MotionDiagnosis(**vars(weighed(question, fewer, stays=True)), question=question), progress
+        )
+    return replace(diagnosis, laws=tuple(None if laws is None else laws.told for laws in found))
+
+
+def _searched(finding: JointFinding, companies: Companies, progress: Callable[[str], None]) -> Searched:
+    """Laws for what the causes of a joint leave."""
+    extended = finding.extended
+    problem, base = remainder(finding.problem, extended.members, extended.delay, companies)
+    return searched(problem, base, dictionary(problem.case), progress)
 
 
 def model_with_laws(diagnosis: MotionDiagnosis) -> MotionModel:

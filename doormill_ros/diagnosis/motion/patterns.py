@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -12,6 +12,13 @@ from doormill_ros.robot_model.motion.causes.joint_backlash import JointBacklash
 from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
 from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
 from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion
+
+#: Causes that are one law of a driver: where something else follows that too, the law is another.
+FOLLOWING: Mapping[str, tuple[type[MotionCause], ...]] = {
+    "own torque": (MotionStiffness, JointBacklash),
+    "torque sign": (MotionStiffness, JointBacklash),
+    "speed": (JointDamping,),
+}
 
 
 class MotionPattern(MotionCause):
@@ -54,12 +61,7 @@ class MotionPattern(MotionCause):
 
     def spoils(self, cause: MotionCause) -> bool:
         """Whether it shapes the same thing as a cause: one law of the torque, or of the speed."""
-        kinds: dict[str, tuple[type[MotionCause], ...]] = {
-            "own torque": (MotionStiffness, JointBacklash),
-            "torque sign": (MotionStiffness, JointBacklash),
-            "speed": (JointDamping,),
-        }
-        return isinstance(cause, kinds.get(self.driver, ()))
+        return isinstance(cause, FOLLOWING.get(self.driver, ()))
 
     def __repr__(self) -> str:
         return f"what follows {self.spoken} at {self.where}"

@@ -20,6 +20,7 @@ from doormill_ros.robot_model.motion.view import JointMotion, SeenMotion
 EXTREME = 30.0  #: times the stiffness of the model in question, or that share of it, is no spring
 #: Contiguous blocks a recording is cut into, and how many groups of them are left out in turn.
 BLOCKS, FOLDS = 20, 10
+SAMPLES = 3000  #: that laws are searched in, at most
 _RIDGE = 1e-10  #: share of a column's own square
 _FOLD_RIDGE = 1e-7  #: the same where a part of the rows is left out
 _SETTLED = 1e-7  #: s
@@ -86,6 +87,12 @@ class JointProblem:
     def kept(self) -> BoolArray:
         """Samples that are no slips of the reading, shape (n,)."""
         return np.concatenate([no_slips(motion) for motion in self.motions])
+
+    @cached_property
+    def counted(self) -> IntArray:
+        """Samples that a search over laws looks at, shape (m,): the others repeat them."""
+        rows = np.flatnonzero(self.kept)
+        return rows[:: -(-len(rows) // SAMPLES)]
 
     @cached_property
     def floor(self) -> float:

@@ -13,10 +13,10 @@ from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.fit import Fit, fit
 from doormill_ros.diagnosis.core.judgement import weighed
 from doormill_ros.diagnosis.core.ranking import ranks
-from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.core.verdict import AT_NOISE, rmse
 from doormill_ros.diagnosis.law.characterise import remains
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
-from doormill_ros.diagnosis.law.remainder import laws_for
+from doormill_ros.diagnosis.law.remainder import searched
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fit import BLOCKS
 from doormill_ros.diagnosis.pose.problem import PoseProblem
@@ -68,33 +68,35 @@ def with_laws(diagnosis: PoseDiagnosis, progress: Callable[[str], None] = lambda
 
 def _searched(diagnosis: PoseDiagnosis, progress: Callable[[str], None]) -> Characterised[PoseTerm] | None:
     problem, base = _remainder(diagnosis)
-    return laws_for(problem, base, dictionary(problem.case), progress)
+    return searched(problem, base, dictionary(problem.case), progress).told
 
 
 def _needless(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> list[PoseCause]:
-    """Named causes that the laws do without, the least useful first, where these leave no more than noise.
+    """Named causes that the laws do without, the least useful first, where what then remains is no more than noise.
 
-    Beside a remainder that nothing explains no such thing can be said.
+    Beside a remainder that nothing explains no such thing can be said. A cause that is out of place spoils rows left
+    out, so that it is the model without it that has to reach the noise.
     """
-    needless: list[PoseCause] = []
-    if found.holdout_rmse > AT_NOISE * diagnosis.noise_floor:
-        return needless
     terms = [term for law in found.laws for term in law.terms]
 
-    def score(without: Sequence[PoseCause]) -> float:
+    def asked(without: Sequence[PoseCause]) -> tuple[float, float]:
+        """Score and held-out error less some causes."""
         problem, base = _remainder(diagnosis, without)
         each = max(np.log(problem.components * len(problem)) - 2.0, 1.0)
-        return float(fit(problem, (base, *terms)).held_out_score + each * base.size)
+        less = fit(problem, (base, *terms))
+        left = rmse(less.held_out, np.ones(len(problem), dtype=bool), problem.components)
+        return float(less.held_out_score + each * base.size), left
 
-    now = score(())
-    while asked := [cause for cause in diagnosis.examination.named if cause not in needless]:
-        scores = [score((*needless, cause)) for cause in asked]
-        least = int(ranks(np.array(scores))[0])
-        if scores[least] - now >= ENTRY:
+    needless: list[PoseCause] = []
+    now, left = asked(())
+    while rest := [cause for cause in diagnosis.examination.named if cause not in needless]:
+        tried = [asked((*needless, cause)) for cause in rest]
+        least = int(ranks(np.array([score for score, _ in tried]))[0])
+        if tried[least][0] - now >= ENTRY:
             break
-        needless.append(asked[least])
-        now = scores[least]
-    return needless
+        needless.append(rest[least])
+        now, left = tried[least]
+    return needless if left <= AT_NOISE * diagnosis.noise_floor else []
 
 
 def _remainder(

@@ -37,6 +37,7 @@ def executed_message(path: ExecutedPath, header: Header, placement: DoorPlacemen
         cutting=path.cutting.tolist(),
         wrench=[wrench_message(w) for w in path.wrench],
         feature=path.feature.tolist(),
+        tool=[] if path.tool is None else path.tool.tolist(),
     )
 
 
@@ -56,6 +57,7 @@ def executed_of(message: ExecutedPathMessage) -> ExecutedPath:
             cutting=np.array(message.cutting),
             feature=np.array(message.feature),
             wrench=np.array([wrench_of(wrench) for wrench in message.wrench]).reshape(-1, 6),
+            tool=np.array(message.tool) if message.tool else None,
         )
         for name in ("time", "T_base_tool", "T_base_tool_commanded", "q", "wrench"):
             if np.any(np.abs(getattr(path, name)) > MOST):

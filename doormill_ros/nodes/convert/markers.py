@@ -15,6 +15,8 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.bodies import Body, load_bodies
 from doormill_ros.robot.description import Robot
 from doormill_ros.toolpath.program import AT_POINTS, MillingProgram
+from doormill_ros.toolpath.settings import PathSettings
+from doormill_ros.toolpath.waiting_tools import waiting_tools
 
 NOMINAL = ColorRGBA(r=0.55, g=0.55, b=0.55, a=1.0)
 CORRECTED = ColorRGBA(r=0.10, g=0.45, b=0.85, a=1.0)
@@ -75,14 +77,17 @@ def _body_marker(header: Header, body: Body, colour: ColorRGBA) -> list[Marker]:
     ]
 
 
-def body_markers(robot: Robot, layout: CellLayout) -> MarkerArray:
-    """What robot, spindle and cell take up for the check of motions, each in the frame that moves it."""
+def body_markers(robot: Robot, layout: CellLayout, settings: PathSettings) -> MarkerArray:
+    """What robot, spindle and cell take up for the check of motions, each in the frame that moves it.
+
+    The tools of the rack are those that wait between doors, as wide as any may be.
+    """
     markers = []
     for body in load_bodies(robot):
         markers += _body_marker(Header(frame_id=body.link), body, ROBOT_BODY)
     for part in layout.spindle:
         markers += _body_marker(Header(frame_id=robot.flange_link), part, ROBOT_BODY)
-    for obstacle in layout.obstacles:
+    for obstacle in (*layout.obstacles, *waiting_tools(layout, robot, settings, {})):
         markers += _body_marker(Header(frame_id=BASE_FRAME), obstacle, OBSTACLE)
     return MarkerArray(markers=markers)
 

@@ -16,6 +16,7 @@ from typing import Any
 from doormill_ros.recipes.errors import BadTable, DuplicateName, FieldError
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.recipes.quantities import Choice
+from doormill_ros.recipes.reading import located
 from doormill_ros.recipes.recipe import SCHEMA, Recipe
 from doormill_ros.recipes.tabled_tool import TABLE, LookUp, completed
 from doormill_ros.recipes.tool import Tool
@@ -87,7 +88,7 @@ def recipes_of(rows: Iterable[Row], name: str, look_up: LookUp | None = None) ->
             continue
         if door_id in doors:
             raise DuplicateName("door_id", f"{name} {row.place}: door {door_id!r} has a row already")
-        doors[door_id] = {"schema": SCHEMA, **_unflatten(row, Recipe), "tools": {}, "features": []}
+        doors[door_id] = {"schema": SCHEMA, **_unflatten(row, name, Recipe), "tools": {}, "features": []}
         places[door_id] = {"": row.place}
     if not doors:
         raise BadTable(f"{name}: no row is about a door, at least one must be")
@@ -100,7 +101,7 @@ def recipes_of(rows: Iterable[Row], name: str, look_up: LookUp | None = None) ->
 
 def _add(document: dict[str, Any], places: dict[str, str], row: Row, name: str) -> None:
     if row.record is RowKind.TOOL:
-        content = _unflatten(row, Tool, skip="door_id")
+        content = _unflatten(row, name, Tool, skip="door_id")
         tool = content.pop("name", None)
         if tool is None:
             raise BadTable(f"{name} {row.place}: the column name is empty, every tool needs a name")
@@ -111,7 +112,7 @@ def _add(document: dict[str, Any], places: dict[str, str], row: Row, name: str) 
     else:
         kind = FEATURES.get(_text(row.cells.get("kind", "")))
         places[f"features.{len(document['features'])}"] = row.place
-        document["features"].append(_unflatten(row, kind, skip="door_id"))
+        document["features"].append(_unflatten(row, name, kind, skip="door_id"))
 
 
 def _build(document: dict[str, Any], places: dict[str, str], name: str, look_up: LookUp | None) -> Recipe:
@@ -120,13 +121,6 @@ def _build(document: dict[str, Any], places: dict[str, str], name: str, look_up:
     except FieldError as error:
         head = ".".join(error.field.split(".")[:2])
         raise located(error, f"{name} {places.get(head, places[''])}".strip()) from error
-
-
-def located(error: FieldError, place: str) -> FieldError:
-    """The same error with the place in the file in front of its message."""
-    message = f"{place}: {error.message}"
-    error.message, error.args = message, (message,)
-    return error
 
 
 def _flatten(document: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -150,7 +144,7 @@ def format_number(value: float) -> str:
     return str(int(value)) if value == int(value) else repr(value)
 
 
-def _unflatten(row: Row, content: type | None, skip: str = "") -> dict[str, Any]:
+def _unflatten(row: Row, name: str, content: type | None, skip: str = "") -> dict[str, Any]:
     document: dict[str, Any] = {}
     for column, cell in row.cells.items():
         if column == skip:
@@ -160,9 +154,13 @@ def _unflatten(row: Row, content: type | None, skip: str = "") -> dict[str, Any]
         for parent in parents:
             place = place.setdefault(parent, {})
             if not isinstance(place, dict):
-                raise BadTable(f"{row.place}: the column {column!r} is inside {parent!r}, which has a value")
+                raise BadTable(
+                    f"{name} {row.place}: the column {column!r} is inside {parent!r}, which has a value"
+                )
         if leaf in place:
-            raise BadTable(f"{row.place}: the column {column!r} has a value, and a column inside it too")
+            raise BadTable(
+                f"{name} {row.place}: the column {column!r} has a value, and a column inside it too"
+            )
         place[leaf] = _value(cell, column, _kind_of(content, column), row.decimal_comma)
     return document
 

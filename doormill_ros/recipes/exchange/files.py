@@ -17,9 +17,9 @@ from doormill_ros.recipes.errors import (
     UnknownFileType,
     UnreadableFile,
 )
-from doormill_ros.recipes.exchange.cells import located
 from doormill_ros.recipes.exchange.csv_file import format_csv, parse_csv
 from doormill_ros.recipes.exchange.thesis_text import decode, format_thesis_text, parse_thesis_text
+from doormill_ros.recipes.reading import located
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.tabled_tool import LookUp, completed
 

@@ -14,8 +14,9 @@ from dataclasses import replace
 from typing import Any
 
 from doormill_ros.recipes.errors import BadTable, FieldError, NotExpressible, UnreadableFile
-from doormill_ros.recipes.exchange.cells import NUMBER, format_number, located
+from doormill_ros.recipes.exchange.cells import NUMBER, format_number
 from doormill_ros.recipes.program import Program, fits_path_20
+from doormill_ros.recipes.reading import located
 from doormill_ros.recipes.recipe import SCHEMA, Recipe
 
 # Label, path in the document of the whole table; a leading * is a field that all hinges share.

@@ -14,8 +14,7 @@ from doormill_ros.recipes.errors import (
     UnknownField,
     UnknownFileType,
 )
-from doormill_ros.recipes.exchange.cells import located
-from doormill_ros.recipes.reading import as_mapping
+from doormill_ros.recipes.reading import as_mapping, located
 from doormill_ros.recipes.tabled_tool import TOOLS, TabledTool, figures_of, read_tool_table
 
 TOOL_SCHEMA = "doormill/tools/1"
@@ -38,8 +37,9 @@ def read_tool_file(path: str | Path) -> list[TabledTool]:
             f"{path}: found the ending {ending!r}, allowed is one of {', '.join(TOOL_ENDINGS)}", found=ending
         )
     parse = parse_json if ending == ".json" else parse_yaml
+    content = parse(read_text(path), str(path))
     try:
-        document = as_mapping(parse(read_text(path), str(path)), "")
+        document = as_mapping(content, "")
         for key in document:
             if key not in KEYS:
                 raise UnknownField(key, f"is not a field, allowed are {', '.join(KEYS)}", found=key)

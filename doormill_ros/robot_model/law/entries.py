@@ -77,7 +77,7 @@ def numbers_of(shape: str, part: float, values: FloatArray) -> tuple[float, ...]
         return (float((1.0 - part) * values.min() + part * values.max()),)
     if shape.startswith("logarithm"):
         return (max(float(values.min()), 0.002 * largest),)
-    if shape == "beyond":
+    if shape in ("beyond", "opening"):
         return (part * largest, largest)
     if shape == "past":
         return (float(np.quantile(np.abs(values), part)),)

@@ -18,7 +18,7 @@ Numbers = Sequence[float]
 
 
 #: Shapes whose first own number may be refined once one of the dictionary's was taken.
-REFINED = ("periods", "fading", "saturating", "limited", "beyond", "past", "creeping", "settling")
+REFINED = ("periods", "fading", "saturating", "limited", "beyond", "opening", "past", "creeping", "settling")
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,11 @@ SHAPES: dict[str, Shape] = {
     "beyond": Shape(
         lambda x, p: [np.maximum(np.abs(x) - p[0], 0.0) / p[1]],
         lambda d, u, p, w: f"{w[0]} for each {p[1]:.4g} {u} of {d} beyond {p[0]:.4g} {u}",
+    ),
+    "opening": Shape(
+        lambda x, p: [np.maximum(x - p[0], 0.0) / p[1]],
+        lambda d, u, p, w: f"{w[0]} for each {p[1]:.4g} {u} of {d} beyond {p[0]:.4g} {u}",
+        bounded=False,
     ),
     "limited": Shape(
         lambda x, p: [np.minimum(np.abs(x) / p[0], 1.0)],

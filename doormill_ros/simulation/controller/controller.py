@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.layout import CellLayout, load_layout
 from doormill_ros.resources import resource
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.cell import SimulatedCell
@@ -77,6 +77,7 @@ class VirtualController(TaskMachine):
         limits: ControllerLimits | None = None,
         start: FloatArray = HOME_POSITION,
         T_flange_tool: FloatArray | None = None,
+        layout: CellLayout | None = None,
         expected_door: str | None = None,
         time_scale: float | None = None,
         patience: float | None = None,
@@ -99,6 +100,7 @@ class VirtualController(TaskMachine):
             limits: What is refused of motions; None for config/controller.yaml.
             start: Joint angles at the start, shape (6,) [rad].
             T_flange_tool: The tool that is really mounted, shape (4, 4); None for the cell's.
+            layout: The robot's rack and tool; None for those of config/cell.yaml.
             expected_door: Door that stands in the cell, "*" for any; None leaves the module's value.
             time_scale: Simulated over real seconds for motions; None for as fast as possible.
             patience: Longest wait for a signal or a start [s] before the program is ended; None for ever.
@@ -119,7 +121,7 @@ class VirtualController(TaskMachine):
         eio = io_configuration or resource(IO_CONFIGURATION)
         configuration = read_io_configuration(eio)
         self.io: IoPort = io or MemoryIo()
-        layout = load_layout()
+        layout = layout or load_layout()
         rack = ToolRack(layout.rack, lambda q: arm.forward(q)[0])
         self.cell = SimulatedCell(configuration, self.io, rack, lambda: arm.forward(self._engine.q)[0])
         self._process = process or module_process()

@@ -33,11 +33,17 @@ def read_event_routines(path: Path, task: str = "T_ROB1") -> dict[str, tuple[str
         task: The task.
 
     Raises:
-        EventRoutinesError: An entry that cannot be; names its line.
+        EventRoutinesError: No plain text, or an entry that cannot be; names byte or line.
     """
     section = ""
     found: dict[str, list[tuple[float, str]]] = {}
-    for start, entry in entries(path.read_text(encoding="ascii").splitlines()):
+    try:
+        lines = path.read_text(encoding="ascii").splitlines()
+    except UnicodeDecodeError as error:
+        raise EventRoutinesError(
+            f"{path}: byte {error.start} is no ASCII, allowed is plain text: save it so"
+        ) from error
+    for start, entry in entries(lines):
         if re.fullmatch(r"[A-Z_0-9]+:", entry):
             section = entry[:-1]
         elif section == "CAB_EXEC_HOOKS":

@@ -97,6 +97,23 @@ Body = Capsule | Box
 
 
 @dataclass(frozen=True, eq=False)
+class JudgedPlace:
+    """A place of a rack.
+
+    Attributes:
+        tool: Name of the tool that stands in it.
+        T_base_seat: The flange where the tool is seated, shape (4, 4).
+        depth: How far the spindle goes along its axis to get there [m].
+        holder: What holds the tool.
+    """
+
+    tool: str
+    T_base_seat: FloatArray
+    depth: float
+    holder: Box
+
+
+@dataclass(frozen=True, eq=False)
 class JudgedCell:
     """One robot with its spindle among what stands in the cell, in the robot's base frame.
 
@@ -109,6 +126,9 @@ class JudgedCell:
         boards: What is pressed against the rear face of a door.
         rooted: Bodies of the arm that stand on the floor: for another robot they are in the way, too.
         with_second: Boxes about a second robot, where there is one, in its base frame.
+        widest: Radius of the widest mill that stands in a rack [m].
+        rack: Places from which the robot takes tools, the first one's in the spindle between doors.
+        rack_of_second: Those of a second robot, in its base frame.
     """
 
     links: Links
@@ -119,6 +139,9 @@ class JudgedCell:
     boards: tuple[SolidBoard, ...] = ()
     rooted: tuple[Body, ...] = ()
     with_second: tuple[Box, ...] = ()
+    widest: float = 0.0
+    rack: tuple[JudgedPlace, ...] = ()
+    rack_of_second: tuple[JudgedPlace, ...] = ()
 
     def of_two(self, T_base_second: FloatArray) -> JudgedCell:
         """The cell with a second robot, base of shape (4, 4): its obstacles are there, the boards are not."""
@@ -166,9 +189,11 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
         spindle, obstacles = content["spindle"]["bodies"], content["obstacles"]
         T_flange_tool = pose(np.array(content["tool"]["position"], dtype=float), LEVEL)
         boards = (content.get("backing") or {"boards": []})["boards"]
-        second = (content.get("second_robot") or {"obstacles": []})["obstacles"]
-        nose = float(read_document(resource(PATH), BodiesError)["approach"]["nose"])
+        second = content.get("second_robot") or {"obstacles": []}
+        approach = read_document(resource(PATH), BodiesError)["approach"]
+        nose, widest = float(approach["nose"]), float(approach["mill_radius"])
         links = Links.read(folder / "robot.urdf")
+        racks = [_places(part.get("rack"), path, links) for part in (content, second)]
     except (KeyError, TypeError, ValueError, OSError) as cause:
         raise BodiesError(
             f"{path} and the robot's bodies.yaml do not say what can touch ({cause!r}); allowed are files with robot, "
@@ -191,7 +216,9 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
         nose,
         tuple(check(boards, list[SolidBoard], BodiesError, str(path))),
         tuple(b for b in bodies if b.link == BASE),
-        _boxes(second, path),
+        _boxes(second["obstacles"], path),
+        widest,
+        *racks,
     )
 
 
@@ -201,6 +228,19 @@ def _boxes(content: Any, path: Path) -> tuple[Box, ...]:
     if len(boxes) != len(shapes):
         raise BodiesError(f"{path}: obstacles hold a capsule, allowed are boxes: enclose it in one")
     return boxes
+
+
+def _places(rack: Any, path: Path, links: Links) -> tuple[JudgedPlace, ...]:
+    if rack is None:
+        return ()
+    (holder,) = _boxes([rack["holder"]], path)
+    depth, found = float(rack["depth"]), []
+    for place in rack["places"]:
+        T_base_seat = links.frames(np.array([place["front"]], dtype=float))[FLANGE][0]
+        T_base_seat = T_base_seat @ pose(np.array([0.0, 0.0, depth]), LEVEL)
+        held = Box(f"holder of {place['tool']}", BASE, T_base_seat @ holder.at, holder.half)
+        found.append(JudgedPlace(str(place["tool"]), T_base_seat, depth, held))
+    return tuple(found)
 
 
 def _shapes(content: Any, path: Path, link: str | None = None) -> list[Body]:

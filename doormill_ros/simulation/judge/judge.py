@@ -16,6 +16,7 @@ from doormill_ros.simulation.judge.bodies import Body, Box, JudgedCell
 from doormill_ros.simulation.judge.links import BASE, FLANGE
 from doormill_ros.simulation.judge.manner import bad_cuts
 from doormill_ros.simulation.judge.mill import TOLERANCE, judge_mill
+from doormill_ros.simulation.judge.rack import first_tool, in_rack
 from doormill_ros.simulation.judge.shapes import cylinder_gap
 from doormill_ros.simulation.judge.sweep import Meeting, Sweep
 from doormill_ros.simulation.judge.verdict import Touch, Verdict
@@ -23,7 +24,7 @@ from doormill_ros.simulation.judge.wood import Cuts, Pocket, still_there
 from doormill_ros.simulation.mills import mill_radius, mill_there
 
 FILL = 12  #: points along each edge of what a body shares with the door
-DOOR = "door"
+DOOR, MILL = "door", "mill"
 
 
 def judge(
@@ -63,9 +64,13 @@ def judge(
                 met, body, obstacle, executed, T_door_base @ sweep.link(body.link, met.place)
             )
     for obstacle in cell.obstacles:
-        touches += _mill_touches(recipe, executed, sweep, cell, obstacle, T_door_base)
+        met = _mill_meeting(recipe, executed, sweep, cell, obstacle)
+        touches += _mill_touches(met, obstacle, executed, sweep, T_door_base)
     for board in boards:
-        touches += _mill_touches(recipe, executed, sweep, cell, board, T_door_base, pockets)
+        met = _mill_meeting(recipe, executed, sweep, cell, board)
+        met = _beside_features(met, recipe, executed, sweep, cell, T_door_base, pockets)
+        touches += _mill_touches(met, board, executed, sweep, T_door_base)
+    touches += _at_rack(recipe, executed, sweep, cell, T_door_base)
     bad = bad_cuts(recipe, T_base_door_true, executed)
     touches.sort(key=lambda touch: (touch.time, touch.body, touch.obstacle))
     return Verdict(len(executed), tuple(touches), mill.gone, mill.torn, tuple(bad))
@@ -104,8 +109,7 @@ def _in_wood(
         points = points[body.holds(in_link)]
         when, beside = np.full(len(points), met.place[i]), np.full(len(points), TOLERANCE)
         kept[i] = still_there(pockets, cuts, points, when, beside).any()
-    left = frozenset(np.floor(met.place[kept]).astype(int).tolist())
-    return met if kept.all() else Meeting(met.place[kept], met.depth[kept], left)
+    return met.only(kept)
 
 
 def _by_motion(
@@ -117,37 +121,65 @@ def _by_motion(
     return _touches(met, body.name, obstacle.name, executed, where)
 
 
-def _mill_touches(
-    recipe: Recipe,
-    executed: ExecutedPath,
-    sweep: Sweep,
-    cell: JudgedCell,
-    obstacle: Box,
-    T_door_base: FloatArray,
-    pockets: tuple[Pocket, ...] = (),
-) -> list[Touch]:
-    """The mill against what is not of the door; of a board it may take what lies behind the feature at hand."""
+def _mill_meeting(
+    recipe: Recipe, executed: ExecutedPath, sweep: Sweep, cell: JudgedCell, obstacle: Box
+) -> Meeting:
+    """The mill, while one is in the spindle, against what is not of the door."""
     radius, there = mill_radius(recipe, executed), mill_there(recipe, executed)
     T_box_base = inverse(obstacle.at)
 
     def gap_at(place: FloatArray) -> FloatArray:
         T = T_box_base @ sweep.tool(place)
         tip, back = T[:, :3, 3], T[:, :3, 3] - cell.nose * T[:, :3, 2]
-        sample = np.ceil(place).astype(int)
-        return np.where(there[sample], cylinder_gap(tip, back, radius[sample], obstacle.half), np.inf)
+        return cylinder_gap(tip, back, radius[np.ceil(place).astype(int)], obstacle.half)
 
     extent = float(np.linalg.norm(cell.T_flange_tool[:3, 3])) + float(radius.max())
     met = sweep.met(FLANGE, extent, gap_at)
-    if pockets and len(met.place):
-        T, sample = T_door_base @ sweep.tool(met.place), np.ceil(met.place).astype(int)
-        kept = np.ones(len(sample), dtype=bool)
-        for pocket in pockets:
-            own = np.flatnonzero(executed.feature[sample] == pocket.feature)
-            beside = pocket.excess(T[own, :3, 3], T[own, :3, 2], cell.nose, radius[sample[own]])
-            kept[own] = beside > TOLERANCE
-        left = frozenset(np.floor(met.place[kept]).astype(int).tolist())
-        met = Meeting(met.place[kept], met.depth[kept], left)
-    return _touches(met, "mill", obstacle.name, executed, (T_door_base @ sweep.tool(met.place))[:, :3, 3])
+    return met.only(there[np.ceil(met.place).astype(int)])
+
+
+def _beside_features(
+    met: Meeting,
+    recipe: Recipe,
+    executed: ExecutedPath,
+    sweep: Sweep,
+    cell: JudgedCell,
+    T_door_base: FloatArray,
+    pockets: tuple[Pocket, ...],
+) -> Meeting:
+    """Of a board the mill may take what lies behind the feature at hand."""
+    if not len(met.place):
+        return met
+    T, sample = T_door_base @ sweep.tool(met.place), np.ceil(met.place).astype(int)
+    radius = mill_radius(recipe, executed)
+    kept = np.ones(len(sample), dtype=bool)
+    for pocket in pockets:
+        own = np.flatnonzero(executed.feature[sample] == pocket.feature)
+        beside = pocket.excess(T[own, :3, 3], T[own, :3, 2], cell.nose, radius[sample[own]])
+        kept[own] = beside > TOLERANCE
+    return met.only(kept)
+
+
+def _mill_touches(
+    met: Meeting, obstacle: Box, executed: ExecutedPath, sweep: Sweep, T_door_base: FloatArray
+) -> list[Touch]:
+    return _touches(met, MILL, obstacle.name, executed, (T_door_base @ sweep.tool(met.place))[:, :3, 3])
+
+
+def _at_rack(
+    recipe: Recipe, executed: ExecutedPath, sweep: Sweep, cell: JudgedCell, T_door_base: FloatArray
+) -> list[Touch]:
+    """All of the robot against holders and tools that wait, but for what a change of tools needs."""
+    touches, first = [], first_tool(cell)
+    for item in in_rack(cell, recipe):
+        for body in cell.bodies:
+            met = item.in_the_way(_meeting(sweep, body, item.box), sweep, executed, first, body.link)
+            where = T_door_base @ sweep.link(body.link, met.place)
+            touches += _by_motion(met, body, item.box, executed, where)
+        met = _mill_meeting(recipe, executed, sweep, cell, item.box)
+        met = item.in_the_way(met, sweep, executed, first, FLANGE)
+        touches += _mill_touches(met, item.box, executed, sweep, T_door_base)
+    return touches
 
 
 def _touches(

@@ -18,6 +18,7 @@ from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import Body, Box, Capsule, JudgedCell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.judge.links import BASE, FLANGE
+from doormill_ros.simulation.judge.rack import carried_by, first_tool, in_rack
 from doormill_ros.simulation.judge.verdict import Harm, Verdict
 
 Kind = TypeVar("Kind", bound=Harm)
@@ -54,24 +55,24 @@ def judge_pair(
     for robot in milled:
         if not np.allclose(robot.T_cell_robot, np.eye(4)):
             cell = cell.of_two(robot.T_cell_robot)
+    cells = [
+        cell if np.allclose(robot.T_cell_robot, np.eye(4)) else replace(cell, rack=cell.rack_of_second)
+        for robot in milled
+    ]
     verdicts, before = [], 0
     widest = max(feature.tool.radius for feature in recipe.features)
     for number, own in enumerate(milled):
         T_robot_cell = inverse(own.T_cell_robot)
-        others = [
-            box
-            for k, other in enumerate(milled)
-            if k != number and len(other.executed)
-            for box in standing(
-                cell,
-                other.executed.q[0 if k > number else -1],
-                T_robot_cell @ other.T_cell_robot,
-                other.robot,
-                widest,
-            )
-        ]
+        others: list[Box] = []
+        for k, other in enumerate(milled):
+            if k == number or not len(other.executed):
+                continue
+            sample, T_own_other = 0 if k > number else -1, T_robot_cell @ other.T_cell_robot
+            carried = str(carried_by(other.executed, first_tool(cells[k]))[sample])
+            others += standing(cell, other.executed.q[sample], T_own_other, other.robot, widest)
+            others += waiting(cells[k], recipe, carried, T_own_other, other.robot)
         obstacles = [replace(box, at=T_robot_cell @ box.at) for box in cell.obstacles]
-        about = replace(cell, obstacles=(*obstacles, *others), boards=())
+        about = replace(cells[number], obstacles=(*obstacles, *others), boards=())
         found = judge(recipe, T_robot_cell @ T_cell_door_true, own.executed, about)
         verdicts.append(_told_of(found, own.robot, before))
         before += found.judged
@@ -108,6 +109,23 @@ def standing(
         at, half = _box_of(body)
         boxes.append(Box(f"{robot}'s {body.name}", BASE, frames[body.link] @ at, half))
     return boxes
+
+
+def waiting(cell: JudgedCell, recipe: Recipe, carried: str, T_own_other: FloatArray, robot: str) -> list[Box]:
+    """What is in the rack of a robot, in the base frame of the one that moves.
+
+    Args:
+        cell: Its rack.
+        recipe: Whose tools it knows.
+        carried: Tool in the robot's spindle.
+        T_own_other: Its base frame in that of the one that moves, shape (4, 4).
+        robot: What it is called.
+    """
+    return [
+        replace(item.box, name=f"{robot}'s {item.box.name}", at=T_own_other @ item.box.at)
+        for item in in_rack(cell, recipe)
+        if item.there(carried)
+    ]
 
 
 def _box_of(body: Body) -> tuple[FloatArray, FloatArray]:

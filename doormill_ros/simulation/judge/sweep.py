@@ -38,6 +38,13 @@ class Meeting:
     depth: FloatArray
     samples: frozenset[int]
 
+    def only(self, kept: BoolArray) -> Meeting:
+        """The meeting at some of its places, shape (k,)."""
+        if kept.all():
+            return self
+        left = frozenset(np.floor(self.place[kept]).astype(int).tolist())
+        return Meeting(self.place[kept], self.depth[kept], left)
+
 
 @dataclass(frozen=True, eq=False)
 class Sweep:

@@ -59,6 +59,22 @@ def test_a_law_of_the_sensor_moves_no_tool(tmp_path):
     assert not any(law.cause.of_robot for law in load_compliance_model(out).laws)
 
 
+@pytest.mark.parametrize(
+    ("seed", "law"),
+    [
+        (78, "rocking_base"),  # over one edge of the foot, once that lifts
+        (77, "opening_seat"),  # the tool's, one way
+        (87, "coupling"),  # beside friction that holds a part of the load
+    ],
+)
+def test_what_opens_or_holds_predicts_unseen_postures(tmp_path, seed, law):
+    truth, document, _, _, _ = told(tmp_path, seed)
+    assert truth["law"] == law
+    assert (truth["where"], truth["driver"]) in {(one["where"], one["driver"]) for one in document["unnamed"]}
+    (check,) = document["checks"]
+    assert check["characterised"]["rmse"] < 2.0 * truth["noise"]["floor_unseen"]
+
+
 @pytest.mark.parametrize("effects", [[], "named"])
 def test_where_nothing_remains_nothing_is_said(make_set, effects, monkeypatch):
     """Neither of noise nor beside a cause that explains everything; nor is anything searched."""

@@ -97,7 +97,7 @@ def test_the_course_of_time_is_a_law_of_its_joint_and_no_path_knows_it(tmp_path)
 
 
 def test_where_nothing_remains_nothing_is_searched(tmp_path, monkeypatch):
-    monkeypatch.setattr(motion_laws, "laws_for", None)
+    monkeypatch.setattr(motion_laws, "searched", None)
     hidden = Recording(seconds=6.0).with_gear(2, stiffness=0.7)
     diagnosis = diagnose_motions([read_motion_set(record(tmp_path / "set", hidden, 4))])
     assert diagnosis.verdict == "explained"

@@ -6,6 +6,7 @@ import yaml
 
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
+from doormill_ros.robot_model.elastic.law.edges import EDGES, ROUGH
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
@@ -65,6 +66,40 @@ def test_a_driver_that_no_path_knows_acts_with_its_mean_and_is_told():
     assert "joint 2" in sentence
     assert "time under load" in sentence
     assert unknown_on_path(with_law(spring("own angle", "waves", (7.0,), (0.0, 0.0)), [0.3, 0.0])) == ()
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_foot_tips_over_the_edge_that_the_load_pulls_towards_and_over_no_other(side):
+    edge = next(one for one in ROUGH if (one.where, one.way, one.width) == ("base", 30, 0.4))
+    holds, most, turn = 40.0, 500.0, 3e-4
+    wrench = side * np.array([400.0, 300.0, -100.0, 0.0, 0.0, 0.0])
+    term = LawTerm("base", edge.acts_on, edge.driver, "opening", (holds, most), SeenRange(0.0, 100.0, (0.2,)))
+    frame = Kinematics(ROBOT.dh).link_frames(Q)[6]
+    tip = frame[:3, :3] @ POINT + frame[:3, 3]
+    out = np.array([np.cos(np.radians(30.0)), np.sin(np.radians(30.0)), 0.0])
+    axis = np.cross([0.0, 0.0, 1.0], out)
+    # The tool's load is in the axes of the base, as everywhere here.
+    moment = axis @ np.cross(tip - 0.4 * out, wrench[:3])
+    assert (moment > holds) == (side > 0.0)
+    # What opens goes on opening beyond what a test has seen.
+    angle = turn * max(moment - holds, 0.0) / most
+    moved = with_law(term, [turn]).deflection(Q, wrench, POINT) - with_law(term, [0.0]).deflection(
+        Q, wrench, POINT
+    )
+    np.testing.assert_allclose(
+        np.ravel(moved)[:3], np.cross(angle * axis, tip - 0.4 * out), rtol=1e-6, atol=1e-12
+    )
+
+
+def test_an_edge_has_others_beside_it_that_may_do_better():
+    for edge in ROUGH:
+        steps = {
+            ((one.way - edge.way + 180) % 360 - 180, round(one.width - edge.width, 6))
+            for one in edge.beside()
+        }
+        widths = {(0, -0.1), (0, 0.1)} if edge.where == "base" else set()
+        assert steps == {(-5, 0.0), (5, 0.0)} | widths
+        assert all(EDGES[one.acts_on] == one for one in edge.beside())
 
 
 def test_laws_pass_through_the_file(tmp_path):

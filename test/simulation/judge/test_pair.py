@@ -10,7 +10,7 @@ from doormill_ros.frames import inverse, transform
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.simulation.judge.bodies import load_cell
-from doormill_ros.simulation.judge.pair import Milled, judge_pair, standing
+from doormill_ros.simulation.judge.pair import Milled, judge_pair, standing, waiting
 from support.file_run import HOME, run_file
 from support.judged_doors import RUN_ID, rigid
 
@@ -50,9 +50,10 @@ def test_a_robot_in_the_space_of_the_other_is_found_and_named(door):
 
 
 def test_the_planner_keeps_clear_of_the_same_robot_as_the_judge():
-    """Boxes of the waiting robot, as the planner has them and as the judge has them by code of its own."""
-    setup, cell = load_setup(), load_cell()
+    """Boxes of the waiting robot and its rack, as the planner has them and as the judge has them by code of its own."""
+    setup, cell, recipe = load_setup(), load_cell(), load_recipe("standard_door")
     T_first_second = setup.settings.second_robot.T_base_second
+    racks = {"first": cell.rack_of_second, "second": cell.rack}
     for robot, T_own_other in (("first", T_first_second), ("second", inverse(T_first_second))):
         planned = {
             body.name.removeprefix("other robot's "): body
@@ -61,8 +62,14 @@ def test_the_planner_keeps_clear_of_the_same_robot_as_the_judge():
         }
         judged = {
             box.name.removeprefix("x's "): box
-            for box in standing(cell, np.radians(HOME), T_own_other, "x", 0.01)
+            for box in (
+                *standing(cell, np.radians(HOME), T_own_other, "x", 0.01),
+                *waiting(
+                    dataclasses.replace(cell, rack=racks[robot]), recipe, "rack_mill_16", T_own_other, "x"
+                ),
+            )
         }
+        assert {"holder of rack_mill_16", "holder of rack_mill_12", "tool rack_mill_12"} <= planned.keys()
         assert planned.keys() == judged.keys() - {"mill"}
         for name, body in planned.items():
             corners = body.corners[np.lexsort(np.round(body.corners, 6).T)]

@@ -1,4 +1,4 @@
-"""Hand bad files to readers: each is read, or refused in one sentence with a code, and nothing else happens.
+"""Hand bad files to readers: each is read rightly, or refused in one sentence with a code, and nothing else happens.
 
 Each kind of input is read in a process of its own, since a reader may end it, and with bounds on time and memory.
 """
@@ -13,20 +13,32 @@ import resource
 import shutil
 import signal
 import tempfile
-import traceback
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import FrameType
 
 from doormill_ros.errors import DoormillError
+from support.hostile.judge import Judge, TooLongError
+from support.hostile.keeping import CannotSpellError, spelt_anew
 from support.hostile.mutations import mutated
 from support.hostile.subject import Subject
+from support.hostile.workbook import mutated_inside
 
-TIME = 10.0  #: of a processor for one reading [s]; a clock on the wall would judge the machine's load
 MEMORY = 500 * 1024 * 1024  #: of one reading, beside what the process holds before [bytes]
+KEPT = 0.15  #: of the files are the good one in another spelling
+INSIDE = 0.8  #: of the bad workbooks are whole archives
+OWN = (
+    "HOME",
+    "TMPDIR",
+    "XDG_CACHE_HOME",
+    "XDG_DATA_HOME",
+    "XDG_CONFIG_HOME",
+    "XDG_STATE_HOME",
+    "ROS_LOG_DIR",
+)
 
 
 @dataclass
@@ -42,73 +54,58 @@ class Outcome:
     faults: list[str] = field(default_factory=list)
 
 
-class _TooLongError(BaseException):
-    """Raised by the alarm; no reader can take it for an error of its own."""
-
-
 def _ring(_number: int, _frame: FrameType | None) -> None:
-    raise _TooLongError
+    raise TooLongError
 
 
-def _inventory(folder: Path) -> Mapping[Path, int]:
-    return {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+def _settle(place: Path) -> None:
+    """Let this process take folders of that place for its own: where it is, at home, for what lasts no longer."""
+    for name in OWN:
+        (place / name).mkdir()
+        os.environ[name] = str(place / name)
+    (place / "cwd").mkdir()
+    os.chdir(place / "cwd")
+    tempfile.tempdir = str(place / "TMPDIR")
 
 
-def _answer(subject: Subject, folder: Path) -> tuple[str, str]:
-    """What the reader says to the file that now stands in the folder: kind of answer and sentence."""
-    before = _inventory(folder)
-    signal.setitimer(signal.ITIMER_PROF, TIME)
-    try:
-        subject.read(folder / subject.file)
-        kind, text = "read", ""
-    except DoormillError as error:
-        text = str(error)
-        named = subject.file in text or str(folder) in text or not subject.named
-        fine = error.code and named and "\n" not in text and 10 < len(text) < 2000
-        kind = "refused" if fine else "a sentence without the file"
-    except _TooLongError:
-        kind, text = "longer than allowed", _place(traceback.format_exc())
-    except MemoryError:
-        kind, text = "more memory than allowed", _place(traceback.format_exc())
-    except BaseException as error:  # whatever a reader lets through is what is looked for
-        kind, text = type(error).__name__, f"{error!s:.200} {_place(traceback.format_exc())}"
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-    if _inventory(folder) != before:
-        kind = "changed files"
-    return kind, text
+def _content(judge: Judge, draw: random.Random) -> tuple[bytes, bool]:
+    """Content for the next reading, and whether it says what the good file says."""
+    if draw.random() < KEPT:
+        try:
+            return spelt_anew(judge.good, judge.form, draw), True
+        except CannotSpellError:
+            pass
+    if judge.form == "xlsx" and draw.random() < INSIDE:
+        return mutated_inside(judge.good, draw), False
+    return mutated(judge.good, draw), False
 
 
-def _place(trace: str) -> str:
-    lines = [line.strip() for line in trace.splitlines() if "doormill_ros/" in line]
-    return lines[-1] if lines else trace[-300:]
-
-
-def _run(subject: Subject, seeds: range, pipe: Connection) -> None:
+def _run(subject: Subject, seeds: range, stem: str, pipe: Connection) -> None:
     # What this process inherited, nodes of other tests perhaps, whose threads are not here, is nobody's garbage.
     gc.freeze()
     gc.enable()
     signal.signal(signal.SIGPROF, _ring)
-    held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-    resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
-    good = (subject.folder / subject.file).read_bytes()
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name) / "input"
-        shutil.copytree(subject.folder, folder)
+        place = Path(name) / "place"
+        shutil.copytree(subject.folder, place / "input")
+        _settle(place)
+        judge = Judge(subject, place)
+        held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
         for seed in seeds:
             pipe.send(("begins", seed, ""))
-            draw = random.Random(f"{subject.name} {seed}")
-            (folder / subject.file).write_bytes(mutated(good, draw))
-            pipe.send((seed, *_answer(subject, folder)))
+            draw = random.Random(f"{stem}{subject.name} {seed}")
+            content, kept = _content(judge, draw)
+            pipe.send((seed, *judge.answer(content, kept, draw)))
 
 
-def judge(subject: Subject, seeds: range) -> Outcome:
-    """Bad files of one subject, one for each seed."""
+def judge(subject: Subject, seeds: range, stem: str = "") -> Outcome:
+    """Bad files of one subject, one for each seed; another stem makes others of the same seeds."""
     outcome, last = Outcome(), seeds.start
     while last < seeds.stop:
         ours, theirs = multiprocessing.Pipe(duplex=False)
         process = multiprocessing.get_context("fork").Process(
-            target=_run, args=(subject, range(last, seeds.stop), theirs)
+            target=_run, args=(subject, range(last, seeds.stop), stem, theirs)
         )
         gc.disable()
         process.start()
@@ -120,7 +117,7 @@ def judge(subject: Subject, seeds: range) -> Outcome:
                 continue
             outcome.answers[kind if kind in ("read", "refused") else "fault"] += 1
             if kind not in ("read", "refused"):
-                outcome.faults.append(f"{subject.name}, seed {seed}: {kind} {text}")
+                outcome.faults.append(f"{subject.name}, seed {seed}: {kind}: {text}")
         process.join()
         if process.exitcode:
             outcome.answers["fault"] += 1
@@ -144,8 +141,3 @@ def usable(subject: Subject) -> str:
     except DoormillError as error:
         return str(error)
     return ""
-
-
-def cores() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0))

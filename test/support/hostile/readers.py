@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -13,7 +14,7 @@ import yaml
 from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.catalogue.bag_rows import read_inspection_row, read_rows
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.localization.calibration.camera_file import read_document
+from doormill_ros.localization.calibration.camera_file import read_document, write_document
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.picture_file import read_picture
 from doormill_ros.localization.sensors.axis_vision import load_axis_vision
@@ -28,14 +29,12 @@ from doormill_ros.measurements.measurement_set import COLUMNS, read_measurement_
 from doormill_ros.measurements.motion_set import read_motion_set
 from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.measurements.raw_files import read_force_log, read_tracker_file
-from doormill_ros.recipes.documents import load_recipe, to_json
+from doormill_ros.recipes.documents import load_recipe, to_json, to_yaml
 from doormill_ros.recipes.exchange.csv_file import format_csv
-from doormill_ros.recipes.exchange.files import read_file
+from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.exchange.thesis_text import format_thesis_text
-from doormill_ros.recipes.exchange.tool_file import read_tool_file
 from doormill_ros.recipes.exchange.xlsx_file import format_xlsx
 from doormill_ros.recording.bag_reader import read_bag
-from doormill_ros.recording.replay.expectation import read_expectation
 from doormill_ros.recording.replay.recorded_run import read_runs
 from doormill_ros.robot import description
 from doormill_ros.robot.description import load_robot
@@ -44,13 +43,10 @@ from doormill_ros.robot_model.extended_model import SizedCause, load_compliance_
 from doormill_ros.simulation.controller.io_configuration import read_io_configuration
 from doormill_ros.simulation.robot_cell import load_effects
 from doormill_ros.toolpath.settings import load_settings
-from support.hostile.subject import Read, Subject, text_folder
+from support.hostile.cell_files import cell_files, tools_by_name
+from support.hostile.subject import Read, Subject, of_folder, text_folder
 from support.hostile.wire import controller_answers
 from support.source_tree import ROOT
-
-
-def _of_folder(read: Callable[[Path], object]) -> Read:
-    return lambda path: read(path.parent)
 
 
 def _copied(folder: Path, *sources: Path) -> Path:
@@ -121,39 +117,48 @@ def subjects(folder: Path) -> Iterator[Subject]:
         _copied(folder / "recipe", config / "recipes/standard_door.yaml"),
         "standard_door.yaml",
         load_recipe,
+        write=lambda value, path: path.write_text(to_yaml(value)),
     )
     yield Subject(
-        "recipe.json", text_folder(folder / "json", "door.json", to_json(recipe)), "door.json", load_recipe
+        "recipe.json",
+        text_folder(folder / "json", "door.json", to_json(recipe)),
+        "door.json",
+        load_recipe,
+        write=lambda value, path: path.write_text(to_json(value)),
     )
     yield Subject(
-        "recipes.csv", text_folder(folder / "csv", "doors.csv", format_csv([recipe])), "doors.csv", read_file
+        "recipes.csv",
+        text_folder(folder / "csv", "doors.csv", format_csv([recipe])),
+        "doors.csv",
+        read_file,
+        write=_doors,
     )
     xlsx = folder / "xlsx"
     xlsx.mkdir(parents=True)
     (xlsx / "doors.xlsx").write_bytes(format_xlsx([recipe]))
-    yield Subject("recipes.xlsx", xlsx, "doors.xlsx", read_file)
-    yield Subject(
-        "tools.yaml", _copied(folder / "tools", config / "tools.yaml"), "tools.yaml", read_tool_file
-    )
+    yield Subject("recipes.xlsx", xlsx, "doors.xlsx", read_file, write=_doors)
+    yield Subject("tools.yaml", _copied(folder / "tools", config / "tools.yaml"), "tools.yaml", tools_by_name)
     text = format_thesis_text(load_recipe("thesis_190_0deg"))
-    yield Subject("thesis text", text_folder(folder / "thesis", "door.txt", text), "door.txt", read_file)
+    yield Subject(
+        "thesis text", text_folder(folder / "thesis", "door.txt", text), "door.txt", read_file, write=_doors
+    )
 
     loading = text_folder(folder / "loading", "set.yaml", LOADING_SET)
     text_folder(loading, "trials.csv", LOADING_ROWS)
-    yield Subject("loading set.yaml", loading, "set.yaml", _of_folder(read_measurement_set))
-    yield Subject("loading trials.csv", loading, "trials.csv", _of_folder(read_measurement_set))
+    yield Subject("loading set.yaml", loading, "set.yaml", of_folder(read_measurement_set))
+    yield Subject("loading trials.csv", loading, "trials.csv", of_folder(read_measurement_set))
     motion = first_rows(folder / "motion", ROOT / "test/data/kr300/A", "samples.csv", 400)
-    yield Subject("motion set.yaml", motion, "set.yaml", _of_folder(read_motion_set))
-    yield Subject("motion samples.csv", motion, "samples.csv", _of_folder(read_motion_set))
+    yield Subject("motion set.yaml", motion, "set.yaml", of_folder(read_motion_set))
+    yield Subject("motion samples.csv", motion, "samples.csv", of_folder(read_motion_set))
     poses = first_rows(folder / "poses", ROOT / "test/data/ur10/grid", "poses.csv", 60)
-    yield Subject("pose set.yaml", poses, "set.yaml", _of_folder(read_pose_set))
-    yield Subject("poses.csv", poses, "poses.csv", _of_folder(read_pose_set))
+    yield Subject("pose set.yaml", poses, "set.yaml", of_folder(read_pose_set))
+    yield Subject("poses.csv", poses, "poses.csv", of_folder(read_pose_set))
     door = text_folder(folder / "inspection", "inspection.yaml", INSPECTION)
     text_folder(door, "points.csv", POINTS)
     shutil.copytree(ROOT / "bags/unreachable", door / "bag")
-    yield Subject("inspection.yaml", door, "inspection.yaml", _of_folder(read_inspection))
-    yield Subject("points.csv", door, "points.csv", _of_folder(read_inspection))
-    yield Subject("inspection of the catalogue", door, "inspection.yaml", _of_folder(read_inspection_row))
+    yield Subject("inspection.yaml", door, "inspection.yaml", of_folder(read_inspection))
+    yield Subject("points.csv", door, "points.csv", of_folder(read_inspection))
+    yield Subject("inspection of the catalogue", door, "inspection.yaml", of_folder(read_inspection_row))
     yield Subject(
         "tracker file", text_folder(folder / "tracker", "a.csv", TRACKER), "a.csv", read_tracker_file
     )
@@ -178,6 +183,7 @@ def subjects(folder: Path) -> Iterator[Subject]:
         _copied(folder / "calibration", config / "camera.yaml"),
         "camera.yaml",
         read_document,
+        write=lambda value, path: write_document(value, path),
     )
     robot = config / "robots/irb6600_175_255"
     described = _copied(folder / "robot", *(p for p in robot.iterdir() if p.is_file()))
@@ -236,13 +242,17 @@ def subjects(folder: Path) -> Iterator[Subject]:
     kinds = (
         ("messages", _messages),
         ("runs", read_runs),
-        ("expectation", read_expectation),
         ("rows of the catalogue", read_rows),
     )
     for what, read in kinds:
-        yield Subject(f"bag {what}", bag, mcap, _of_folder(read))
-        yield Subject(f"metadata.yaml {what}", bag, "metadata.yaml", _of_folder(read))
+        yield Subject(f"bag {what}", bag, mcap, of_folder(read))
+        yield Subject(f"metadata.yaml {what}", bag, "metadata.yaml", of_folder(read))
+    yield from cell_files(folder)
     yield from controller_answers(folder)
+
+
+def _doors(value: Any, path: Path) -> None:
+    write_file(path, value)
 
 
 def _robot(path: Path) -> object:
@@ -251,5 +261,5 @@ def _robot(path: Path) -> object:
     return load_robot(path)
 
 
-def _messages(folder: Path) -> int:
-    return sum(1 for _ in read_bag(folder))
+def _messages(folder: Path) -> list[object]:
+    return [(m.topic, m.stamp_ns, m.data) for m in read_bag(folder)]

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import httpx
 
@@ -29,6 +30,7 @@ REFUSAL = {
     "code": -1073442809,
     "msg": "Operation rejected by the controller safety access restriction mechanism.",
 }
+_SIGNALS = "/rw/iosystem/signals/"
 FRAME = "".join(
     f'<li class="ios-signalstate-ev"><a href="/rw/iosystem/signals/diRequest;state" rel="self"/>\n'
     f'<span class="lvalue">{level}</span></li>\n'
@@ -58,8 +60,36 @@ def _reader(dialect: Dialect) -> Any:
 
 def _frame(path: Path) -> object:
     events = RwsEvents(None, RWS1, "diRequest", threading.Event())  # type: ignore[arg-type]  # connects to nothing
-    events._take(path.read_text(encoding="utf-8", errors="replace"))
-    return events.next_edge()
+    text = path.read_text(encoding="utf-8", errors="replace")
+    events._take(text)
+    edges = list(iter(events.next_edge, None))
+    told = _told(text)
+    if told is not None and edges != told:
+        raise AssertionError(f"edges {edges} of a message that tells {told}")
+    return edges
+
+
+def _told(text: str) -> list[bool] | None:
+    """The edges that a parser of XML finds in a message; None where it is not well formed."""
+    try:
+        root = ElementTree.fromstring(f"<x>{text}</x>")
+    except (ElementTree.ParseError, ValueError):
+        return None
+    edges = []
+    for item in root:
+        spans = [span.text or "" for span in item.findall("span") if span.get("class") == "lvalue"]
+        paths = [str(a.get("href")) for a in item.findall("a") if str(a.get("href")).startswith(_SIGNALS)]
+        signals = [
+            path.removeprefix(_SIGNALS).removesuffix(";state") for path in paths if path.endswith(";state")
+        ]
+        if (
+            signals
+            and spans
+            and signals[0].rsplit("/", 1)[-1] == "diRequest"
+            and spans[0].strip() in ("0", "1")
+        ):
+            edges.append(spans[0].strip() == "1")
+    return edges[-100:]
 
 
 def controller_answers(folder: Path) -> Iterator[Subject]:

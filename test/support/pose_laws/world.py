@@ -98,7 +98,11 @@ class World:
     @property
     def truth(self) -> dict[str, Any]:
         """What is hidden, and what may be named of it."""
-        may = [(name, self.law.where) for name in self.law.beside]
+        # A link's own offset turns the joint of its number.
+        may = [
+            (name, self.law.where.replace("joint", "link") if name == "link_geometry" else self.law.where)
+            for name in self.law.beside
+        ]
         may += [("link_geometry", f"link {k + 1}") for k in range(6) if self.longer[k]]
         return {
             "seed": self.seed,

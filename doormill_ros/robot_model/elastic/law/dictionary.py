@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
+from doormill_ros.robot_model.elastic.law.edges import ROUGH
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.law.entries import terms
@@ -54,6 +55,9 @@ _LIMITED = (
     ("past", 0.2),
     ("past", 0.4),
 )
+_CROSSED = tuple(("limited", part) for part in (0.02, 0.05, 0.1, 0.2, 0.4, 0.8))
+#: A foot or a seat that opens, at once or beyond what holds it.
+_OPENS = tuple(("opening", part) for part in (0.0, 0.1, 0.25, 0.5))
 
 #: What a modulated thing may hang on: driver ("k" stands for every other joint), shapes, whether also a curve.
 _SPRING = (
@@ -89,6 +93,9 @@ _WITH_LOAD = (
     ("torque sign", (("level", 0.0),), False),
     ("direction", _AGAINST, False),
     ("own torque", _LIMITED, False),
+    # A gap is crossed, and friction holds, in proportion to the load before they are so in full.
+    ("direction (torque along it)", _CROSSED, False),
+    ("direction (torque against it)", _CROSSED, False),
     ("time under load", _UNDER_LOAD, False),
     ("time", _OVER_TIME, False),
     ("temperature", _WARM, False),
@@ -115,6 +122,7 @@ DICTIONARY = (
     ("joint angle with the load", JOINTS, _WITH_LOAD),
     *((mount, ("base",), _MOUNT) for mount in ("base tilt", "base turn", "base shift")),
     *((mount, ("tool",), _MOUNT) for mount in ("tool tilt", "tool turn", "tool shift")),
+    *((edge.acts_on, (edge.where,), ((edge.driver, _OPENS, False),)) for edge in ROUGH),
     ("seat", ("tool",), (*_LEVEL, *_DRIFT)),
     ("straightness", LINKS, _DRIFT),
     ("length", LINKS, _DRIFT),

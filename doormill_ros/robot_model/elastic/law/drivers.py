@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.robot_model.elastic.law.edges import EDGES
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.law.parts import Driver, Drivers
 
@@ -34,10 +35,17 @@ DRIVERS: Drivers[LoadCase] = Drivers(
         "torque sign": Driver(lambda case, k: np.sign(case.torque[:, k]), "", True),
         "direction": Driver(_along, "", True),
         "direction (sense)": Driver(lambda case, k: np.sign(case.direction[:, k]), "", True),
+        "direction (torque along it)": Driver(
+            lambda case, k: np.maximum(case.direction[:, k] * case.torque[:, k], 0.0), "N m", True
+        ),
+        "direction (torque against it)": Driver(
+            lambda case, k: np.maximum(-case.direction[:, k] * case.torque[:, k], 0.0), "N m", True
+        ),
         "time": Driver(lambda case, k: _known(case.circumstances.time, case), "s", False),
         "time under load": Driver(lambda case, k: _known(case.circumstances.dt, case), "s", False),
         "temperature": Driver(lambda case, k: _known(case.circumstances.temperature, case), "deg C", False),
         "wrench": Driver(lambda case, k: np.linalg.norm(case.force, axis=1), "N", True),
+        **{edge.driver: Driver(edge.moment, "N m", True) for edge in EDGES.values()},
     },
     of_joint=_JOINT,
 )

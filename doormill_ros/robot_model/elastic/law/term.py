@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.elastic.causes.cause import LinearTwist
 from doormill_ros.robot_model.elastic.law.carriers import CARRIERS
 from doormill_ros.robot_model.elastic.law.drivers import DRIVERS
+from doormill_ros.robot_model.elastic.law.edges import EDGES
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 from doormill_ros.robot_model.law.parts import number_of
-from doormill_ros.robot_model.law.term import Term
+from doormill_ros.robot_model.law.term import SeenRange, Term, seen_in
 
 
 class LawTerm(Term[LoadCase], LinearTwist):
@@ -18,10 +21,29 @@ class LawTerm(Term[LoadCase], LinearTwist):
 
     carriers, drivers = CARRIERS, DRIVERS
 
+    def __init__(
+        self, where: str, acts_on: str, driver: str, shape: str, numbers: tuple[float, ...], seen: SeenRange
+    ) -> None:
+        """As every term; where a face tips, one thing in many readings, as numbers of waves are."""
+        super().__init__(where, acts_on, driver, shape, numbers, seen)
+        if acts_on in EDGES:
+            self.name, self.variant = f"tipping: {shape}", f"{acts_on}, {self.variant}"
+
     @classmethod
     def values_of(cls, case: LoadCase, where: str, driver: str) -> FloatArray:
         """In each loading, shape (n,)."""
         return DRIVERS.reading(driver, case, number_of(where))
+
+    def neighbours(self, case: LoadCase) -> list[Self]:
+        """Also the same over the edges next to its own."""
+        found = super().neighbours(case)
+        for edge in EDGES[self.acts_on].beside() if self.acts_on in EDGES else ():
+            values = self.values_of(case, self.where, edge.driver)
+            numbers = (self.numbers[0], max(float(values.max()), 1e-9))
+            seen = seen_in(values, self.shape, numbers)
+            if seen is not None:
+                found.append(type(self)(self.where, edge.acts_on, edge.driver, self.shape, numbers, seen))
+        return found
 
     def unit(self, case: LoadCase) -> FloatArray:
         """Every component of the carrier times every column of the shape."""

@@ -66,7 +66,7 @@ def read_system_outputs(path: Path) -> SystemOutputs:
     """System outputs and cross connections of EIO.cfg.
 
     Raises:
-        SignalError: A status that is not simulated, or a cross connection without result or actor.
+        SignalError: No plain text, a status that is not simulated, or a cross connection without result or actor.
     """
     status, crosses = {}, []
     for section, keys in _entries(path):
@@ -91,7 +91,13 @@ def read_system_outputs(path: Path) -> SystemOutputs:
 def _entries(path: Path) -> Iterator[tuple[str, dict[str, str]]]:
     """Section and keys of every entry; a backslash at the end of a line continues it."""
     section = ""
-    for line in re.sub(r"\\\s*\n", " ", path.read_text(encoding="ascii")).splitlines():
+    try:
+        content = path.read_text(encoding="ascii")
+    except UnicodeDecodeError as error:
+        raise SignalError(
+            f"{path}: byte {error.start} is no ASCII, allowed is plain text: save it so"
+        ) from error
+    for line in re.sub(r"\\\s*\n", " ", content).splitlines():
         text = line.strip()
         heading = _SECTION.fullmatch(text)
         if heading is not None:

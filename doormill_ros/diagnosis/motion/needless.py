@@ -1,0 +1,127 @@
+"""Names that a joint's laws take back: a law of the cause's own driver beside it, or one that does without the cause.
+
+A cause may have stood for a part of a law before there was one: play for a spring that softens, a spring for friction
+in one place. Beside a remainder that no law explains nothing of that kind can be said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.beam import EQUAL
+from doormill_ros.diagnosis.core.fit import Fit
+from doormill_ros.diagnosis.core.ranking import ranks
+from doormill_ros.diagnosis.core.verdict import AT_NOISE
+from doormill_ros.diagnosis.law.remainder import Searched, searched_once
+from doormill_ros.diagnosis.motion.examination import JointFinding
+from doormill_ros.diagnosis.motion.patterns import FOLLOWING
+from doormill_ros.diagnosis.motion.remainder import Companies, remainder
+from doormill_ros.diagnosis.motion.search import WORTH
+from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.causes.joint_damping import JointDamping
+from doormill_ros.robot_model.motion.causes.joint_friction import MotionFriction
+from doormill_ros.robot_model.motion.causes.joint_stiffness import MotionStiffness
+from doormill_ros.robot_model.motion.causes.time_skew import TimeSkew
+from doormill_ros.robot_model.motion.law.dictionary import dictionary
+from doormill_ros.robot_model.motion.law.term import MotionTerm
+
+#: Why a name is taken back.
+OTHER_LAW = "what follows the same driver beside it says that its law is another"
+NEEDLESS = "a law without a name does as well without it"
+#: What a spring or a gap acts on in the words of laws, and a damper.
+_ACTS_ON = ("spring", "joint angle")
+#: What causes act on in the words of laws, as these begin: a friction that varies is a friction still.
+_OWN: Mapping[type[MotionCause], str] = {
+    MotionStiffness: "spring",
+    MotionFriction: "friction",
+    TimeSkew: "delay",
+    JointDamping: "delay",
+}
+#: Share of a cause's effect that one other term follows to be the same in other words, too.
+_SAME = 0.95
+
+
+def taken_back(
+    finding: JointFinding,
+    companies: Companies,
+    found: Searched,
+    progress: Callable[[str], None] = lambda line: None,
+) -> list[tuple[MotionCause, str]]:
+    """Named causes of a joint that cannot keep their names beside its laws, each with the reason.
+
+    Args:
+        finding: The joint.
+        companies: All joints of each recording.
+        found: Laws beside all named causes.
+        progress: Told of every step.
+    """
+    if _explains(finding, found.best):
+        other = [cause for cause in finding.named if any(_same_law(term, cause) for term in found.laws)]
+        if other:
+            return [(cause, OTHER_LAW) for cause in other]
+    behind = [_behind(finding, companies, found, cause, progress) for cause in finding.named]
+    if not behind:
+        return []
+    least = int(ranks(np.array(behind))[0])
+    return [(finding.named[least], NEEDLESS)] if behind[least] < EQUAL else []
+
+
+def _same_law(term: MotionTerm, cause: MotionCause) -> bool:
+    """Whether a term says of a cause that its law is another."""
+    driver = term.driver.partition(" (")[0]
+    return term.acts_on in _ACTS_ON and isinstance(cause, FOLLOWING.get(driver, ()))
+
+
+def _explains(finding: JointFinding, model: Fit[MotionTerm]) -> bool:
+    """Whether what laws leave is noise, or less than what the least cause has to be worth."""
+    floor, before = finding.problem.floor, finding.problem.rmse(finding.extended.held_out)
+    left = float(np.sqrt(np.mean(model.held_out**2)))
+    return left <= AT_NOISE * floor or left**2 - floor**2 < WORTH * (before**2 - floor**2)
+
+
+def _behind(
+    finding: JointFinding,
+    companies: Companies,
+    found: Searched,
+    cause: MotionCause,
+    progress: Callable[[str], None],
+) -> float:
+    """By how much the score is larger of the best laws without a cause; infinite where these explain little."""
+    extended = finding.extended
+    rest = [other for other in extended.members if other is not cause]
+    delay = finding.search.delay if isinstance(cause, TimeSkew) else extended.delay
+    problem, base = remainder(finding.problem, rest, delay, companies)
+    effect = _effect(finding, cause)[finding.problem.counted]
+    offsets = finding.problem.design([], delay)[finding.problem.counted]
+    terms = [
+        term
+        for term in dictionary(problem.case)
+        if not term.acts_on.startswith(_OWN.get(type(cause), "nothing"))
+        and _followed(effect, problem.effect(term)[:, 0], offsets) < _SAME
+    ]
+    problem = problem.coarser(float(found.problem.sigma[0] / problem.sigma[0]))
+    progress(f"{cause!r} against laws alone")
+    rival = searched_once(problem, base, terms, progress)
+    return rival.total - found.total if _explains(finding, rival.best) else float("inf")
+
+
+def _effect(finding: JointFinding, cause: MotionCause) -> FloatArray:
+    """What a cause leaves in a model, shape (n,), in a unit of its own."""
+    extended = finding.extended
+    index = extended.members.index(cause)
+    shared, own = finding.problem.columns_of(cause, extended.delay)
+    # A skew is about the delay at which the joint is seen: its own number is next to nothing.
+    x = np.ones(1) if isinstance(cause, TimeSkew) else extended.x[index]
+    parts = zip(shared, own, extended.own[index], strict=True)
+    return np.concatenate([one @ x + mine @ y for one, mine, y in parts])
+
+
+def _followed(effect: FloatArray, term: FloatArray, offsets: FloatArray) -> float:
+    """Share of an effect, shape (n,), that columns of a term, shape (n, m), follow beside offsets, shape (n, r)."""
+    free, _ = np.linalg.qr(offsets)
+    asked, other = (part - free @ (free.T @ part) for part in (effect, term))
+    basis, _ = np.linalg.qr(other)
+    return float(np.sum((basis.T @ asked) ** 2) / max(float(np.sum(asked**2)), 1e-300))

@@ -1,0 +1,39 @@
+"""What some causes of a joint leave, ready for a search over laws."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from doormill_ros.diagnosis.core.wording import RADIANS
+from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
+from doormill_ros.diagnosis.motion.problem import JointProblem
+from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.law.ride import ride_of
+from doormill_ros.robot_model.motion.view import JointMotion
+
+#: All joints of each recording.
+Companies = Sequence[Sequence[JointMotion]]
+
+
+def remainder(
+    problem: JointProblem, members: Sequence[MotionCause], delay: float, companies: Companies
+) -> tuple[LinearProblem, Established]:
+    """What is left to explain beside some causes of a joint, which stay.
+
+    Args:
+        problem: The joint.
+        members: The causes.
+        delay: At which the joint is seen [s].
+        companies: All joints of each recording.
+    """
+    rides = tuple(
+        ride_of(motion, company, delay) for motion, company in zip(problem.motions, companies, strict=True)
+    )
+    sigma = np.array([problem.floor])
+    columns = problem.design(members, delay)[:, None, :]
+    base = established(columns, sigma, np.full(columns.shape[2], np.inf))
+    target = problem.target(delay)[:, None]
+    rows = problem.counted
+    return LinearProblem(target, sigma, rides, problem.block, problem.floor, RADIANS, rows), base
