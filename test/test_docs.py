@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 import re
 from pathlib import Path
 
 import pytest
 
-import doormill_ros.nodes
 from doormill_ros.backup.errors import BackupEntryError, NewerBackupError, TornBackupError
 from doormill_ros.cell.readiness import SILENCE
-from doormill_ros.nodes.reporting_node import ReportingNode
 from support.commands import TOOLS, Command, commands_of, complaint, parser_of
+from support.package_nodes import reporting_nodes
 from support.source_tree import ROOT
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -96,10 +93,8 @@ def test_targets_of_make_are_there() -> None:
 def parameters() -> set[str]:
     """Every parameter that a node of the cell declares."""
     names = {"autostart", "use_sim_time"}
-    for module in pkgutil.iter_modules(doormill_ros.nodes.__path__):
-        for value in vars(importlib.import_module(f"doormill_ros.nodes.{module.name}")).values():
-            if isinstance(value, type) and issubclass(value, ReportingNode):
-                names |= {parameter.name for parameter in value.PARAMETERS}
+    for node in reporting_nodes():
+        names |= {parameter.name for parameter in node.PARAMETERS}
     return names
 
 

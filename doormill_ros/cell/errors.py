@@ -49,6 +49,9 @@ WrongGoalError = CellError.row(
     812,
     "A goal for a whole door came to a robot that mills shares, or the other way round.",
 )
+RosArgumentsError = CellError.row(
+    "RosArgumentsError", 813, "ROS 2 does not start: its arguments or a parameter file cannot be read."
+)
 RunNoteError = CellError.row(
     "RunNoteError", 883, "It cannot be written down which run is in hand, so none is begun."
 )

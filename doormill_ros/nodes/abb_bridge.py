@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import sys
 import time
 from pathlib import Path
@@ -13,6 +12,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallb
 from std_msgs.msg import Bool, String
 
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, SensorLocalization, TargetArray
+from doormill_ros.abb.controller_names import controller_names
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
@@ -51,7 +51,7 @@ class AbbBridge(ManagedNode):
     """Owns the handshake with the controller; nothing else writes the target file or the ready signal."""
 
     PARAMETERS = (
-        NodeParameter("transport", "simulated_folder", f"way to the controller: {', '.join(TRANSPORTS)}"),
+        NodeParameter("transport", "simulated_folder", "way to the controller", choices=tuple(TRANSPORTS)),
         NodeParameter("address", "out/controller/HOME", "HOME of simulated_folder, URL of rws1 and rws2"),
         NodeParameter("certificate", "", "PEM file with the controller's certificate, for rws2"),
         NodeParameter("insecure", False, "trust any certificate of the controller, for rws2"),
@@ -138,7 +138,11 @@ class AbbBridge(ManagedNode):
             needed = (*needed, SHARES)
             self.subscribe(topics.SHARE_GO, self._take_word)
         self._attendance = CellAttendance(
-            self, needed, self._controller(), self._action.notify, self.value("limit.sign_of_life")
+            self,
+            needed,
+            controller_names(self.value("address")),
+            self._action.notify,
+            self.value("limit.sign_of_life"),
         )
         self._action.open(self._attendance, sensors, self.value("shared"))
         ExpectDoorServer(self, self.handshake.expect_door, self._group)
@@ -264,11 +268,6 @@ class AbbBridge(ManagedNode):
         if hindrance and self._health[1] != hindrance:
             self.get_logger().error(hindrance)
             self.report(ERROR, hindrance, error_code=NodeDoubledError.code)
-
-    def _controller(self) -> str:
-        """Names the controller on this network: its URL, or the folder that stands for it."""
-        address = str(self.value("address"))
-        return address if "://" in address else f"{socket.gethostname()}:{Path(address).resolve()}"
 
 
 def _wall_time(monotonic: float) -> Time:

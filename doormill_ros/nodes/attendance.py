@@ -33,7 +33,8 @@ class CellAttendance:
     Args:
         node: The bridge; make this in its `setup`.
         needed: Names of the nodes that a run needs.
-        controller: What names the controller on this network, the same for every bridge that goes to it.
+        controller: Names of the controller on this network, see `abb.controller_names`; the first one is shown.
+            Bridges that have one of them in common go to the same controller.
         notify: Called after each change.
         lease: Without a sign of life for so long one of the needed nodes is dead [s].
         clock: Monotonic [s].
@@ -43,25 +44,26 @@ class CellAttendance:
         self,
         node: ManagedNode,
         needed: Sequence[str],
-        controller: str,
+        controller: Sequence[str],
         notify: Callable[[], None],
         lease: float = LEASE,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._clock = clock
-        self._controller = controller
+        self._controller = controller[0]
         self._begun = clock()
         self._node = node
         self._first = False
-        claim = f"/_alive/controller_{zlib.crc32(controller.encode()):08x}"
-        node.publisher(alive_topic(claim))
+        claims = [f"/_alive/controller_{zlib.crc32(name.encode()):08x}" for name in controller]
+        for claim in claims:
+            node.publisher(alive_topic(claim))
         self._lease = lease
         self._nodes = AliveWatch(node, needed, notify, clock)
         # Patience with the living must not keep a restarted node beside its dead predecessor for longer.
         self._patient = (
             self._nodes if lease == LEASE else AliveWatch(node, needed, notify, clock, lease=lease)
         )
-        self._bridges = AliveWatch(node, (BRIDGE, claim), notify, clock, own=True)
+        self._bridges = AliveWatch(node, (BRIDGE, *claims), notify, clock, own=True)
         self._firsts = AliveWatch(node, (FIRST,), notify, clock)
 
     @property

@@ -25,7 +25,7 @@ from doormill_ros.nodes.simulated_shift import WORLD_PARAMETERS, SimulatedShift
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
-from doormill_ros.simulation.controller.rws_server.server import serve
+from doormill_ros.simulation.controller.rws_server.server import VERSIONS, serve
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.milled_part import inspect
@@ -51,7 +51,10 @@ class ControllerSimulator(ManagedNode):
             "spindle_works", True, "false: the spindle never comes to speed, the program stops with a fault"
         ),
         NodeParameter(
-            "web_services", "", "Robot Web Services over HOME and signals: rws1, rws2; empty: none"
+            "web_services",
+            "",
+            "Robot Web Services over HOME and signals; empty: none",
+            choices=("", *VERSIONS),
         ),
         NodeParameter("web_services_port", 8090, "their TCP port on 127.0.0.1; 0: any free one", 0, 65535),
         NodeParameter(

@@ -15,7 +15,6 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorLocalization, DoorRecipe
 from doormill_ros.arrays import ByteArray
-from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.cell.layout import CAMERA, load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
@@ -65,7 +64,7 @@ class DoorLocalizer(ManagedNode):
         ),
         SENSORS_PARAMETER,
         NodeParameter("frames", True, "publish the frames of camera and door"),
-        NodeParameter("image_transport", "raw", f"how pictures come: {', '.join(topics.PICTURES)}"),
+        NodeParameter("image_transport", "raw", "how pictures come", choices=tuple(topics.PICTURES)),
     )
 
     def __init__(self, **kwargs: Any) -> None:
@@ -75,14 +74,9 @@ class DoorLocalizer(ManagedNode):
         """Load camera mounting and cell layout; subscribe.
 
         Raises:
-            BadParameterError: No such way for pictures, or a list of sensors that is none.
+            BadParameterError: The list of sensors is none.
             BadSensorFile: The list names one that does not exist.
         """
-        transport = self.value("image_transport")
-        if transport not in topics.PICTURES:
-            raise BadParameterError(
-                f"image_transport is {transport!r}, allowed are {', '.join(topics.PICTURES)}; correct it"
-            )
         self._layout = load_layout()
         self._mounted = load_camera()
         self._camera: CameraModel | None = None
@@ -99,7 +93,7 @@ class DoorLocalizer(ManagedNode):
             return
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
-        self.subscribe(topics.PICTURES[transport], self._take_picture)
+        self.subscribe(topics.PICTURES[self.value("image_transport")], self._take_picture)
         self.every(0.05, self._give_up_waiting)
 
     def start(self) -> None:

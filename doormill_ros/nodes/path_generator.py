@@ -27,6 +27,7 @@ from doormill_ros.nodes.convert.recipe import recipe_message
 from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
+from doormill_ros.nodes.robots import ROBOTS
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.pipeline.model_in_use import SetupInUse, VersionedSetup
 from doormill_ros.pipeline.plan import plan, prepare, rehearse
@@ -53,7 +54,8 @@ class PathGenerator(ManagedNode):
         NodeParameter(
             "share",
             "",
-            "first or second: of two robots, whose share of each door; empty: one robot, whole doors",
+            "of two robots, whose share of each door; empty: one robot, whole doors",
+            choices=("", *ROBOTS),
         ),
         NodeParameter(
             "frames",

@@ -28,7 +28,7 @@ STEADY = Clock(clock_type=ClockType.STEADY_TIME)
 
 @dataclass(frozen=True)
 class NodeParameter:
-    """A declared parameter: name, default, what it means with its unit, allowed range.
+    """A declared parameter: name, default, what it means with its unit, allowed range or `choices`.
 
     One that is not `live` is read when the node is configured, and changes of it are refused from then on.
     """
@@ -39,10 +39,21 @@ class NodeParameter:
     low: float | None = None
     high: float | None = None
     live: bool = False
+    choices: tuple[str, ...] = ()
+
+    @property
+    def allowed(self) -> str:
+        """What its values are, after "allowed is"."""
+        if self.choices:
+            return f"one of {', '.join(repr(choice) for choice in self.choices)}"
+        limits = "" if self.low is None else f" from {self.low:g} to {self.high:g}"
+        return f"a {type(self.default).__name__}{limits}"
 
     def descriptor(self) -> ParameterDescriptor:
         """The ROS descriptor."""
         descriptor = ParameterDescriptor(description=self.description)
+        if self.choices:
+            descriptor.additional_constraints = self.allowed
         if self.low is None or self.high is None:
             return descriptor
         if isinstance(self.default, float):
@@ -90,21 +101,39 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         """
         given = self._parameter_overrides.get(parameter.name)
         default, whole = parameter.default, given is not None and type(given.value) is int
+        if given is not None and parameter.choices and given.value not in parameter.choices:
+            raise self._bad_value(parameter, given.value)
         if isinstance(default, float) and whole:
             given = Parameter(parameter.name, value=float(given.value))
             self._parameter_overrides[parameter.name] = given
         try:
             self.declare_parameter(parameter.name, default, parameter.descriptor())
         except ParameterException as error:
-            limits = "" if parameter.low is None else f" from {parameter.low:g} to {parameter.high:g}"
-            raise BadParameterError(
-                f"parameter {parameter.name} of /{self.get_name()} is {given.value!r}, allowed is a "
-                f"{type(default).__name__}{limits}: {parameter.description}; correct it on the command line or in the "
-                "parameter file"
-            ) from error
+            raise self._bad_value(parameter, given.value) from error
+
+    def _bad_value(self, parameter: NodeParameter, value: object) -> DoormillError:
+        return BadParameterError(
+            f"parameter {parameter.name} of /{self.get_name()} is {value!r}, allowed is {parameter.allowed}: "
+            f"{parameter.description}; correct it on the command line or in the parameter file"
+        )
+
+    def declared(self) -> set[str]:
+        """Names of the parameters that the node has."""
+        return set(self._parameters)
+
+    def given(self) -> set[str]:
+        """Names of the parameters that the command line or a file gives the node a value for."""
+        return set(self._parameter_overrides)
 
     def _judge_change(self, changes: list[Parameter]) -> SetParametersResult:
-        """Refuse what would be accepted and change nothing."""
+        """Refuse what is none of the choices, and what would be accepted and change nothing."""
+        chosen = {parameter.name: parameter for parameter in self.PARAMETERS if parameter.choices}
+        for change in changes:
+            if change.name in chosen and change.value not in chosen[change.name].choices:
+                return SetParametersResult(
+                    successful=False,
+                    reason=f"{change.name} is {change.value!r}, allowed is {chosen[change.name].allowed}",
+                )
         fixed = {parameter.name for parameter in self.PARAMETERS if not parameter.live}
         for change in changes:
             known = change.name in fixed and self.has_parameter(change.name)

@@ -6,6 +6,7 @@ import atexit
 import contextlib
 import ctypes
 import gc
+import re
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -13,28 +14,47 @@ from typing import Any
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import get_logger
 from rclpy.signals import uninstall_signal_handlers
 
-from doormill_ros.cell.errors import BadParameterError
+from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
+from doormill_ros.errors import one_line
 from doormill_ros.nodes.mailboxes import lost_mailboxes
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.nodes.unknown_parameters import unknown_parameters
 from doormill_ros.resources import resource
 
 THREADS = 4
 STOP_LIMIT = 1.0  # s
+BAD_ARGUMENTS = 2  #: exit status after which nobody starts the node again
+_PLACE_IN_RCL = re.compile(r",? at /\S+:\d+")
 # Parameters of glibc's mallopt.
 _TRIM_THRESHOLD, _TOP_PAD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -2, -3, -8
 _MEGABYTE = 1 << 20
 
 
 def init(arguments: Sequence[str]) -> None:
-    """Initialize rclpy with the shipped parameter file and the user's ROS arguments."""
+    """Initialize rclpy with the shipped parameter file and the user's ROS arguments.
+
+    Raises:
+        RosArgumentsError: They cannot be read.
+    """
     _keep_freed_memory()
     program, *rest = list(arguments)
     shipped = ["--ros-args", "--params-file", str(resource("config/nodes.yaml")), "--"]
-    rclpy.init(args=[program, *shipped, *rest])
+    try:
+        rclpy.init(args=[program, *shipped, *rest])
+    except rclpy_implementation.UnknownROSArgsError as error:
+        raise RosArgumentsError(
+            f"{error} after --ros-args is nothing that ROS 2 knows; correct it on the command line"
+        ) from error
+    except rclpy_implementation.RCLError as error:
+        reason = one_line(_PLACE_IN_RCL.sub("", str(error)))
+        raise RosArgumentsError(
+            f"{reason}; correct the arguments after --ros-args on the command line, or the parameter file"
+        ) from error
 
 
 def interrupt_once() -> None:
@@ -59,7 +79,11 @@ def interrupt_once() -> None:
 def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None) -> int:
     """Run nodes in this process until interrupted; the body of every node's executable."""
     interrupt_once()
-    init(sys.argv if arguments is None else arguments)
+    try:
+        init(sys.argv if arguments is None else arguments)
+    except RosArgumentsError as error:
+        get_logger("doormill").fatal(error.message)
+        return BAD_ARGUMENTS
     executor = SteadyExecutor(THREADS, lost=lost_mailboxes)
     nodes: list[ManagedNode] = []
     try:
@@ -67,13 +91,15 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
             nodes.append(factory())
             executor.add_node(nodes[-1])
             nodes[-1].bring_up()
+        for sentence in unknown_parameters(nodes):
+            get_logger("doormill").warning(sentence)
         _spare_collector()
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except BadParameterError as error:
         get_logger("doormill").fatal(error.message)
-        return 2
+        return BAD_ARGUMENTS
     except Exception:
         # What is met while the context goes away is the way out, no fault.
         if rclpy.ok():

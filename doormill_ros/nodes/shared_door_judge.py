@@ -12,9 +12,9 @@ from doormill_interfaces.msg import DoorPlacement, DoorRecipe, ExecutedPath
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.frames import DOOR_FRAME, inverse
-from doormill_ros.messages.from_message import recipe_of, transform_of
+from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.convert.executed import executed_of, milled_message, verdict_message
+from doormill_ros.nodes.convert.executed import executed_of, milled_message, placed_at, verdict_message
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import OK
 from doormill_ros.nodes.robots import ROBOTS, in_robot
@@ -79,7 +79,7 @@ class SharedDoorJudge(ManagedNode):
         if any(robot not in of or of[robot].run_id != recipe.run_id for of in paths for robot in working):
             return
         order = [robot for robot in self._done if robot in working]
-        T_cell_door = transform_of(placement.pose)
+        T_cell_door = placed_at(placement)
         milled = [Milled(robot, self._bases[robot], executed_of(self._done[robot])) for robot in order]
         verdict = judge_pair(door, T_cell_door, milled, self._cell)
         corrected = self._inspect(door, T_cell_door, milled)

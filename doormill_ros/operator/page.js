@@ -9,7 +9,7 @@ const SILENCE = 15000; // ms without a sign of life
 let heard = 0;
 let token = "";
 let view = null;
-let ageAt = null; // when the state began, by the browser's clock
+let ageAt = null; // when the state began, by the clock of the page, which nobody sets
 
 function showFaults(faults) {
   const items = faults.map((fault) => {
@@ -45,7 +45,7 @@ function show(told) {
   byId("refusal").hidden = !view.refusal;
   if (view.state) write("state", `${view.state}: ${view.state_reason}`, ENGLISH);
   else write("state", text("state.unknown"));
-  ageAt = view.state && view.state_age !== null ? Date.now() - 1000 * view.state_age : null;
+  ageAt = view.state && view.state_age !== null ? performance.now() - 1000 * view.state_age : null;
   showAge();
   write("door", view.run_id ? text("door.stage", { door: view.door_id, stage: view.stage }) : text("door.none"));
   const last = view.history[0];
@@ -63,7 +63,7 @@ function show(told) {
 
 // How long the state named above has lasted, by the clock of the cell.
 function showAge() {
-  const passed = ageAt === null ? -1 : Math.max(0, Math.floor((Date.now() - ageAt) / 1000));
+  const passed = ageAt === null ? -1 : Math.max(0, Math.floor((performance.now() - ageAt) / 1000));
   const values = { minutes: Math.floor(passed / 60), seconds: passed % 60 };
   write("since", passed < 0 ? text("state.unknown") : text("state.age", values));
 }

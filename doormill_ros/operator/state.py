@@ -65,11 +65,11 @@ class CellView:
         state_reason: Why it is in that state.
         state_run: Run that it is about, empty when about none.
         state_door: Door of that run.
-        state_since: When it came into that state, seconds since the epoch; 0: not known.
+        state_since: When it came into that state, by the steady clock [s]; None: not known.
         request: The controller asks for targets.
         run_id: Run in hand, empty when there is none.
         door_id: Door of that run.
-        run_since: When that run began, seconds since the epoch; 0: not known.
+        run_since: When that run began, by the steady clock [s]; None: not known.
         stage: Stage of that run, empty when not heard of.
         progress: Share of the run that is done, 0..1.
         refusal: Why the door in hand or the last one was refused; empty when it was not.
@@ -86,11 +86,11 @@ class CellView:
     state_reason: str = ""
     state_run: str = ""
     state_door: str = ""
-    state_since: float = 0.0
+    state_since: float | None = None
     request: bool = False
     run_id: str = ""
     door_id: str = ""
-    run_since: float = 0.0
+    run_since: float | None = None
     stage: str = ""
     progress: float = 0.0
     refusal: str = ""
@@ -123,18 +123,18 @@ class CellView:
             state_run=run_id,
             state_door=short(door_id),
             request=request,
-            state_since=since,
+            state_since=_steady(since),
         )
 
     def with_run(self, run_id: str, door_id: str, since: float = 0.0) -> CellView:
-        """A recipe was fetched for a run; one that has ended is not in hand again. `since`: see `run_since`."""
+        """A recipe was fetched for a run; one that has ended is not in hand again; `since` as in `with_handshake`."""
         if run_id == self.run_id or any(run.run_id == run_id for run in self.history):
             return self
         return replace(
             self,
             run_id=run_id,
             door_id=short(door_id),
-            run_since=since,
+            run_since=_steady(since),
             stage="recipe",
             progress=0.0,
             refusal="",
@@ -272,8 +272,8 @@ class CellView:
 
     def _state_age(self, told: bool) -> float | None:
         """How long the state has lasted [s]; a door that waits behind the controller's state, since its run began."""
-        since = self.state_since if told else self.run_since if self.run_id else 0.0
-        return max(time.time() - since, 0.0) if since > 0.0 else None
+        since = self.state_since if told else self.run_since if self.run_id else None
+        return None if since is None else time.monotonic() - since
 
     def _drawn(self) -> dict[str, Any] | None:
         if self.drawing is None:
@@ -286,3 +286,8 @@ class CellView:
 def short(text: str) -> str:
     """A text that is cut where it is longer than the page shows."""
     return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 1] + "…"
+
+
+def _steady(since: float) -> float | None:
+    """A time of the wall clock [s since the epoch] by the steady one, which nobody sets; None for 0."""
+    return time.monotonic() - max(time.time() - since, 0.0) if since > 0.0 else None

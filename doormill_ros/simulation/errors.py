@@ -37,3 +37,6 @@ PlungedDown = DoormillError.row(
 MilledWrongWay = DoormillError.row(
     "MilledWrongWay", 870, "In a simulated run a wall was not milled the way round that its recipe says."
 )
+RunMessageError = DoormillError.row(
+    "RunMessageError", 871, "A message of what a simulated robot did, or to which door, cannot be judged."
+)

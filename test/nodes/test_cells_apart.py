@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import psycopg
 import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -22,6 +23,7 @@ from rclpy.parameter import Parameter
 from doormill_interfaces.msg import TargetArray
 from doormill_ros.abb import signals
 from doormill_ros.abb.handshake.state import HandshakeState
+from doormill_ros.cell.errors import NodeDeadError
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
@@ -32,38 +34,85 @@ from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recording.bag_reader import read_bag
 from support.cell_processes import CellProcesses, executable, free_port
+from support.postgres import running_server
 
 DOOR, OTHER_DOOR = "thesis_190_0deg", "thesis_1350_0deg"
 DOUBLED = 809
 LIMIT = 300.0  # s
 
 
-def test_cells_in_namespaces_of_their_own_share_nothing(tmp_path: Path) -> None:
-    cells = {"/cell1": DOOR, "/cell2": OTHER_DOOR}
-    processes = []
-    for namespace, door in cells.items():
-        folder = tmp_path / namespace.strip("/")
+def run_cells(tmp_path: Path, cells: dict[str, list[str]], variables: dict[str, str]) -> dict[str, int]:
+    """Exit status of cells that run beside each other, each in a folder of its name.
+
+    Args:
+        tmp_path: For the folders.
+        cells: Arguments by name.
+        variables: Of the environment, for all of them.
+    """
+    processes = {}
+    for name, arguments in cells.items():
+        folder = tmp_path / name
         folder.mkdir()
         environment = {
             **os.environ,
             "XDG_DATA_HOME": str(folder / "data"),
             "ROS_LOG_DIR": str(folder / "ros"),
+            **variables,
         }
-        command = [executable("cell"), "--namespace", namespace, "--door", door, "--out", "run"]
+        command = [executable("cell"), *arguments, "--out", "run"]
         with open(folder / "log.txt", "wb") as log:
-            processes.append(subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment))
-    statuses = [process.wait(LIMIT) for process in processes]
-    for (namespace, door), status in zip(cells.items(), statuses, strict=True):
-        folder = tmp_path / namespace.strip("/")
-        assert status == 0, (folder / "log.txt").read_text()
-        summary = json.loads((folder / "run" / "summary.json").read_text())
+            processes[name] = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment)
+    return {name: process.wait(LIMIT) for name, process in processes.items()}
+
+
+def summary_of(folder: Path) -> dict[str, Any]:
+    """What a cell said of its run."""
+    return dict(json.loads((folder / "run" / "summary.json").read_text()))
+
+
+def test_cells_in_namespaces_of_their_own_share_nothing_but_a_database(tmp_path: Path) -> None:
+    """Both begin with one empty PostgreSQL database, for recipes and for the catalogue of runs."""
+    doors = {"cell1": DOOR, "cell2": OTHER_DOOR}
+    arguments = {name: ["--namespace", f"/{name}", "--door", door] for name, door in doors.items()}
+    with running_server() as server:
+        url = server.empty_database()
+        shared = {"DOORMILL_DATABASE": url, "DOORMILL_CATALOGUE": url}
+        statuses = run_cells(tmp_path, arguments, shared)
+        with psycopg.connect(url) as connection:
+            known = connection.execute("SELECT door_id FROM door").fetchall()
+            runs = connection.execute("SELECT door_id FROM catalogue_run").fetchall()
+    for name, door in doors.items():
+        folder = tmp_path / name
+        assert statuses[name] == 0, (folder / "log.txt").read_text()
+        summary = summary_of(folder)
         assert (summary["door_id"], summary["outcome"]) == (door, "milled")
         found = {message.topic for message in read_bag(folder / "run" / "bag")}
-        assert f"{namespace}/run/result" in found
-        assert {topic for topic in found if not topic.startswith(f"{namespace}/")} <= {
+        assert f"/{name}/run/result" in found
+        assert {topic for topic in found if not topic.startswith(f"/{name}/")} <= {
             "/rosout",
             "/parameter_events",
         }
+        assert [*(folder / "data").rglob("*.sqlite")] == []
+    assert {DOOR, OTHER_DOOR} <= {door for (door,) in known}
+    assert sorted(door for (door,) in runs) == sorted(doors.values())
+
+
+def test_two_cells_without_namespaces_refuse_or_mill_the_door_that_was_asked_for(tmp_path: Path) -> None:
+    """What one cell sees would be taken for another's: neither may mill the other one's door."""
+    doors = {"one": DOOR, "other": OTHER_DOOR}
+    statuses = run_cells(tmp_path, {name: ["--door", door] for name, door in doors.items()}, {})
+    for name, door in doors.items():
+        log = (tmp_path / name / "log.txt").read_text()
+        summary = summary_of(tmp_path / name)
+        assert summary["door_id"] == door, log
+        if statuses[name] == 0:
+            assert summary["outcome"] == "milled", log
+        else:
+            # The one that ends first is dead to the other one.
+            assert statuses[name] == 1, log
+            assert summary["error_code"] in (DOUBLED, NodeDeadError.code), log
+        assert "Traceback" not in log
+    assert any(statuses.values())
 
 
 #: A goal that finds neither recipes nor a camera ends soon.
@@ -147,7 +196,8 @@ def test_a_second_bridge_on_one_controller_refuses_and_takes_over_from_the_first
     link = {"transport": "rws1", "address": f"http://127.0.0.1:{port}"}
     served = {"controller_simulator:web_services": "rws1", "controller_simulator:web_services_port": port}
     parameters = {"abb_bridge": link, "cell_simulator": served}
-    with first(tmp_path, parameters) as cell, SecondBridge(cell, "/cell2", link) as second:
+    other_way = {**link, "address": f"http://localhost:{port}/"}
+    with first(tmp_path, parameters) as cell, SecondBridge(cell, "/cell2", other_way) as second:
         second.gives_way()
         refused, _ = cell.mill(DOOR, action="/cell2/mill_door")
         assert refused.error_code == DOUBLED, refused.message

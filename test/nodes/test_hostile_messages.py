@@ -15,48 +15,51 @@ from rclpy.serialization import deserialize_message
 
 from doormill_ros.localization.errors import BadCameraInfo, BadDoorFace, BadPicture, StalePicture
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.abb_bridge import AbbBridge
-from doormill_ros.nodes.camera_simulator import CameraSimulator
-from doormill_ros.nodes.controller_simulator import ControllerSimulator
-from doormill_ros.nodes.door_localizer import DoorLocalizer
-from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.operator_page import OperatorPage
-from doormill_ros.nodes.path_generator import PathGenerator
+from doormill_ros.nodes.model_monitor import ModelMonitor
 from support.cell_processes import NODES, CellProcesses
+from support.hostile.listeners import FEWER, RUNS, Listener, feed, good_message, listeners, taps_of
 from support.hostile.messages import hostile
-from support.localizer_node import Localizer, up
+from support.localizer_node import Localizer
 
 DOOR = "thesis_190_0deg"
-LISTENERS = (DoorLocalizer, PathGenerator, AbbBridge, CameraSimulator, ControllerSimulator, OperatorPage)
-RUNS = 12
+LISTENERS = listeners()
 
 
-def values_of(kind: type[ManagedNode], folder: Path) -> dict[str, Any]:
-    (folder / "HOME").mkdir()
-    return {
-        AbbBridge: {"address": str(folder / "HOME"), "archive": str(folder / "targets")},
-        ControllerSimulator: {"home": str(folder / "HOME")},
-        OperatorPage: {"port": 0, "history": str(folder / "history")},
-        DoorLocalizer: {"check_age": False},
-    }.get(kind, {})
-
-
-@pytest.mark.parametrize("kind", LISTENERS)
+@pytest.mark.parametrize("listener", LISTENERS, ids=lambda listener: listener.name)
 def test_no_message_meets_a_node_unexpectedly(
-    kind: type[ManagedNode], recorded: dict[str, bytes], context: Context, tmp_path: Path
+    listener: Listener, recorded: dict[str, bytes], context: Context, tmp_path: Path
 ) -> None:
-    node = up(kind, context, **values_of(kind, tmp_path))
+    node = listener.up(context, tmp_path)
     said: list[str] = []
     node.report = lambda level, message, **values: said.append(message)
-    taps = [tap for tap in node.subscriptions if tap.topic_name in recorded]
+    taps = taps_of(node)
     assert taps
-    for run in range(RUNS):
+    fed: set[str] = set()
+    sensor = listener.arguments.get("sensor", "")
+    for run in range(FEWER.get(listener.kind, RUNS)):
         draw = random.Random(run)
         for tap in taps:
-            good = deserialize_message(recorded[tap.topic_name], tap.msg_type)
-            for message in (good, hostile(good, draw)):
-                tap.callback(message)
+            good = good_message(tap, recorded, run, sensor)
+            for number, message in enumerate((good, hostile(good, draw))):
+                feed(tap, message, 2 * run + number)
+            fed.add(tap.topic_name)
     assert [message for message in said if "unexpected" in message] == []
+    assert fed == {tap.topic_name for tap in node.subscriptions if "_alive/" not in tap.topic_name}
+    node.close()
+    node.destroy_node()
+
+
+def test_what_a_node_does_not_expect_would_be_seen(
+    recorded: dict[str, bytes], context: Context, tmp_path: Path
+) -> None:
+    """A callback that fails is among what the test above looks at."""
+    node = Listener(ModelMonitor).up(context, tmp_path)
+    said: list[str] = []
+    node.report = lambda level, message, **values: said.append(message)
+    node._watch.take = None  # type: ignore[method-assign]
+    (tap,) = taps_of(node)
+    feed(tap, good_message(tap, recorded, 0), 0)
+    assert any("unexpected" in message for message in said), said
     node.close()
     node.destroy_node()
 
@@ -140,11 +143,11 @@ def test_a_fault_that_nobody_thought_of_is_an_answer(
     assert "ZeroDivisionError: by nothing" in refused.reason
 
 
-@pytest.mark.parametrize("kind", LISTENERS)
+@pytest.mark.parametrize("listener", LISTENERS, ids=lambda listener: listener.name)
 def test_no_timer_stands_still_when_the_wall_clock_is_set_back(
-    kind: type[ManagedNode], context: Context, tmp_path: Path
+    listener: Listener, context: Context, tmp_path: Path
 ) -> None:
-    node = up(kind, context, **values_of(kind, tmp_path))
+    node = listener.up(context, tmp_path)
     node.later("something", lambda: None)
     kinds = {timer.clock.clock_type for timer in node.timers}
     assert kinds == {ClockType.STEADY_TIME}

@@ -1,25 +1,13 @@
 """No node of ours hides what rclpy's own node keeps under the same name."""
 
 import ast
-import importlib
 import inspect
-import pkgutil
 import textwrap
 
 import rclpy
 from rclpy.lifecycle import LifecycleNode
-from rclpy.node import Node
 
-import doormill_ros.nodes
-
-
-def nodes_of_the_package():
-    found = set()
-    for module in pkgutil.iter_modules(doormill_ros.nodes.__path__, "doormill_ros.nodes."):
-        for _, one in inspect.getmembers(importlib.import_module(module.name), inspect.isclass):
-            if issubclass(one, Node) and one.__module__.startswith("doormill_ros."):
-                found.add(one)
-    return sorted(found, key=lambda one: one.__name__)
+from support.package_nodes import nodes_of_the_package
 
 
 def assigned(kind):

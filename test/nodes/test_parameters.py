@@ -16,19 +16,79 @@ from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.camera_simulator import CameraSimulator
 from doormill_ros.nodes.cell import NODES
+from doormill_ros.nodes.controller_simulator import ControllerSimulator
+from doormill_ros.nodes.door_localizer import DoorLocalizer
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.model_monitor import ModelMonitor
-from doormill_ros.nodes.reporting_node import NodeParameter
+from doormill_ros.nodes.path_generator import PathGenerator
+from doormill_ros.nodes.reporting_node import NodeParameter, ReportingNode
 from doormill_ros.nodes.run import run_nodes
+from doormill_ros.nodes.unknown_parameters import unknown_parameters
+from support.package_nodes import first_arguments, reporting_nodes
+
+ALL = reporting_nodes()
 
 
-@pytest.mark.parametrize("make", [*NODES, ModelMonitor], ids=lambda make: make.__name__)
-def test_every_number_has_a_range(make: Any) -> None:
+def test_the_nodes_of_the_package_are_found() -> None:
+    assert {AbbBridge, CameraSimulator, ModelMonitor, *NODES} < set(ALL)
+    assert ManagedNode not in ALL
+
+
+@pytest.mark.parametrize("make", ALL, ids=lambda make: make.__name__)
+def test_every_number_has_a_range(make: type[ReportingNode]) -> None:
     numbers = [
         p for p in make.PARAMETERS if isinstance(p.default, (int, float)) and type(p.default) is not bool
     ]
     assert [p.name for p in numbers if p.low is None or p.high is None] == []
     assert [p.name for p in numbers if not p.low <= p.default <= p.high] == []
+
+
+@pytest.mark.parametrize("make", ALL, ids=lambda make: make.__name__)
+def test_every_parameter_says_what_it_means_and_can_be(
+    make: type[ReportingNode], context: rclpy.Context
+) -> None:
+    node = make(**first_arguments(make), context=context)
+    names = [p.name for p in make.PARAMETERS]
+    described = dict(zip([*names, "autostart"], node.describe_parameters([*names, "autostart"]), strict=True))
+    assert [name for name, descriptor in described.items() if not descriptor.description] == []
+    for parameter in make.PARAMETERS:
+        told = described[parameter.name].additional_constraints
+        assert all(repr(choice) in told for choice in parameter.choices)
+        if parameter.choices:
+            assert parameter.default in parameter.choices
+    node.destroy_node()
+
+
+#: Parameters that are one of a few words, and a word that looks like one.
+CHOSEN = [
+    (AbbBridge, "transport", "rws2", "rws3"),
+    (PathGenerator, "share", "second", "third"),
+    (ControllerSimulator, "web_services", "rws1", "http"),
+    (DoorLocalizer, "image_transport", "compressed", "theora"),
+]
+
+
+@pytest.mark.parametrize(("make", "name", "good", "bad"), CHOSEN)
+def test_one_of_a_few_words_is_told_and_another_is_refused(
+    make: Callable[..., Any], name: str, good: str, bad: str, context: rclpy.Context
+) -> None:
+    with pytest.raises(BadParameterError, match=name) as refusal:
+        make(context=context, parameter_overrides=[Parameter(name, value=bad)])
+    assert f"{bad!r}, allowed is one of " in refusal.value.message
+    assert repr(good) in refusal.value.message
+    node = make(context=context, parameter_overrides=[Parameter(name, value=good)])
+    assert repr(good) in node.describe_parameter(name).additional_constraints
+    (answer,) = node.set_parameters([Parameter(name, value=bad)])
+    assert not answer.successful
+    assert f"{bad!r}, allowed is one of " in answer.reason
+    assert node.value(name) == good
+    node.destroy_node()
+
+
+def test_every_parameter_with_a_few_words_is_tried() -> None:
+    assert {p.name for make in ALL for p in make.PARAMETERS if p.choices} == {
+        name for _, name, _, _ in CHOSEN
+    }
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -1.0, 1e9])
@@ -132,3 +192,43 @@ def test_the_executable_says_it_in_one_line(capfd: pytest.CaptureFixture[str]) -
     said = capfd.readouterr().err
     assert "limit.recipe" in said
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--log-level", "loud"], "--log-level loud"),
+        (["--params-file", "{broken}"], "broken.yaml"),
+        (["--params-file", "{missing}"], "missing.yaml"),
+        (["-r", "no_rule"], "no_rule"),
+        (["--bogus"], "--bogus"),
+    ],
+    ids=lambda value: str(value[0]).strip("-") if isinstance(value, list) else "",
+)
+def test_arguments_that_ros_cannot_read_are_one_sentence(
+    arguments: list[str], words: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "broken.yaml").write_text("abb_bridge: [1\n")
+    names = {name: tmp_path / f"{name}.yaml" for name in ("broken", "missing")}
+    given = ["abb_bridge", "--ros-args", *(argument.format(**names) for argument in arguments)]
+    assert run_nodes(AbbBridge, arguments=given) == 2
+    said = capfd.readouterr().err
+    (fatal,) = [line for line in said.splitlines() if "[FATAL]" in line]
+    assert words in fatal
+    assert "correct" in fatal
+    assert "Traceback" not in said
+    assert "/src/" not in fatal
+
+
+def test_a_misspelt_parameter_is_named_with_the_one_that_is_meant(context: rclpy.Context) -> None:
+    given = {"limit.recipy": 3.0, "limit.picture": 3.0, "use_sim_time": False, "autostart": False}
+    overrides = [Parameter(name, value=value) for name, value in given.items()]
+    bridge = AbbBridge(context=context, parameter_overrides=overrides)
+    simulator = CameraSimulator(context=context, parameter_overrides=[Parameter("limit.picture", value=3.0)])
+    (sentence,) = unknown_parameters([bridge, simulator])
+    assert "no parameter limit.recipy of /abb_bridge" in sentence
+    assert "limit.recipe is meant" in sentence
+    (alone,) = unknown_parameters([simulator])
+    assert "limit.picture of /camera_simulator" in alone
+    for node in (bridge, simulator):
+        node.destroy_node()

@@ -199,6 +199,7 @@ def test_a_waiting_door_shows_how_long_it_waits_not_how_long_ago_another_was_don
 ) -> None:
     now = 1.8e9
     monkeypatch.setattr("doormill_ros.operator.state.time.time", lambda: now)
+    monkeypatch.setattr("doormill_ros.operator.state.time.monotonic", lambda: 100.0)
     view = CellView().with_run("r1", "oak", now - 900.0)
     view = view.with_handshake("done", DONE, "r1", "oak", since=now - 600.0)
     assert view.document()["state_age"] == 600.0
@@ -208,6 +209,21 @@ def test_a_waiting_door_shows_how_long_it_waits_not_how_long_ago_another_was_don
     assert waiting.document()["state_age"] == 200.0
     assert waiting.with_ended(ended("r2", False, "canceled")).document()["state_age"] is None
     assert view.with_run("r2", "elm").document()["state_age"] is None
+
+
+@pytest.mark.parametrize("step", [3600.0, -3600.0])
+def test_the_age_of_a_state_goes_on_when_the_wall_clock_is_set(
+    step: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wall, steady = [1.8e9], [100.0]
+    monkeypatch.setattr("doormill_ros.operator.state.time.time", lambda: wall[0])
+    monkeypatch.setattr("doormill_ros.operator.state.time.monotonic", lambda: steady[0])
+    view = CellView().with_handshake("idle", "", since=wall[0] - 600.0)
+    wall[0] += step + 5.0
+    steady[0] += 5.0
+    assert view.document()["state_age"] == 605.0
+    ahead = CellView().with_handshake("idle", "", since=wall[0] + 60.0)  # told by a clock that is ahead
+    assert ahead.document()["state_age"] == 0.0
 
 
 def test_a_door_refused_before_it_was_asked_for_is_not_said_to_be_milled() -> None:

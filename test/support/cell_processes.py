@@ -61,9 +61,11 @@ class CellProcesses:
         folder: Path,
         parameters: dict[str, dict[str, Any]] | None = None,
         nodes: Sequence[str] = NODES,
+        environment: dict[str, str] | None = None,
     ) -> None:
         self.folder = folder
         self._names = nodes
+        self._environment = {**os.environ, **(environment or {})}
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._parameters = {
             "bag_recorder": {"bag": folder / "bag"},
@@ -80,14 +82,17 @@ class CellProcesses:
             self._parameters.setdefault(name, {}).update(values)
         (folder / "HOME").mkdir(parents=True)
 
-    def start(self, name: str) -> None:
-        """Start one executable; its output goes to a file of its own."""
+    def start(self, name: str, *arguments: str) -> None:
+        """Start one executable, with further ROS arguments; its output goes to a file of its own."""
         command = [executable(name), "--ros-args"]
         for key, value in self._parameters.get(name, {}).items():
             text = str(value).lower() if isinstance(value, bool) else str(value)
             command += ["-p", f"{key}:={text}"]
+        command += arguments
         with open(self.folder / f"{name}.log", "ab") as log:
-            self.processes[name] = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+            self.processes[name] = subprocess.Popen(
+                command, stdout=log, stderr=subprocess.STDOUT, env=self._environment
+            )
 
     def stop(self, name: str, how: int = signal.SIGINT) -> int:
         """Signal one process and wait for its end; returns the exit status."""

@@ -9,12 +9,18 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorPlacement, FeatureDeviation, MilledDoor, RunVerdict
 from doormill_interfaces.msg import ExecutedPath as ExecutedPathMessage
 from doormill_interfaces.msg import Touch as TouchMessage
-from doormill_ros.messages.from_message import transforms_of, wrench_of
+from doormill_ros.arrays import FloatArray
+from doormill_ros.messages.from_message import transform_of, transforms_of, wrench_of
 from doormill_ros.nodes.convert.geometry import pose_message, wrench_message
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
+from doormill_ros.simulation.errors import RunMessageError
 from doormill_ros.simulation.judge.verdict import Harm, Touch, Verdict, WoodGone
 from doormill_ros.simulation.milled_part import MilledPart
+
+MOST = (
+    1e5  #: s, m, rad, N, Nm; what a cell does within a day is below, and squares of it stay far from overflow
+)
 
 
 def executed_message(path: ExecutedPath, header: Header, placement: DoorPlacement) -> ExecutedPathMessage:
@@ -36,18 +42,47 @@ def executed_message(path: ExecutedPath, header: Header, placement: DoorPlacemen
 
 
 def executed_of(message: ExecutedPathMessage) -> ExecutedPath:
-    """What a robot did; who watched spindle and guard is not told."""
-    return ExecutedPath(
-        time=np.array(message.time),
-        T_base_tool=transforms_of(message.actual),
-        T_base_tool_commanded=transforms_of(message.commanded),
-        q=np.array(message.joint_positions).reshape(-1, 6),
-        motion=np.array(message.motion),
-        cutting=np.array(message.cutting),
-        feature=np.array(message.feature),
-        wrench=np.array([wrench_of(wrench) for wrench in message.wrench]).reshape(-1, 6),
-        tool=np.array(message.tool) if message.tool else None,
-    )
+    """What a robot did; who watched spindle and guard is not told.
+
+    Raises:
+        RunMessageError: Its columns differ in length or hold what is no number, or its time runs backwards.
+    """
+    try:
+        path = ExecutedPath(
+            time=np.array(message.time),
+            T_base_tool=transforms_of(message.actual),
+            T_base_tool_commanded=transforms_of(message.commanded),
+            q=np.array(message.joint_positions).reshape(-1, 6),
+            motion=np.array(message.motion),
+            cutting=np.array(message.cutting),
+            feature=np.array(message.feature),
+            wrench=np.array([wrench_of(wrench) for wrench in message.wrench]).reshape(-1, 6),
+            tool=np.array(message.tool) if message.tool else None,
+        )
+        for name in ("time", "T_base_tool", "T_base_tool_commanded", "q", "wrench"):
+            if np.any(np.abs(getattr(path, name)) > MOST):
+                raise ValueError(f"{name} holds numbers beyond {MOST:g}")
+    except ValueError as error:
+        raise RunMessageError(
+            f"the executed path of run {message.run_id!r} cannot be judged: {error}; see who sends it",
+            run_id=message.run_id,
+        ) from error
+    return path
+
+
+def placed_at(placement: DoorPlacement) -> FloatArray:
+    """Where the door stood, door in the cell's base, shape (4, 4).
+
+    Raises:
+        RunMessageError: Nowhere near a cell.
+    """
+    T_base_door = transform_of(placement.pose)
+    if not np.all(np.abs(T_base_door) <= MOST):
+        raise RunMessageError(
+            f"the door of run {placement.run_id!r} stands {MOST:g} m or more away; see who sends its placement",
+            run_id=placement.run_id,
+        )
+    return T_base_door
 
 
 def milled_message(

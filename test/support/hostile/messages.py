@@ -1,9 +1,10 @@
-"""Good messages with some fields as nobody means them."""
+"""Messages of any type, and good messages with some fields as nobody means them."""
 
 from __future__ import annotations
 
 import array
 import copy
+import importlib
 import math
 import random
 import re
@@ -34,6 +35,7 @@ TEXTS = (
 HUGE = 10_000_000  # characters, bytes
 LONG = 3000  # elements
 _INTEGER = re.compile(r"^(u?)int(\d+)$")
+_REALS = ("float", "double")
 _SEQUENCE = re.compile(r"^(sequence<(?P<element>[^,>]+)(, *\d+)?>|(?P<item>.+)\[(?P<size>\d+)\])$")
 
 
@@ -57,7 +59,7 @@ def _places(message: Any) -> Iterator[tuple[Any, str, str]]:
 
 
 def _scalar(kind: str, draw: random.Random) -> Any:
-    if kind in ("float", "double"):
+    if kind in _REALS:
         return draw.choice(FLOATS)
     if kind == "boolean":
         return draw.random() < 0.5
@@ -78,6 +80,35 @@ def _many(old: Any, element: str, draw: random.Random) -> Any:
     if not values:
         return values
     return draw.choice(([], values[:1], values[:-1], values[::-1], values * 2, values[:1] * LONG))
+
+
+def filled(kind: type[Any]) -> Any:
+    """A message of a type of which none was recorded: every field has a value, every sequence two."""
+    message = kind()
+    for name, field in message.get_fields_and_field_types().items():
+        setattr(message, name, _plain(getattr(message, name), field, _slot(kind, name)))
+    return message
+
+
+def _slot(kind: type[Any], name: str) -> Any:
+    """What the type says of a field; of a sequence of messages its class can be asked for."""
+    return dict(zip(kind.get_fields_and_field_types(), kind.SLOT_TYPES, strict=True))[name]
+
+
+def _plain(old: Any, kind: str, slot: Any) -> Any:
+    if hasattr(old, "get_fields_and_field_types"):
+        return filled(type(old))
+    sequence = _SEQUENCE.match(kind)
+    if sequence is None:
+        return {"string": "word", "boolean": True, "octet": b"\1"}.get(kind, 1.5 if kind in _REALS else 1)
+    if sequence["size"] is not None:
+        return old
+    element = slot.value_type
+    if hasattr(element, "namespaced_name"):
+        package, group, word = element.namespaced_name()
+        made = filled(getattr(importlib.import_module(f"{package}.{group}"), word))
+        return [made, copy.deepcopy(made)]
+    return [_plain(None, sequence["element"], element)] * 2
 
 
 def hostile(message: Any, draw: random.Random) -> Any:
