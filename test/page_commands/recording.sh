@@ -4,3 +4,4 @@ replay --live --rate max bags/thesis_190_0deg
 replay --update bags/*/
 report bags/thesis_190_0deg
 python bags/repack.py bags/thesis_190_0deg repacked
+replay --accept bags/thesis_190_0deg
