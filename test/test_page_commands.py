@@ -59,8 +59,8 @@ def test_a_command_that_no_line_has_is_seen() -> None:
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 def test_its_script_runs(script: Path, tmp_path: Path) -> None:
-    text = f"set -uo pipefail\nROOT={ROOT}\nexport XDG_DATA_HOME=$PWD/site\n. ./activate\n{script.read_text(encoding='utf-8')}"
-    process = run_in_shell(text, tmp_path)
+    before = f"set -uo pipefail\nROOT={ROOT}\nexport XDG_DATA_HOME=$PWD/site\n. ./activate\n"
+    process = run_in_shell(before + script.read_text(encoding="utf-8"), tmp_path)
     try:
         output, _ = process.communicate(timeout=LIMIT)
     finally:
