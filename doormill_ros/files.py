@@ -124,3 +124,11 @@ def _flush(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+def is_file(path: Path) -> bool:
+    """Whether a file is there; False, too, of a name that no file can have."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False

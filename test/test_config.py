@@ -1,5 +1,6 @@
 """Every configuration is read in one way: whatever is wrong with a file becomes one sentence and one code."""
 
+import json
 import math
 from contextlib import suppress
 from dataclasses import dataclass
@@ -118,6 +119,7 @@ def places(document: object, path: tuple = ()) -> list[tuple]:
 
 def changed(name: str, place: tuple, value: object) -> str:
     document = yaml.safe_load(resource(LOADERS[name][2]).read_text(encoding="utf-8"))
+    document = json.loads(json.dumps(document))  # what two keys share is changed in one place only
     node = document
     for key in place[:-1]:
         node = node[key]

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from doormill_ros.errors import LONGEST, DoormillError
+from doormill_ros.measurements.picture_set import SCHEMA as PICTURES
+from doormill_ros.measurements.picture_set import read_picture_set
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.models.store import RECORD, ModelStore
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.exchange.files import read_file
+from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.simulation.controller.event_routines import read_event_routines
 from doormill_ros.simulation.controller.operation.configuration import read_system_outputs
 from support.hostile.keeping import spelt_anew
 
+ROBOT = resource("config/robots/irb6600_175_255/robot.yaml")
 MODEL = """schema: doormill/extended-model/1
 robot: irb6600_175_255
 joint_stiffness: [1.0e6, 1.0e6, 1.0e6, 1.0e6, 1.0e6, 1.0e6]
@@ -40,6 +45,10 @@ def _record(path: Path) -> object:
     return ModelStore(path.parent).record()
 
 
+def _pictures(path: Path) -> object:
+    return read_picture_set(path.parent)
+
+
 @pytest.mark.parametrize(
     ("name", "content", "read", "places"),
     [
@@ -56,6 +65,8 @@ def _record(path: Path) -> object:
         (RECORD, json.dumps(MODELS | {"versions": [VERSION | {"more": 3}]}).encode(), _record, ["versions.0"]),
         (RECORD, json.dumps(MODELS | {"stop": {"version": "1", "message": "m"}}).encode(), _record, ["stop.version"]),
         (RECORD, json.dumps(MODELS | {"orders": None}).encode(), _record, ["orders"]),
+        ("b.json", b'{"schema": 1,\n"mass_kg": ' + 5000 * b"1" + b"}", read_file, ["line 2"]),
+        ("set.yaml", f"schema: {PICTURES}\ncamera: {300 * 'a'}\n".encode(), _pictures, ["camera"]),
         ("EIO.cfg", b"EIO:CFG_1.0:6:1::\n\xb6", read_system_outputs, ["byte 18"]),
         ("SYS.cfg", b"SYS:CFG_1.0:6:1::\n\xb6", read_event_routines, ["byte 18"]),
     ],
@@ -81,6 +92,18 @@ def test_a_place_in_front_keeps_the_sentence_short(tmp_path: Path) -> None:
         read_file(path)
     assert len(str(refused.value)) <= LONGEST
     assert refused.value.message == str(refused.value)
+
+
+def test_a_flange_that_no_table_reaches_names_the_file(tmp_path: Path) -> None:
+    urdf = (ROBOT.parent / "robot.urdf").read_text(encoding="utf-8")
+    turned = re.sub(
+        r'(<joint name="flange_joint".*?rpy=")[^"]*', r"\g<1>0.3 0 0", urdf, count=1, flags=re.DOTALL
+    )
+    assert turned != urdf
+    (tmp_path / "robot.urdf").write_text(turned, encoding="utf-8")
+    (tmp_path / "robot.yaml").write_bytes(ROBOT.read_bytes())
+    with pytest.raises(DoormillError, match=r"robot\.urdf: the flange is"):
+        load_robot(tmp_path)
 
 
 def test_a_column_inside_another_names_the_file(tmp_path: Path) -> None:

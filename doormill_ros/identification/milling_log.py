@@ -142,7 +142,7 @@ def _numbers(value: Any, count: int) -> FloatArray | None:
     """Finite numbers, shape (count,); None for anything else."""
     try:
         numbers = np.array(value, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
     return numbers if numbers.shape == (count,) and np.all(np.isfinite(numbers)) else None
 

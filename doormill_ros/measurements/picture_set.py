@@ -19,6 +19,7 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.files import is_file
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.localization.picture_file import read_picture
@@ -91,7 +92,7 @@ def read_picture_set(folder: Path) -> PictureSet:
     camera_file = resource("config/camera.yaml")
     if document.data.get("camera") is not None:
         camera_file = folder / str(document.get("camera"))
-        if not camera_file.is_file():
+        if not is_file(camera_file):
             raise document.fail(
                 ("camera",), f"is {document.get('camera')!r}, allowed is a file in the folder"
             )

@@ -210,7 +210,7 @@ def _dh(document: SetDocument) -> FloatArray:
     rows = document.get("model", "dh")
     try:
         dh = np.array(rows, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         dh = np.zeros(0)
     if dh.shape not in [(count, 4) for count in JOINTS] or not np.all(np.isfinite(dh)):
         raise document.fail(

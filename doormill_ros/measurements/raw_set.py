@@ -227,7 +227,7 @@ class _Reader:
     def _vector(self, node: dict[str, Any], key: str, length: int, where: str) -> FloatArray:
         try:
             vector = np.array(node.get(key), dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             vector = np.empty(0)
         if vector.shape != (length,) or not np.all(np.isfinite(vector)):
             raise self._wrong(where, f"has {key} {node.get(key)!r}, allowed are {length} finite numbers")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +52,13 @@ def parse_json(text: str, name: str = "document") -> Any:
     except RecursionError as error:
         raise UnreadableFile(f"{name}: not a recipe, nested too deeply") from error
     except ValueError as error:  # an integer of thousands of digits
-        raise UnreadableFile(f"{name}: not a recipe, {error}") from error
+        raise UnreadableFile(f"{name} line {_line_of_longest(text)}: not a recipe, {error}") from error
+
+
+def _line_of_longest(text: str) -> int:
+    """The line with the longest row of digits, counted from 1."""
+    longest = max(re.finditer(r"\d+", text), key=lambda digits: len(digits[0]))
+    return text.count("\n", 0, longest.start()) + 1
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from doormill_ros.config import found, read
 from doormill_ros.resources import resource
 from doormill_ros.robot.denavit_hartenberg import table_of_chain
 from doormill_ros.robot.errors import RobotDescriptionError
-from doormill_ros.robot.urdf import JOINTS, read_chain
+from doormill_ros.robot.urdf import JOINTS, Chain, read_chain
 from doormill_ros.robot.weights import LinkWeights
 from doormill_ros.units import deg_to_rad, rad_to_deg
 from doormill_ros.values import Array, Exactly, Positive, Section, contradiction
@@ -180,7 +180,7 @@ def _load(path: Path) -> Robot:
         label=content.label or path.parent.name,
         urdf=urdf,
         flange_link=chain.flange,
-        dh=_frozen(table_of_chain(chain)),
+        dh=_frozen(_table(urdf, chain)),
         lower=_frozen(lower),
         upper=_frozen(upper),
         max_velocity=_frozen(deg_to_rad(content.max_velocity.value)),
@@ -201,6 +201,13 @@ def _load(path: Path) -> Robot:
             path,
         )
     return robot
+
+
+def _table(urdf: Path, chain: Chain) -> FloatArray:
+    try:
+        return table_of_chain(chain)
+    except RobotDescriptionError as error:
+        raise RobotDescriptionError(f"{urdf}: {error.message}") from error
 
 
 def _check_limits(

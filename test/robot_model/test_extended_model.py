@@ -157,7 +157,7 @@ def test_a_model_comes_back_with_what_was_measured_of_it(tmp_path):
         ({"causes": [{"cause": "gremlins", "where": "joint 1", "parameters": {}}]}, "gremlins"),
         ({"causes": [{"cause": "link_bending", "where": "link 2", "parameters": {}}]}, "EI"),
         ({"causes": [{"cause": "link_bending", "where": "link 2", "parameters": {"EI": "soft"}}]}, "soft"),
-        ({"causes": 3}, "int"),
+        ({"causes": 3}, "causes: it is 3"),
     ],
 )
 def test_rubbish_is_refused(tmp_path, change, message):

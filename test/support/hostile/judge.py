@@ -64,7 +64,10 @@ class Judge:
             return self._same("the good file in another spelling", self._value, kind, text, value)
         if kind != "read":
             return kind, text
-        found = essence(value)
+        try:
+            found = essence(value)
+        except (MemoryError, RecursionError, ValueError):  # read, and too much of it to be compared
+            return kind, text
         kind, text = self._written_again(value, found)
         if kind == "read":
             kind, text = self._spelt_again(content, found, draw)

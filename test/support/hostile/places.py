@@ -15,7 +15,8 @@ _PLACE = re.compile(r"\b(line|row|column|byte|position|sheet|document|entry)s? '
 _WHOLE = re.compile(
     r"holds nothing|holds no mapping|found None|it holds|has schema|schema is|nested too deeply|unpacks to"
     r"|not an Excel workbook"
-    r"|no row is about a door|more than \d+ bytes|allowed are fields with names|NUL"
+    r"|: is given twice|steady window lasts|no row is about a door"
+    r"|more than \d+ bytes|allowed are fields with names|NUL"
 )
 
 
