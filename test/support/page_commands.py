@@ -53,15 +53,19 @@ def literal_words(text: str) -> list[str]:
 
 
 def is_run_by(text: str, script: str) -> bool:
-    """A script has a command as it stands, or one line its literal words in their order."""
+    """A script has a command as it stands, or one line its literal words in their order, with any whole numbers."""
     if text in script:
         return True
     words = literal_words(text)
     for line in script.replace("\\\n", " ").splitlines():
         rest = iter(line.split())
-        if all(any(word == other for other in rest) for word in words):
+        if all(any(_same_word(word, other) for other in rest) for word in words):
             return True
     return False
+
+
+def _same_word(word: str, other: str) -> bool:
+    return word == other or (word.isdecimal() and other.isdecimal())
 
 
 @dataclass(frozen=True)
