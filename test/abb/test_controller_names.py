@@ -66,7 +66,7 @@ def same(one: str, other: str) -> bool:
         ("http://[::ffff:192.0.2.17]", "http://192.0.2.17"),
         ("http://[fe80::1%eth0]", "http://[fe80::1%eth1]"),
         ("http://unknown.example/", "http://UNKNOWN.example:80"),
-        ("http://192.0.2.17/cell/../irc5", "http://192.0.2.17/irc5/"),
+        (f"http://192.0.2.17/cell/{os.pardir}/irc5", "http://192.0.2.17/irc5/"),
     ],
 )
 def test_two_ways_to_write_one_controller(one: str, other: str) -> None:
@@ -94,7 +94,7 @@ def test_a_folder_is_one_by_whatever_way(tmp_path: Path, monkeypatch: pytest.Mon
     home.mkdir()
     (tmp_path / "link").symlink_to(home)
     monkeypatch.chdir(tmp_path)
-    for way in ("HOME", "./HOME/", "link", f"{tmp_path}/link/{os.pardir}/HOME", str(home)):
+    for way in ("HOME", "./HOME/", "link", str(tmp_path / "link" / os.pardir / "HOME"), str(home)):
         assert controller_names(way) == controller_names(str(home)), way
     assert not same("HOME", "other")
 
