@@ -134,6 +134,7 @@ def main(arguments: list[str] | None = None) -> int:
     from doormill_ros.nodes.cell import CellOptions, run_once
     from doormill_ros.nodes.run import interrupt_once
     from doormill_ros.operator.token import Keys, new_token
+    from doormill_ros.recording.errors import BagError
     from doormill_ros.report.run_report import write_report
 
     if arguments is None:
@@ -183,7 +184,11 @@ def main(arguments: list[str] | None = None) -> int:
         robots=options.robots,
     )
     summary = run_once(options.door[0], folder, cell, progress, milled)
-    write_report(Path(summary.bag), Path(summary.report))
+    unreported = ""
+    try:
+        write_report(Path(summary.bag), Path(summary.report))
+    except BagError as lacking:  # such as of a goal that another cell's bridge answered
+        unreported = f"none: {lacking.message}"
     if options.out is None:
         point_latest(folder, latest)
         folder = latest
@@ -200,7 +205,7 @@ def main(arguments: list[str] | None = None) -> int:
         for file in sorted((folder / "targets").rglob(Path(summary.target_file).name)):
             print(f"RAPID file  {file}")
     print(f"bag         {folder / 'bag'}")
-    print(f"report      {folder / 'report.html'}")
+    print(f"report      {unreported or folder / 'report.html'}")
     print(f"summary     {folder / 'summary.json'}")
     if summary.outcome == OUT_OF_TOLERANCE:
         return OUT_OF_TOLERANCE_STATUS
