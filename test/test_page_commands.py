@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import signal
 from pathlib import Path
 
 import pytest
@@ -12,7 +10,7 @@ import yaml
 
 from support.commands import Command
 from support.page_commands import FOLDER, calls_of, is_run_by, literal_words, load_page
-from support.shell import run_in_shell
+from support.shell import output_of
 from support.source_tree import ROOT
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -60,10 +58,4 @@ def test_a_command_that_no_line_has_is_seen() -> None:
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 def test_its_script_runs(script: Path, tmp_path: Path) -> None:
     before = f"set -uo pipefail\nROOT={ROOT}\nexport XDG_DATA_HOME=$PWD/site\n. ./activate\n"
-    process = run_in_shell(before + script.read_text(encoding="utf-8"), tmp_path)
-    try:
-        output, _ = process.communicate(timeout=LIMIT)
-    finally:
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
-    assert process.returncode == 0, output
+    output_of(before + script.read_text(encoding="utf-8"), tmp_path, LIMIT)

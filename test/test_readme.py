@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from support.shell import run_in_shell
+from support.shell import output_of, run_in_shell
 from support.source_tree import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -41,13 +41,7 @@ def test_make_targets_exist(command: str) -> None:
 
 @pytest.mark.parametrize("block", [b for b in SHELL if " & " not in b])
 def test_shell_commands_run(block: str, tmp_path: Path) -> None:
-    process = run_in_shell(block, tmp_path)
-    try:
-        output, _ = process.communicate(timeout=LIMIT)
-    finally:
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
-    assert process.returncode == 0, output
+    output_of(block, tmp_path, LIMIT)
 
 
 @pytest.mark.parametrize("block", [b for b in SHELL if " & " in b])

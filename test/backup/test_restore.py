@@ -84,6 +84,15 @@ def test_a_check_changes_nothing(site: Path, tmp_path: Path) -> None:
     assert not (tmp_path / "new").exists()
 
 
+def backed_up(site: Path, archive: Path) -> Path:
+    """A backup made now, its content in a folder beside it."""
+    make_backup(site, SiteDatabase(str(site / "recipes.sqlite")), archive)
+    folder = archive.with_suffix("")
+    folder.mkdir()
+    read_archive(archive).extract(folder)
+    return folder
+
+
 def test_a_backup_of_a_store_in_use_is_of_one_moment(site: Path, tmp_path: Path) -> None:
     """Each proposal takes the folder of the one before away; every copy names only what it holds."""
     ended = threading.Event()
@@ -98,10 +107,7 @@ def test_a_backup_of_a_store_in_use_is_of_one_moment(site: Path, tmp_path: Path)
     proposer.start()
     try:
         for number in range(10):
-            make_backup(site, SiteDatabase(str(site / "recipes.sqlite")), tmp_path / f"{number}.tar")
-            folder = tmp_path / str(number)
-            folder.mkdir()
-            read_archive(tmp_path / f"{number}.tar").extract(folder)
+            folder = backed_up(site, tmp_path / f"{number}.tar")
             copy = ModelStore(folder / "models")
             versions = copy.record().versions
             assert [copy.model(one.number).version for one in versions] == [one.number for one in versions]
@@ -124,10 +130,7 @@ def test_a_backup_of_a_database_in_use_is_of_one_moment(site: Path, recipe: Reci
     seen = []
     try:
         for number in range(5):
-            make_backup(site, SiteDatabase(str(site / "recipes.sqlite")), tmp_path / f"{number}.tar")
-            folder = tmp_path / str(number)
-            folder.mkdir()
-            read_archive(tmp_path / f"{number}.tar").extract(folder)
+            folder = backed_up(site, tmp_path / f"{number}.tar")
             with RecipeDatabase(str(folder / "database" / "recipes.sqlite")) as copy:
                 history = [record.version for record in copy.history(recipe.door_id)]
                 assert history == list(range(1, copy.get(recipe.door_id).version + 1))

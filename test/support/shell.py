@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 from pathlib import Path
 
@@ -28,3 +29,15 @@ def run_in_shell(script: str, folder: Path, **kwargs: object) -> subprocess.Pope
         start_new_session=True,
         **kwargs,
     )
+
+
+def output_of(script: str, folder: Path, limit: float) -> str:
+    """What shell lines print that have to end well within a limit [s]; nothing of them is left running."""
+    process = run_in_shell(script, folder)
+    try:
+        output, _ = process.communicate(timeout=limit)
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+    assert process.returncode == 0, output
+    return str(output)

@@ -2,7 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+
+def lines_of(path: Path, refused: Callable[[str], Exception]) -> list[str]:
+    """The lines of a configuration file.
+
+    Args:
+        path: The file.
+        refused: Makes the error of a file that is no plain text from its sentence, which names the byte.
+    """
+    try:
+        return path.read_text(encoding="ascii").splitlines()
+    except UnicodeDecodeError as error:
+        raise refused(f"{path}: byte {error.start} is no ASCII, allowed is plain text: save it so") from error
 
 
 def entries(lines: Iterable[str], first: int = 1) -> Iterator[tuple[int, str]]:

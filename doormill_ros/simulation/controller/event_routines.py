@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 from doormill_ros.abb.errors import AbbError
-from doormill_ros.simulation.controller.cfg_lines import entries
+from doormill_ros.simulation.controller.cfg_lines import entries, lines_of
 from doormill_ros.simulation.controller.rapid.errors import EventRoutinesError
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
 
@@ -37,12 +37,7 @@ def read_event_routines(path: Path, task: str = "T_ROB1") -> dict[str, tuple[str
     """
     section = ""
     found: dict[str, list[tuple[float, str]]] = {}
-    try:
-        lines = path.read_text(encoding="ascii").splitlines()
-    except UnicodeDecodeError as error:
-        raise EventRoutinesError(
-            f"{path}: byte {error.start} is no ASCII, allowed is plain text: save it so"
-        ) from error
+    lines = lines_of(path, EventRoutinesError)
     for start, entry in entries(lines):
         if re.fullmatch(r"[A-Z_0-9]+:", entry):
             section = entry[:-1]

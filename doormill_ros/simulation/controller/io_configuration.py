@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from doormill_ros.abb.errors import AbbError
-from doormill_ros.simulation.controller.cfg_lines import entries
+from doormill_ros.simulation.controller.cfg_lines import entries, lines_of
 from doormill_ros.simulation.controller.rapid.errors import SignalError
 
 #: RAPID type of each type of signal.
@@ -124,12 +124,7 @@ def read_io_configuration(path: Path) -> IoConfiguration:
     Raises:
         SignalError: No signal in it, or anything that a controller would not take; names the line.
     """
-    try:
-        lines = path.read_text(encoding="ascii").splitlines()
-    except UnicodeDecodeError as error:
-        raise SignalError(
-            f"{path}: byte {error.start} is no ASCII, allowed is plain text: save it so"
-        ) from error
+    lines = lines_of(path, SignalError)
     header = _HEADER.fullmatch(lines[0].strip()) if lines else None
     if header is None:
         raise _refuse(
