@@ -118,6 +118,7 @@ class Course:
                 self._tell("targets", 0.4)
                 self._wait_for_the_word(self._may_mill)
             self._need(MILLING)
+            self._wait_for_link()
             data = self._handover.submit(targets, request_number)
             if self._may_mill is None:
                 self._tell("targets", 0.4)
@@ -158,7 +159,8 @@ class Course:
 
             def over(number: int = number) -> bool:
                 now = handshake.snapshot
-                reclamped = now.request_number != number or not now.accepts_submission
+                asks = now.accepts_submission or now.state is HandshakeState.CLEARING
+                reclamped = now.request_number != number or not asks
                 return reclamped or len(run.steps) != self._steps
 
             localized = run.wait_for(LOCALIZATION, self._limits.picture, _missing(self._sensors[0]), over)
@@ -174,7 +176,9 @@ class Course:
                 )
                 if targets is not None:
                     self._note(pose_to_targets=run.times["targets"] - run.times[LOCALIZATION])
-                    return targets, number
+                    self._wait_for_link()
+                    if not over():
+                        return targets, number
             run.forget()
 
     def _agreed(self, over: Callable[[], bool]) -> bool:
@@ -193,6 +197,14 @@ class Course:
             doors.append(sensed_door_of(found))
         check_agreement(doors)
         return True
+
+    def _wait_for_link(self) -> None:
+        """A short break of the link is waited for: the controller may ask for the same file after it."""
+        self._run.wait_until(
+            lambda: self._handover.handshake.snapshot.state is not HandshakeState.CLEARING,
+            self._limits.request,
+            "the controller could not be reached or cleared; see what /abb_bridge reports",
+        )
 
     def _wait_for_request(self) -> int:
         """Number of the controller's request; from its beginning on pictures count."""

@@ -155,6 +155,13 @@ def raising(error: Exception) -> object:
     return act
 
 
+def raising_always(error: Exception) -> object:
+    def act(*_: object) -> None:
+        raise error
+
+    return act
+
+
 def test_memory_transport_is_a_transport() -> None:
     assert isinstance(MemoryTransport(), Transport)
 
@@ -587,6 +594,59 @@ def test_a_request_that_rises_while_its_signal_cannot_be_read_is_answered(
         cell.step()
     assert cell.handshake.snapshot.state is State.REQUESTED
     assert cell.handshake.snapshot.request_number == number + 1
+
+
+@pytest.mark.parametrize("late", [False, True])
+@pytest.mark.parametrize(
+    ("before", "after", "new"), [("17", "17", False), ("17", "18", True), ("", "", True)], ids=str
+)
+def test_a_request_outlasts_a_break_of_the_link_when_the_robots_mark_is_the_same(
+    cell: Cell, monkeypatch: pytest.MonkeyPatch, before: str, after: str, new: bool, late: bool
+) -> None:
+    """What was measured for it is good still, also when the door had to wait for another robot until then."""
+    if before:
+        answer(cell, signals.REQUEST_FILE, f"{before}\n")
+    cell.to_requested()
+    first = cell.handshake.snapshot
+    if late:
+        cell.clock.now += LIMITS.submission
+        assert cell.step() is State.FAILED
+    with monkeypatch.context() as broken:
+        broken.setattr(cell.transport, "read_ready", raising_always(ConnectionLostError("no answer")))
+        cell.clock.now += LIMITS.watch
+        assert cell.step() is State.CLEARING
+        if after:
+            answer(cell, signals.REQUEST_FILE, f"{after}\n")
+    for _ in range(3):
+        cell.clock.now += LIMITS.retry_last
+        cell.step()
+    now = cell.handshake.snapshot
+    assert now.request_number == first.request_number + new
+    assert now.request
+    assert now.state is (State.FAILED if late and not new else State.REQUESTED)
+    if new:
+        with pytest.raises(StaleSubmissionError):
+            cell.handshake.submit("run-1", "door", FILE, first.request_number)
+    else:
+        assert now.times["requested"] == first.since
+        cell.handshake.submit("run-1", "door", FILE, first.request_number)
+        assert cell.step() is State.READY
+
+
+def test_a_marked_request_that_falls_in_a_break_of_the_link_is_over(
+    cell: Cell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answer(cell, signals.REQUEST_FILE, "17\n")
+    cell.to_requested()
+    with monkeypatch.context() as broken:
+        broken.setattr(cell.transport, "read_ready", raising_always(ConnectionLostError("no answer")))
+        cell.clock.now += LIMITS.watch
+        assert cell.step() is State.CLEARING
+        cell.request(False)
+    cell.clock.now += LIMITS.retry_last
+    assert cell.step() is State.FAILED
+    assert not cell.handshake.snapshot.accepts_submission
+    assert cell.step() is State.IDLE
 
 
 def test_an_abort_with_nothing_to_abort_does_not_hit_the_next_run(cell: Cell) -> None:

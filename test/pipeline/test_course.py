@@ -14,6 +14,7 @@ from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeTimeouts
 from doormill_ros.abb.link_errors import (
     AcknowledgeTimeoutError,
+    ConnectionLostError,
     FileRefusedError,
     FileVerificationError,
     MillingFaultError,
@@ -158,6 +159,8 @@ class World:
             put(signals.REQUEST, True)
         if signal(signals.READY) and "read" not in self.absent:
             self.read = self.transport.read_file(signals.TARGET_FILE)
+            if mark := self.transport._files.get(signals.REQUEST_FILE):
+                self.transport._files[signals.ACCEPTED_FILE] = self.run.run_id.encode() + b"\n" + mark
             put(signals.REQUEST, False)
         if "milling" in told and "milling" not in self.absent:
             put(self.end_signal, True)
@@ -356,6 +359,43 @@ def test_a_door_that_is_clamped_anew_is_measured_anew(world: World) -> None:
     ]
     assert end.largest_correction == 3e-3
     assert world.handshake.snapshot.request_number == 2
+
+
+@pytest.mark.parametrize("marked", [True, False])
+@pytest.mark.parametrize("seconds", [0.1, 3.0])
+def test_a_door_outlasts_a_break_of_the_link(
+    world: World, monkeypatch: pytest.MonkeyPatch, seconds: float, marked: bool
+) -> None:
+    """Measured once where the robot program marks its requests; a request without a mark may be another door's."""
+    if marked:
+        world.transport._files[signals.REQUEST_FILE] = b"17\n"
+    read_request, read_signal, until = world.transport.read_request, world.transport.read_signal, [0.0]
+
+    def reach() -> None:
+        if world.now < until[0]:
+            raise ConnectionLostError("no answer")
+
+    def request() -> bool:
+        reach()
+        return read_request()
+
+    def signal(name: str) -> bool:
+        reach()
+        return read_signal(name)
+
+    def cut() -> None:
+        until[0] = world.now + seconds
+        world.handshake.step()
+        assert world.handshake.snapshot.error_code == ConnectionLostError.code
+
+    monkeypatch.setattr(world.transport, "read_request", request)
+    monkeypatch.setattr(world.transport, "read_signal", signal)
+    world.at["pose"] = cut
+    end = world.mill()
+    assert end.success, end.message
+    times = 1 if marked else 2
+    assert world.handshake.snapshot.request_number == times
+    assert [name for name, _ in world.told].count("picture") == times
 
 
 @pytest.mark.parametrize("step", [3600.0, -3600.0])

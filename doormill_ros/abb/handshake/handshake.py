@@ -22,6 +22,7 @@ from doormill_ros.abb.handshake.access import ControllerAccess
 from doormill_ros.abb.handshake.announced import AnnouncedWatch
 from doormill_ros.abb.handshake.inbox import Inbox, RunLedger, Submission
 from doormill_ros.abb.handshake.milling import MillingWatch
+from doormill_ros.abb.handshake.request import PresentRequest
 from doormill_ros.abb.handshake.state import CLEARED, HandshakeSnapshot, HandshakeTimeouts, RunOutcome
 from doormill_ros.abb.handshake.state import HandshakeState as State
 from doormill_ros.abb.link_errors import LinkError
@@ -67,10 +68,8 @@ class Handshake:
         self._runs = RunLedger()
         # Replaced as a whole by the stepping thread only, so other threads may read it without a lock.
         self._snapshot = HandshakeSnapshot(State.CLEARING, "not started", clock())
-        self._deadline = float("inf")
         self._after_clearing: tuple[State, str, int] = (State.IDLE, "started", 0)
-        self._edges_missed = True
-        self._request_mark = b""
+        self._request = PresentRequest(self._access, clock, self._timeouts.submission)
         self._watch_at = float("-inf")
         self._retry = Backoff(clock, self._timeouts.retry_first, self._timeouts.retry_last)
         self._unreadable = Outage(clock, self._timeouts.link_loss)
@@ -88,7 +87,7 @@ class Handshake:
         """Lower ready and remove the target file, whatever a former process left; then as `step`."""
         self._begin_clearing(State.IDLE, "started", 0)
         self._access.expect_latecomers()
-        self._edges_missed = True
+        self._request.missed = True
         self._milling.look_back(True)
         return self.step()
 
@@ -162,9 +161,10 @@ class Handshake:
         try:
             self._access.clear()
             high = self._access.request_is_high()
+            same = high and self._request.is_the_same()
             former = None if high else self._milling.recall(self._runs)
         except LinkError as error:
-            self._edges_missed = True
+            self._request.missed = True
             self._retry.failed()
             reason = f"{reason}; clearing the controller: {error.message}"
             if self._snapshot.reason != reason:
@@ -179,15 +179,17 @@ class Handshake:
             self._milling.look_back(False)
         if former is not None:
             after, reason, code = State.MILLING, self._milling.TAKEN_UP, 0
-            run_id, self._request_mark = former
+            run_id, self._request.mark = former
             self._update(run_id=run_id, door_id="")
         if after is State.MILLING:
             self._milling.begin()
         # A request that could not be read for a while may have fallen and risen: a high one counts as new, and a file
-        # that was made before is not taken for it. Known is one alone that came to nothing.
-        known = not self._edges_missed and self._snapshot.request and after is State.FAILED
-        self._enter(after, reason, code, request=high and known)
-        self._edges_missed = False
+        # that was made before is not taken for it, unless the robot program's mark says that it is the one waited for.
+        known = high and self._snapshot.request and after in (State.REQUESTED, State.FAILED) and same
+        if after is State.REQUESTED and not known:
+            after = State.FAILED
+        self._enter(after, reason, code, request=known)
+        self._request.missed = False
 
     def _step_cleared(self) -> None:
         was_high, reported = self._snapshot.request, self._transport.read_request()
@@ -217,15 +219,13 @@ class Handshake:
                 self._enter(State.DONE, reason, 0)
         context = f" (before: {before.reason})" if before.error_code else ""
         self._drop_submission(link_errors.StaleSubmissionError("the file was made for an earlier request"))
-        self._edges_missed = True  # what fails in here makes the request count as new once the link works
-        # Read before anybody is told of the request: a picture is then never older than the mark.
-        self._request_mark = self._access.request_mark()
+        # Its mark is read before anybody is told of the request: a picture is then never older than the mark.
+        self._request.begin()
         self._update(request_number=number, times={}, run_id="", door_id="")
         self._inbox.forget_abort()
-        self._deadline = self._clock() + self._timeouts.submission
         self._enter(State.REQUESTED, f"request {number}: waiting for the target file{context}", 0)
         self._access.clear()
-        self._edges_missed = False
+        self._request.missed = False
 
     def _step_requested(self, high: bool) -> None:
         if not high:
@@ -236,12 +236,8 @@ class Handshake:
         submission = self._inbox.take()
         if submission is not None:
             self._hand_over(submission)
-        elif self._clock() >= self._deadline:
-            raise link_errors.SubmissionTimeoutError(
-                f"no target file within {self._timeouts.submission:g} s after the request; "
-                "look at the localizer's and path generator's reports",
-                timeout=self._timeouts.submission,
-            )
+        else:
+            self._request.require_in_time()
 
     def _step_failed(self, high: bool) -> None:
         if not high:
@@ -267,7 +263,7 @@ class Handshake:
         self._access.verify(submission)
         self._inbox.raise_if_aborted()
         self._enter(State.RAISING, f"{name} verified, setting {signals.READY}", 0)
-        self._access.announce(submission, self._request_mark)
+        self._access.announce(submission, self._request.mark)
         self._announced.begin()
         self._unreadable.over()
         self._enter(State.READY, f"{name} verified and announced; the controller may read it", 0)
@@ -278,7 +274,7 @@ class Handshake:
             reported = self._transport.read_request()
             high = reported or self._access.request_is_high()
         except LinkError:
-            self._edges_missed = True
+            self._request.missed = True
             if self._unreadable.beyond_limit():
                 raise
             return
@@ -291,13 +287,13 @@ class Handshake:
     def _acknowledged(self) -> None:
         self._update(request=False)
         self._enter(State.ACKNOWLEDGED, "the controller has read the file", 0)
-        self._access.require_taken(self._snapshot.run_id, self._request_mark)
+        self._access.require_taken(self._snapshot.run_id, self._request.mark)
         self._finish(handed_over=True, code=0, reason="file handed over")
         self._begin_clearing(State.MILLING, "file handed over, the robot mills", 0)
         self._step_clearing()
 
     def _step_milling(self) -> None:
-        if (end := self._milling.end(self._request_mark)) is not None:
+        if (end := self._milling.end(self._request.mark)) is not None:
             state, reason = end
             self._runs.end_milling(self._snapshot.run_id, state is State.DONE, reason)
             self._enter(state, reason, 0)
@@ -307,11 +303,13 @@ class Handshake:
         _LOG.warning("handshake, %s: %s", state.value, error.message)
         resting = state in (State.IDLE, State.DONE)
         milling_on = state is State.MILLING and not isinstance(error, link_errors.MillingTimeoutError)
-        after = state if resting or milling_on else State.FAILED
+        waiting_on = state is State.REQUESTED and error.connection
+        after = state if resting or milling_on or waiting_on else State.FAILED
         if state is State.MILLING and not milling_on:
             self._runs.end_milling(self._snapshot.run_id, False, error.message)
-        # Withdrawn and high is a new request.
-        self._edges_missed |= error.connection or isinstance(error, link_errors.RequestWithdrawnError)
+        self._request.missed |= error.connection
+        if isinstance(error, link_errors.RequestWithdrawnError):
+            self._request.withdrawn()
         reason = error.message
         if error.connection and state in (State.READY, State.ACKNOWLEDGED):
             reason += "; the controller may have taken the file: look at the robot before you repeat"
@@ -342,6 +340,8 @@ class Handshake:
     def _enter(self, state: State, reason: str, code: int, **changes: Any) -> None:
         now = self._clock()
         times = {**self._snapshot.times, state.value: now}
+        if state is State.REQUESTED:  # a request that outlasts a break of the link has begun before it
+            times[state.value] = self._snapshot.times.get(state.value, now)
         self._update(state=state, reason=reason, since=now, error_code=code, times=times, **changes)
         if self._on_change is not None:
             self._on_change(self._snapshot)
