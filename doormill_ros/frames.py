@@ -144,10 +144,26 @@ def rotation_from_vector(vector: FloatArray) -> FloatArray:
 
 
 def vector_from_rotation(R_a_b: FloatArray) -> FloatArray:
-    """The shortest vectors, shape (..., 3) [rad], with which `rotation_from_vector` gives R_a_b, shape (..., 3, 3)."""
+    """The shortest vectors, shape (..., 3) [rad], with which `rotation_from_vector` gives R_a_b, shape (..., 3, 3).
+
+    By the quaternion, as Markley takes it from the trace (Journal of Guidance, Control, and Dynamics 31, 2008, page
+    440). SciPy does so too, after it has made sure of every matrix, which takes most of its time; it is asked for the
+    wide turns, of which the trace tells little.
+    """
     R_a_b = np.asarray(R_a_b, dtype=float)
-    vector: FloatArray = Rotation.from_matrix(R_a_b.reshape(-1, 3, 3)).as_rotvec().reshape(R_a_b.shape[:-1])
-    return vector
+    R = R_a_b.reshape(-1, 3, 3)
+    trace = R[:, 0, 0] + R[:, 1, 1] + R[:, 2, 2]
+    vector: FloatArray = np.empty((len(R), 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.subtract(R[:, k, j], R[:, j, k], out=vector[:, i])
+    sine, cosine = np.sqrt((vector**2).sum(axis=1)), 1.0 + trace
+    still = sine == 0.0
+    half = np.where(still, 1.0, np.arctan2(sine, cosine)) / np.where(still, cosine, sine)
+    vector *= 2.0 * half[:, None]
+    wide = trace <= 0.0
+    if wide.any():
+        vector[wide] = Rotation.from_matrix(R[wide]).as_rotvec()
+    return vector.reshape(R_a_b.shape[:-1])
 
 
 def displacement(twist: FloatArray) -> FloatArray:

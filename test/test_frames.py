@@ -38,6 +38,22 @@ def test_vector_and_rotation_are_inverse(vector, scale):
     assert back == pytest.approx(rotvec, abs=1e-12)
 
 
+def test_vectors_of_turns_are_those_of_scipy():
+    """Any turns, and one next to none and to a half turn, from where it is the other way round."""
+    rng = np.random.default_rng(2)
+    axes = rng.normal(size=(400, 3))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    angles = [
+        *np.geomspace(1e-17, 1e-2, 100),
+        *rng.uniform(0.0, np.pi, 200),
+        *(np.pi - np.geomspace(1e-9, 1.0, 100)),
+    ]
+    turns = Rotation.from_rotvec(axes * np.array(angles)[:, None])
+    np.testing.assert_allclose(
+        vector_from_rotation(turns.as_matrix()), turns.as_rotvec(), rtol=0.0, atol=1e-12
+    )
+
+
 def poses(n, seed=1):
     rng = np.random.default_rng(seed)
     T = np.tile(np.eye(4), (n, 1, 1))

@@ -27,22 +27,18 @@ class Separation:
     """Pairs of bodies on either side of a plane in one posture.
 
     Attributes:
-        distance: Between the two, shape (p,) [m].
-        reach: How far any joint moves any point of the moving one at most, shape (p, 6) [m/rad].
         gap: Of the moving body's middle from the other body, and its half edges, along the plane's normal, shape
             (p, 4) [m].
         slope: How fast each joint changes them, shape (p, 4, 6) [m/rad].
         curve: Largest second derivative of any point of it by each two joints, shape (p, 36) [m/rad^2].
     """
 
-    distance: FloatArray
-    reach: FloatArray
     gap: FloatArray
     slope: FloatArray
     curve: FloatArray
 
     def lowest(self, step: FloatArray, off: FloatArray | None = None) -> FloatArray:
-        """Distances that the pairs have at least, shape (m, p) [m].
+        """Distances that the planes leave the pairs at least, shape (m, p) [m].
 
         The bound is concave: what holds at two steps holds on the straight line between them.
 
@@ -57,60 +53,55 @@ class Separation:
             turned = turned + off
             lowest -= (off @ np.abs(slope)).reshape(-1, *self.gap.shape).sum(axis=2)
         lowest -= 0.5 * (turned[:, :, None] * turned[:, None, :]).reshape(m, -1) @ self.curve.T
-        # The library knows a plane less exactly than a distance, which tells on bodies as wide as a floor.
-        return np.maximum(lowest, self.distance - turned @ self.reach.T)
+        return lowest
 
 
 class Bodies:
-    """Boxes and capsules as they stand in one posture.
+    """Boxes and capsules on the joints of an arm, as they stand in one posture."""
 
-    Attributes:
-        edges: Half edges and middles, base axes, in columns, shape (n, 3, 4) [m]; of a capsule the third edge alone.
-    """
-
-    def __init__(self, half: FloatArray, margin: FloatArray, T_base_body: FloatArray) -> None:
-        """Put n bodies in their places.
+    def __init__(
+        self, half: FloatArray, margin: FloatArray, joint: IntArray, T_joint_body: FloatArray
+    ) -> None:
+        """Take n bodies.
 
         Args:
-            half: Half edges along each one's own axes, shape (n, 3) [m].
+            half: Half edges along each one's own axes, of a capsule the third alone, shape (n, 3) [m].
             margin: By how much each is wider than that, shape (n,) [m].
-            T_base_body: Shape (n, 4, 4).
+            joint: That carries it, 1 to 6, 0 for none, shape (n,).
+            T_joint_body: Its middle in the joint's frame, shape (n, 4, 4).
         """
-        self._half = np.concatenate([half, np.ones((len(half), 1))], axis=1)[:, None]
-        self._margin = margin
-        self.edges: FloatArray = T_base_body[:, :3] * self._half
+        self._margin, self._joint = margin, joint
+        self._own = T_joint_body.copy()
+        self._own[:, :3, EDGES] *= half[:, None]
+        self._edges: FloatArray = self._own[
+            :, :3
+        ]  # half edges and middles in columns, base axes, (n, 3, 4) [m]
 
-    def put(self, bodies: IntArray, T_base_body: FloatArray) -> None:
-        """Some of them, shape (m,), are elsewhere now, shape (m, 4, 4)."""
-        self.edges[bodies] = T_base_body[:, :3] * self._half[bodies]
+    def stand(self, T_base_joint: FloatArray) -> None:
+        """Put them where their joints are now, shape (7, 4, 4)."""
+        self._edges = T_base_joint[self._joint, :3] @ self._own
 
-    def gap(self, pairs: IntArray, normal: FloatArray) -> FloatArray:
-        """As in `Separation`.
+    def gap_and_slope(
+        self, pairs: IntArray, normal: FloatArray, J: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """As in `Separation`, were all joints to move all moving bodies.
 
         Args:
             pairs: Number of the moving body of each pair, and of the other one, shape (2, p).
             normal: Of a plane between the two, towards the moving one, shape (p, 3).
-        """
-        gap: FloatArray = (normal[:, None] @ self.edges[pairs[0]])[:, 0]  # (p, 4)
-        other = (normal[:, None] @ self.edges[pairs[1]])[:, 0]
-        other[:, EDGES] = np.abs(other[:, EDGES])
-        gap[:, MIDDLE] -= other.sum(axis=1) + self._margin[pairs].sum(axis=0)
-        return gap
-
-    def slope(self, moving: IntArray, normal: FloatArray, J: FloatArray) -> FloatArray:
-        """As in `Separation`, were all joints to move all of them.
-
-        Args:
-            moving: Number of the moving body of each pair, shape (p,).
-            normal: Shape (p, 3).
             J: Velocity of what passes the base's origin and angular velocity, by each joint, shape (6, 6).
         """
+        moving, still = self._edges[pairs]  # (p, 3, 4) each
+        gap: FloatArray = (normal[:, None] @ moving)[:, 0]  # (p, 4)
+        other = (normal[:, None] @ still)[:, 0]
+        other[:, EDGES] = np.abs(other[:, EDGES])
+        gap[:, MIDDLE] -= other.sum(axis=1) + self._margin[pairs].sum(axis=0)
         across = (normal @ (_CROSS @ J[3:]).reshape(3, -1)).reshape(
             -1, 3, JOINTS
         )  # normal x axis of each joint
-        slope: FloatArray = np.swapaxes(self.edges[moving], 1, 2) @ across
+        slope: FloatArray = np.swapaxes(moving, 1, 2) @ across
         slope[:, MIDDLE] += normal @ J[:3]
-        return slope
+        return gap, slope
 
 
 def curve_of(reach: FloatArray) -> FloatArray:

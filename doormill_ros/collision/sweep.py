@@ -103,7 +103,7 @@ def contact_along(
         q = np.concatenate([q[: at + 1], here[None], q[at + 1 :]])
         if off is not None:
             off = np.concatenate([off[: at + 1], off[at : at + 2].max(axis=0)[None], off[at + 1 :]])
-        lowest = world.separation(pairs, distance).lowest(q - here, off)
+        lowest = world.lowest(pairs, distance, q - here, off, world.clearance + RESERVE)
         for end in () if looked else (-1, 0):
             close = pairs[lowest[end] < world.clearance + RESERVE]
             found = _contact_of(world, q[end], close)

@@ -133,12 +133,15 @@ class World:
         self.farthest: FloatArray = self.reach.max(axis=0, initial=0.0)
         self._curve = curve_of(self.reach)
         self._sides = np.array([(a.index, b.index) for a, b in pairs]).T
-        pin.updateGeometryPlacements(self._model, self._data, self._geometry, self._results, layout.home)
+        self._moves = (self.reach > 0.0)[:, None]
+        self._joints = [self._data.oMi[i] for i in range(JOINTS + 1)]
         all_ = sorted([*moving, *fixed], key=lambda body: body.index)
-        places = np.array([place.homogeneous for place in self._results.oMg])
-        self._bodies = Bodies(np.array([b.half for b in all_]), np.array([b.margin for b in all_]), places)
-        self._carried = np.array([body.index for body in moving if body.joint])
-        self._places = [self._results.oMg[i] for i in self._carried.tolist()]
+        self._bodies = Bodies(
+            np.array([body.half for body in all_]),
+            np.array([body.margin for body in all_]),
+            np.array([body.joint for body in all_]),
+            np.array([body.place for body in all_]),
+        )
         still = {body.name for body in fixed}
         self.tool_and_cell: BoolArray = np.array([a.name in tool and b.name in still for a, b in pairs])
         cut = {DOOR, *(board.name for board in layout.boards)}
@@ -165,23 +168,47 @@ class World:
             [pin.computeDistance(self._geometry, self._results, i).min_distance for i in pairs.tolist()]
         )
 
-    def separation(self, pairs: IntArray, distance: FloatArray) -> Separation:
-        """What keeps pairs apart about the posture in which their distances were asked for last.
+    def lowest(
+        self,
+        pairs: IntArray,
+        distance: FloatArray,
+        step: FloatArray,
+        off: FloatArray | None = None,
+        enough: float = np.inf,
+    ) -> FloatArray:
+        """Distances that pairs have at least about the posture in which theirs were asked for last, shape (m, n) [m].
+
+        Most bodies are so far apart that their reach alone tells enough; a plane is looked for only between others.
 
         Args:
             pairs: Their numbers, shape (n,).
             distance: What was found, all above 0, shape (n,) [m].
+            step: Of the joints from the posture, shape (m, 6) [rad].
+            off: How far each joint may be beside that, shape (m, 6) or (6,) [rad]; None for not at all.
+            enough: For a pair that keeps this on every step something less than its bound may be told, yet no less
+                than this [m].
         """
+        turned = np.abs(step) if off is None else np.abs(step) + off
+        lowest: FloatArray = distance - turned @ self.reach[pairs].T
+        near = np.flatnonzero(lowest.min(axis=0) < enough)
+        if len(near):
+            # The library knows a plane less exactly than a distance, which tells on bodies as wide as a floor.
+            by_plane = self._separation(pairs[near]).lowest(step, off)
+            lowest[:, near] = np.maximum(by_plane, lowest[:, near])
+        return lowest
+
+    def _separation(self, pairs: IntArray) -> Separation:
+        """Planes between pairs in the posture in which their distances were asked for last, shape (n,)."""
         results = [self._found[i] for i in pairs.tolist()]
         first = np.concatenate([result.getNearestPoint1() for result in results])
         second = np.concatenate([result.getNearestPoint2() for result in results])
         way = (first - second).reshape(-1, 3)
         normal = way / np.sqrt((way**2).sum(axis=1))[:, None]
-        self._bodies.put(self._carried, np.array([place.homogeneous for place in self._places]))
+        self._bodies.stand(np.array([place.homogeneous for place in self._joints]))
         J = pin.computeJointJacobians(self._model, self._data)
-        sides, reach = self._sides[:, pairs], self.reach[pairs]
-        slope = self._bodies.slope(sides[0], normal, J) * (reach > 0.0)[:, None]
-        return Separation(distance, reach, self._bodies.gap(sides, normal), slope, self._curve[pairs])
+        gap, slope = self._bodies.gap_and_slope(self._sides[:, pairs], normal, J)
+        slope *= self._moves[pairs]
+        return Separation(gap, slope, self._curve[pairs])
 
     def _add(self, body: Body, link: str) -> _Placed:
         frame = self._model.frames[self._model.getFrameId(link)]

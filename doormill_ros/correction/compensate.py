@@ -82,8 +82,7 @@ def compensate(
     """
     q = np.array(q, dtype=float)
     point = T_flange_tool[:3, 3]
-    inverse_jacobian = np.linalg.inv(kinematics.jacobian(q, point))  # (n, 6, 6)
-    settled = np.zeros(len(q), dtype=bool)
+    J = kinematics.jacobian(q, point)  # (n, 6, 6)
     for iterations in range(1, MAX_ITERATIONS + 1):
         T_base_commanded = kinematics.forward(q) @ T_flange_tool
         deflection = deflect(q)
@@ -92,11 +91,11 @@ def compensate(
             np.linalg.norm(missing[:, :3], axis=1),
             np.linalg.norm(missing[:, 3:], axis=1) * ROTATION_PER_METRE,
         )
-        settled = size <= tolerance
-        if settled.all() or iterations == MAX_ITERATIONS:
+        off = np.flatnonzero(size > tolerance)
+        if not len(off) or iterations == MAX_ITERATIONS:
             break
         # Full steps first; later ones get smaller so that a target at a step comes to rest on it.
         share = 0.5 ** max(0, iterations - FULL_STEPS)
-        step = np.einsum("nij,nj->ni", inverse_jacobian, missing)
-        q = q + share * np.where(settled[:, None], 0.0, step)
+        q = q.copy()
+        q[off] += share * np.linalg.solve(J[off], missing[off, :, None])[..., 0]
     return Compensation(T_base_commanded, q, deflection, size, iterations)

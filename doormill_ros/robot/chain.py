@@ -6,7 +6,8 @@ is one pass over memory. `Kinematics` wraps this in the usual shapes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import functools
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.denavit_hartenberg import ALPHA, THETA_OFFSET, A, D
 
 JOINTS = 6
+KEPT = 4  #: sets of postures whose frames are kept, and Jacobians of each
+MOST_KEPT = 4096  #: postures of a set that is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,12 +28,14 @@ class ChainFrames:
         y: Unit y axes, shape (7, 3, n).
         z: Unit z axes, shape (7, 3, n); z[j] is the axis of joint j + 1.
         origin: Origins, shape (7, 3, n) [m].
+        jacobians: Those that `Kinematics` was asked for of kept frames, by link and point.
     """
 
     x: FloatArray
     y: FloatArray
     z: FloatArray
     origin: FloatArray
+    jacobians: dict[tuple[int, bytes], FloatArray] = field(default_factory=dict)
 
     def point(self, link: int, position: FloatArray) -> FloatArray:
         """Base coordinates, shape (3, n) [m], of a point of a link's frame, shape (3,) [m]."""
@@ -41,16 +46,38 @@ class ChainFrames:
         return result
 
 
+_Key = tuple[bytes, bytes]
+_kept: tuple[tuple[_Key, ChainFrames], ...] = ()
+
+
 def chain_frames(
     dh: FloatArray, q: FloatArray, sin_cos: tuple[FloatArray, FloatArray] | None = None
 ) -> ChainFrames:
     """Frames of every link (thesis eq. 2.1).
 
+    The last ones are kept, for poses, Jacobians and deflections are asked of the same postures one after another.
+
     Args:
         dh: Denavit-Hartenberg table, shape (6, 4).
         q: Joint angles, configurations last, shape (6, n) [rad].
         sin_cos: Sine and cosine of q where they are known, each shape (6, n).
+
+    Returns:
+        Arrays that are locked, as others may be given the same.
     """
+    global _kept
+    if q.shape[1] > MOST_KEPT:
+        return _frames(dh, q, sin_cos)
+    key = (dh.tobytes(), q.tobytes())
+    for known, frames in _kept:
+        if known == key:
+            return frames
+    frames = _frames(dh, q, sin_cos)
+    _kept = ((key, frames), *_kept[: KEPT - 1])
+    return frames
+
+
+def _frames(dh: FloatArray, q: FloatArray, sin_cos: tuple[FloatArray, FloatArray] | None) -> ChainFrames:
     n = q.shape[1]
     x, y, z, origin = (np.empty((JOINTS + 1, 3, n)) for _ in range(4))
     for array, start in ((x, (1.0, 0.0, 0.0)), (y, (0.0, 1.0, 0.0)), (z, (0.0, 0.0, 1.0))):
@@ -84,6 +111,8 @@ def chain_frames(
         if row[A] != 0.0:
             np.multiply(x[after], row[A], out=part)
             origin[after] += part
+    for array in (x, y, z, origin):
+        array.setflags(write=False)
     return ChainFrames(x, y, z, origin)
 
 
@@ -132,6 +161,7 @@ def _turned(sin_q: FloatArray, cos_q: FloatArray, offset: float) -> tuple[FloatA
     return sin_q * c + cos_q * s, cos_q * c - sin_q * s
 
 
+@functools.lru_cache(maxsize=128)  # of a robot's table, which is asked for with every set of postures
 def _exact_sin_cos(angle: float) -> tuple[float, float]:
     quarter = round(angle / (np.pi / 2))
     if angle == quarter * (np.pi / 2):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.robot.chain import JOINTS, chain_frames, cross, jacobian_columns
+from doormill_ros.robot.chain import JOINTS, KEPT, ChainFrames, chain_frames, cross, jacobian_columns
 from doormill_ros.robot.description import Robot
 
 
@@ -71,7 +71,8 @@ class Kinematics:
             point: The point in the link's Denavit-Hartenberg frame, shape (3,) [m].
 
         Returns:
-            Shape (..., 6, 6) as `jacobian`; columns of joints behind the link are zero.
+            Shape (..., 6, 6) as `jacobian`; columns of joints behind the link are zero. Locked, as others may be
+            given the same.
 
         Raises:
             ValueError: No such link.
@@ -79,11 +80,14 @@ class Kinematics:
         if not 0 <= link <= JOINTS:
             raise ValueError(f"link {link} does not exist, allowed are 0 (base) to {JOINTS} (flange)")
         columns, shape = _columns(q)
-        frames = chain_frames(self.dh, columns)
-        velocity = jacobian_columns(frames, frames.point(link, np.asarray(point, dtype=float)), link)
-        J = np.zeros((columns.shape[1], 6, JOINTS))
-        J[:, :3] = velocity.transpose(2, 1, 0)
-        J[:, 3:, :link] = frames.z[:link].transpose(2, 1, 0)
+        frames, position = chain_frames(self.dh, columns), np.asarray(point, dtype=float)
+        key = (link, position.tobytes())
+        J = frames.jacobians.get(key)
+        if J is None:
+            J = _jacobian(frames, link, position)
+            if len(frames.jacobians) >= KEPT:
+                frames.jacobians.clear()
+            frames.jacobians[key] = J
         return J.reshape(*shape, 6, JOINTS)
 
     def hessian(
@@ -113,6 +117,16 @@ class Kinematics:
                 else:
                     H[:, :3, j, k] = cross(frames.z[j], velocity[k]).T
         return H.reshape(*shape, 6, JOINTS, JOINTS)
+
+
+def _jacobian(frames: ChainFrames, link: int, point: FloatArray) -> FloatArray:
+    """Of a point of a link in n configurations, locked, shape (n, 6, 6)."""
+    velocity = jacobian_columns(frames, frames.point(link, point), link)
+    J = np.zeros((velocity.shape[-1], 6, JOINTS))
+    J[:, :3] = velocity.transpose(2, 1, 0)
+    J[:, 3:, :link] = frames.z[:link].transpose(2, 1, 0)
+    J.setflags(write=False)
+    return J
 
 
 def _columns(q: FloatArray) -> tuple[FloatArray, tuple[int, ...]]:

@@ -21,6 +21,7 @@ from doormill_ros.robot_model.elastic.causes.joint_backlash import DisplacementB
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
+from doormill_ros.robot_model.elastic.joint_springs import spring_twist
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce, ModelKnowledge, measured_force_of
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
@@ -126,18 +127,20 @@ class ExtendedComplianceModel:
         q = np.atleast_2d(np.asarray(q, dtype=float))
         wrench = np.broadcast_to(np.asarray(wrench, dtype=float), (len(q), 6))
         setup = self._setup()
+        turned, felt = q + setup.joint_offset, self._felt(setup, q, wrench)
+        twist = spring_twist(self._kinematics.jacobian(turned, load_point), felt, self.joint_stiffness)
+        acting = [s for s in (*self.causes, *self.laws) if s.cause.of_robot and s.cause.stage == "robot"]
+        if not acting:
+            return twist
         case = build_load_case(
             self._kinematics,
-            q + setup.joint_offset,
-            self._felt(setup, q, wrench),
+            turned,
+            felt,
             np.asarray(load_point, dtype=float),
             direction=None if direction is None else np.broadcast_to(direction, q.shape),
             joint_stiffness=self.joint_stiffness,
         )
-        twist = case.springs()
-        for sized in (*self.causes, *self.laws):
-            if not sized.cause.of_robot or sized.cause.stage != "robot":
-                continue
+        for sized in acting:
             share = sized.cause.hidden_state(case)
             part = sized.cause.twist(case, sized.cause.from_values(sized.values, case))
             twist = twist + (part if share is None else share[:, None] * part)

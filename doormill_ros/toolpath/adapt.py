@@ -111,10 +111,15 @@ def straightened(
 def _divided(
     plan: Plan, q: FloatArray, division: Division, T_base_door: FloatArray, loaded: LoadedRobot
 ) -> tuple[Plan, Stations, FloatArray]:
+    new = [
+        part.curve is not plan.steps[i].curve for part, i in zip(division.steps, division.parent, strict=True)
+    ]
     plan = replace(plan, steps=division.steps)
     stations = stations_of(plan.steps, T_base_door)
     q = _between(q, division)
-    q = loaded.posture(stations.T_base_tool.reshape(-1, 4, 4), q.reshape(-1, 6)).reshape(q.shape)
+    # At the stations of a step that stays whole the postures are known.
+    nominal, near = stations.T_base_tool[new].reshape(-1, 4, 4), q[new].reshape(-1, 6)
+    q[new] = loaded.posture(nominal, near).reshape(-1, *q.shape[1:])
     return plan, stations, q
 
 

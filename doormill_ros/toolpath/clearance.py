@@ -175,13 +175,14 @@ def check_feature(
                 **facts(found, world),
             )
         bulge = 2.0 * np.abs(postures[:-1].mean(axis=0) - here)
-        lowest = world.separation(pairs, distance).lowest(postures - here, bulge).min(axis=0)
+        enough = world.clearance + RESERVE
+        lowest = world.lowest(pairs, distance, postures - here, bulge, enough).min(axis=0)
         if lowest.min() < world.clearance:
             axis = int((high - low).argmax())
             middle = 0.5 * (low[axis] + high[axis])
             first, second = high.copy(), low.copy()
             first[axis] = second[axis] = middle
-            cells += with_postures(pairs[lowest < world.clearance + RESERVE], (low, first), (second, high))
+            cells += with_postures(pairs[lowest < enough], (low, first), (second, high))
 
 
 def meeting(found: Contact, world: World) -> str:

@@ -41,11 +41,10 @@ def test_no_pair_comes_closer_than_promised(world):
         q = rng.uniform(lower, upper)
         pairs = np.flatnonzero(world.distances(q) > 0.012)
         distance = world.distances(q, pairs)
-        separation = world.separation(pairs, distance)
-        np.testing.assert_allclose(separation.lowest(np.zeros((1, 6)))[0], distance, atol=GJK)
+        np.testing.assert_allclose(world.lowest(pairs, distance, np.zeros((1, 6)))[0], distance, atol=GJK)
         step = rng.uniform(-1.0, 1.0, (8, 6)) * rng.uniform(0.0, 0.4, (8, 1))
         off = rng.uniform(0.0, 0.03, (8, 6))
-        promised = separation.lowest(step, off)
+        promised = world.lowest(pairs, distance, step, off)
         beside = step + rng.choice([-1.0, 1.0], off.shape) * off
         found = np.array([world.distances(q + s, pairs) for s in beside])
         # Of overlapping bodies the depth is what the library makes of it.
@@ -61,7 +60,7 @@ def test_a_tool_that_draws_back_is_clear_over_a_long_way(world):
     distance = world.distances(near, pair)
     assert np.abs(far - near) @ world.reach[pair[0]] > 20.0 * distance[0]
     step = np.linspace(0.0, 1.0, 6)[1:, None] * (far - near)
-    promised = world.separation(pair, distance).lowest(step)[:, 0]
+    promised = world.lowest(pair, distance, step)[:, 0]
     assert np.all(promised[:3] > distance)
 
 
@@ -81,3 +80,25 @@ def test_a_verdict_does_not_hang_on_where_it_is_looked(world):
                 world.clearance = lowest - RESERVE - spare
                 verdicts.append(contact_along(world, q) is None)
     assert verdicts == [True, False] * 16
+
+
+def test_no_plane_is_missed_where_reach_alone_does_not_tell_enough(world):
+    """What is told of few pairs for a distance that is enough, against the bounds of all: the same below it."""
+    rng = np.random.default_rng(3)
+    lower, upper = np.maximum(ROBOT.lower, -2.0), np.minimum(ROBOT.upper, 2.0)
+    enough = world.clearance + RESERVE
+    below = far = 0
+    for _ in range(200):
+        q = rng.uniform(lower, upper)
+        pairs = np.flatnonzero(world.distances(q) > enough)
+        distance = world.distances(q, pairs)
+        step = rng.uniform(-1.0, 1.0, (5, 6)) * rng.uniform(0.0, 0.4)
+        off = rng.uniform(0.0, 0.03, (5, 6)) if rng.random() < 0.5 else None
+        full, told = (world.lowest(pairs, distance, step, off, least) for least in (np.inf, enough))
+        np.testing.assert_array_equal(told.min(axis=0) < enough, full.min(axis=0) < enough)
+        np.testing.assert_allclose(told[full < enough], full[full < enough], rtol=0.0, atol=1e-12)
+        assert np.all((told <= full + 1e-12) & (told >= np.minimum(full, enough) - 1e-12))
+        below += int((full < enough).sum())
+        far += int((told < full - 1e-6).sum())
+    assert below > 1000
+    assert far > 1000

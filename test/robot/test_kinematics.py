@@ -110,3 +110,30 @@ def test_wrong_shapes_are_refused(irb6600):
         Kinematics(np.zeros((5, 4)))
     with pytest.raises(ValueError, match="link 7"):
         Kinematics(irb6600).link_jacobian(np.zeros(6), 7)
+
+
+def test_what_is_kept_of_postures_is_never_told_of_others(irb6600, table_2_1):
+    """The same array with other angles in it, another point or link, another arm: each time as if asked first."""
+    longer = table_2_1.copy()
+    longer[1, 2] += 0.1
+    ours, other = Kinematics(irb6600), Kinematics(longer)
+    q = configurations(irb6600, 6, 5)
+    alone = [(ours.forward(row[None])[0], ours.jacobian(row[None], POINT)[0]) for row in q]
+    assert np.abs(other.forward(q) - ours.forward(q)).max() > 0.05
+    assert np.abs(other.jacobian(q, POINT) - ours.jacobian(q, POINT)).max() > 0.05
+    assert np.abs(ours.jacobian(q, 2.0 * POINT) - ours.jacobian(q, POINT)).max() > 0.05
+    assert not ours.link_jacobian(q, 3, POINT)[..., 3:].any()
+    for _ in range(len(q)):
+        q[:] = np.roll(q, 1, axis=0)
+        alone = [alone[-1], *alone[:-1]]
+        for found, told in zip(
+            zip(ours.forward(q), ours.jacobian(q, POINT), strict=True), alone, strict=True
+        ):
+            np.testing.assert_array_equal(found[0], told[0])
+            np.testing.assert_array_equal(found[1], told[1])
+
+
+def test_a_jacobian_that_others_may_be_given_is_locked(irb6600):
+    J = Kinematics(irb6600).jacobian(configurations(irb6600, 3, 6), POINT)
+    with pytest.raises(ValueError, match="read-only"):
+        J[0] = 0.0

@@ -76,10 +76,7 @@ class JointSpringModel:
             Displacement of the load point and rotation of the flange, base axes, shape (n, 6) [m, rad].
         """
         del direction
-        J = self.kinematics.jacobian(q, load_point)
-        torque = np.einsum("...ij,...i->...j", J, np.asarray(wrench, dtype=float))
-        result: FloatArray = np.einsum("...ij,...j->...i", J, torque / self.stiffness)
-        return result
+        return spring_twist(self.kinematics.jacobian(q, load_point), wrench, self.stiffness)
 
     def displacement(
         self,
@@ -108,3 +105,19 @@ class JointSpringModel:
         J = self.kinematics.link_jacobian(q, reflector_link, reflector)
         result: FloatArray = np.einsum("...ij,...j->...i", J[..., :3, :], bent)
         return result
+
+
+def spring_twist(J: FloatArray, wrench: FloatArray, stiffness: FloatArray) -> FloatArray:
+    """Twist J K^-1 J^T W of loaded tools on joint springs (thesis eq. 3.45).
+
+    Args:
+        J: Jacobian of the load point, shape (..., 6, 6).
+        wrench: At that point, axes of J, shape (..., 6) [N, N m].
+        stiffness: Shape (6,) [N m/rad].
+
+    Returns:
+        Shape (..., 6) [m, rad].
+    """
+    torque = np.einsum("...ij,...i->...j", J, np.asarray(wrench, dtype=float))
+    result: FloatArray = np.einsum("...ij,...j->...i", J, torque / stiffness)
+    return result
