@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.frames import cross
 from doormill_ros.robot.chain import JOINTS
 
 PARALLEL = 1e-9  #: a step less than this beside an axis is on it [m]
@@ -52,7 +53,7 @@ class Skeleton:
         row = np.zeros(JOINTS)
         far = float(np.linalg.norm(corners, axis=1).max())
         row[:last] = self.longest[:last, last] + far + margin
-        aside = np.linalg.norm(np.cross(corners, self.own_axis[last]), axis=1)
+        aside = np.linalg.norm(cross(corners, self.own_axis[last]), axis=1)
         row[last] = float(aside.max()) + margin
         return row
 

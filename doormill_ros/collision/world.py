@@ -5,6 +5,7 @@ Kinematics and distances are those of Pinocchio and coal: one posture a call, ev
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -129,7 +130,8 @@ class World:
         self._found = list(self._results.distanceResults)
         self.names = tuple((a.name, b.name) for a, b in pairs)
         reach = {b.index: bones.reach(b.joint, b.corners, b.margin) for b in moving if b.joint}
-        self.reach = np.array([np.where(b.joint < _BEHIND, reach[a.index], 0.0) for a, b in pairs])
+        moves = np.array([b.joint for a, b in pairs])[:, None] < _BEHIND
+        self.reach = np.where(moves, np.array([reach[a.index] for a, b in pairs]), 0.0)
         self.farthest: FloatArray = self.reach.max(axis=0, initial=0.0)
         self._curve = curve_of(self.reach)
         self._sides = np.array([(a.index, b.index) for a, b in pairs]).T
@@ -239,6 +241,7 @@ def _object(name: str, joint: int, place: pin.SE3, shape: coal.CollisionGeometry
     return pin.GeometryObject(name, joint, shape, place)
 
 
+@functools.lru_cache(maxsize=8)  # it is made for every door, and what it works out of itself stays with it
 def _mill_body(layout: CellLayout, mill: Mill) -> Body:
     tip = layout.T_flange_tool[:3, 3]
     back = tip - mill.reach * layout.T_flange_tool[:3, 2]
