@@ -29,8 +29,12 @@ def program_into(message: TargetArray, program: MillingProgram) -> TargetArray:
     targets = program.targets
     nominal = pose_values([t.T_base_tool_nominal for t in targets])
     corrected = pose_values([t.T_base_tool_corrected for t in targets])
-    message.targets = [_target(*row) for row in zip(targets, nominal, corrected, strict=True)]
-    message.motions = [_motion(m) for m in program.motions]
+    wrench, deflection = (_rows([getattr(t, name) for t in targets]) for name in ("wrench", "deflection"))
+    columns = zip(targets, nominal, corrected, wrench, deflection, strict=True)
+    message.targets = [_target(*row) for row in columns]
+    motions = program.motions
+    begin, end = _rows([m.wrench for m in motions]), _rows([m.last_wrench for m in motions])
+    message.motions = [_motion(*row) for row in zip(motions, begin, end, strict=True)]
     message.points = [JointPoint(joint_positions=np.asarray(q, dtype=float)) for q in program.points]
     message.home = [] if program.home is None else np.asarray(program.home, dtype=float).tolist()
     message.escapes = [
@@ -40,7 +44,15 @@ def program_into(message: TargetArray, program: MillingProgram) -> TargetArray:
     return message
 
 
-def _target(target: Target, nominal: list[float], corrected: list[float]) -> TargetMessage:
+def _rows(values: list[FloatArray]) -> list[list[float]]:
+    """Each of many arrays of shape (6,) as numbers."""
+    rows: list[list[float]] = np.array(values, dtype=float).tolist()
+    return rows
+
+
+def _target(
+    target: Target, nominal: list[float], corrected: list[float], wrench: list[float], deflection: list[float]
+) -> TargetMessage:
     message = TargetMessage()
     message.name = target.name
     fill_pose(message.nominal, nominal)
@@ -48,13 +60,13 @@ def _target(target: Target, nominal: list[float], corrected: list[float]) -> Tar
     message.joint_positions = np.asarray(target.q, dtype=float)
     conf = target.conf
     message.cf1, message.cf4, message.cf6, message.cfx = conf.cf1, conf.cf4, conf.cf6, conf.cfx
-    _fill_pair(message.wrench.force, message.wrench.torque, target.wrench)
-    _fill_pair(message.deflection.linear, message.deflection.angular, target.deflection)
+    _fill_pair(message.wrench.force, message.wrench.torque, wrench)
+    _fill_pair(message.deflection.linear, message.deflection.angular, deflection)
     message.expected_error = float(target.expected_error)
     return message
 
 
-def _motion(motion: Motion) -> MotionMessage:
+def _motion(motion: Motion, begin: list[float], end: list[float]) -> MotionMessage:
     message = MotionMessage()
     message.kind = KINDS[motion.kind]
     message.target = motion.target
@@ -63,12 +75,11 @@ def _motion(motion: Motion) -> MotionMessage:
     message.zone = motion.zone
     message.feature = motion.feature
     message.cutting = motion.cutting
-    _fill_pair(message.wrench.force, message.wrench.torque, motion.wrench)
-    end = motion.last_wrench
+    _fill_pair(message.wrench.force, message.wrench.torque, begin)
     _fill_pair(message.wrench_end.force, message.wrench_end.torque, end)
     message.spindle_speed = float(motion.spindle_speed)
     return message
 
 
-def _fill_pair(first: Vector3, second: Vector3, values: FloatArray) -> None:
-    first.x, first.y, first.z, second.x, second.y, second.z = np.asarray(values, dtype=float).tolist()
+def _fill_pair(first: Vector3, second: Vector3, values: list[float]) -> None:
+    first.x, first.y, first.z, second.x, second.y, second.z = values
