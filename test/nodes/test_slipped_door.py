@@ -1,4 +1,4 @@
-"""A door that slips in the closed clamp after its picture was taken: no signal tells of it, and nobody calls it good."""
+"""A door that slips in the closed clamp after its picture: no signal tells of it, and nobody calls it good."""
 
 from __future__ import annotations
 
