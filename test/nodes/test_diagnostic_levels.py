@@ -31,11 +31,15 @@ def test_a_fault_while_milling_is_an_error_in_the_bag(tmp_path: Path) -> None:
     )
     run_once("thesis_190_0deg", tmp_path, options)
     told = [
-        (status.message.split(":")[0], status.level)
+        (
+            status.message.split(":")[0],
+            status.level,
+            {pair.key: pair.value for pair in status.values}.get("error_code"),
+        )
         for item in read_bag(tmp_path / "bag", ["/diagnostics"])
         for status in item.message.status
         if status.name == "abb_bridge"
     ]
     course = [state for state, _ in itertools.groupby(told)]
-    after = course[course.index(("milling", DiagnosticStatus.OK[0])) + 1 :]
-    assert after[0] == ("failed", DiagnosticStatus.ERROR[0])
+    after = course[course.index(("milling", DiagnosticStatus.OK[0], "0")) + 1 :]
+    assert after[0] == ("failed", DiagnosticStatus.ERROR[0], str(MillingFaultError.code))
