@@ -6,7 +6,7 @@ A second cell beside it: `namespace:=/cell2 out:=out/cell2`. What dies is starte
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
-from launch.actions import DeclareLaunchArgument
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
@@ -103,6 +103,15 @@ def robots(number, *others):
     return IfCondition(PythonExpression(terms))
 
 
+def make_homes(context):
+    """The simulated controllers' folders: a bridge that is up first would not find its own."""
+    given = context.launch_configurations
+    if given["simulate"].lower() in ("true", "1"):
+        own = ROBOTS if given["robots"] == "2" else ("",)
+        for robot in own:
+            Path(given["out"], "controller", robot, "HOME").mkdir(parents=True, exist_ok=True)
+
+
 def robot_node(name, robot):
     """A node of one of two robots."""
     chosen = {key: LaunchConfiguration(key) for key in ("autostart", "use_sim_time")}
@@ -194,6 +203,7 @@ def generate_launch_description():
                 )
                 for name, (default, description) in ARGUMENTS.items()
             ],
+            OpaqueFunction(function=make_homes),
             *[cell_node(name) for name in (*NODES, "door_shares")],
             cell_node("cell_simulator", both=True),
             *[robot_node(name, robot) for robot in ROBOTS for name in ("path_generator", "abb_bridge")],

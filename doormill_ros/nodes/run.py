@@ -23,7 +23,7 @@ from doormill_ros.errors import one_line
 from doormill_ros.nodes.mailboxes import lost_mailboxes
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.spinning import SteadyExecutor
-from doormill_ros.nodes.unknown_parameters import unknown_parameters
+from doormill_ros.nodes.unknown_parameters import unknown_nodes, unknown_parameters
 from doormill_ros.resources import resource
 
 THREADS = 4
@@ -79,8 +79,9 @@ def interrupt_once() -> None:
 def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None) -> int:
     """Run nodes in this process until interrupted; the body of every node's executable."""
     interrupt_once()
+    arguments = sys.argv if arguments is None else arguments
     try:
-        init(sys.argv if arguments is None else arguments)
+        init(arguments)
     except RosArgumentsError as error:
         get_logger("doormill").fatal(error.message)
         return BAD_ARGUMENTS
@@ -91,7 +92,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
             nodes.append(factory())
             executor.add_node(nodes[-1])
             nodes[-1].bring_up()
-        for sentence in unknown_parameters(nodes):
+        for sentence in [*unknown_parameters(nodes), *unknown_nodes(arguments, nodes)]:
             get_logger("doormill").warning(sentence)
         _spare_collector()
         executor.spin()

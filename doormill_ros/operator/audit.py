@@ -28,6 +28,7 @@ class AuditEntry:
     Attributes:
         time: When it was answered, UTC, ISO 8601.
         role: Role of the token it came with; "look" when it came with none of the tokens.
+        who: Name of the person whose token it is; empty where a role has one token for all.
         address: Where it came from.
         order: Method and path, without what stands behind a question mark.
         door_id: The door it is about, empty when about none or when nobody looked.
@@ -38,6 +39,7 @@ class AuditEntry:
 
     time: str
     role: str
+    who: str
     address: str
     order: str
     door_id: str

@@ -10,7 +10,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from doormill_ros.operator.audit import AuditEntry, AuditLog
 from doormill_ros.operator.errors import AuditError
-from doormill_ros.operator.token import Role
+from doormill_ros.operator.token import Holder, Role
 
 ORDERS = "/control"
 
@@ -18,7 +18,7 @@ ORDERS = "/control"
 class Audited:
     """Stands before everything that may refuse an order.
 
-    What carries an order out leaves `role` and `door_id` in the request's state.
+    What carries an order out leaves `holder` and `door_id` in the request's state.
 
     Args:
         app: What answers.
@@ -50,12 +50,13 @@ class Audited:
             await send(message)
 
     def _write(self, scope: Scope, answer: list[Message]) -> None:
-        role: Role | None = scope["state"].get("role")
+        holder: Holder | None = scope["state"].get("holder")
         # Without an answer the order ended in an error that nobody foresaw.
         status = answer[0]["status"] if answer else 500
         entry = AuditEntry(
             time=datetime.now(UTC).isoformat(timespec="milliseconds"),
-            role=(role or Role.LOOK).word,
+            role=(holder.role if holder else Role.LOOK).word,
+            who=holder.name if holder else "",
             address=scope["client"][0] if scope.get("client") else "",
             order=f"{scope['method']} {scope['path']}",
             door_id=scope["state"].get("door_id", ""),
@@ -64,7 +65,7 @@ class Audited:
             message=_sentence(b"".join(message.get("body", b"") for message in answer)),
         )
         try:
-            self._audit.write(entry, role is not None)
+            self._audit.write(entry, holder is not None)
         except AuditError as error:
             self._complain(error.message)
         else:

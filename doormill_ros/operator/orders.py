@@ -100,7 +100,7 @@ class Doorkeeper:
                     {"Retry-After": str(wait)},
                 )
             header = request.headers.get("authorization")
-            found = self._keys.role(header)
+            found = self._keys.holder(header)
             if found is None:
                 if header:  # without one nothing was guessed
                     self._tries.failed(address)
@@ -109,10 +109,11 @@ class Doorkeeper:
                     "the token is missing or wrong; it was printed when the cell was started",
                     {"WWW-Authenticate": "Bearer"},
                 )
-            request.state.role = found
-            if found < role:
+            request.state.holder = found
+            if found.role < role:
                 raise HTTPException(
-                    403, f"this token allows to {found.word}, the order needs the token of the {role.word}"
+                    403,
+                    f"this token allows to {found.role.word}, the order needs the token of the {role.word}",
                 )
 
         return Depends(allowed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hmac
 import secrets
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
@@ -30,32 +31,48 @@ class Role(IntEnum):
 
 
 @dataclass(frozen=True)
+class Holder:
+    """Who a token stands for.
+
+    Attributes:
+        role: What the token allows.
+        name: Of the person it was given to; empty where a role has one token for all.
+    """
+
+    role: Role
+    name: str = ""
+
+
+@dataclass(frozen=True)
 class Keys:
-    """The tokens by role; None: nobody has that role.
+    """The tokens by role; None: nobody has that role, beside the people who have it by a token of their own.
 
     Raises:
-        ValueError: One token for both roles.
+        ValueError: One token twice.
     """
 
     operate: str | None = field(default=None, repr=False)
     engineer: str | None = field(default=None, repr=False)
+    people: Mapping[Holder, str] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        """Keep the roles apart."""
-        if self.operate and self.operate == self.engineer:
-            raise ValueError("operate and engineer have one token; make each with new_token()")
+        """Keep the holders apart."""
+        tokens = [token for token in self._tokens().values() if token]
+        if len(set(tokens)) < len(tokens):
+            raise ValueError("operate and engineer have one token, or two people; make each with new_token()")
 
     def __bool__(self) -> bool:
         """Whether anybody may do more than look."""
-        return bool(self.operate or self.engineer)
+        return any(self._tokens().values())
 
-    def role(self, header: str | None) -> Role | None:
-        """Role of who sent this Authorization header; None when it carries none of the tokens."""
-        # Both are compared whatever the first gives: the time tells nothing.
-        operate, engineer = authorizes(header, self.operate or ""), authorizes(header, self.engineer or "")
-        if engineer:
-            return Role.ENGINEER
-        return Role.OPERATE if operate else None
+    def _tokens(self) -> dict[Holder, str | None]:
+        return {Holder(Role.OPERATE): self.operate, Holder(Role.ENGINEER): self.engineer, **self.people}
+
+    def holder(self, header: str | None) -> Holder | None:
+        """Who sent this Authorization header; None when it carries none of the tokens."""
+        # All are compared whatever the first gives: the time tells nothing.
+        found = [holder for holder, token in self._tokens().items() if authorizes(header, token or "")]
+        return max(found, key=lambda holder: holder.role, default=None)
 
 
 def new_token() -> str:

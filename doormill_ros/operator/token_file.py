@@ -8,20 +8,21 @@ from pathlib import Path
 
 from doormill_ros.files import NotPrivateError, read_private
 from doormill_ros.operator.errors import TokenFileError
-from doormill_ros.operator.token import Keys, Role, new_token
+from doormill_ros.operator.token import Holder, Keys, Role, new_token
 from doormill_ros.yaml_text import parse
 
 _MOST = 10_000  # bytes
 _ROLES = (Role.OPERATE.word, Role.ENGINEER.word)
 #: What a browser can send and nobody guesses.
 _TOKEN = re.compile(r"[A-Za-z0-9_-]{16,100}")
+_LONGEST_NAME = 40  # characters
 
 
 def load_keys(path: Path) -> Keys:
     """The tokens of a file; where there is no file it is made, with a new token for each role.
 
     Args:
-        path: YAML with `operate:` or `engineer:` or both, mode 600.
+        path: YAML with `operate:` or `engineer:` or both, mode 600; each a token, or tokens by people's names.
 
     Raises:
         TokenFileError: It cannot be read or made, others may read it, or it is not as described.
@@ -64,12 +65,27 @@ def _keys(path: Path, data: bytes) -> Keys:
         except ValueError:  # not UTF-8, or not YAML
             document = None
     entries = document if isinstance(document, dict) else {}
-    texts = [entry for entry in entries.values() if isinstance(entry, str) and _TOKEN.fullmatch(entry)]
-    if not entries or not set(entries) <= set(_ROLES) or len(set(texts)) < len(entries):
+    people = {
+        Holder(Role[role.upper()], name): token
+        for role, named in entries.items()
+        if role in _ROLES and isinstance(named, dict) and all(map(_is_name, named))
+        for name, token in named.items()
+    }
+    shared = {role: token for role, token in entries.items() if isinstance(token, str)}
+    tokens = [*shared.values(), *people.values()]
+    good = {token for token in tokens if isinstance(token, str) and _TOKEN.fullmatch(token)}
+    known = {*shared, *(holder.role.word for holder in people)}
+    if not entries or set(entries) != known or not known <= set(_ROLES) or len(good) < len(tokens):
         raise TokenFileError(
             f"the file of tokens {path} does not hold a line for one or both of the roles {' and '.join(_ROLES)}, each "
-            "with a token of its own of 16 to 100 letters, digits, - and _ (quote digits); remove it, and the page "
-            "makes it anew",
+            "with a token of its own of 16 to 100 letters, digits, - and _ (quote digits), or with names of people of "
+            f"at most {_LONGEST_NAME} characters and a token for each; remove it, and the page makes it anew",
             path=str(path),
         )
-    return Keys(entries.get(_ROLES[0]), entries.get(_ROLES[1]))
+    return Keys(shared.get(_ROLES[0]), shared.get(_ROLES[1]), people)
+
+
+def _is_name(name: object) -> bool:
+    return (
+        isinstance(name, str) and name.isprintable() and 0 < len(name.strip()) <= len(name) <= _LONGEST_NAME
+    )

@@ -23,7 +23,7 @@ from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.nodes.reporting_node import NodeParameter, ReportingNode
 from doormill_ros.nodes.run import run_nodes
-from doormill_ros.nodes.unknown_parameters import unknown_parameters
+from doormill_ros.nodes.unknown_parameters import unknown_nodes, unknown_parameters
 from support.package_nodes import first_arguments, reporting_nodes
 
 ALL = reporting_nodes()
@@ -232,3 +232,30 @@ def test_a_misspelt_parameter_is_named_with_the_one_that_is_meant(context: rclpy
     assert "limit.picture of /camera_simulator" in alone
     for node in (bridge, simulator):
         node.destroy_node()
+
+
+def test_a_misspelt_node_is_named_with_the_one_that_is_meant(context: rclpy.Context) -> None:
+    simulator = CameraSimulator(context=context, namespace="/cell1")
+    good = [
+        "-p",
+        "camera_simulator:noise:=0.5",
+        "--param",
+        "/cell1/camera_simulator:seed:=3",
+        "-p",
+        "noise:=1.0",
+    ]
+    others = [
+        "-p",
+        "/**:seed:=3",
+        "-r",
+        "camera_simulater:door/recipe:=other",
+        "-r",
+        "__node:=camera_simulator",
+    ]
+    assert unknown_nodes(["cell_simulator", "--ros-args", *good, *others], [simulator]) == []
+    for wrong in ("camera_simulater:noise:=0.5", "/cell2/camera_simulator:noise:=0:5"):
+        (sentence,) = unknown_nodes(["cell_simulator", "--ros-args", *good, "-p", wrong], [simulator])
+        assert f"no node {wrong.partition(':')[0]} in this process" in sentence
+        assert "parameter noise is left aside" in sentence
+        assert "camera_simulator is meant" in sentence
+    simulator.destroy_node()

@@ -20,7 +20,7 @@ def test_a_node_under_another_name_with_other_topics_does_its_work(tmp_path: Pat
     with CellProcesses(tmp_path / "cell", nodes=others) as cell:
         overlays = cell.subscribe(replace(topics.DOOR_OVERLAY, name="seen/overlay"))
         renamed = ("-r", "__node:=eye", "-r", "door/overlay:=seen/overlay", "--log-level", "debug")
-        cell.start("door_localizer", *renamed, "-p", "overlay_steps:=1")
+        cell.start("door_localizer", *renamed, "-p", "overlay_steps:=1", "-p", "eyes:overlay_step:=1")
         cell.wait_until_active("eye")
         result, _ = cell.mill(DOOR)
         assert result.success, result.message
@@ -29,6 +29,7 @@ def test_a_node_under_another_name_with_other_topics_does_its_work(tmp_path: Pat
         assert "[DEBUG]" in log
         assert "no parameter overlay_steps of /eye" in log
         assert log.count("overlay_step is meant") == 1
+        assert log.count("there is no node eyes in this process") == 1
         # What the bridge watches is what a node does in the cell, however it is called.
         cell.stop("door_localizer", signal.SIGKILL)
         cell.wait(lambda: cell.mill(DOOR)[0].error_code == NodeDeadError.code)

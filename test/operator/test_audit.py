@@ -7,10 +7,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from doormill_ros.operator.audit import LONGEST_TEXT, ORDERS, REFUSED, AuditEntry, AuditLog
 from doormill_ros.operator.errors import AuditError
+from doormill_ros.operator.page_server import PageServer
+from doormill_ros.operator.server import create_app
+from doormill_ros.operator.token import Holder, Keys, Role, new_token
+from doormill_ros.operator.view_store import ViewStore
 
 NASTY = "<img src=x>\n\x1b[31m{}\u202e"
 
@@ -20,7 +25,7 @@ def lines(path: Path) -> list[dict[str, Any]]:
 
 
 def entry(message: str, time: str = "2026-01-01T00:00:00.000+00:00") -> AuditEntry:
-    return AuditEntry(time, "operate", "10.0.0.1", "POST /control/mill", "oak", "accepted", 202, message)
+    return AuditEntry(time, "operate", "", "10.0.0.1", "POST /control/mill", "oak", "accepted", 202, message)
 
 
 def test_orders_are_written_with_who_when_what_and_outcome(guarded: Any) -> None:
@@ -53,6 +58,27 @@ def test_orders_are_written_with_who_when_what_and_outcome(guarded: Any) -> None
     assert all(
         line.isprintable() and line.isascii() for line in (guarded.folder / ORDERS).read_text().split("\n")
     )
+
+
+def test_an_order_with_a_persons_token_is_written_with_the_name(guarded: Any, tmp_path: Path) -> None:
+    people = {Holder(Role.OPERATE, "Kari"): new_token(), Holder(Role.ENGINEER, "Jörg"): new_token()}
+    keys = Keys(new_token(), None, people)
+    app = create_app(ViewStore(), guarded.control, keys, audit=AuditLog(tmp_path))
+    headers = [{"Authorization": f"Bearer {token}"} for token in (*people.values(), keys.operate)]
+    with PageServer(app, "127.0.0.1", 0) as server:
+        answers = [httpx.post(f"{server.url}control/cancel", headers=h, timeout=120.0) for h in headers]
+        read = httpx.get(f"{server.url}control/audit", headers=headers[1], timeout=120.0)
+        refused = httpx.get(f"{server.url}control/audit", headers=headers[0], timeout=120.0)
+    assert [answer.status_code for answer in (*answers, read, refused)] == [202, 202, 202, 200, 403]
+    found = lines(tmp_path / ORDERS)
+    assert [(e["role"], e["who"]) for e in found] == [
+        ("operate", "Kari"),
+        ("engineer", "Jörg"),
+        ("operate", ""),
+        ("engineer", "Jörg"),
+        ("operate", "Kari"),
+    ]
+    assert [e["who"] for e in read.json()[::-1]] == ["Kari", "Jörg", ""]
 
 
 def test_refused_tries_are_written_apart_and_no_token_is(guarded: Any) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from doormill_ros.operator.token import Keys, Role, new_token
+from doormill_ros.operator.token import Holder, Keys, Role, new_token
 
 ORDERS = [("POST", "control/mill"), ("POST", "control/cancel"), ("GET", "control"), ("GET", "control/audit")]
 
@@ -47,9 +47,9 @@ def test_a_role_without_a_token_is_nobodys() -> None:
     for keys in (Keys(), Keys("", "")):
         assert not keys
         for header in (None, "Bearer", "Bearer ", "Bearer None"):
-            assert keys.role(header) is None
-    assert Keys("a", None).role("Bearer a") is Role.OPERATE
-    assert Keys(None, "b").role("Bearer b") is Role.ENGINEER
+            assert keys.holder(header) is None
+    assert Keys("a", None).holder("Bearer a") == Holder(Role.OPERATE)
+    assert Keys(None, "b").holder("Bearer b") == Holder(Role.ENGINEER)
 
 
 @pytest.mark.parametrize("said", ["first", "second", "wrong", "", "firs", "first "])
@@ -64,8 +64,9 @@ def test_a_token_is_compared_in_the_same_time_wherever_it_differs(
         return False
 
     monkeypatch.setattr(hmac, "compare_digest", compare)
-    assert Keys("first", "second").role(f"Bearer {said}") is None
-    assert compared == [(said.strip().encode(), b"first"), (said.strip().encode(), b"second")]
+    keys = Keys("first", "second", {Holder(Role.OPERATE, "Kari"): "third"})
+    assert keys.holder(f"Bearer {said}") is None
+    assert compared == [(said.strip().encode(), token) for token in (b"first", b"second", b"third")]
 
 
 @pytest.mark.parametrize(("number", "role"), [(0, Role.OPERATE), (1, Role.ENGINEER)])
@@ -74,7 +75,7 @@ def test_what_the_comparison_says_is_the_role(
 ) -> None:
     answers = [place == number for place in range(2)]
     monkeypatch.setattr(hmac, "compare_digest", lambda left, right: answers.pop(0))
-    assert Keys("first", "second").role("Bearer neither") is role
+    assert Keys("first", "second").holder("Bearer neither") == Holder(role)
     assert answers == []
 
 
@@ -82,4 +83,6 @@ def test_roles_have_tokens_of_their_own_that_no_text_of_them_shows() -> None:
     token = new_token()
     with pytest.raises(ValueError, match="one token"):
         Keys(token, token)
+    with pytest.raises(ValueError, match="two people"):
+        Keys(None, token, {Holder(Role.OPERATE, "Kari"): token})
     assert token not in repr(Keys(token, None))

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.operator.errors import TokenFileError
-from doormill_ros.operator.token import Role
+from doormill_ros.operator.token import Holder, Role
 from doormill_ros.operator.token_file import load_keys
 
 OPERATE, ENGINEER = "o" * 20, "e" * 20
@@ -27,8 +27,8 @@ def test_a_file_is_made_once_and_nobody_else_reads_it(tmp_path: Path) -> None:
     finally:
         os.umask(before)
     assert (tmp_path / "tokens.yaml").stat().st_mode & 0o777 == 0o600
-    assert keys.role(f"Bearer {keys.operate}") is Role.OPERATE
-    assert keys.role(f"Bearer {keys.engineer}") is Role.ENGINEER
+    assert keys.holder(f"Bearer {keys.operate}") == Holder(Role.OPERATE)
+    assert keys.holder(f"Bearer {keys.engineer}") == Holder(Role.ENGINEER)
     assert load_keys(tmp_path / "tokens.yaml") == keys
     assert load_keys(tmp_path / "other.yaml") != keys
 
@@ -36,8 +36,20 @@ def test_a_file_is_made_once_and_nobody_else_reads_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize("role", ["operate", "engineer"])
 def test_a_role_without_a_line_is_nobodys(tmp_path: Path, role: str) -> None:
     keys = load_keys(write(tmp_path / "tokens.yaml", f"{role}: {OPERATE}\n".encode()))
-    assert keys.role(f"Bearer {OPERATE}") is Role[role.upper()]
+    assert keys.holder(f"Bearer {OPERATE}") == Holder(Role[role.upper()])
     assert [keys.operate, keys.engineer].count(None) == 1
+
+
+def test_people_have_tokens_of_their_own_beside_a_roles(tmp_path: Path) -> None:
+    text = f"operate:\n  Kari: {OPERATE}\n  Per Ole: {'p' * 16}\nengineer: {ENGINEER}\n"
+    keys = load_keys(write(tmp_path / "tokens.yaml", text.encode()))
+    assert [keys.holder(f"Bearer {token}") for token in (OPERATE, "p" * 16, ENGINEER, "q" * 16)] == [
+        Holder(Role.OPERATE, "Kari"),
+        Holder(Role.OPERATE, "Per Ole"),
+        Holder(Role.ENGINEER),
+        None,
+    ]
+    assert OPERATE not in repr(keys)
 
 
 @pytest.mark.parametrize("mode", [0o640, 0o604, 0o620])
@@ -65,6 +77,15 @@ def test_a_file_that_others_may_open_is_refused(tmp_path: Path, mode: int) -> No
         f"operate: {OPERATE}\nengineer: {OPERATE}\n".encode(),
         f"operate: {OPERATE}\noperate: {ENGINEER}\n".encode(),
         f"operate: {OPERATE}\nadmin: {ENGINEER}\n".encode(),
+        f"operate: {OPERATE}\nengineer: {{Kari: {OPERATE}}}\n".encode(),
+        f"operate: {{Kari: {OPERATE}, Per: {OPERATE}}}\n".encode(),
+        f"operate: {{Kari: 12345678901234567890}}\nengineer: {OPERATE}\n".encode(),
+        f"operate: {{'': {OPERATE}}}\n".encode(),
+        f"operate: {{1: {OPERATE}}}\n".encode(),
+        f'operate: {{"a\\nb": {OPERATE}}}\n'.encode(),
+        f"operate: {{{'k' * 41}: {OPERATE}}}\n".encode(),
+        f"operate: {{}}\nengineer: {OPERATE}\n".encode(),
+        f"admin: {{Kari: {OPERATE}}}\nengineer: {ENGINEER}\n".encode(),
         f"operate: !!python/name:os.system {OPERATE}\n".encode(),
     ],
 )

@@ -18,6 +18,6 @@ def fill(folder: Path, word: str = "first") -> None:
     store = ModelStore(folder / "models")
     store.accept(store.propose(word.encode(), "doors"), "Kari", word)
     entry = AuditEntry(
-        "2026-11-22", "operate", "10.0.0.1", "POST /control/mill", "oak", "accepted", 202, word
+        "2026-11-22", "operate", "Kari", "10.0.0.1", "POST /control/mill", "oak", "accepted", 202, word
     )
     AuditLog(folder / "audit").write(entry, True)

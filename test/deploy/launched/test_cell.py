@@ -89,7 +89,10 @@ def test_it_mills_revives_what_dies_and_ends(cell: LaunchedCell) -> None:
     assert (cell.folder / "out" / "targets").is_dir()
     pids = [int(pid) for _, pid in STARTED.findall(cell.log("launch"))]
     assert cell.interrupt() == 0
-    assert "escalating" not in (cell.folder / "launch.log").read_text()
+    said = (cell.folder / "launch.log").read_text()
+    assert "escalating" not in said
+    errors = [line for line in said.splitlines() if "[ERROR]" in line]
+    assert [f"process has died [pid {first}" in line for line in errors] == [True], errors
     assert not [pid for pid in pids if Path(f"/proc/{pid}").exists()]
 
 
