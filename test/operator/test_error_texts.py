@@ -253,6 +253,7 @@ def test_a_refused_order_is_answered_in_the_readers_language(controlled: Any, la
         said = said_of(language, 802)
         expect(page.locator("#answer")).to_contain_text(f"{said['headline']}. {said['advice']}")
         is_english(page, "#answer [lang=en]", "(another door is being milled)")
+    assert controlled.control.orders == []
 
 
 def test_a_headline_is_found_in_the_history(read_only: Any) -> None:
