@@ -16,6 +16,7 @@ from doormill_ros.abb.controller_names import controller_names
 from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
+from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
@@ -45,6 +46,11 @@ def level_of(snapshot: HandshakeSnapshot) -> bytes:
         return WARN
     # A fault while milling has no code of the handover: that succeeded.
     return ERROR if snapshot.state is HandshakeState.FAILED else OK
+
+
+def code_of(snapshot: HandshakeSnapshot) -> int:
+    """Code that goes with that level, 0 when nothing is wrong."""
+    return MillingFaultError.code if level_of(snapshot) == ERROR else snapshot.error_code
 
 
 class AbbBridge(ManagedNode):
@@ -250,7 +256,8 @@ class AbbBridge(ManagedNode):
             self._request.publish(Bool(data=snapshot.request))
             self._ready.publish(Bool(data=ready))
         self._status.publish(status)
-        self.report(level_of(snapshot), f"{snapshot.state.value}: {snapshot.reason}")
+        said = f"{snapshot.state.value}: {snapshot.reason}"
+        self.report(level_of(snapshot), said, error_code=code_of(snapshot))
 
     def _watch(self) -> None:
         if not self._loop.alive:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import Header
@@ -97,7 +98,9 @@ class ControllerMonitor:
     def _publish(self, reading: ControllerReading, events: tuple[ControllerEvent, ...]) -> None:
         hindrance = reading.hindrance
         stopped = reading.controller_state in (EMERGENCY_STOP, GUARD_STOP, "sysfail")
-        self._diagnose(ERROR if stopped else WARN if hindrance else OK, hindrance or "takes files", reading)
+        level = ERROR if stopped else WARN if hindrance else OK
+        code = ControllerStateError.code if hindrance else 0
+        self._diagnose(level, hindrance or "takes files", code, vars(reading))
         if (reading, "") == self._shown and not events:
             return
         self._shown = (reading, "")
@@ -113,7 +116,7 @@ class ControllerMonitor:
                 speed_override=reading.speed_override,
                 takes_files=not hindrance,
                 advice=hindrance,
-                error_code=ControllerStateError.code if hindrance else 0,
+                error_code=code,
                 events=[
                     EventMessage(
                         number=event.number,
@@ -129,7 +132,7 @@ class ControllerMonitor:
 
     def _publish_failure(self, error: LinkError) -> None:
         self._latest = None
-        self._diagnose(ERROR, f"the controller's state cannot be read: {error.message}", None)
+        self._diagnose(ERROR, f"the controller's state cannot be read: {error.message}", error.code, {})
         if self._shown == (None, error.message):
             return
         self._shown = (None, error.message)
@@ -140,10 +143,10 @@ class ControllerMonitor:
             message.header = Header(stamp=self._node.get_clock().now().to_msg())
             self._state.publish(message)
 
-    def _diagnose(self, level: bytes, message: str, reading: ControllerReading | None) -> None:
+    def _diagnose(self, level: bytes, message: str, error_code: int, figures: Mapping[str, object]) -> None:
         if not self._node.context.ok():
             return
-        values = {} if reading is None else vars(reading)
+        values = {"error_code": error_code, **figures}
         status = DiagnosticStatus(
             level=level,
             name=f"{self._node.get_fully_qualified_name().lstrip('/')}/controller",

@@ -103,7 +103,7 @@ class ActionControl:
         result = future.result().result
         # A goal that never became a run is told of nowhere else.
         if not result.run_id:
-            self._store.update(lambda view: view.with_notice(result.message))
+            self._store.update(lambda view: view.with_notice(result.message, result.error_code))
 
     def _require(self, ready: bool) -> None:
         if not (ready and self._node.active):

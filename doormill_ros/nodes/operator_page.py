@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import Image
 
 from doormill_interfaces.action import MillDoor
@@ -40,7 +40,7 @@ from doormill_ros.operator.door_view import door_view
 from doormill_ros.operator.history import append_history, load_history
 from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.page_server import PageServer, is_loopback
-from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
+from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.shown_door import ShownDoors
 from doormill_ros.operator.state import EndedRun
@@ -131,7 +131,7 @@ class OperatorPage(ManagedNode):
     def _take_status(self, status: AbbStatus) -> None:
         since = seconds_of(status.since)
         shown = status.state, status.reason, status.run_id, status.door_id, status.request, since
-        self.store.update(lambda view: view.with_handshake(*shown))
+        self.store.update(lambda view: view.with_handshake(*shown, error_code=status.error_code))
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         since = seconds_of(recipe.header.stamp)
@@ -175,12 +175,13 @@ class OperatorPage(ManagedNode):
         if found.accepted:
             self.store.update(lambda view: view.with_found_door(found.run_id))
             return
-        self.store.update(lambda view: view.with_refused_picture(found.run_id, found.reason))
+        refused = found.run_id, found.reason, found.error_code
+        self.store.update(lambda view: view.with_refused_picture(*refused))
         for picture in tuple(self._pictures):
             # What cannot be read cannot be shown; the refusal says so.
             with suppress(BadPicture):
                 if picture.header.stamp == found.header.stamp:
-                    self._show(picture_of(picture), f"Refused picture of door {found.door_id}")
+                    self._show(picture_of(picture), "refused", door=found.door_id)
 
     def _take_overlay(self, overlay: Image) -> None:
         door = self._shown.of_picture(nanoseconds_of(overlay.header.stamp), overlay)
@@ -190,11 +191,11 @@ class OperatorPage(ManagedNode):
     def _show_overlay(self, overlay: Image, door: str) -> None:
         colours = colours_of(overlay)
         taken = time.strftime("%H:%M:%S", time.localtime(seconds_of(overlay.header.stamp)))
-        self._show(colours, f"Door {door}: picture of {taken} with the edges as they were found")
+        self._show(colours, "found", door=door, time=taken)
 
-    def _show(self, picture: ByteArray, caption: str) -> None:
-        data = encode_picture(picture)
-        self.store.update(lambda view: view.with_picture(data, MEDIA_TYPE, caption))
+    def _show(self, picture: ByteArray, key: str, **values: str) -> None:
+        data, caption = encode_picture(picture), CAPTIONS[key].format(**values)
+        self.store.update(lambda view: view.with_picture(data, MEDIA_TYPE, caption, key, values))
 
     def _take_result(self, result: RunResult) -> None:
         ended = EndedRun(
@@ -244,14 +245,20 @@ class OperatorPage(ManagedNode):
                 self._bridge_heard = time.monotonic()
                 self._look_for_bridge()
             fault = status.message if status.level == ERROR else ""
-            self._take_fault(status.name, fault)
+            self._take_fault(status.name, fault, code_of(status))
 
-    def _take_fault(self, node: str, message: str) -> None:
-        self.store.update(lambda view: view.with_fault(node, message))
+    def _take_fault(self, node: str, message: str, error_code: int) -> None:
+        self.store.update(lambda view: view.with_fault(node, message, error_code))
 
     def _look_for_bridge(self) -> None:
         present = time.monotonic() - self._bridge_heard < SILENCE
         self.store.update(lambda view: view.with_bridge(present))
+
+
+def code_of(status: DiagnosticStatus) -> int:
+    """The error code that a node gives beside what it says of itself; 0 where it gives none."""
+    told = next((pair.value for pair in status.values if pair.key == "error_code"), "")
+    return int(told) if told.isdecimal() and len(told) < 6 else 0
 
 
 def main() -> int:

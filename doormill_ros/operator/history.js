@@ -1,5 +1,5 @@
 // The table of ended runs: the last ones as they come, or what is found among all that are kept.
-import { ENGLISH, byId, language, text, write } from "./language.js";
+import { ENGLISH, byId, errorText, language, text, write } from "./language.js";
 
 const PAUSE = 250; // ms after the last key
 const SHOWN = 50;
@@ -12,10 +12,16 @@ export const outcome = (run) => text(`outcome.${run.came_to}`, { code: run.error
 
 const sought = () => byId("search").value.trim();
 
-function cell(row, words, spoken) {
+function cell(row, words) {
+  row.insertCell().textContent = words;
+}
+
+// The headline of its error, and under it the English report.
+function report(row, run) {
   const made = row.insertCell();
-  made.textContent = words;
-  if (spoken) made.lang = spoken;
+  const said = errorText(run.error_code);
+  if (said) made.append(Object.assign(document.createElement("p"), { textContent: said.headline }));
+  made.append(Object.assign(document.createElement("p"), { textContent: run.message, lang: ENGLISH }));
 }
 
 function showRuns(runs) {
@@ -25,7 +31,7 @@ function showRuns(runs) {
     cell(row, new Date(run.ended * 1000).toLocaleString(language(), { dateStyle: "short", timeStyle: "short" }));
     cell(row, run.door_id);
     cell(row, outcome(run));
-    cell(row, run.message, ENGLISH);
+    report(row, run);
     return row;
   });
   byId("history").replaceChildren(...rows);

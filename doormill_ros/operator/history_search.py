@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from doormill_ros.operator.history import Kept
-from doormill_ros.operator.languages import Language, outcome_in
+from doormill_ros.operator.languages import Language, headline_in, outcome_in
 from doormill_ros.operator.state import EndedRun
 
 
@@ -31,8 +31,9 @@ def search_history(shown: Iterable[EndedRun], kept: Kept, search: str, language:
     Args:
         shown: Runs that the page shows, whether they are kept or not.
         kept: Runs of the history's folder.
-        search: Words divided by blanks, each a part of door id, result, error code or message; none: every run.
-        language: Of the result's words.
+        search: Words divided by blanks, each a part of door id, result, error code, its headline or message; none:
+            every run.
+        language: Of result and headline.
     """
     words = search.casefold().split()
     runs = {run.run_id: run for run in (*shown, *kept.runs)}
@@ -42,6 +43,7 @@ def search_history(shown: Iterable[EndedRun], kept: Kept, search: str, language:
 
 def _has(run: EndedRun, words: list[str], language: Language) -> bool:
     # A line each, so that no word reaches from one into the next.
-    parts = (run.door_id, outcome_in(language, run), str(run.error_code), run.message)
+    headline = headline_in(language, run.error_code)
+    parts = (run.door_id, outcome_in(language, run), str(run.error_code), headline, run.message)
     text = "\n".join(parts).casefold()
     return all(word in text for word in words)

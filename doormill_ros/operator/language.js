@@ -4,8 +4,10 @@ const LANGUAGES = [ENGLISH, "de", "nb"];
 const SAME = { no: "nb", nn: "nb" };
 const KEPT = "language";
 const AGAIN = 2000; // ms
+export const UNNAMED = 1; // an error without a code of its own
 let spoken = ENGLISH;
 let texts = {};
+let errors = {}; // headline and advice by error code
 let last = null;
 
 export const byId = (id) => document.getElementById(id);
@@ -20,6 +22,12 @@ export function write(id, words, lang = "") {
   if (element.textContent !== words) element.textContent = words;
   if (lang) element.lang = lang;
   else element.removeAttribute("lang");
+}
+
+// What an error means to the operator and what to do; null for 0, which is none.
+export function errorText(code) {
+  if (!code) return null;
+  return Object.hasOwn(errors, code) ? errors[code] : errors[UNNAMED];
 }
 
 export function size(metres) {
@@ -40,10 +48,10 @@ export function wanted() {
   return asked.map((code) => SAME[code] || code).find((code) => LANGUAGES.includes(code)) || ENGLISH;
 }
 
-async function load(code) {
+async function load(name) {
   for (;;) {
     try {
-      const answer = await fetch(`/texts/${code}.json`);
+      const answer = await fetch(`/texts/${name}.json`);
       if (answer.ok) return await answer.json();
     } catch {
       // The cell may be starting.
@@ -54,9 +62,10 @@ async function load(code) {
 
 export async function speak(code) {
   last = code;
-  const found = await load(code);
+  const [found, said] = await Promise.all([load(code), load(`errors/${code}`)]);
   if (last !== code) return; // another one was chosen meanwhile
   [spoken, texts] = [code, found];
+  errors = Object.fromEntries(Object.entries(said).flatMap(([codes, words]) => codes.split(" ").map((one) => [one, words])));
   document.documentElement.lang = code;
   document.title = text("title");
   byId("language").value = code;

@@ -84,8 +84,5 @@ export function showModel(found, control) {
   byId("revert").disabled = !found.version;
 }
 
-// Why an order was refused: the sentence of its error's code, and the cell's own words, which say more.
-export function answerToModelOrder(code, own) {
-  const sentence = known(`error.${code}`) ? text(`error.${code}`) : text("refused.409");
-  return `${sentence} (${own})`;
-}
+// Why an order was refused: the sentence of its error's code, where that is about the model.
+export const refusedModelOrder = (code, other) => (known(`error.${code}`) ? text(`error.${code}`) : other);

@@ -1,9 +1,10 @@
 // Everything shown goes through textContent, so that no text of a recipe or a node becomes markup.
 import { outcome, showHistory } from "./history.js";
-import { ENGLISH, byId, language, speak, text, wanted, write } from "./language.js";
+import { ENGLISH, UNNAMED, byId, errorText, known, language, speak, text, wanted, write } from "./language.js";
 import { showDoor } from "./door.js";
-import { answerToModelOrder, showModel, shown as model } from "./model.js";
+import { refusedModelOrder, showModel, shown as model } from "./model.js";
 import { stopReason } from "./monitor_words.js";
+import { nodeName, showFaults, showReport } from "./reports.js";
 
 const SILENCE = 15000; // ms without a sign of life
 let heard = 0;
@@ -11,29 +12,44 @@ let token = "";
 let view = null;
 let ageAt = null; // when the state began, by the clock of the page, which nobody sets
 
-function showFaults(faults) {
-  const items = faults.map((fault) => {
-    const item = document.createElement("li");
-    item.textContent = `${fault.node}: ${fault.message}`;
-    return item;
-  });
-  byId("faults").replaceChildren(...items);
-}
-
 function showPicture(picture) {
   const image = byId("picture");
   image.hidden = !picture;
   if (!picture) return;
-  write("caption", picture.caption, ENGLISH);
+  const { caption, key, values } = picture;
+  write("caption", key ? text(`caption.${key}`, values) : caption, key ? "" : ENGLISH);
   if (image.dataset.number === String(picture.number)) return;
   image.dataset.number = picture.number;
   image.src = `/picture/${picture.number}`;
 }
 
+// In English what nodes report stands in it in their own words, else what their data and codes say.
 function nextStep() {
   const { key, values } = view.step;
-  const known = language() !== ENGLISH && key === "stopped" && view.model;
-  return text(`step.${key}`, known ? { message: stopReason(view.model) } : values);
+  if (language() === ENGLISH) return text(`step.${key}`, values);
+  if (key === "stopped" && view.model) return text("step.stopped", { message: stopReason(view.model) });
+  if (key !== "fault") return text(`step.${key}`, values);
+  const fault = view.faults.find((one) => one.node === values.node);
+  return text("step.fault", { node: nodeName(values.node), message: errorText(fault.error_code || UNNAMED).headline });
+}
+
+function stateSentence() {
+  const { key, door, before, ended } = view.situation;
+  const name = before ? text("before.name", { door: before }) : "";
+  const values = ended ? { door, before: text(`before.${ended}`, { name }) } : {};
+  const words = known(`situation.${key}`) ? text(`situation.${key}`, values) : key;
+  const said = errorText(view.state_code);
+  return said ? text("state.error", { words, headline: said.headline }) : words;
+}
+
+// The handshake's state; in English in the bridge's own words, which stand below it in other languages.
+function showState() {
+  const own = view.state ? `${view.state}: ${view.state_reason}` : "";
+  const english = language() === ENGLISH;
+  if (own) write("state", english ? own : stateSentence());
+  else write("state", text("state.unknown"));
+  write("state-words", english ? "" : own, ENGLISH);
+  byId("state-words").hidden = english || !own;
 }
 
 function show(told) {
@@ -41,18 +57,17 @@ function show(told) {
   // A refusal waits for the operator too, but nobody shall take it for a success from afar.
   byId("step").className = view.refusal ? `${view.urgency} refused` : view.urgency;
   write("next-step", nextStep());
-  write("refusal", view.refusal);
+  showReport("refusal", view.refusal_code, view.refusal);
   byId("refusal").hidden = !view.refusal;
-  if (view.state) write("state", `${view.state}: ${view.state_reason}`, ENGLISH);
-  else write("state", text("state.unknown"));
+  showState();
   ageAt = view.state && view.state_age !== null ? performance.now() - 1000 * view.state_age : null;
   showAge();
-  write("door", view.run_id ? text("door.stage", { door: view.door_id, stage: view.stage }) : text("door.none"));
+  write("door", view.run_id ? text("door.stage", { door: view.door_id, stage: stage() }) : text("door.none"));
   const last = view.history[0];
   write("last", last ? text("last.run", { door: last.door_id, outcome: outcome(last) }) : text("last.none"));
   byId("progress").hidden = !view.run_id;
   byId("progress").value = view.progress;
-  write("notice", view.notice);
+  showReport("notice", view.notice_code, view.notice);
   showFaults(view.faults);
   showPicture(view.picture);
   showDoor(view.drawing);
@@ -60,6 +75,8 @@ function show(told) {
   byId("control").hidden = !view.control;
   showModel(view.model, view.control);
 }
+
+const stage = () => (known(`stage.${view.stage}`) ? text(`stage.${view.stage}`) : view.stage);
 
 // How long the state named above has lasted, by the clock of the cell.
 function showAge() {
@@ -85,16 +102,31 @@ function connect() {
   });
 }
 
-// What came of an order in the reader's language; in English the cell's own words.
-async function answerTo(response, done, wrong) {
+// Why the cell refused an order: the model's have sentences of their own.
+function refusedOrder(code, forModel) {
+  const said = errorText(Number(code));
+  const other = said ? `${said.headline}. ${said.advice}` : text("refused.409");
+  return forModel ? refusedModelOrder(code, other) : other;
+}
+
+// What came of an order in the reader's language, and the cell's own words where those say more; in English them alone.
+async function answerTo(response, done, wrong, forModel) {
   const answer = await response.json();
   const own = answer.message || (typeof answer.detail === "string" ? answer.detail : "");
-  if (response.status === 422) return own || text(wrong);
-  if (language() === ENGLISH) return own;
-  if (response.ok) return done;
-  if (response.status === 409) return answerToModelOrder(response.headers.get("Error-Code"), own);
+  if (response.status === 422) return [own || text(wrong)];
+  if (language() === ENGLISH) return [own];
+  if (response.ok) return [done];
+  if (response.status === 409) return [refusedOrder(response.headers.get("Error-Code"), forModel), own];
   const key = [401, 403, 429].includes(response.status) ? response.status : "other";
-  return text(`refused.${key}`, { wait: response.headers.get("Retry-After") });
+  return [text(`refused.${key}`, { wait: response.headers.get("Retry-After") })];
+}
+
+function tell(id, words, own = "") {
+  write(id, words);
+  if (!own) return;
+  const english = document.createElement("span");
+  [english.lang, english.textContent] = [ENGLISH, `(${own})`];
+  byId(id).append(" ", english);
 }
 
 async function order(path, body, done, told = "answer", buttons = ["mill", "cancel"], wrong = "wrong.door") {
@@ -106,7 +138,7 @@ async function order(path, body, done, told = "answer", buttons = ["mill", "canc
       headers: { "Authorization": `Bearer ${token}`, "Content-Type": "application/json" },
       body: JSON.stringify(body),
     });
-    write(told, await answerTo(response, done, wrong));
+    tell(told, ...await answerTo(response, done, wrong, told === "model-answer"));
   } catch {
     write(told, text("answer.lost"));
   } finally {

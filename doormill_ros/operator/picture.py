@@ -9,6 +9,11 @@ from doormill_ros.arrays import ByteArray
 
 LONGEST_SIDE = 1280  # pixels
 MEDIA_TYPE = "image/jpeg"
+#: What a picture shows, by the key of the page's texts behind "caption.".
+CAPTIONS = {
+    "refused": "Refused picture of door {door}",
+    "found": "Door {door}: picture of {time} with the edges as they were found",
+}
 #: With colours at full resolution: an overlay's lines are one pixel wide and would turn grey.
 _OPTIONS = [
     cv2.IMWRITE_JPEG_QUALITY,

@@ -18,6 +18,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.audited import Audited
+from doormill_ros.operator.errors import AuditError
 from doormill_ros.operator.history_pages import serve_history
 from doormill_ros.operator.languages import LANGUAGES
 from doormill_ros.operator.orders import Control, Doorkeeper, serve_orders
@@ -47,7 +48,12 @@ _FILES = {
     "/history.js": ("history.js", "text/javascript"),
     "/model.js": ("model.js", "text/javascript"),
     "/monitor_words.js": ("monitor_words.js", "text/javascript"),
-    **{f"/texts/{code}.json": (f"texts/{code}.json", "application/json") for code in LANGUAGES},
+    **{
+        f"/texts/{name}.json": (f"texts/{name}.json", "application/json")
+        for code in LANGUAGES
+        for name in (code, f"errors/{code}")
+    },
+    "/reports.js": ("reports.js", "text/javascript"),
     "/icon.svg": ("icon.svg", "image/svg+xml"),
 }
 
@@ -112,7 +118,7 @@ def create_app(
 
 
 def _unwritten(sentence: str) -> Callable[[CellView], CellView]:
-    return lambda view: view.with_fault("the audit log", sentence)
+    return lambda view: view.with_fault("the audit log", sentence, AuditError.code)
 
 
 async def _unforeseen(request: Request, error: Exception) -> Response:

@@ -8,11 +8,25 @@ _ENDS = {"done": "was milled", "failed": "came to nothing"}
 
 
 class Situation(NamedTuple):
-    """State of the handshake and why it is in it, one sentence; `told`: the controller's own state, not another's."""
+    """What the handshake's state means for one door.
+
+    Attributes:
+        state: State of the handshake.
+        reason: Why it is in that state, one sentence in English.
+        told: It is the controller's own state, not one that follows for a door behind another.
+        key: Of the sentence in the page's texts, behind "situation."; the state itself where it is the controller's.
+        door: The door that the sentence speaks of.
+        before: The door before that, empty where its name is not known.
+        ended: done or failed, how that ended; empty where the sentence does not speak of it.
+    """
 
     state: str
     reason: str
-    told: bool = True
+    told: bool
+    key: str
+    door: str = ""
+    before: str = ""
+    ended: str = ""
 
 
 def situation(
@@ -37,18 +51,19 @@ def situation(
         request: The controller asks for targets.
     """
     (told_run, told_door), (run_id, door_id) = told, in_hand
+    own = Situation(state, reason, True, state)
     if state not in _ENDS:
-        return Situation(state, reason)
+        return own
     before = f"the door before{f', {told_door},' if told_door else ''} {_ENDS[state]}"
+    doors = (door_id, told_door, state)
     if run_id:
         if run_id == told_run:
-            return Situation(state, reason)
+            return own
         if request:
-            return Situation(
-                "requested", f"door {door_id} is measured for the controller's request; {before}", False
-            )
-        waits = f"door {door_id} waits for the controller to ask for targets"
-        return Situation("idle", f"{waits}; {before}", False)
+            measured = f"door {door_id} is measured for the controller's request; {before}"
+            return Situation("requested", measured, False, "measured", *doors)
+        waits = f"door {door_id} waits for the controller to ask for targets; {before}"
+        return Situation("idle", waits, False, "waits", *doors)
     if state == "done" and told_run and last_run not in ("", told_run):
-        return Situation("idle", f"the controller asks for nothing; {before}", False)
-    return Situation(state, reason)
+        return Situation("idle", f"the controller asks for nothing; {before}", False, "nothing", *doors)
+    return own

@@ -47,12 +47,25 @@ class EndedRun:
 
 @dataclass(frozen=True)
 class EncodedPicture:
-    """An encoded picture and what it shows; `number` grows with every new one."""
+    """An encoded picture and what it shows; `number` grows with every new one.
+
+    `key` and `values` are those of the caption in the page's texts; an empty key: it has none there.
+    """
 
     data: bytes
     media_type: str
     caption: str
     number: int
+    key: str = ""
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What a node in error says of itself; `error_code` 0: it gave none."""
+
+    message: str
+    error_code: int = 0
 
 
 @dataclass(frozen=True)
@@ -63,6 +76,7 @@ class CellView:
         bridge_present: The ABB bridge gives signs of life.
         state: State of the handshake with the controller, empty before it was heard of.
         state_reason: Why it is in that state.
+        state_code: Code of the error that led there, 0 when none did.
         state_run: Run that it is about, empty when about none.
         state_door: Door of that run.
         state_since: When it came into that state, by the steady clock [s]; None: not known.
@@ -73,8 +87,10 @@ class CellView:
         stage: Stage of that run, empty when not heard of.
         progress: Share of the run that is done, 0..1.
         refusal: Why the door in hand or the last one was refused; empty when it was not.
+        refusal_code: Its error code.
         notice: Answer to what the operator asked for on this page.
-        faults: What a node in error says of itself, by node.
+        notice_code: Its error code, 0 when it has none.
+        faults: Nodes in error.
         history: Ended runs, the newest first.
         picture: The latest picture worth showing.
         model: What the monitor of the model said last; None where there is none.
@@ -84,6 +100,7 @@ class CellView:
     bridge_present: bool = False
     state: str = ""
     state_reason: str = ""
+    state_code: int = 0
     state_run: str = ""
     state_door: str = ""
     state_since: float | None = None
@@ -94,8 +111,10 @@ class CellView:
     stage: str = ""
     progress: float = 0.0
     refusal: str = ""
+    refusal_code: int = 0
     notice: str = ""
-    faults: dict[str, str] = field(default_factory=dict)
+    notice_code: int = 0
+    faults: dict[str, Fault] = field(default_factory=dict)
     history: tuple[EndedRun, ...] = ()
     picture: EncodedPicture | None = None
     model: ModelView | None = None
@@ -113,6 +132,7 @@ class CellView:
         door_id: str = "",
         request: bool = False,
         since: float = 0.0,
+        error_code: int = 0,
     ) -> CellView:
         """The handshake changed; `since` in seconds since the epoch, 0 where nobody tells."""
         return replace(
@@ -120,6 +140,7 @@ class CellView:
             bridge_present=True,
             state=state,
             state_reason=short(reason),
+            state_code=error_code,
             state_run=run_id,
             state_door=short(door_id),
             request=request,
@@ -147,9 +168,11 @@ class CellView:
             return self
         return replace(self, stage=short(stage), progress=min(max(progress, 0.0), 1.0))
 
-    def with_refused_picture(self, run_id: str, reason: str) -> CellView:
+    def with_refused_picture(self, run_id: str, reason: str, error_code: int = 0) -> CellView:
         """The door of the run in hand was not found in the picture."""
-        return replace(self, refusal=short(reason)) if run_id == self.run_id else self
+        if run_id != self.run_id:
+            return self
+        return replace(self, refusal=short(reason), refusal_code=error_code)
 
     def with_found_door(self, run_id: str) -> CellView:
         """The door of the run in hand was found: an earlier picture's refusal is over."""
@@ -165,6 +188,7 @@ class CellView:
         return replace(
             view,
             refusal="" if run.success else run.message,
+            refusal_code=run.error_code,
             notice="",
             history=(run, *self.history)[:HISTORY],
         )
@@ -173,21 +197,29 @@ class CellView:
         """Runs that ended before the page was there, the newest first."""
         return replace(self, history=runs[:HISTORY])
 
-    def with_notice(self, notice: str) -> CellView:
+    def with_notice(self, notice: str, error_code: int = 0) -> CellView:
         """What the operator asked for was answered."""
-        return replace(self, notice=short(notice))
+        return replace(self, notice=short(notice), notice_code=error_code)
 
-    def with_fault(self, node: str, message: str) -> CellView:
+    def with_fault(self, node: str, message: str, error_code: int = 0) -> CellView:
         """A node is in error; an empty message means that it no longer is."""
-        faults = {name: text for name, text in self.faults.items() if name != node}
+        faults = {name: fault for name, fault in self.faults.items() if name != node}
         if message:
-            faults[node] = short(message)
+            faults[node] = Fault(short(message), error_code)
         return replace(self, faults=dict(sorted(faults.items())))
 
-    def with_picture(self, data: bytes, media_type: str, caption: str) -> CellView:
-        """A new picture."""
+    def with_picture(
+        self,
+        data: bytes,
+        media_type: str,
+        caption: str,
+        key: str = "",
+        values: Mapping[str, str] | None = None,
+    ) -> CellView:
+        """A new picture; key and values of its caption as in `EncodedPicture`."""
         number = self.picture.number + 1 if self.picture else 1
-        return replace(self, picture=EncodedPicture(data, media_type, short(caption), number))
+        shown = {name: short(value) for name, value in (values or {}).items()}
+        return replace(self, picture=EncodedPicture(data, media_type, short(caption), number, key, shown))
 
     def with_drawing(self, drawing: DoorView) -> CellView:
         """The recipe of a run tells how its door looks; the one drawn already keeps what is known of it."""
@@ -241,7 +273,7 @@ class CellView:
             seen.state,
             self.run_id != "",
             self.refusal,
-            self.faults,
+            {node: fault.message for node, fault in self.faults.items()},
             last is not None and last.error_code == OutOfToleranceError.code,
             seen.state == "done" and last is not None and last.run_id == self.state_run,
             self.model.message if self.model is not None and self.model.stopped else "",
@@ -249,6 +281,8 @@ class CellView:
         return {
             "state": seen.state if self.bridge_present else "",
             "state_reason": seen.reason,
+            "state_code": self.state_code if seen.told else 0,
+            "situation": {"key": seen.key, "door": seen.door, "before": seen.before, "ended": seen.ended},
             "state_age": self._state_age(seen.told),
             "urgency": step.urgency,
             "next_step": step.text,
@@ -258,14 +292,21 @@ class CellView:
             "stage": self.stage,
             "progress": self.progress,
             "refusal": self.refusal,
+            "refusal_code": self.refusal_code,
             "notice": self.notice,
-            "faults": [{"node": node, "message": text} for node, text in self.faults.items()],
+            "notice_code": self.notice_code,
+            "faults": [{"node": node, **asdict(fault)} for node, fault in self.faults.items()],
             "history": [
                 {**asdict(run), "outcome": run.outcome, "came_to": run.came_to} for run in self.history
             ],
             "picture": None
             if self.picture is None
-            else {"number": self.picture.number, "caption": self.picture.caption},
+            else {
+                "number": self.picture.number,
+                "caption": self.picture.caption,
+                "key": self.picture.key,
+                "values": dict(self.picture.values),
+            },
             "model": None if self.model is None else self.model.document(),
             "drawing": self._drawn(),
         }

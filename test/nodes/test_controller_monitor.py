@@ -1,13 +1,17 @@
-"""What the bridge tells of its controller after a look at it failed in a way that nobody foresaw."""
+"""What the bridge tells of its controller: with codes, and after a look at it failed in a way that nobody foresaw."""
 
 from __future__ import annotations
 
 import threading
+from types import SimpleNamespace
 
+import pytest
 import rclpy
+from diagnostic_msgs.msg import DiagnosticStatus
 
 from doormill_interfaces.msg import ControllerState
 from doormill_ros.abb.controller_state import ControllerEvent, ControllerReading
+from doormill_ros.abb.link_errors import ControllerStateError, LinkError, LoginError
 from doormill_ros.nodes import controller_monitor, topics
 from doormill_ros.nodes.controller_monitor import ControllerMonitor
 from doormill_ros.nodes.managed_node import ManagedNode
@@ -57,4 +61,38 @@ def test_a_look_that_nobody_foresaw_costs_no_later_one(context: rclpy.Context, m
         monitor.stop()
         executor.shutdown()
         spinning.join(LIMIT)
+        node.destroy_node()
+
+
+class Stopped(Stumbling):
+    """A controller in emergency stop, or none that answers."""
+
+    def __init__(self, error: LinkError | None) -> None:
+        super().__init__()
+        self.error = error
+
+    def read_controller(self, ask_privilege: bool = False) -> ControllerReading:
+        if self.error is not None:
+            raise self.error
+        return ControllerReading("AUTO", "emergencystop", "stopped", 1.0, ask_privilege)
+
+    def read_events(self) -> tuple[ControllerEvent, ...]:
+        return ()
+
+
+@pytest.mark.parametrize(
+    ("error", "code"), [(None, ControllerStateError.code), (LoginError("no such user"), LoginError.code)]
+)
+def test_what_keeps_the_controller_from_milling_is_told_with_its_code(
+    context: rclpy.Context, error: LinkError | None, code: int
+) -> None:
+    node = ManagedNode("bridge", context=context)
+    told: list[DiagnosticStatus] = []
+    monitor = ControllerMonitor(node, Stopped(error), False)
+    monitor._diagnostics = SimpleNamespace(publish=lambda array: told.extend(array.status))
+    try:
+        monitor._tell(monitor._watch)
+        assert [status.level for status in told] == [DiagnosticStatus.ERROR]
+        assert {pair.key: pair.value for pair in told[0].values}["error_code"] == str(code)
+    finally:
         node.destroy_node()

@@ -114,7 +114,8 @@ def test_nothing_is_started_that_cannot_be_written_down_but_a_run_is_canceled(gu
     assert guarded.control.orders == []
     assert guarded.order(guarded.keys.operate, "control/cancel").status_code == 202
     assert guarded.control.orders == ["cancel"]
-    assert "cannot be written" in guarded.store.view.faults["the audit log"]
+    fault = guarded.store.view.faults["the audit log"]
+    assert ("cannot be written" in fault.message, fault.error_code) == (True, AuditError.code)
     guarded.folder.unlink()
     assert guarded.order(guarded.keys.operate, "control/cancel").status_code == 202
     assert guarded.store.view.faults == {}

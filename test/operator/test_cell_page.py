@@ -107,7 +107,8 @@ def test_a_refusal_reaches_the_browser(cell: Started) -> None:
         expect(page.locator("#refusal")).to_contain_text("<b>no such door</b>", timeout=1000 * LIMIT)
         expect(page.locator("#last")).to_contain_text("refused (140)", timeout=1000 * LIMIT)
         assert errors == []
-    assert cell.state(lambda s: s["refusal"])["history"][0]["error_code"] == 140
+    refused = cell.state(lambda s: s["refusal"])
+    assert (refused["history"][0]["error_code"], refused["refusal_code"]) == (140, 140)
 
 
 def test_only_the_token_starts_a_run(cell: Started) -> None:

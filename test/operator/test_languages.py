@@ -54,6 +54,10 @@ FRAMES = {
     "drawing.feature",
     "state.age",
     "verdict.no_outlook",
+    "state.error",
+    "before.name",
+    "node",
+    "fault",
     "cause.at",
     "run",
     "course.always",
@@ -74,6 +78,11 @@ BY_DATA = (
     "error.",
     "refused.",
     "answer.",
+    "situation.",
+    "before.",
+    "stage.",
+    "caption.",
+    "node.",
 )
 
 
