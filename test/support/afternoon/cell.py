@@ -6,7 +6,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -38,9 +38,25 @@ NODES = (
     "cell_simulator",
 )
 CLOCK_PERIOD = 0.1  # s
+UNHEARD = 600.0  # s; the clock is set by an hour
 SET_LIMIT, ASK_AGAIN = 120.0, 5.0  # s
 FULL = 300_000  # bytes that a file may have on the full disk
 CREDENTIALS = {"DOORMILL_CONTROLLER_USER": "Default User", "DOORMILL_CONTROLLER_PASSWORD": "robotics"}
+
+
+def steady_time(stamp: float, shifts: Sequence[float], now: float) -> float:
+    """When something happened that was stamped by the clock that is set [s since the epoch].
+
+    Of all that the clock was shifted by, what fits to now. A node that was started again stamps 0 until it hears the
+    clock: what fits to nothing happened when it was heard of.
+
+    Args:
+        stamp: By that clock [s].
+        shifts: By what it was shifted so far [s].
+        now: When the message was heard [s since the epoch].
+    """
+    at = min((stamp - shift for shift in shifts), key=lambda at: abs(at - now))
+    return at if abs(at - now) < UNHEARD else now
 
 
 class AfternoonClient(Client):
@@ -55,10 +71,8 @@ class AfternoonClient(Client):
         self._controller = self.node.create_client(SetParameters, "controller_simulator/set_parameters")
 
     def _place(self, message: Any) -> None:
-        """Stamped by the clock that is set; of all that it was shifted by, the one that fits to now."""
-        told, now = placed(message), time.time()
-        at = min((told.at - shift for shift in list(self._shifts)), key=lambda at: abs(at - now))
-        self._oracle.placed(replace(told, at=at))
+        told = placed(message)
+        self._oracle.placed(replace(told, at=steady_time(told.at, list(self._shifts), time.time())))
 
     def mill(self, door: str, limit: float, meanwhile: Callable[[], None] = lambda: None) -> Any:
         """See the base class."""

@@ -125,7 +125,8 @@ class Oracle:
             named.setdefault(key, value)
         found = named.get("#door"), named.get("#run")
         if stood is None or found != (stood.door_id, stood.run_id):
-            return f"milled {found}, requested at {start.asked:.3f}; in the clamp: {stood}"
+            own = [f"{p.at:.3f}" for p in self._placed if (p.door_id, p.run_id) == found]
+            return f"milled {found}, requested at {start.asked:.3f}, clamped at {own}; in the clamp: {stood}"
         seen, good = stood.place.seen(targets_of(start.data)), self._good[stood.door_id]
         if seen.shape != good.shape:
             return f"milled {found} by {len(seen)} targets instead of {len(good)}; in the clamp: {stood}"
