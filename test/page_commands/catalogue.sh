@@ -7,5 +7,6 @@ catalogue export --parquet runs.parquet
 catalogue retain --days 365 --gigabytes 2000 --dry-run
 run=$(python -c "import pandas; print(pandas.read_parquet('runs.parquet').run_id[0])")
 catalogue keep "$run" --reason "customer asks"
+python -c "import duckdb; duckdb.sql('SELECT cell, door_id, count(*), avg(deviation) FROM \'runs.parquet\' GROUP BY ALL').show()"
 python -c "import pandas; print(pandas.read_parquet('runs.parquet').groupby('software').success.mean())"
 replay --many bags
