@@ -98,7 +98,7 @@ def random_jacobians(robot, n, seed):
     q = np.random.default_rng(seed).uniform(robot.lower, robot.upper, (n, 6))
     frames = chain_frames(robot.dh, np.ascontiguousarray(q.T))
     velocity = jacobian_columns(frames, frames.point(6, POINT))
-    return frames, velocity, Kinematics(robot).jacobian(q, POINT)
+    return frames, velocity, Kinematics(robot).jacobian(q, POINT).copy()
 
 
 def test_inverse_condition_number_of_random_postures(irb6600):
