@@ -17,6 +17,7 @@ from rclpy.serialization import deserialize_message
 
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import DoorRecipe
+from doormill_ros.cell.run import StageLimits
 from doormill_ros.localization.errors import CameraInfoMissing, StalePicture
 from doormill_ros.nodes import door_shares, mill_door, topics
 from doormill_ros.nodes.abb_bridge import AbbBridge
@@ -212,23 +213,29 @@ def test_the_localizer_looks_at_age_waits_and_draws_as_told(
     node.destroy_node()
 
 
-@pytest.mark.parametrize("stage", STAGES)
-@changes(AbbBridge, *(f"limit.{stage}" for stage in STAGES))
-def test_the_bridge_waits_for_the_next_door_as_long_as_told(
-    up: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, stage: str
-) -> None:
-    node, limits = up(AbbBridge), []
+def limits_of_runs(monkeypatch: pytest.MonkeyPatch, module: Any, name: str) -> list[StageLimits]:
+    """What the runs of a module's node are given; its course, by name, is replaced by one that refuses every door."""
+    given: list[StageLimits] = []
 
     class Course:
         def __init__(self, run: Any, *arguments: Any) -> None:
-            limits.append(next(a for a in arguments if hasattr(a, stage) and hasattr(a, "milling")))
+            given.extend(argument for argument in arguments if isinstance(argument, StageLimits))
             self.end = RunEnd(run.run_id, run.door_id)
 
         def mill(self) -> RunEnd:
             self.end.refuse(1, "no course")
             return self.end
 
-    monkeypatch.setattr(mill_door, "Course", Course)
+    monkeypatch.setattr(module, name, Course)
+    return given
+
+
+@pytest.mark.parametrize("stage", STAGES)
+@changes(AbbBridge, *(f"limit.{stage}" for stage in STAGES))
+def test_the_bridge_waits_for_the_next_door_as_long_as_told(
+    up: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, stage: str
+) -> None:
+    node, limits = up(AbbBridge), limits_of_runs(monkeypatch, mill_door, "Course")
     goal = SimpleNamespace(
         request=MillDoor.Goal(door_id="thesis_190_0deg"), is_cancel_requested=False, abort=lambda: None
     )
@@ -243,17 +250,7 @@ def test_the_bridge_waits_for_the_next_door_as_long_as_told(
 def test_two_robots_are_waited_for_as_long_as_told(
     up: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, stage: str
 ) -> None:
-    node, limits = up(DoorShares), []
-
-    class Course:
-        def __init__(self, run: Any, *arguments: Any) -> None:
-            limits.append(next(a for a in arguments if hasattr(a, stage) and hasattr(a, "milling")))
-            self.end = RunEnd(run.run_id, run.door_id)
-
-        def mill(self) -> RunEnd:
-            return self.end
-
-    monkeypatch.setattr(door_shares, "SharedCourse", Course)
+    node, limits = up(DoorShares), limits_of_runs(monkeypatch, door_shares, "SharedCourse")
     run = node._desk.begin("thesis_190_0deg")
     for seconds in (7.0, 9.0):
         change(node, **{f"limit__{stage}": seconds})
