@@ -73,9 +73,8 @@ class Bodies:
         self._margin, self._joint = margin, joint
         self._own = T_joint_body.copy()
         self._own[:, :3, EDGES] *= half[:, None]
-        self._edges: FloatArray = self._own[
-            :, :3
-        ]  # half edges and middles in columns, base axes, (n, 3, 4) [m]
+        # Half edges and middles in columns, base axes, shape (n, 3, 4) [m].
+        self._edges: FloatArray = self._own[:, :3]
 
     def stand(self, T_base_joint: FloatArray) -> None:
         """Put them where their joints are now, shape (7, 4, 4)."""
