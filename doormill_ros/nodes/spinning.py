@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import faulthandler
+import inspect
 import os
 import signal
 import sys
@@ -84,9 +85,23 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
                 raise
 
     def shutdown(self, *args: object, **kwargs: object) -> bool:
-        """See the base class."""
+        """See the base class; what raised in a callback and was not told by `spin` is told here."""
         self._ended.set()
-        return bool(super().shutdown(*args, **kwargs))
+        complete = bool(super().shutdown(*args, **kwargs))
+        for future in self._futures:
+            # Left alone, it would be printed whenever the interpreter happens to collect it.
+            error = future.exception() if future.done() else None
+            # Whoever was called after the base class took its guard away finds it gone.
+            if error is not None and not isinstance(error, rclpy_implementation.InvalidHandle):
+                get_logger("doormill").error(f"{error!r} in a callback while the executor was shut down")
+        for task, *_ in self._tasks:
+            # Python warns of a coroutine that nobody started; these were ready when the pool took nothing more.
+            if (
+                inspect.iscoroutine(task._handler)
+                and inspect.getcoroutinestate(task._handler) == "CORO_CREATED"
+            ):
+                task._handler.close()
+        return complete
 
     def _watch(self, still: float) -> None:
         seen, since, lost = -1, 0.0, self._lost()

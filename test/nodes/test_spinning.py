@@ -1,5 +1,6 @@
 """Timers destroyed by one thread while the executor looks at them in another, and an executor that stands still."""
 
+import gc
 import subprocess
 import sys
 import threading
@@ -121,6 +122,41 @@ def test_a_context_taken_away_ends_it(context) -> None:
     thread.join(LIMIT)
     assert not thread.is_alive()
     executor.shutdown()
+
+
+class Failing(Node):
+    """Raises in a callback that lasts until the executor is shut down."""
+
+    def __init__(self, kind: type[Exception]) -> None:
+        super().__init__("failing")
+        self.called, self.go_on = threading.Event(), threading.Event()
+        self._kind = kind
+        self.create_timer(0.01, self._call)
+
+    def _call(self) -> None:
+        self.called.set()
+        self.go_on.wait(LIMIT)
+        raise self._kind("at the end")
+
+
+@pytest.mark.parametrize(("kind", "told"), [(rclpy_implementation.InvalidHandle, 0), (ValueError, 1)])
+def test_what_is_raised_at_the_end_is_told_once(context, capfd, kind: type[Exception], told: int) -> None:
+    executor, node = SteadyExecutor(2), Failing(kind)
+    thread, errors = spun(executor, node)
+    assert node.called.wait(LIMIT)
+    ending = threading.Thread(target=executor.shutdown)
+    ending.start()
+    thread.join(LIMIT)
+    assert not thread.is_alive()
+    node.go_on.set()
+    ending.join(LIMIT)
+    node.destroy_node()
+    del executor, node
+    gc.collect()
+    said = "".join(capfd.readouterr())
+    assert errors == []
+    assert said.count("at the end") == told
+    assert "never retrieved" not in said
 
 
 STANDING = """
