@@ -32,10 +32,12 @@ def main() -> int:
         print("\n".join(hindrances), file=sys.stderr)
         return 2
     console, begun = Console(width=150), time.monotonic()
-    with tempfile.TemporaryDirectory(prefix="booted-", ignore_cleanup_errors=True) as name:
-        with booted(Path(name), ROOT) as machine:
-            system = machine.run(". /etc/os-release && echo $PRETTY_NAME && systemctl --version | head -1")
-            checked = list(play(machine))
+    with (
+        tempfile.TemporaryDirectory(prefix="booted-", ignore_cleanup_errors=True) as name,
+        booted(Path(name), ROOT) as machine,
+    ):
+        system = machine.run(". /etc/os-release && echo $PRETTY_NAME && systemctl --version | head -1")
+        checked = list(play(machine))
     title = f"Services on {', '.join(system.splitlines())}, {(time.monotonic() - begun) / 60.0:.1f} min"
     table = Table(title=title)
     table.add_column("what was wanted")

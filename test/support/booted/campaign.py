@@ -100,7 +100,8 @@ def _simulated(machine: Machine) -> None:
 def _mill(machine: Machine) -> None:
     said = machine.run(f"{RUN} python /opt/doormill/test/support/booted/goal.py {DOOR}")
     result = json.loads(said.splitlines()[-1])
-    assert result["success"] and result["measured"], said
+    assert result["success"], said
+    assert result["measured"], said
 
 
 def _page(machine: Machine) -> None:

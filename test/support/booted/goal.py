@@ -15,31 +15,30 @@ FOUND = 30.0  # s
 MILLED = 240.0  # s
 
 
-def main(door_id: str) -> int:
-    """Send the goal and wait for its result; 0 when there was one."""
+def main(door_id: str) -> None:
+    """Send the goal and wait for its result.
+
+    Raises:
+        TimeoutError: There is none in time.
+    """
     rclpy.init()
     node = Node("customer")
     goals = GoalClient(node, MillDoor, "mill_door")
     if not goals.wait_for_server(FOUND):
-        print(f"nobody takes goals within {FOUND:g} s")
-        return 1
+        raise TimeoutError(f"nobody takes goals within {FOUND:g} s")
     sent = goals.send_goal_async(MillDoor.Goal(door_id=door_id))
     rclpy.spin_until_future_complete(node, sent, timeout_sec=FOUND)
     handle = sent.result()
     if handle is None or not handle.accepted:
-        print("the goal was not accepted")
-        return 1
+        raise TimeoutError("the goal was not accepted")
     ended = handle.get_result_async()
     rclpy.spin_until_future_complete(node, ended, timeout_sec=MILLED)
     if ended.result() is None:
-        print(f"no result within {MILLED:g} s")
-        return 1
+        raise TimeoutError(f"no result within {MILLED:g} s")
     result = ended.result().result
-    print(
-        json.dumps({name: getattr(result, name) for name in ("success", "error_code", "message", "measured")})
-    )
-    return 0
+    shown = ("success", "error_code", "message", "measured")
+    sys.stdout.write(json.dumps({name: getattr(result, name) for name in shown}) + "\n")
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    main(sys.argv[1])
