@@ -116,13 +116,22 @@ class Machine:
         Raises:
             RuntimeError: It failed, and `check` is set.
         """
-        inside = ["env", "-i", f"PATH={PATH}", "LANG=C.UTF-8", "HOME=/root", "TERM=dumb", "PAGER=cat"]
+        inside = [
+            "env",
+            "-i",
+            "--chdir=/",
+            f"PATH={PATH}",
+            "LANG=C.UTF-8",
+            "HOME=/root",
+            "TERM=dumb",
+            "PAGER=cat",
+        ]
         shell = ["bash", "-eu", "-o", "pipefail", "-c", command]
         if user != "root":
             shell = ["runuser", "-u", user, "--", *shell]
         entered = ["nsenter", "--target", self._init(), "--mount", "--uts", "--ipc", "--net", "--pid"]
         done = subprocess.run(
-            [*entered, "--cgroup", "--root", "--wd=/", *inside, *shell],
+            [*entered, "--cgroup", "--root", *inside, *shell],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
