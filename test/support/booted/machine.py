@@ -112,7 +112,7 @@ class Machine:
             raise TimeoutError(f"the machine went down with {status}, wanted was a reboot ({REBOOT})")
         self.boot()
 
-    def run(self, command: str, check: bool = True, user: str = "root") -> str:
+    def run(self, command: str, check: bool = True) -> str:
         """Run a command of a shell in it; what it says on both outputs.
 
         Raises:
@@ -129,8 +129,6 @@ class Machine:
             "PAGER=cat",
         ]
         shell = ["bash", "-eu", "-o", "pipefail", "-c", command]
-        if user != "root":
-            shell = ["runuser", "-u", user, "--", *shell]
         entered = ["nsenter", "--target", self._init(), "--mount", "--uts", "--ipc", "--net", "--pid"]
         done = subprocess.run(
             [*entered, "--cgroup", "--root", *inside, *shell],
