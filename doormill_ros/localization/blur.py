@@ -72,13 +72,9 @@ def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Sprea
         shift: Distance of the fitted line from the middle of each row's pixels [px], shape (n,).
         near: Rows whose edge point lies near the line: chips would smear the step, shape (n,), bool.
     """
-    half = profiles.values.shape[1] // 2
-    _, projector, place = _templates(half)
+    _, projector, place = _templates(profiles.values.shape[1] // 2)
     good = profiles.edge_like
-    shape = (profiles.values[good] - profiles.level[good, None]) / profiles.contrast[good, None]
-    at = np.arange(-half, half + 1) - shift[good, None]
-    index = np.rint((at - place[0]) * _FINE).astype(np.intp)
-    index[(index < 0) | (index >= place.size)] = place.size
+    shape, index = _shares(profiles, shift, good)
     mean, error = _lay_over(shape, index, place.size)
     misfit = np.sqrt(np.min(_left_over(projector, mean)))
     level = float(np.sqrt(np.mean(error**2)))
@@ -88,11 +84,50 @@ def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Sprea
     return Spread(_lowest(_left_over(projector, mean)), float(misfit), level, mean, error)
 
 
+def laid_over(profiles: Profiles, shift: FloatArray, near: BoolArray, known: Spread) -> Spread:
+    """As `edge_spread`, of the rows near the line only, blur and misfit as `known`; `shift` and `near` are (n,)."""
+    size = _templates(profiles.values.shape[1] // 2)[2].size
+    mean, error = _lay_over(*_shares(profiles, shift, profiles.edge_like & near), size)
+    return Spread(known.blur, known.misfit, float(np.sqrt(np.mean(error**2))), mean, error)
+
+
+def _shares(profiles: Profiles, shift: FloatArray, good: BoolArray) -> tuple[Float32Array, IntArray]:
+    """Pixels of the good rows (k, w) as shares of their steps, and the bins in which they lie (k, w)."""
+    half = profiles.values.shape[1] // 2
+    place = _templates(half)[2]
+    shape = (profiles.values[good] - profiles.level[good, None]) / profiles.contrast[good, None]
+    at = np.arange(-half, half + 1) - shift[good, None]
+    index = np.rint((at - place[0]) * _FINE).astype(np.intp)
+    index[(index < 0) | (index >= place.size)] = place.size
+    return shape, index
+
+
 def _left_over(projector: FloatArray, mean: FloatArray) -> FloatArray:
     """Mean square (b,) of what each blur leaves of a profile unexplained."""
     left = projector @ mean
     squares: FloatArray = np.einsum("bm,bm->b", left, left) / mean.size
     return squares
+
+
+def profile_covariance(
+    spread: Spread, step: float, inside: Variograms, outside: Variograms, model: float
+) -> FloatArray:
+    """Covariance of the errors of a mean profile, squared shares of the step, shape (m, m).
+
+    Args:
+        spread: The profile.
+        step: Step at the edge [grey levels].
+        inside: Texture of the face; its streaks last along the edge and remain in the mean.
+        outside: Texture of what lies behind it.
+        model: How far a true point spread is from a modelled one, as a share of the step.
+    """
+    out = ndtr(bin_places(spread.mean.size) / np.sqrt(spread.blur**2 + PIXEL_VARIANCE))
+    lag = _lags(out.size)
+    covariance = np.diag(spread.error**2 + model**2)
+    for share, side in ((1.0 - out, inside), (out, outside)):
+        if side.lasting.any():
+            covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
+    return covariance
 
 
 def _lowest(costs: FloatArray) -> float:
@@ -119,12 +154,8 @@ def textured_blur(spread: Spread, step: float, inside: Variograms, outside: Vari
     if max(inside.lasting.max(), outside.lasting.max()) < (_MODEL * step) ** 2:
         return spread.blur
     half = (spread.mean.size + 3) // (2 * _FINE)
-    design, _, place = _templates(half)
-    out = ndtr(place / np.sqrt(spread.blur**2 + PIXEL_VARIANCE))
-    lag = _lags(place.size)
-    covariance = np.diag(spread.error**2 + _MODEL**2)
-    for share, side in ((1.0 - out, inside), (out, outside)):
-        covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
+    design, _, _ = _templates(half)
+    covariance = profile_covariance(spread, step, inside, outside, _MODEL)
     columns = np.column_stack([design[0, :, 0], design[:, :, 1].T, design[:, :, 2].T, spread.mean])
     products = columns.T @ np.linalg.solve(covariance, columns)
     count = len(_BLURS)
