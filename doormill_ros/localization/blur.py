@@ -27,6 +27,7 @@ class Spread:
         level: Standard error of `misfit` expected from the rows' scatter.
         mean: Mean profile of the rows near their line, as a share of the step, shape (m,).
         error: Its standard error, shape (m,).
+        at: Mean distance of the pixels of each of its bins from the edge [px], NaN where there are none, shape (m,).
     """
 
     blur: float
@@ -34,6 +35,21 @@ class Spread:
     level: float
     mean: FloatArray
     error: FloatArray
+    at: FloatArray
+
+    def at_middles(self) -> FloatArray:
+        """The mean profile at the middles of its bins (m,): rows of a door that stands straight share their phase.
+
+        What the pixels are off is corrected by the one step nearest to the profile.
+        """
+        middle = bin_places(self.mean.size)
+        some = np.flatnonzero(~np.isnan(self.at))
+        wide = np.sqrt(self.blur**2 + PIXEL_VARIANCE)
+        ends = self.mean.size // 8
+        height = self.mean[-ends:].mean() - self.mean[:ends].mean()
+        rest = self.mean[some] - height * ndtr(self.at[some] / wide)
+        profile: FloatArray = np.interp(middle, middle[some], rest) + height * ndtr(middle / wide)
+        return profile
 
 
 def bin_places(size: int) -> FloatArray:
@@ -50,18 +66,22 @@ def _templates(half: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     return design, np.eye(place.size) - design @ np.linalg.pinv(design), place
 
 
-def _lay_over(shape: Float32Array, index: IntArray, size: int) -> tuple[FloatArray, FloatArray]:
-    """Mean and its standard error (size,) of `shape` in the bins `index`; index `size` is nowhere."""
+def _lay_over(
+    shape: Float32Array, index: IntArray, at: FloatArray, size: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mean, its standard error and mean `at` (size,) of `shape` in the bins `index`; index `size` is nowhere."""
     index = index.ravel()
     count = np.bincount(index, minlength=size + 1)[:size]
     total = np.bincount(index, weights=shape.ravel(), minlength=size + 1)[:size]
     square = np.bincount(index, weights=(shape * shape).ravel(), minlength=size + 1)[:size]
     many = np.maximum(count, 1)
     mean = total / many
+    place = np.bincount(index, weights=at.ravel(), minlength=size + 1)[:size] / many
     if not count.all():
         filled = np.flatnonzero(count)
         mean = np.interp(np.arange(size), filled, mean[filled])
-    return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many)
+        place[count == 0] = np.nan
+    return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many), place
 
 
 def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Spread:
@@ -74,32 +94,27 @@ def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Sprea
     """
     _, projector, place = _templates(profiles.values.shape[1] // 2)
     good = profiles.edge_like
-    shape, index = _shares(profiles, shift, good)
-    mean, error = _lay_over(shape, index, place.size)
+    shape, index, at = _shares(profiles, shift, good)
+    mean, error, seen = _lay_over(shape, index, at, place.size)
     misfit = np.sqrt(np.min(_left_over(projector, mean)))
     level = float(np.sqrt(np.mean(error**2)))
     near = near[good]
     if 2 * np.count_nonzero(near) > near.size > np.count_nonzero(near):
-        mean, error = _lay_over(shape[near], index[near], place.size)
-    return Spread(_lowest(_left_over(projector, mean)), float(misfit), level, mean, error)
+        mean, error, seen = _lay_over(shape[near], index[near], at[near], place.size)
+    return Spread(_lowest(_left_over(projector, mean)), float(misfit), level, mean, error, seen)
 
 
-def laid_over(profiles: Profiles, shift: FloatArray, near: BoolArray, known: Spread) -> Spread:
-    """As `edge_spread`, of the rows near the line only, blur and misfit as `known`; `shift` and `near` are (n,)."""
-    size = _templates(profiles.values.shape[1] // 2)[2].size
-    mean, error = _lay_over(*_shares(profiles, shift, profiles.edge_like & near), size)
-    return Spread(known.blur, known.misfit, float(np.sqrt(np.mean(error**2))), mean, error)
-
-
-def _shares(profiles: Profiles, shift: FloatArray, good: BoolArray) -> tuple[Float32Array, IntArray]:
-    """Pixels of the good rows (k, w) as shares of their steps, and the bins in which they lie (k, w)."""
+def _shares(
+    profiles: Profiles, shift: FloatArray, good: BoolArray
+) -> tuple[Float32Array, IntArray, FloatArray]:
+    """Pixels of the good rows as shares of their steps, their bins, and how far from the edge they are [px]; (k, w)."""
     half = profiles.values.shape[1] // 2
     place = _templates(half)[2]
     shape = (profiles.values[good] - profiles.level[good, None]) / profiles.contrast[good, None]
     at = np.arange(-half, half + 1) - shift[good, None]
     index = np.rint((at - place[0]) * _FINE).astype(np.intp)
     index[(index < 0) | (index >= place.size)] = place.size
-    return shape, index
+    return shape, index, at
 
 
 def _left_over(projector: FloatArray, mean: FloatArray) -> FloatArray:

@@ -9,8 +9,8 @@ from scipy.ndimage import uniform_filter1d
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization import checks
-from doormill_ros.localization.arris import Profile
-from doormill_ros.localization.blur import Spread, edge_spread, laid_over
+from doormill_ros.localization.arris import HINT, Profile
+from doormill_ros.localization.blur import Spread, edge_spread
 from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.fit import LineFit
 from doormill_ros.localization.layers import choose
@@ -77,11 +77,6 @@ class _Seen:
             self._wide = edge_spread(wide, self._shift(wide), near)
         return self._wide
 
-    def _narrow(self) -> Spread:
-        """The rows laid over each other in the windows in which they were read."""
-        read = self.read
-        return laid_over(read.profiles, self._shift(read.profiles), read.line.inliers, read.beside.spread)
-
     def _shift(self, profiles: Profiles) -> FloatArray:
         """Where rows (n,) are laid over each other [px]: at their edge points, or waves would make steps of one."""
         read = self.read
@@ -115,7 +110,7 @@ class _Seen:
         if self.rim is not None:
             if self.rim.brightness < 0 and not wide_and_dark(self.rim, self.view.pixel):
                 self.rim = self.profile().placed(self.rim, self.view.pixel)
-        elif self._profile(self._narrow()).odd():
+        elif self._profile(self.read.beside.spread).odd(HINT):
             self.rim = self.profile().find(self.view.pixel)
 
     def look(self, sharp: float | None = None) -> None:

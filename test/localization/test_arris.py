@@ -41,7 +41,7 @@ def profile(shape, blur, textures=(CALM, CALM)):
     """The shape as 800 rows of an edge show it."""
     noise = 1e-3
     seen = shape + noise * np.random.default_rng(2).standard_normal(PLACE.size)
-    return Profile(Spread(blur, 0.005, noise, seen, np.full(PLACE.size, noise)), STEP, *textures)
+    return Profile(Spread(blur, 0.005, noise, seen, np.full(PLACE.size, noise), PLACE), STEP, *textures)
 
 
 def dark(width, level, blur, outer):
