@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import socket
+import subprocess
 import threading
 import time
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import httpx
 import pytest
@@ -47,6 +50,7 @@ from doormill_ros.simulation.controller.rws_server.cabinet import (
 from doormill_ros.simulation.controller.rws_server.certificate import write_certificate
 from doormill_ros.simulation.controller.rws_server.reply import CODE_INVALID, RefusalError
 from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from support.source_tree import ROOT
 
 LOGIN = Credentials("Default User", "robotics")
 #: A loaded machine must not turn an answer into a timeout.
@@ -487,6 +491,17 @@ class TestCertificate:
         assert link.read_ready() is False
         assert "not checked" in caplog.text
         until(lambda: link.events.live)
+        link.close()
+
+    def test_the_one_saved_by_the_page_s_command_is_trusted(self, server2: RwsServer, tmp_path: Path) -> None:
+        page = (ROOT / "docs" / "controller-link.md").read_text(encoding="utf-8")
+        (command,) = re.findall(r"`(python3 -c [^`]*get_server_certificate[^`]*)`", page)
+        port = str(urlsplit(server2.url).port)
+        typed = command.replace("HOST", "127.0.0.1").replace("443", port)
+        subprocess.run(["bash", "-c", typed], cwd=tmp_path, check=True, timeout=120)
+        saved = tmp_path / "controller.pem"
+        link = connect_rws2(server2.url, LOGIN, certificate=saved, timeouts=PATIENT, subscribe=False)
+        assert link.read_ready() is False
         link.close()
 
     def test_no_certificate_in_the_file(self, tmp_path: Path) -> None:
