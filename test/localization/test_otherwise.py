@@ -35,8 +35,8 @@ def calm():
 
 @pytest.mark.parametrize("way", OTHERWISE)
 def test_a_plain_edge_is_found_however_its_grey_levels_are_rounded(way, calm, camera, layout):
-    for scene, picture in calm:
-        assert off(OTHERWISE[way](picture), scene, camera, layout) < 0.02 * MM, scene.offset
+    found = [off(OTHERWISE[way](picture), scene, camera, layout) for scene, picture in calm]
+    assert max(found) < 0.02 * MM
 
 
 @pytest.fixture(scope="module")
