@@ -155,12 +155,13 @@ def cell_node(name, both=False):
             "host": ParameterValue(LaunchConfiguration("page_host"), value_type=str),
             "port": LaunchConfiguration("page_port"),
             "tokens": ParameterValue(LaunchConfiguration("page_tokens"), value_type=str),
+            "robots": LaunchConfiguration("robots"),
         },
         "cell_simulator": {"home": in_out("controller", "HOME"), "gauged": True},
         "folder_camera": {"folder": LaunchConfiguration("pictures")},
     }
     conditions = {
-        "operator_page": robots(1, "page"),
+        "operator_page": IfCondition(LaunchConfiguration("page")),
         "cell_simulator": robots(2 if both else 1, "simulate"),
         "path_generator": robots(1),
         "abb_bridge": robots(1),

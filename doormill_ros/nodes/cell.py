@@ -116,7 +116,7 @@ class CellOptions:
             "bag_recorder": {"bag": folder.bag},
             "abb_bridge": {"address": folder.controller, "archive": folder.targets},
             "controller_simulator": {"home": folder.controller, "gauged": self.page},
-            "operator_page": {"history": folder.root, "audit": folder.audit},
+            "operator_page": {"history": folder.root, "audit": folder.audit, "robots": self.robots},
             "path_generator": {"models": folder.models},
             "model_monitor": {
                 "inspections": folder.inspections,

@@ -13,6 +13,7 @@ from doormill_ros.nodes.futures import result_of
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.operator.view_store import ViewStore
+from doormill_ros.pipeline.course import SHARES
 
 ACTION = "mill_door"
 OFFERED_DOORS = 20
@@ -31,6 +32,7 @@ class ActionControl:
     def __init__(self, node: ManagedNode, store: ViewStore) -> None:
         self._node = node
         self._store = store
+        self._server = SHARES if store.view.pair is not None else "abb_bridge"
         group = ReentrantCallbackGroup()
         self._goals = node.keep(GoalClient.destroy, GoalClient(node, MillDoor, ACTION, callback_group=group))
         self._recipes = node.keep(
@@ -107,4 +109,6 @@ class ActionControl:
 
     def _require(self, ready: bool) -> None:
         if not (ready and self._node.active):
-            raise NodeInactiveError("the action mill_door is not served; check that /abb_bridge is running")
+            raise NodeInactiveError(
+                f"the action mill_door is not served; check that /{self._server} is running"
+            )

@@ -7,6 +7,7 @@ import sys
 import time
 from collections import deque
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,21 +35,24 @@ from doormill_ros.nodes.convert.verdict import faults_of, steps_of
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
 from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
+from doormill_ros.nodes.robots import ROBOTS, in_robot
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.door_view import door_view
+from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.history import append_history, load_history
 from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.page_server import PageServer, is_loopback
 from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.shown_door import ShownDoors
-from doormill_ros.operator.state import EndedRun
+from doormill_ros.operator.state import CellView
 from doormill_ros.operator.token import Keys
 from doormill_ros.operator.token_file import load_keys
 from doormill_ros.operator.view_store import ViewStore
 from doormill_ros.recipes.errors import RecipeError
 from doormill_ros.resources import AUDIT, site_folder
+from doormill_ros.toolpath.settings import load_settings
 
 BRIDGE = "abb_bridge"
 CONTROLLER = "/controller"  # what the bridge tells of it
@@ -80,6 +84,7 @@ class OperatorPage(ManagedNode):
             "",
             "folder of the audit log of orders and refused tries; empty: audit in the site's folder",
         ),
+        NodeParameter("robots", 1, "2: two robots share the doors, their nodes in namespaces", 1, 2),
     )
 
     def __init__(self, token: str | Keys | None = None, **kwargs: Any) -> None:
@@ -93,7 +98,14 @@ class OperatorPage(ManagedNode):
         self.store = ViewStore()
         self._history = Path(self.value("history"))
         self.store.update(lambda view: view.with_history(load_history(self._history)))
-        self._bridge_heard = float("-inf")
+        two = self.value("robots") > 1
+        # By place below the cell's namespace: that of the only robot is the cell's own.
+        self._places = {in_robot(name): number for number, name in enumerate(ROBOTS, 1)} if two else {"": 0}
+        self._settings = load_settings() if two else None
+        own = self.get_namespace()
+        self._namespaces = {f"{own}/{place}".strip("/"): place for place in ("", *self._places)}
+        self._bridges_heard = dict.fromkeys(self._places, float("-inf"))
+        self._look_for_bridges()
         self._shown: ShownDoors[Image] = ShownDoors()
         self._pictures: deque[Image] = deque(maxlen=KEPT_PICTURES)
         host, tokens = self.value("host"), self.value("tokens")
@@ -105,19 +117,24 @@ class OperatorPage(ManagedNode):
         self._controls = control is not None
         self._server = PageServer(app, host, self.value("port")).start()
         self.url = self._server.url
-        self.subscribe(topics.ABB_STATUS, self._take_status)
+        for place, robot in self._places.items():
+            status, targets = (
+                topics.at(topic, place) if place else topic
+                for topic in (topics.ABB_STATUS, topics.PATH_TARGETS)
+            )
+            self.subscribe(status, partial(self._take_status, robot=robot))
+            self.subscribe(targets, partial(self._take_targets, robot=robot))
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
         self.subscribe(topics.DOOR_OVERLAY, self._take_overlay)
         self.subscribe(topics.IMAGE, self._pictures.append)
-        self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.RUN_RESULT, self._take_result)
         self.subscribe(topics.MILLED_DOOR, self._take_milled)
         self.subscribe(topics.DOOR_INSPECTION, self._take_inspection)
         self.subscribe(topics.DIAGNOSTICS, self._take_diagnostics)
         self.subscribe(topics.MODEL_VERDICT, self._take_verdict)
         self.subscribe(FEEDBACK, self._take_feedback)
-        self.every(1.0, self._look_for_bridge)
+        self.every(1.0, self._look_for_bridges)
         self.get_logger().info(f"operator's page at {self.url}")
 
     def start(self) -> None:
@@ -128,8 +145,12 @@ class OperatorPage(ManagedNode):
         """Stop serving."""
         self._server.stop()
 
-    def _take_status(self, status: AbbStatus) -> None:
+    def _take_status(self, status: AbbStatus, robot: int = 0) -> None:
         since = seconds_of(status.since)
+        if robot:
+            told = status.state, status.reason, status.run_id, status.request, since, status.error_code
+            self.store.update(lambda view: view.with_robot_handshake(robot, *told))
+            return
         shown = status.state, status.reason, status.run_id, status.door_id, status.request, since
         self.store.update(lambda view: view.with_handshake(*shown, error_code=status.error_code))
 
@@ -138,13 +159,13 @@ class OperatorPage(ManagedNode):
         self.store.update(lambda view: view.with_run(recipe.run_id, recipe.door_id, since))
         # A recipe that cannot be read is refused by who mills it; the page goes on without a drawing.
         with suppress(RecipeError):
-            drawing = door_view(recipe_of(recipe), recipe.run_id)
+            drawing = door_view(recipe_of(recipe), recipe.run_id, self._settings)
             self.store.update(lambda view: view.with_drawing(drawing))
 
-    def _take_targets(self, targets: TargetArray) -> None:
+    def _take_targets(self, targets: TargetArray, robot: int = 0) -> None:
         if targets.accepted and self.store.view.draws(targets.run_id):
             times = planned_times_of(targets)
-            self.store.update(lambda view: view.with_plan(targets.run_id, times))
+            self.store.update(lambda view: view.with_plan(targets.run_id, times, robot or None))
 
     def _take_milled(self, door: MilledDoor) -> None:
         found = {feature.feature: feature.corrected_max for feature in door.features}
@@ -239,20 +260,30 @@ class OperatorPage(ManagedNode):
     def _take_diagnostics(self, array: DiagnosticArray) -> None:
         for status in array.status:
             namespace, _, node = status.name.removesuffix(CONTROLLER).rpartition("/")
-            if namespace != self.get_namespace().strip("/"):
+            place = self._namespaces.get(namespace)
+            if place is None:
                 continue  # of another cell
-            if node == BRIDGE and not status.name.endswith(CONTROLLER):
-                self._bridge_heard = time.monotonic()
-                self._look_for_bridge()
+            if place in self._places and node == BRIDGE and not status.name.endswith(CONTROLLER):
+                self._bridges_heard[place] = time.monotonic()
+                self._look_for_bridges()
             fault = status.message if status.level == ERROR else ""
             self._take_fault(status.name, fault, code_of(status))
 
     def _take_fault(self, node: str, message: str, error_code: int) -> None:
         self.store.update(lambda view: view.with_fault(node, message, error_code))
 
-    def _look_for_bridge(self) -> None:
-        present = time.monotonic() - self._bridge_heard < SILENCE
-        self.store.update(lambda view: view.with_bridge(present))
+    def _look_for_bridges(self) -> None:
+        now = time.monotonic()
+        for place, number in self._places.items():
+            present = now - self._bridges_heard[place] < SILENCE
+            self.store.update(partial(_with_bridge, number=number, present=present))
+
+
+def _with_bridge(view: CellView, number: int, present: bool) -> CellView:
+    """Whether the bridge of a robot was heard of lately; 0: there is one robot."""
+    return (
+        view.with_robot(number, lambda robot: robot.heard(present)) if number else view.with_bridge(present)
+    )
 
 
 def code_of(status: DiagnosticStatus) -> int:

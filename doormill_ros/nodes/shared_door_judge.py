@@ -78,13 +78,18 @@ class SharedDoorJudge(ManagedNode):
         paths = (self._done, self._uncorrected)
         if any(robot not in of or of[robot].run_id != recipe.run_id for of in paths for robot in working):
             return
-        order = [robot for robot in self._done if robot in working]
+        # Also of one that had nothing to mill and moved all the same.
+        order = [robot for robot, path in self._done.items() if path.run_id == recipe.run_id]
         T_cell_door = placed_at(placement)
-        milled = [Milled(robot, self._bases[robot], executed_of(self._done[robot])) for robot in order]
-        verdict = judge_pair(door, T_cell_door, milled, self._cell)
-        corrected = self._inspect(door, T_cell_door, milled)
+        moved = [Milled(robot, self._bases[robot], executed_of(self._done[robot])) for robot in order]
+        still = [Milled(robot, self._bases[robot], None) for robot in ROBOTS if robot not in order]
+        verdict = judge_pair(door, T_cell_door, [*moved, *still], self._cell)
+        corrected = self._inspect(door, T_cell_door, moved)
         unmoved = [
-            dataclasses.replace(own, executed=executed_of(self._uncorrected[own.robot])) for own in milled
+            dataclasses.replace(
+                own, executed=executed_of(self._uncorrected.get(own.robot, self._done[own.robot]))
+            )
+            for own in moved
         ]
         uncorrected = self._inspect(door, T_cell_door, unmoved)
         self._done.clear()
@@ -97,6 +102,6 @@ class SharedDoorJudge(ManagedNode):
     @staticmethod
     def _inspect(door: Recipe, T_cell_door: FloatArray, milled: list[Milled]) -> MilledPart:
         """The door as all of them left it."""
-        seen = [(inverse(own.T_cell_robot) @ T_cell_door, own.executed) for own in milled]
+        seen = [(inverse(own.T_cell_robot) @ T_cell_door, own.executed) for own in milled if own.executed]
         (T_first, executed), *others = seen
         return inspect(door, T_first, executed, others=others)

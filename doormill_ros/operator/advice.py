@@ -23,10 +23,10 @@ class Advice:
     values: Mapping[str, str] = field(default_factory=dict)
 
 
-_WAIT = Advice("wait", "wait", "Wait. The cell is measuring the door and working out the robot's path.")
+WAIT = Advice("wait", "wait", "Wait. The cell is measuring the door and working out the robot's path.")
 _STAY_OUT = Advice("danger", "stay_out", "Stay out of the cell. The robot mills the door.")
 _ABOUT_TO_MOVE = Advice("danger", "about_to_move", "Stay out of the cell. The robot is about to move.")
-_CLOSING = Advice("wait", "closing", "Wait. The run is being closed.")
+CLOSING = Advice("wait", "closing", "Wait. The run is being closed.")
 _SPOILED = Advice(
     "act",
     "spoiled",
@@ -39,28 +39,28 @@ _MILLED_AFTER_ALL = Advice(
     "The run was given up, but the robot milled on to the end. See that it stands still and look at the door before "
     "it is used.",
 )
-_CLEARING = Advice(
+CLEARING = Advice(
     "wait", "clearing", "Wait until the link to the controller is clear. If this lasts, see the state below."
 )
 
 #: By state of the handshake, for a run in hand; see doormill_ros.abb.handshake.state.
 _WITH_RUN = {
-    "clearing": _CLEARING,
+    "clearing": CLEARING,
     "idle": Advice(
         "act", "clamp", "Clamp the door and start the controller's program; it has not asked for targets yet."
     ),
-    "requested": _WAIT,
-    "writing": _WAIT,
-    "verifying": _WAIT,
-    "raising": _WAIT,
+    "requested": WAIT,
+    "writing": WAIT,
+    "verifying": WAIT,
+    "raising": WAIT,
     "ready": _ABOUT_TO_MOVE,
     "acknowledged": _ABOUT_TO_MOVE,
     "milling": _STAY_OUT,
-    "done": _CLOSING,
-    "failed": _CLOSING,
+    "done": CLOSING,
+    "failed": CLOSING,
 }
 _WITHOUT_RUN = {
-    "clearing": _CLEARING,
+    "clearing": CLEARING,
     "idle": Advice("act", "next_door", "Clamp the next door, then start the controller's program."),
     "requested": Advice("act", "start", "The controller is ready for a door. Start milling it."),
     "done": Advice(
@@ -107,18 +107,9 @@ def next_step(
     if in_motion is not None and in_motion.urgency == "danger":
         return in_motion
     if faults:
-        node, message = next(iter(faults.items()))
-        return _with(
-            "fault",
-            "fault",
-            "Put right what {node} reports, or call maintenance: {message}",
-            node=node,
-            message=message,
-        )
+        return fault_step(faults)
     if stopped and not run_in_hand:
-        return _with(
-            "act", "stopped", "Mill no door before the engineer has decided: {message}", message=stopped
-        )
+        return stopped_step(stopped)
     if refusal and not run_in_hand and spoiled:
         return _SPOILED
     if refusal and not run_in_hand and milled:
@@ -130,7 +121,29 @@ def next_step(
             "not_milled",
             "The door was not milled. See that the robot stands still, put right what is said below, start again.",
         )
-    return in_motion or _with(
+    return in_motion or unknown_step(state)
+
+
+def fault_step(faults: Mapping[str, str]) -> Advice:
+    """Nodes are in error: what the first of them says of itself."""
+    node, message = next(iter(faults.items()))
+    return _with(
+        "fault",
+        "fault",
+        "Put right what {node} reports, or call maintenance: {message}",
+        node=node,
+        message=message,
+    )
+
+
+def stopped_step(message: str) -> Advice:
+    """No door is milled before somebody decides, and why."""
+    return _with("act", "stopped", "Mill no door before the engineer has decided: {message}", message=message)
+
+
+def unknown_step(state: str) -> Advice:
+    """The handshake is in a state that it does not have."""
+    return _with(
         "fault",
         "unknown",
         "The controller link is in the unknown state {state}. Call maintenance.",

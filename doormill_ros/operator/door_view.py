@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,8 @@ from doormill_ros.frames import apply
 from doormill_ros.recipes.door import Side
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.toolpath.settings import PathSettings
+from doormill_ros.toolpath.split import split
 from doormill_ros.units import m_to_mm
 
 CHORD_ERROR = 5e-4  #: of arcs, which are drawn as lines [m]
@@ -31,6 +33,8 @@ class FeatureView:
         begin, end: When the plan has it milled, from the start of the program [s]; both 0: no plan.
         deviation: How far it is off [m]; negative: not measured.
         tolerance: What is allowed [m]; 0: not known.
+        robots: Numbers of those of two robots that mill it or a half of it; empty: there is one robot.
+        plans: When each of them has it milled, as begin and end.
     """
 
     name: str
@@ -41,21 +45,49 @@ class FeatureView:
     end: float = 0.0
     deviation: float = NOT_MEASURED
     tolerance: float = 0.0
+    robots: tuple[int, ...] = ()
+    plans: Mapping[int, tuple[float, float]] = field(default_factory=dict)
 
-    def came_to(self, in_work: bool, success: bool | None) -> str:
-        """planned, in_work, within, beyond, measured, milled or not_milled; a key of the page's texts.
+    def came_to(self, in_work: bool, success: bool | None, shares: Mapping[int, str] | None = None) -> str:
+        """planned, in_work, within, beyond, measured, milled, half_milled or not_milled; a key of the page's texts.
 
         Args:
             in_work: The robot mills the door.
             success: How its run ended; None: it has not.
+            shares: What came of the share of each of two robots, by number; planned, in_work, milled or not_milled.
         """
         if self.deviation >= 0.0:
             if self.tolerance <= 0.0:
                 return "measured"
             return "within" if self.deviation <= self.tolerance else "beyond"
+        if shares and self.robots:
+            return together({shares[robot] for robot in self.robots})
         if success is not None:
             return "milled" if success else "not_milled"
         return "in_work" if in_work else "planned"
+
+    def shares(self, shares: Mapping[int, str]) -> list[dict[str, Any]]:
+        """JSON-able content of what each of two robots mills of it, none of one robot; shares as of `came_to`."""
+        none = (0.0, 0.0)
+        return [
+            {
+                "robot": robot,
+                "came_to": shares[robot],
+                "begin": self.plans.get(robot, none)[0],
+                "end": self.plans.get(robot, none)[1],
+            }
+            for robot in self.robots
+            if robot in shares
+        ]
+
+
+def together(shares: set[str]) -> str:
+    """What came of a feature from what came of its halves."""
+    if len(shares) == 1:
+        return next(iter(shares))
+    if "in_work" in shares:
+        return "in_work"
+    return "half_milled" if "milled" in shares else "not_milled"
 
 
 @dataclass(frozen=True)
@@ -69,15 +101,23 @@ class DoorView:
     thickness: float
     features: tuple[FeatureView, ...]
 
-    def with_plan(self, times: Mapping[str, tuple[float, float]]) -> DoorView:
-        """When each feature is milled, begin and end from the start of the program [s]."""
-        features = (
-            replace(feature, begin=times[feature.name][0], end=times[feature.name][1])
-            if feature.name in times
-            else feature
-            for feature in self.features
-        )
-        return replace(self, features=tuple(features))
+    @property
+    def robots(self) -> tuple[int, ...]:
+        """Which of two robots have something to mill; empty: there is one robot."""
+        return tuple(sorted({robot for feature in self.features for robot in feature.robots}))
+
+    def with_plan(self, times: Mapping[str, tuple[float, float]], robot: int | None = None) -> DoorView:
+        """When each feature is milled, by which of two robots: begin and end from the start of its program [s]."""
+
+        def planned(feature: FeatureView) -> FeatureView:
+            if feature.name not in times:
+                return feature
+            begin, end = times[feature.name]
+            if robot is None:
+                return replace(feature, begin=begin, end=end)
+            return replace(feature, plans={**feature.plans, robot: (begin, end)})
+
+        return replace(self, features=tuple(map(planned, self.features)))
 
     def with_measured(self, found: Mapping[str, float], tolerance: float) -> DoorView:
         """How far features are off, and what is allowed, 0 where that is not known [m]."""
@@ -89,7 +129,9 @@ class DoorView:
         )
         return replace(self, features=tuple(features))
 
-    def document(self, in_work: bool, success: bool | None) -> dict[str, Any]:
+    def document(
+        self, in_work: bool, success: bool | None, shares: Mapping[int, str] | None = None
+    ) -> dict[str, Any]:
         """JSON-able content; see `FeatureView.came_to`."""
         return {
             "run_id": self.run_id,
@@ -105,7 +147,8 @@ class DoorView:
                     "outline": feature.outline,
                     "begin": feature.begin,
                     "end": feature.end,
-                    "came_to": feature.came_to(in_work, success),
+                    "came_to": feature.came_to(in_work, success, shares),
+                    "shares": feature.shares(shares or {}),
                     "deviation": feature.deviation,
                     "tolerance": feature.tolerance,
                 }
@@ -114,8 +157,9 @@ class DoorView:
         }
 
 
-def door_view(recipe: Recipe, run_id: str) -> DoorView:
-    """The door of a recipe before anything is milled."""
+def door_view(recipe: Recipe, run_id: str, settings: PathSettings | None = None) -> DoorView:
+    """The door of a recipe before anything is milled; of two robots, with the settings by which they share it."""
+    robots = {} if settings is None else robots_of(recipe, settings)
     size = recipe.size
     return DoorView(
         run_id,
@@ -123,11 +167,20 @@ def door_view(recipe: Recipe, run_id: str) -> DoorView:
         m_to_mm(size.width),
         m_to_mm(size.height),
         m_to_mm(size.thickness),
-        tuple(_feature_view(recipe, feature) for feature in recipe.features),
+        tuple(_feature_view(recipe, feature, robots.get(feature.id, ())) for feature in recipe.features),
     )
 
 
-def _feature_view(recipe: Recipe, feature: Feature) -> FeatureView:
+def robots_of(recipe: Recipe, settings: PathSettings) -> dict[str, tuple[int, ...]]:
+    """Which of two robots mill each feature, by their numbers: both of them a half of some through holes."""
+    found: dict[str, tuple[int, ...]] = {}
+    for number, share in enumerate(split(recipe, np.eye(4), settings), start=1):
+        for own in share.operations:
+            found[own.feature.id] = (*found.get(own.feature.id, ()), number)
+    return found
+
+
+def _feature_view(recipe: Recipe, feature: Feature, robots: tuple[int, ...]) -> FeatureView:
     flat = feature.outline().points(step=np.inf, chord_error=CHORD_ERROR)
     x, y, z = apply(recipe.T_door_feature(feature), np.column_stack([flat, np.zeros(len(flat))])).T
     face = feature.side.value if feature.side.is_edge else Side.FRONT.value
@@ -137,7 +190,8 @@ def _feature_view(recipe: Recipe, feature: Feature) -> FeatureView:
         Side.LOCK_EDGE.value: x,
     }
     outline = np.round(m_to_mm(np.column_stack([across[face], z])), 1).tolist()
-    return FeatureView(feature.id, face, feature.side is Side.REAR, tuple((u, v) for u, v in outline))
+    points = tuple((u, v) for u, v in outline)
+    return FeatureView(feature.id, face, feature.side is Side.REAR, points, robots=robots)
 
 
 def planned_times(

@@ -9,7 +9,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from doormill_ros.operator.state import HISTORY, EndedRun
+from doormill_ros.operator.ended_run import EndedRun
+from doormill_ros.operator.state import HISTORY
 
 FILE = "history.jsonl"
 SUMMARIES = ("summary.json", "*/summary.json")

@@ -8,7 +8,7 @@ from importlib.resources import files
 from typing import Any, Literal, get_args
 
 from doormill_ros.errors import DoormillError
-from doormill_ros.operator.state import EndedRun
+from doormill_ros.operator.ended_run import EndedRun
 
 #: Of the page's texts; what the cell's nodes say in their own words is English.
 Language = Literal["en", "de", "nb"]

@@ -33,11 +33,15 @@ function nextStep() {
   return text("step.fault", { node: nodeName(values.node), message: errorText(fault.error_code || UNNAMED).headline });
 }
 
+// What both of two robots do, in one sentence.
+const pairSentence = () => view.robots.map(({ robot, does }) => (known(`pair.${does}`) ? text(`pair.${does}`, { robot }) : does)).join("; ");
+
 function stateSentence() {
   const { key, door, before, ended } = view.situation;
   const name = before ? text("before.name", { door: before }) : "";
   const values = ended ? { door, before: text(`before.${ended}`, { name }) } : {};
-  const words = known(`situation.${key}`) ? text(`situation.${key}`, values) : key;
+  const own = known(`situation.${key}`) ? text(`situation.${key}`, values) : key;
+  const words = view.robots.length ? pairSentence() : own;
   const said = errorText(view.state_code);
   return said ? text("state.error", { words, headline: said.headline }) : words;
 }

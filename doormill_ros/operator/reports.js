@@ -16,9 +16,12 @@ export function showReport(id, code, own) {
 
 // A node as the operator calls it, with its name, by which it is started again.
 export function nodeName(node) {
+  const robot = /(?:^|\/)robot([12])\//.exec(node);
   const parts = node.split("/");
   const own = parts.slice(parts.at(-1) === "controller" ? -2 : -1).join("/");
-  return known(`node.${own}`) ? text("node", { said: text(`node.${own}`), node }) : node;
+  if (!known(`node.${own}`)) return node;
+  const said = text(`node.${own}`);
+  return text("node", { said: robot ? text("node.robot", { robot: robot[1], said }) : said, node });
 }
 
 export function showFaults(faults) {

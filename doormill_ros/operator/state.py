@@ -8,41 +8,17 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, outcome
-from doormill_ros.operator.advice import next_step
+from doormill_ros.operator.advice import Advice, next_step
 from doormill_ros.operator.door_view import DoorView
+from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.model_view import ModelView
+from doormill_ros.operator.pair_advice import pair_step
+from doormill_ros.operator.pair_view import PairView
+from doormill_ros.operator.robot_view import RobotView
 from doormill_ros.operator.situation import Situation, situation
 
 HISTORY = 50  # runs
 LONGEST_TEXT = 2000  # characters
-_CAME_TO = {MILLED: "milled", NOT_MEASURED: "not_measured", OUT_OF_TOLERANCE: "out_of_tolerance"}
-
-
-@dataclass(frozen=True)
-class EndedRun:
-    """How a run ended; `ended` in seconds since the epoch, `message` the reason of a refusal.
-
-    `measured`: the milled door was measured; without, nobody knows how it came out.
-    """
-
-    run_id: str
-    door_id: str
-    success: bool
-    error_code: int
-    message: str
-    ended: float
-    measured: bool = False
-
-    @property
-    def outcome(self) -> str:
-        """What it came to in two or three words."""
-        return outcome(self.success, self.error_code, self.measured)
-
-    @property
-    def came_to(self) -> str:
-        """The same as a key of the page's texts, behind "outcome."."""
-        return _CAME_TO.get(self.outcome, "refused")
 
 
 @dataclass(frozen=True)
@@ -95,6 +71,7 @@ class CellView:
         picture: The latest picture worth showing.
         model: What the monitor of the model said last; None where there is none.
         drawing: The door of the run in hand, or of the last one.
+        pair: Both robots where two share the doors: bridge and handshake are told there; None for one robot.
     """
 
     bridge_present: bool = False
@@ -119,6 +96,19 @@ class CellView:
     picture: EncodedPicture | None = None
     model: ModelView | None = None
     drawing: DoorView | None = None
+    pair: PairView | None = None
+
+    def with_robot(self, number: int, change: Callable[[RobotView], RobotView]) -> CellView:
+        """One of two robots changed."""
+        pair = self.pair or PairView()
+        return replace(self, pair=pair.with_robot(change(pair.robots[number - 1])))
+
+    def with_robot_handshake(
+        self, number: int, state: str, reason: str, run_id: str, request: bool, since: float, error_code: int
+    ) -> CellView:
+        """As `with_handshake`, of one of two robots."""
+        told = state, short(reason), run_id, request, _steady(since), error_code
+        return self.with_robot(number, lambda robot: robot.told(*told))
 
     def with_bridge(self, present: bool) -> CellView:
         """The bridge was heard of lately, or not."""
@@ -223,11 +213,16 @@ class CellView:
 
     def with_drawing(self, drawing: DoorView) -> CellView:
         """The recipe of a run tells how its door looks; the one drawn already keeps what is known of it."""
-        return self if self.draws(drawing.run_id) else replace(self, drawing=drawing)
+        if self.draws(drawing.run_id):
+            return self
+        pair = self.pair and self.pair.of_run(drawing.run_id, drawing.robots)
+        return replace(self, drawing=drawing, pair=pair)
 
-    def with_plan(self, run_id: str, times: Mapping[str, tuple[float, float]]) -> CellView:
-        """When each feature of a run's door is milled; of another door's it is passed over."""
-        return self._redrawn(run_id, lambda drawing: drawing.with_plan(times))
+    def with_plan(
+        self, run_id: str, times: Mapping[str, tuple[float, float]], robot: int | None = None
+    ) -> CellView:
+        """When each feature of a run's door is milled, by which of two robots; of another door's it is passed over."""
+        return self._redrawn(run_id, lambda drawing: drawing.with_plan(times, robot))
 
     def with_measured(self, run_id: str, found: Mapping[str, float], tolerance: float) -> CellView:
         """How far the features of a run's door are off; of another door's it is passed over."""
@@ -252,10 +247,13 @@ class CellView:
         )
         return replace(self, model=cut)
 
-    def _situation(self) -> Situation:
-        """State and reason of the door that the page speaks of; the next step follows from the same."""
+    def _situation(self) -> tuple[Situation, int, float | None]:
+        """State and reason of the door that the page speaks of, code and beginning of that state."""
         last = self.history[0].run_id if self.history else ""
-        return situation(
+        if self.pair is not None:
+            found, lead = self.pair.situation(self.run_id, self.door_id, last)
+            return found, lead.code, lead.since
+        found = situation(
             self.state,
             self.state_reason,
             (self.state_run, self.state_door),
@@ -263,27 +261,40 @@ class CellView:
             last,
             self.request,
         )
+        return found, self.state_code, self.state_since
+
+    def _step(self, seen: Situation) -> Advice:
+        """What to do now; follows from the same as the situation."""
+        last = self.history[0] if self.history else None
+        faults = {node: fault.message for node, fault in self.faults.items()}
+        spoiled = last is not None and last.error_code == OutOfToleranceError.code
+        stopped = self.model.message if self.model is not None and self.model.stopped else ""
+        in_hand = self.run_id != ""
+        if self.pair is None:
+            milled = seen.state == "done" and last is not None and last.run_id == self.state_run
+            return next_step(
+                self.bridge_present, seen.state, in_hand, self.refusal, faults, spoiled, milled, stopped
+            )
+        run_id = last.run_id if last else ""
+        done = self.pair.milled(run_id)
+        refused = self.refusal != "" or (last is not None and not last.success and done != ())
+        lacking = set(self.pair.workers(run_id)) > set(done)
+        does = self.pair.does(self.run_id, run_id)
+        return pair_step(does, in_hand, refused, faults, spoiled, done, lacking, stopped)
 
     def document(self) -> dict[str, Any]:
         """JSON-able content of the page; the picture by its number."""
-        seen = self._situation()
-        last = self.history[0] if self.history else None
-        step = next_step(
-            self.bridge_present,
-            seen.state,
-            self.run_id != "",
-            self.refusal,
-            {node: fault.message for node, fault in self.faults.items()},
-            last is not None and last.error_code == OutOfToleranceError.code,
-            seen.state == "done" and last is not None and last.run_id == self.state_run,
-            self.model.message if self.model is not None and self.model.stopped else "",
-        )
+        seen, code, since = self._situation()
+        step = self._step(seen)
+        last = self.history[0].run_id if self.history else ""
+        pair = self.pair
         return {
-            "state": seen.state if self.bridge_present else "",
+            "state": seen.state if self.bridge_present or pair else "",
             "state_reason": seen.reason,
-            "state_code": self.state_code if seen.told else 0,
+            "state_code": code if seen.told else 0,
             "situation": {"key": seen.key, "door": seen.door, "before": seen.before, "ended": seen.ended},
-            "state_age": self._state_age(seen.told),
+            "state_age": self._state_age(since if seen.told else self.run_since if self.run_id else None),
+            "robots": [] if pair is None else pair.document(pair.does(self.run_id, last)),
             "urgency": step.urgency,
             "next_step": step.text,
             "step": {"key": step.key, "values": dict(step.values)},
@@ -311,9 +322,9 @@ class CellView:
             "drawing": self._drawn(),
         }
 
-    def _state_age(self, told: bool) -> float | None:
+    @staticmethod
+    def _state_age(since: float | None) -> float | None:
         """How long the state has lasted [s]; a door that waits behind the controller's state, since its run began."""
-        since = self.state_since if told else self.run_since if self.run_id else None
         return None if since is None else time.monotonic() - since
 
     def _drawn(self) -> dict[str, Any] | None:
@@ -321,7 +332,8 @@ class CellView:
             return None
         run_id = self.drawing.run_id
         ended = next((run.success for run in self.history if run.run_id == run_id), None)
-        return self.drawing.document(self.run_id == run_id and self.stage == "milling", ended)
+        shares = self.pair.shares(run_id, ended) if self.pair is not None else {}
+        return self.drawing.document(self.run_id == run_id and self.stage == "milling", ended, shares)
 
 
 def short(text: str) -> str:

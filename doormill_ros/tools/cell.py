@@ -115,8 +115,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
             parser.error(
                 f"--sensor is {' '.join(options.sensor)}, allowed are {', '.join(allowed)}, each once"
             )
-    if options.robots > 1 and (options.ui is not None or options.doors is not None):
-        parser.error("--robots 2 mills one door: leave out --ui, --doors, --world and --monitor")
+    if options.robots > 1 and options.doors is not None:
+        parser.error("--robots 2 mills one door: leave out --doors, --world and --monitor")
     if options.namespace and not NAMESPACE.fullmatch(options.namespace):
         parser.error(
             f"--namespace is {options.namespace!r}, allowed are slashes with names of letters, digits and _: /cell1"

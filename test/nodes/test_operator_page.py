@@ -14,18 +14,20 @@ from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.operator.state import Fault
 
 
-def diagnosis(values: dict[str, str], level: bytes = DiagnosticStatus.ERROR) -> DiagnosticArray:
+def diagnosis(
+    values: dict[str, str], level: bytes = DiagnosticStatus.ERROR, name: str = "cell1/gige_camera"
+) -> DiagnosticArray:
     pairs = [KeyValue(key=key, value=value) for key, value in values.items()]
     return DiagnosticArray(
-        status=[DiagnosticStatus(level=level, name="gige_camera", message="no answer", values=pairs)]
+        status=[DiagnosticStatus(level=level, name=name, message="no answer", values=pairs)]
     )
 
 
-@pytest.fixture
-def page(context: rclpy.Context, tmp_path: Path):
-    parameters = [Parameter("port", value=0)]
+@pytest.fixture(params=[1])
+def page(context: rclpy.Context, tmp_path: Path, request: pytest.FixtureRequest):
+    parameters = [Parameter("port", value=0), Parameter("robots", value=request.param)]
     parameters += [Parameter(name, value=str(tmp_path / name)) for name in ("history", "audit")]
-    node = OperatorPage(parameter_overrides=parameters, context=context)
+    node = OperatorPage(parameter_overrides=parameters, context=context, namespace="cell1")
     node.bring_up()
     yield node
     node.close()
@@ -40,7 +42,7 @@ def test_codes_come_with_faults_refusals_and_states(page: OperatorPage) -> None:
         ({"error_code": "9" * 5000}, 0),
     ):
         page._take_diagnostics(diagnosis(values))
-        assert page.store.view.faults == {"gige_camera": Fault("no answer", code)}
+        assert page.store.view.faults == {"cell1/gige_camera": Fault("no answer", code)}
     page._take_diagnostics(diagnosis({}, DiagnosticStatus.OK))
     assert page.store.view.faults == {}
     page._take_recipe(DoorRecipe(run_id="r1", door_id="oak"))
@@ -48,3 +50,29 @@ def test_codes_come_with_faults_refusals_and_states(page: OperatorPage) -> None:
     assert (page.store.view.refusal, page.store.view.refusal_code) == ("dark", 207)
     page._take_status(AbbStatus(state="clearing", reason="no link", error_code=450))
     assert page.store.view.state_code == 450
+
+
+@pytest.mark.parametrize("page", [2], indirect=True)
+def test_both_robots_are_heard_each_in_its_namespace(page: OperatorPage) -> None:
+    assert page.store.view.document()["step"]["key"] == "silent_both"
+    heard = {topic for topic, _ in page.get_subscriber_names_and_types_by_node("operator_page", "/cell1")}
+    own = {f"/cell1/robot{n}/{name}" for n in (1, 2) for name in ("abb/status", "path/targets")}
+    assert own <= heard
+    assert not {"/cell1/abb/status", "/cell1/path/targets"} & heard
+    for number, state in ((1, "milling"), (2, "requested")):
+        page._take_diagnostics(diagnosis({}, DiagnosticStatus.OK, f"cell1/robot{number}/abb_bridge"))
+        page._take_status(AbbStatus(state=state, run_id="r1", request=number == 2), robot=number)
+    view = page.store.view.document()
+    assert [robot["present"] for robot in view["robots"]] == [True, True]
+    assert view["state_reason"] == "robot 1 mills; the controller of robot 2 asks for targets"
+    for name in ("robot1/abb_bridge", "cell2/robot1/abb_bridge", "cell1/robot3/abb_bridge"):
+        page._take_diagnostics(diagnosis({}, name=name))
+    assert page.store.view.faults == {}
+    page._take_diagnostics(diagnosis({"error_code": "450"}, name="cell1/robot2/abb_bridge/controller"))
+    assert page.store.view.faults == {"cell1/robot2/abb_bridge/controller": Fault("no answer", 450)}
+
+
+def test_a_page_of_one_robot_hears_its_own_cell_alone(page: OperatorPage) -> None:
+    page._take_diagnostics(diagnosis({}, name="cell1/robot2/abb_bridge"))
+    assert page.store.view.faults == {}
+    assert page.store.view.pair is None

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
+import time
 from pathlib import Path
 from typing import Any
 
+import httpx
+
 from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.cell.errors import NodeInactiveError
+from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.messages.from_message import seconds_of
-from doormill_ros.nodes.cell import CellOptions, run_once
+from doormill_ros.nodes.cell import Cell, CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.report.run_report import write_report
+from support.cell_processes import free_port
 
 DOOR = "standard_door"
 #: A loaded machine must not turn a good door into a refused one.
@@ -89,3 +94,35 @@ def test_a_first_robot_that_stops_with_a_fault_keeps_the_second_one_still(tmp_pa
     assert "milling" in states(found, "robot1")
     assert "milling" not in states(found, "robot2")
     assert not any(message.data for message in found["/robot2/abb/ready"])
+
+
+def test_the_page_tells_of_both_robots_and_of_the_door_they_milled(tmp_path: Path) -> None:
+    port = free_port()
+    chosen = CellOptions({**PATIENT, "operator_page": {"port": port}}, page=True, robots=2)
+    folder = RunFolder(tmp_path)
+    folder.prepare()
+    with (
+        Cell(folder, chosen) as cell,
+        httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as page,
+    ):
+        summary = cell.mill(DOOR)
+        assert summary.success, summary.message
+
+        def whole(told: dict[str, Any]) -> bool:
+            """The last messages have come."""
+            measured = told["drawing"] and all(one["deviation"] >= 0.0 for one in told["drawing"]["features"])
+            both = all(robot["does"] == "share" for robot in told["robots"])
+            return bool(measured and both and told["history"])
+
+        deadline = time.monotonic() + 60.0
+        while not whole(told := page.get("/state").json()):
+            assert time.monotonic() < deadline, told
+            time.sleep(0.05)
+    assert told["step"]["key"] == "done_both"
+    assert told["history"][0]["run_id"] == summary.run_id
+    for feature in told["drawing"]["features"]:
+        assert feature["came_to"] == "within"
+        # Of each robot's own program; a half of a through hole is in both.
+        assert all(0.0 <= share["begin"] < share["end"] for share in feature["shares"])
+    assert {share["robot"] for one in told["drawing"]["features"] for share in one["shares"]} == {1, 2}
+    assert told["faults"] == []

@@ -14,13 +14,14 @@ from hypothesis import strategies as st
 from playwright.sync_api import Page
 
 from doormill_ros.operator.door_view import door_view, planned_times
+from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.languages import LANGUAGES
-from doormill_ros.operator.state import CellView, EndedRun
+from doormill_ros.operator.state import CellView
 from doormill_ros.operator.view_store import ViewStore
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes
 
 LIMIT = 120_000.0  # ms
-CAME_TO = {"planned", "in_work", "within", "beyond", "measured", "milled", "not_milled"}
+CAME_TO = {"planned", "in_work", "within", "beyond", "measured", "milled", "half_milled", "not_milled"}
 FACES = {"front", "hinge_edge", "lock_edge"}
 
 

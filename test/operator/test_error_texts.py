@@ -17,10 +17,11 @@ from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.readiness import BESIDE, CONTROLLER, NEEDED
 from doormill_ros.errors import catalogue
 from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.languages import LANGUAGES, headline_in
 from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
 from doormill_ros.operator.situation import situation
-from doormill_ros.operator.state import CellView, EndedRun
+from doormill_ros.operator.state import CellView
 from doormill_ros.pipeline.course import SHARES
 from support.browser import open_page
 

@@ -20,8 +20,9 @@ from doormill_ros.cell.summary import RunSummary
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.nodes.spinning import SteadyExecutor
+from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.history import FILE, append_history, load_history
-from doormill_ros.operator.state import HISTORY, EndedRun
+from doormill_ros.operator.state import HISTORY
 
 LIMIT = 60.0  # s
 

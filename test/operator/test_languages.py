@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from collections.abc import Iterator
@@ -26,9 +27,11 @@ from doormill_ros.diagnosis.parts.next_step import CHECKS, STEPS, NextStep, next
 from doormill_ros.monitor.finding import ALWAYS, DoorFinding, finding_of
 from doormill_ros.monitor.stop import stop_sentence
 from doormill_ros.operator.advice import Advice, next_step
+from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.languages import LANGUAGES
 from doormill_ros.operator.model_view import ModelView, TrendDoor
-from doormill_ros.operator.state import EndedRun
+from doormill_ros.operator.pair_advice import pair_step
+from doormill_ros.operator.robot_view import DOES
 from doormill_ros.recipes.features.registry import FEATURES
 from doormill_ros.robot_model.elastic.causes.registry import CUTTING, LIBRARY
 from support.browser import open_page
@@ -57,13 +60,15 @@ FRAMES = {
     "state.error",
     "before.name",
     "node",
+    "node.robot",
+    "drawing.feature.robots",
     "fault",
     "cause.at",
     "run",
     "course.always",
 }
 #: One word in two of the languages.
-SHARED = {"model.version"}
+SHARED = {"model.version", "feature.robots"}
 BY_DATA = (
     "outcome.",
     "came.",
@@ -79,6 +84,7 @@ BY_DATA = (
     "refused.",
     "answer.",
     "situation.",
+    "pair.",
     "before.",
     "stage.",
     "caption.",
@@ -154,6 +160,12 @@ def advice() -> Iterator[Advice]:
                 for refusal in ("", "no edge"):
                     yield next_step(True, state, in_hand, refusal, {}, **more)
         yield next_step(True, state, False, "", {"a_node": "a {fault}"})
+    for both in itertools.product((*DOES, "nobody knows"), repeat=2):
+        does = dict(zip((1, 2), both, strict=True))
+        for refused, spoiled, lacking in itertools.product((False, True), repeat=3):
+            for milled in ((), (1,)):
+                yield pair_step(does, False, refused, {}, spoiled, milled, lacking)
+        yield pair_step(does, True, False, {})
 
 
 def test_every_next_step_has_its_text_and_says_the_same_in_english() -> None:

@@ -11,9 +11,9 @@ from playwright.sync_api import Page, expect
 from doormill_ros.diagnosis.parts.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
 from doormill_ros.operator.door_view import DoorView, FeatureView
+from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.picture import MEDIA_TYPE, encode_picture
-from doormill_ros.operator.state import EndedRun
 from support.browser import TABLET, open_page
 
 REASON = "door oak: no edge was found in the picture; clean the lens & check the lamp"

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.operator.advice import next_step
-from doormill_ros.operator.state import HISTORY, LONGEST_TEXT, CellView, EndedRun
+from doormill_ros.operator.ended_run import EndedRun
+from doormill_ros.operator.state import HISTORY, LONGEST_TEXT, CellView
 from doormill_ros.operator.view_store import ViewStore
 
 STATES = [state.value for state in HandshakeState]

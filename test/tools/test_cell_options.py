@@ -17,6 +17,7 @@ from doormill_ros.tools.cell import main, parse
     [
         (["--doors", "0"], "--doors is 0, allowed is a positive whole number"),
         (["--doors", "2", "--ui"], "--ui shows one door"),
+        (["--robots", "2", "--doors", "2"], "--robots 2 mills one door"),
         (["--world", "w.yaml", "--effects", "e.yaml"], "--effects and --world both say what the robot hides"),
     ],
 )
@@ -27,6 +28,11 @@ def test_options_that_exclude_each_other_are_refused(
         parse(["--door", "a", *more])
     assert stop.value.code == 2
     assert complaint in capsys.readouterr().err
+
+
+def test_two_robots_have_the_page_too() -> None:
+    options = parse(["--door", "a", "--robots", "2", "--ui", "0", "--control"])
+    assert (options.robots, options.ui, options.control) == (2, 0, True)
 
 
 def test_a_shift_has_as_many_doors_as_named_unless_told() -> None:

@@ -123,6 +123,7 @@ class JudgedCell:
         obstacles: What stands still beside the door; boxes in base_link.
         T_flange_tool: Tool centre point in the flange, shape (4, 4).
         nose: How far the mill reaches out of the spindle [m].
+        home: Where the robot stands between doors, shape (6,) [rad].
         boards: What is pressed against the rear face of a door.
         rooted: Bodies of the arm that stand on the floor: for another robot they are in the way, too.
         with_second: Boxes about a second robot, where there is one, in its base frame.
@@ -136,6 +137,7 @@ class JudgedCell:
     obstacles: tuple[Box, ...]
     T_flange_tool: FloatArray
     nose: float
+    home: FloatArray
     boards: tuple[SolidBoard, ...] = ()
     rooted: tuple[Body, ...] = ()
     with_second: tuple[Box, ...] = ()
@@ -188,6 +190,7 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
         own = read_document(folder / "bodies.yaml", BodiesError)["bodies"]
         spindle, obstacles = content["spindle"]["bodies"], content["obstacles"]
         T_flange_tool = pose(np.array(content["tool"]["position"], dtype=float), LEVEL)
+        home = np.array(content["home"]["joints"], dtype=float).reshape(6)
         boards = (content.get("backing") or {"boards": []})["boards"]
         second = content.get("second_robot") or {"obstacles": []}
         approach = read_document(resource(PATH), BodiesError)["approach"]
@@ -197,7 +200,7 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
     except (KeyError, TypeError, ValueError, OSError) as cause:
         raise BodiesError(
             f"{path} and the robot's bodies.yaml do not say what can touch ({cause!r}); allowed are files with robot, "
-            "tool, spindle, obstacles and bodies: compare them with the shipped ones"
+            "tool, home, spindle, obstacles and bodies: compare them with the shipped ones"
         ) from cause
     bodies = [
         *_shapes(own, folder / "bodies.yaml"),
@@ -214,6 +217,7 @@ def load_cell(robot: str | None = None, cell: Path | None = None, robots: Path |
         _boxes(obstacles, path),
         T_flange_tool,
         nose,
+        home,
         tuple(check(boards, list[SolidBoard], BodiesError, str(path))),
         tuple(b for b in bodies if b.link == BASE),
         _boxes(second["obstacles"], path),

@@ -31,12 +31,12 @@ class Milled:
     Attributes:
         robot: What it is called in a verdict.
         T_cell_robot: Its base in the base frame of the cell, shape (4, 4).
-        executed: Everything it did, in its own base frame.
+        executed: Everything it did, in its own base frame; None: it had nothing to mill and stands at home.
     """
 
     robot: str
     T_cell_robot: FloatArray
-    executed: ExecutedPath
+    executed: ExecutedPath | None
 
 
 def judge_pair(
@@ -47,8 +47,8 @@ def judge_pair(
     Args:
         recipe: The door and all its features.
         T_cell_door_true: Where the door really stood, shape (4, 4).
-        milled: The robots in the order in which they moved, each of them after the one before; a robot stands where its
-            path begins until then and where it ends from then on.
+        milled: Both robots in the order in which they moved, each of them after the one before; a robot stands where
+            its path begins until then and where it ends from then on, or at home where it has none.
         cell: Robot, spindle and obstacles as the cell's file has them; the rear face is free. Who does not stand in the
             base frame of the cell is the second robot.
     """
@@ -62,14 +62,16 @@ def judge_pair(
     verdicts, before = [], 0
     widest = max(feature.tool.radius for feature in recipe.features)
     for number, own in enumerate(milled):
+        if own.executed is None:
+            continue
         T_robot_cell = inverse(own.T_cell_robot)
         others: list[Box] = []
         for k, other in enumerate(milled):
-            if k == number or not len(other.executed):
+            if k == number:
                 continue
-            sample, T_own_other = 0 if k > number else -1, T_robot_cell @ other.T_cell_robot
-            carried = str(carried_by(other.executed, first_tool(cells[k]))[sample])
-            others += standing(cell, other.executed.q[sample], T_own_other, other.robot, widest)
+            T_own_other = T_robot_cell @ other.T_cell_robot
+            q, carried = waits(other, cells[k], 0 if k > number else -1)
+            others += standing(cell, q, T_own_other, other.robot, widest)
             others += waiting(cells[k], recipe, carried, T_own_other, other.robot)
         obstacles = [replace(box, at=T_robot_cell @ box.at) for box in cell.obstacles]
         about = replace(cells[number], obstacles=(*obstacles, *others), boards=())
@@ -83,6 +85,13 @@ def judge_pair(
         tuple(torn for verdict in verdicts for torn in verdict.torn),
         tuple(bad for verdict in verdicts for bad in verdict.bad),
     )
+
+
+def waits(robot: Milled, cell: JudgedCell, sample: int) -> tuple[FloatArray, str]:
+    """Joint angles, shape (6,) [rad], and tool of a robot that waits, by the first or the last of its samples."""
+    if robot.executed is None or not len(robot.executed):
+        return cell.home, first_tool(cell)
+    return robot.executed.q[sample], str(carried_by(robot.executed, first_tool(cell))[sample])
 
 
 def standing(

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import httpx
 import pytest
 import yaml
 
@@ -29,11 +30,12 @@ class LaunchedCell(CellProcesses):
         """All at once, with the first."""
         if self.processes:
             return
+        self.page_port = free_port()
         parameters = self.folder / "parameters.yaml"
         parameters.write_text(yaml.safe_dump({"/**/abb_bridge": {"ros__parameters": PATIENT}}))
         arguments = {
             "out": self.folder / "out",
-            "page_port": free_port(),
+            "page_port": self.page_port,
             "parameters": parameters,
             "robots": self.robots,
         }
@@ -65,7 +67,14 @@ class LaunchedPair(LaunchedCell):
 
     def wait_until_up(self) -> None:
         """Database, camera and localizer, then both robots and who shares the door between them."""
-        names = ("bag_recorder", "recipe_database", "door_localizer", "camera_simulator", "door_shares")
+        names = (
+            "bag_recorder",
+            "recipe_database",
+            "door_localizer",
+            "camera_simulator",
+            "door_shares",
+            "operator_page",
+        )
         of_robots = ("path_generator", "abb_bridge", "controller_simulator")
         for node in (*names, *(f"robot{number}/{name}" for number in (1, 2) for name in of_robots)):
             self.wait_until_active(node)
@@ -102,4 +111,7 @@ def test_two_robots_share_a_door(tmp_path: Path) -> None:
         assert result.success, result.message
         for robot in ("robot1", "robot2"):
             assert list((tmp_path / "out" / "targets" / robot).glob("*.txt"))
+        told = httpx.get(f"http://127.0.0.1:{cell.page_port}/state", timeout=60.0).json()
+        assert [robot["present"] for robot in told["robots"]] == [True, True]
+        assert [run["run_id"] for run in told["history"]] == [result.run_id]
         assert cell.interrupt() == 0

@@ -9,10 +9,13 @@ from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.frames import inverse, transform
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.judge.bodies import load_cell
-from doormill_ros.simulation.judge.pair import Milled, judge_pair, standing, waiting
+from doormill_ros.simulation.judge.pair import Milled, judge_pair, standing, waiting, waits
 from support.file_run import HOME, run_file
 from support.judged_doors import RUN_ID, rigid
+
+FIELDS = dataclasses.fields(ExecutedPath)
 
 
 @pytest.fixture(scope="module")
@@ -110,3 +113,30 @@ def test_an_arm_in_the_pedestal_of_the_second_robot_is_told(door):
     assert "second pedestal" not in {
         touch.obstacle for touch in judge_pair(recipe, T_cell_door, robots, without).touches
     }
+
+
+@pytest.mark.parametrize("idle", ["first", "second"])
+def test_a_robot_with_nothing_to_mill_is_in_the_way_where_it_stands_at_home(door, idle):
+    """It moves not at all; 2.6 m nearer to each other than the program knows they meet."""
+    recipe, T_cell_door, T_cell_second, executed = door
+    for shift, free in ((0.0, True), (-2.6, False)):
+        near = transform(translation=[shift, 0.0, 0.0]) @ T_cell_second
+        robots = [Milled("first", np.eye(4), executed[0]), Milled("second", near, executed[1])]
+        robots = [dataclasses.replace(own, executed=None) if own.robot == idle else own for own in robots]
+        found = judge_pair(recipe, T_cell_door, robots, load_cell())
+        met = {touch.obstacle for touch in found.touches if touch.obstacle.startswith(f"{idle}'s")}
+        assert (met == set()) == free, met
+        assert found.judged == len(executed[idle == "first"])
+
+
+def test_a_robot_that_tells_of_no_motion_stands_at_home_with_its_first_tool(door):
+    """Robot and rack as they wait between doors, the same as of one that has told where it began."""
+    *_, (first, _) = door
+    cell = load_cell()
+    home, carried = waits(Milled("first", np.eye(4), None), cell, 0)
+    np.testing.assert_allclose(home, np.radians(HOME), atol=1e-9)
+    assert carried == cell.rack[0].tool
+    values = {field.name: getattr(first, field.name) for field in FIELDS}
+    none = ExecutedPath(**{name: value if value is None else value[:0] for name, value in values.items()})
+    np.testing.assert_array_equal(waits(Milled("first", np.eye(4), none), cell, -1)[0], home)
+    np.testing.assert_allclose(waits(Milled("first", np.eye(4), first), cell, 0)[0], home, atol=1e-6)
