@@ -73,7 +73,7 @@ def look(item: ConditionPicture, row: Row) -> None:
     start = time.process_time()
     try:
         try:
-            found = localize(picture, camera, layout, scene.width, item.thickness)
+            found = localize(picture, camera, layout, scene.width, item.thickness, settings=item.settings)
         finally:
             row.times.append(time.process_time() - start)
         if item.beams:

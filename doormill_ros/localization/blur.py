@@ -27,6 +27,7 @@ class Spread:
         level: Standard error of `misfit` expected from the rows' scatter.
         mean: Mean profile of the rows near their line, as a share of the step, shape (m,).
         error: Its standard error, shape (m,).
+        at: Mean distance of the pixels of each of its bins from the edge [px], NaN where there are none, shape (m,).
     """
 
     blur: float
@@ -34,6 +35,21 @@ class Spread:
     level: float
     mean: FloatArray
     error: FloatArray
+    at: FloatArray
+
+    def at_middles(self) -> FloatArray:
+        """The mean profile at the middles of its bins (m,): rows of a door that stands straight share their phase.
+
+        What the pixels are off is corrected by the one step nearest to the profile.
+        """
+        middle = bin_places(self.mean.size)
+        some = np.flatnonzero(~np.isnan(self.at))
+        wide = np.sqrt(self.blur**2 + PIXEL_VARIANCE)
+        ends = self.mean.size // 8
+        height = self.mean[-ends:].mean() - self.mean[:ends].mean()
+        rest = self.mean[some] - height * ndtr(self.at[some] / wide)
+        profile: FloatArray = np.interp(middle, middle[some], rest) + height * ndtr(middle / wide)
+        return profile
 
 
 def bin_places(size: int) -> FloatArray:
@@ -50,18 +66,22 @@ def _templates(half: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     return design, np.eye(place.size) - design @ np.linalg.pinv(design), place
 
 
-def _lay_over(shape: Float32Array, index: IntArray, size: int) -> tuple[FloatArray, FloatArray]:
-    """Mean and its standard error (size,) of `shape` in the bins `index`; index `size` is nowhere."""
+def _lay_over(
+    shape: Float32Array, index: IntArray, at: FloatArray, size: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mean, its standard error and mean `at` (size,) of `shape` in the bins `index`; index `size` is nowhere."""
     index = index.ravel()
     count = np.bincount(index, minlength=size + 1)[:size]
     total = np.bincount(index, weights=shape.ravel(), minlength=size + 1)[:size]
     square = np.bincount(index, weights=(shape * shape).ravel(), minlength=size + 1)[:size]
     many = np.maximum(count, 1)
     mean = total / many
+    place = np.bincount(index, weights=at.ravel(), minlength=size + 1)[:size] / many
     if not count.all():
         filled = np.flatnonzero(count)
         mean = np.interp(np.arange(size), filled, mean[filled])
-    return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many)
+        place[count == 0] = np.nan
+    return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many), place
 
 
 def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Spread:
@@ -72,20 +92,29 @@ def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Sprea
         shift: Distance of the fitted line from the middle of each row's pixels [px], shape (n,).
         near: Rows whose edge point lies near the line: chips would smear the step, shape (n,), bool.
     """
-    half = profiles.values.shape[1] // 2
-    _, projector, place = _templates(half)
+    _, projector, place = _templates(profiles.values.shape[1] // 2)
     good = profiles.edge_like
-    shape = (profiles.values[good] - profiles.level[good, None]) / profiles.contrast[good, None]
-    at = np.arange(-half, half + 1) - shift[good, None]
-    index = np.rint((at - place[0]) * _FINE).astype(np.intp)
-    index[(index < 0) | (index >= place.size)] = place.size
-    mean, error = _lay_over(shape, index, place.size)
+    shape, index, at = _shares(profiles, shift, good)
+    mean, error, seen = _lay_over(shape, index, at, place.size)
     misfit = np.sqrt(np.min(_left_over(projector, mean)))
     level = float(np.sqrt(np.mean(error**2)))
     near = near[good]
     if 2 * np.count_nonzero(near) > near.size > np.count_nonzero(near):
-        mean, error = _lay_over(shape[near], index[near], place.size)
-    return Spread(_lowest(_left_over(projector, mean)), float(misfit), level, mean, error)
+        mean, error, seen = _lay_over(shape[near], index[near], at[near], place.size)
+    return Spread(_lowest(_left_over(projector, mean)), float(misfit), level, mean, error, seen)
+
+
+def _shares(
+    profiles: Profiles, shift: FloatArray, good: BoolArray
+) -> tuple[Float32Array, IntArray, FloatArray]:
+    """Pixels of the good rows as shares of their steps, their bins, and how far from the edge they are [px]; (k, w)."""
+    half = profiles.values.shape[1] // 2
+    place = _templates(half)[2]
+    shape = (profiles.values[good] - profiles.level[good, None]) / profiles.contrast[good, None]
+    at = np.arange(-half, half + 1) - shift[good, None]
+    index = np.rint((at - place[0]) * _FINE).astype(np.intp)
+    index[(index < 0) | (index >= place.size)] = place.size
+    return shape, index, at
 
 
 def _left_over(projector: FloatArray, mean: FloatArray) -> FloatArray:
@@ -93,6 +122,27 @@ def _left_over(projector: FloatArray, mean: FloatArray) -> FloatArray:
     left = projector @ mean
     squares: FloatArray = np.einsum("bm,bm->b", left, left) / mean.size
     return squares
+
+
+def profile_covariance(
+    spread: Spread, step: float, inside: Variograms, outside: Variograms, model: float
+) -> FloatArray:
+    """Covariance of the errors of a mean profile, squared shares of the step, shape (m, m).
+
+    Args:
+        spread: The profile.
+        step: Step at the edge [grey levels].
+        inside: Texture of the face; its streaks last along the edge and remain in the mean.
+        outside: Texture of what lies behind it.
+        model: How far a true point spread is from a modelled one, as a share of the step.
+    """
+    out = ndtr(bin_places(spread.mean.size) / np.sqrt(spread.blur**2 + PIXEL_VARIANCE))
+    lag = _lags(out.size)
+    covariance = np.diag(spread.error**2 + model**2)
+    for share, side in ((1.0 - out, inside), (out, outside)):
+        if side.lasting.any():
+            covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
+    return covariance
 
 
 def _lowest(costs: FloatArray) -> float:
@@ -119,12 +169,8 @@ def textured_blur(spread: Spread, step: float, inside: Variograms, outside: Vari
     if max(inside.lasting.max(), outside.lasting.max()) < (_MODEL * step) ** 2:
         return spread.blur
     half = (spread.mean.size + 3) // (2 * _FINE)
-    design, _, place = _templates(half)
-    out = ndtr(place / np.sqrt(spread.blur**2 + PIXEL_VARIANCE))
-    lag = _lags(place.size)
-    covariance = np.diag(spread.error**2 + _MODEL**2)
-    for share, side in ((1.0 - out, inside), (out, outside)):
-        covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
+    design, _, _ = _templates(half)
+    covariance = profile_covariance(spread, step, inside, outside, _MODEL)
     columns = np.column_stack([design[0, :, 0], design[:, :, 1].T, design[:, :, 2].T, spread.mean])
     products = columns.T @ np.linalg.solve(covariance, columns)
     count = len(_BLURS)

@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization import checks
+from doormill_ros.localization.arris import HINT, Profile
 from doormill_ros.localization.blur import Spread, edge_spread
 from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.fit import LineFit
 from doormill_ros.localization.layers import choose
-from doormill_ros.localization.neighbourhood import EVERY, WIDE_HALF, Neighbourhood
+from doormill_ros.localization.neighbourhood import WIDE_HALF, Neighbourhood
 from doormill_ros.localization.profiles import Profiles, crossing, measure, plain_weights
 from doormill_ros.localization.rim import (
     Rim,
@@ -29,6 +31,8 @@ from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 
 _WIDE_BLUR = 3.0  # px
 _AS_WIDE = 0.7
+_SMOOTH = 9  # rows over which edge points are averaged; a saw's waves are longer
+_RAGGED = 1.0  # px; an edge that scatters more shows no rim, and is uncertain enough to be refused for that
 _ROOM = 5.5  # px: one of two steps so far apart can be read by itself
 
 
@@ -68,17 +72,51 @@ class _Seen:
             read = self.read
             edge = read.profiles.edge
             weights = plain_weights(WIDE_HALF, _WIDE_BLUR)
-            wide = measure(self.picture, self.view, edge, read.pose, weights, EVERY)
-            lines, at = crossing(self.view, edge, read.pose, 0, -5.0e-3)
-            shift = np.interp(wide.lines, lines, at) - wide.centre
+            wide = measure(self.picture, self.view, edge, read.pose, weights)
             near = np.isin(wide.lines, read.profiles.lines[read.line.inliers])
-            self._wide = edge_spread(wide, shift, near)
+            self._wide = edge_spread(wide, self._shift(wide), near)
         return self._wide
+
+    def _shift(self, profiles: Profiles) -> FloatArray:
+        """Where rows (n,) are laid over each other [px]: at their edge points, or waves would make steps of one."""
+        read = self.read
+        lines, at = crossing(self.view, profiles.edge, read.pose, 0, -5.0e-3)
+        good, run = read.line.inliers, 0 if profiles.edge == HINGE else 1
+        rows = read.profiles.lines[good]
+        waves = uniform_filter1d(read.profiles.pixels[good, run] - np.interp(rows, lines, at), _SMOOTH)
+        shift: FloatArray = (
+            np.interp(profiles.lines, lines, at) + np.interp(profiles.lines, rows, waves) - profiles.centre
+        )
+        return shift
+
+    def _profile(self, spread: Spread) -> Profile:
+        """Rows laid over each other, weighed by the textures beside the edge."""
+        beside = self.read.beside
+        return Profile(spread, beside.step, beside.inside, beside.outside)
+
+    @property
+    def ragged(self) -> bool:
+        """Whether its points scatter too much for a rim to be seen."""
+        return self.read.line.scatter > _RAGGED * self.view.pixel
+
+    def profile(self) -> Profile:
+        """That of wide windows."""
+        return self._profile(self.wide())
+
+    def look_closer(self) -> None:
+        """Look for a dark arris where no rim was seen, and place one that was seen as well as it can be."""
+        if self.ragged:
+            return
+        if self.rim is not None:
+            if self.rim.brightness < 0 and not wide_and_dark(self.rim, self.view.pixel):
+                self.rim = self.profile().placed(self.rim, self.view.pixel)
+        elif self._profile(self.read.beside.spread).odd(HINT):
+            self.rim = self.profile().find(self.view.pixel)
 
     def look(self, sharp: float | None = None) -> None:
         """Look for a rim; see `find_rim`."""
         spread, streaks = self.read.beside.spread, self.read.streaks
-        if sharp is None and not suspicious(spread, streaks):
+        if self.ragged or (sharp is None and not suspicious(spread, streaks)):
             return
         rim = find_rim(self.wide(), streaks, sharp)
         single = spread.misfit < checks.allowed_misfit(spread, streaks)
@@ -133,6 +171,7 @@ def find_borders(
         for one in seen.values():
             if one.rim is None and softer(one.blur(), sharp):
                 one.look(sharp)
+    _look_for_arrises(view, seen)
     inner = _inside_of_rims(picture, view, seen)
     out = {}
     for edge, one in seen.items():
@@ -153,6 +192,24 @@ def find_borders(
             out[edge] = Border(shift, rim.deviation, spread, room)
     check_alike({edge: one.rim for edge, one in seen.items()}, {e: one.blur() for e, one in seen.items()})
     return out
+
+
+def _look_for_arrises(view: FaceView, seen: dict[str, _Seen]) -> None:
+    """Look for dark arrises: what the saw has burnt or the plane has broken along one edge it has along both.
+
+    Raises:
+        WrongEdge: Whether there is one cannot be told.
+    """
+    pixel = view.pixel
+    for one in seen.values():
+        one.look_closer()
+    for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
+        rim, own = seen[other].rim, seen[edge].rim
+        if rim is None or rim.brightness > 0 or wide_and_dark(rim, pixel) or seen[edge].ragged:
+            continue
+        # Streaks may make a rim of it that no lens as sharp would show.
+        if own is None or (own.brightness > 0 and softer(own.blur, rim.blur)):
+            seen[edge].rim = seen[edge].profile().like(edge, rim, pixel)
 
 
 def _inside_of_rims(picture: ByteArray, view: FaceView, seen: dict[str, _Seen]) -> dict[str, bool]:

@@ -23,7 +23,7 @@ from doormill_ros.localization.errors import (
     UnderExposed,
     WrongEdge,
 )
-from doormill_ros.localization.fit import CornerFit, LineFit
+from doormill_ros.localization.fit import LESS_SQUARE, CornerFit, LineFit
 from doormill_ros.localization.profiles import WHITE, Profiles
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.statistics import share
@@ -37,6 +37,7 @@ _FEWEST_ROWS = 60
 WIDTHS, THICKNESSES = (0.1, 3.0), (0.005, 0.2)
 #: Of a pixel on the door's face [m]: finer ones ask for more memory than there is, coarser ones show no edge.
 PIXELS = (2e-5, 2e-3)
+_STREAKY = 0.05  # streaks from which a line along one may be taken for a line along the edge
 _SKEW = 3.0  # standard deviations of the measurement by which an angle may exceed the tolerance
 # Misfit of the mean profile from one blurred step that makes it two edges: as a share of the step, as
 # a multiple of the rows' scatter, and of the streaks of wood grain beside the edge.
@@ -217,12 +218,27 @@ def edge_in_edge() -> WrongEdge:
     )
 
 
-def check_square(fit: CornerFit, settings: LocalizerSettings) -> None:
+def check_square(fit: CornerFit, streaks: dict[str, float], settings: LocalizerSettings) -> None:
     """Whether the two lines stand at a right angle within the tolerance of doors.
+
+    Args:
+        fit: The corner.
+        streaks: Beside each edge, standard deviation as a share of its step.
+        settings: Limits of refusal.
 
     Raises:
         WrongEdge: They do not.
     """
+    edge = max(streaks, key=lambda name: streaks[name])
+    usual = _SKEW * (LESS_SQUARE * settings.squareness + fit.square_deviation)
+    if streaks[edge] > _STREAKY and abs(fit.out_of_square) > usual:
+        raise WrongEdge(
+            f"the lines found are {rad_to_deg(fit.out_of_square):+.3f} degrees out of square, and streaks of "
+            f"{100 * streaks[edge]:.0f} % of the step run beside the {edge} edge: the door is not square, or a streak "
+            "stands in for a part of its edge; put a background behind the door from which all of its grain stands out",
+            edge=edge,
+            out_of_square=fit.out_of_square,
+        )
     allowed = settings.squareness_limit + _SKEW * fit.square_deviation
     if abs(fit.out_of_square) > allowed:
         raise WrongEdge(

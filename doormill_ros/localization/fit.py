@@ -15,8 +15,10 @@ _FINEST = 2.0e-7  # smallest scatter believed [m]
 _CHIP = 1.0e-3  # length over which points are averaged to see chips in noise [m]
 _CHIP_CUT = 6.0  # such averages lose weight from half that many standard deviations, and have none beyond
 _DOUBTED = 0.1  # least weight of a point in them
-# Shares of doors that are well made, less well by that factor, and cut as badly as is milled.
-_KINDS, _LESS = np.array([0.55, 0.44, 0.01]), 3.0
+LESS_SQUARE = 3.0  #: factor by which most other doors are less square than well made ones
+_KINDS = np.array(
+    [0.55, 0.44, 0.01]
+)  # shares of well made doors, of less square ones, of those that are barely milled
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +209,7 @@ def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float, limit: float)
     """
     apart = float(np.arctan(bottom.slope) + np.arctan(hinge.slope))
     read = hinge.slope_variance + bottom.slope_variance
-    kinds = np.array([squareness, _LESS * squareness, max(0.5 * limit, squareness)])
+    kinds = np.array([squareness, LESS_SQUARE * squareness, max(0.5 * limit, squareness)])
     variances = read + kinds**2
     chances = np.log(_KINDS) - 0.5 * np.log(variances) - 0.5 * apart**2 / variances
     chances = np.exp(chances - chances.max())

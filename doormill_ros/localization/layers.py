@@ -29,6 +29,7 @@ _BACKGROUND = (
 )
 _LEAST = 5.0  # grey levels between two surfaces of which the border can be placed
 _TOGETHER = 0.25e-3  # a strip that ends so near to the other edge ends with it [m]
+_TWIN = 0.7  # strips along both edges that are one differ by less than that factor in width
 _CROSSED = 0.07  # strips fainter than that in the logarithm tell nothing where they cross
 _BRIGHT = 225.0  # strips brighter than that may be clipped where they cross [grey levels]
 _SHADE = 0.35  # a shadow darkens face and background alike, to that share of the logarithm
@@ -38,6 +39,8 @@ _END = (
     -6.0e-3,
     4.0e-3,
 )  # where a strip's end is looked for, beyond the other edge's outermost and innermost line [m]
+_CLOSE = (-1.2e-3, 1.5e-3)  # the same for an end that is to be placed exactly [m]
+_TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], and a strip's nearer is flush
 _RISE = 0.15  # a strip begins where it differs so much from what lies beyond, as a share of its difference
 _WELL = (10.0e-3, 40.0e-3)  # where its brightness is read, from the corner [m]
 _BESIDE = (0.6e-3, 1.6e-3)  # where surfaces beside a line are read, from it [m]
@@ -147,7 +150,9 @@ def choose(
     }
     for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
         read[edge].judge(read[other])
-    return {edge: read[edge].settle(read[HINGE if edge == BOTTOM else BOTTOM]) for edge in read}
+    found = {edge: read[edge].settle(read[HINGE if edge == BOTTOM else BOTTOM]) for edge in read}
+    read[HINGE].check_agrees(read[BOTTOM], found)
+    return found
 
 
 class _Edge:
@@ -207,12 +212,65 @@ class _Edge:
         if rest and not self.like_background(rest[0]) and self.ends[k] is not False:
             crossed = self._crossed(other)
             if crossed is None and not other.strips[other.first :]:
-                raise self.doubt(k, k + 1)
+                if not self._flush(k, other):
+                    raise self.doubt(k, k + 1)
+                crossed = True
             if crossed:
                 k += 1
         elif k and self._framed(other):
             raise self.doubt(0, k)
         return self.lines[k]
+
+    def _flush(self, k: int, other: _Edge) -> bool:
+        """Whether strip k ends at the other edge where the face beside it does, closer than a bevel's end would.
+
+        A bevel lies on average half its width behind the face, and what lies behind seems nearer to the optical axis.
+        """
+        inner, wide = self.lines[k], self._width(k)
+        high = inner.at(self.corner)
+        places = high + wide * np.stack([_ACROSS - 1.0, _ACROSS])
+        across = other.lines[other.first]
+        start, stop = across.at(high) + _CLOSE[0], across.at(high) + _CLOSE[1]
+        along = np.arange(start, stop, 0.5 * _PITCH)
+        ends = []
+        for place in places:
+            grey = self.sight.along(self.edge, place - inner.tilt * self.corner, inner.tilt, along)
+            beyond, within = median(grey[:8]), median(grey[-8:])
+            if abs(within - beyond) < _LEAST:
+                return False
+            rise = (grey - beyond) / (within - beyond)
+            first = int(np.argmax(rise > 0.5))
+            if not first:
+                return False
+            before, after = float(rise[first - 1]), float(rise[first])
+            at = float(along[first - 1]) + (0.5 - before) / (after - before) * 0.5 * _PITCH
+            ends.append(at - across.at(float(place.mean())))
+        run = 1 if self.edge == HINGE else 0
+        point = np.array([high, across.at(high)] if self.edge == HINGE else [across.at(high), high])
+        bevelled = abs(float(self.sight.view.sight(point)[run])) * 0.5 * wide
+        return bevelled > _TOLD and abs(ends[0] - ends[1]) < _AS_FLUSH * bevelled
+
+    def check_agrees(self, other: _Edge, found: dict[str, EdgeLine]) -> None:
+        """Whether a strip that was taken for a part of the face has no twin along the other edge that was not.
+
+        Args:
+            other: The other edge.
+            found: What was taken for the edges of the face.
+
+        Raises:
+            WrongEdge: It has: one plane or bevel runs round the corner.
+        """
+        for one, two in ((self, other), (other, self)):
+            k, j = one.lines.index(found[one.edge]), two.lines.index(found[two.edge])
+            if k and j < len(two.strips):
+                mine, its = one.against_face(one.strips[k - 1].level), two.against_face(two.strips[j].level)
+                wide = two._width(j) / one._width(k - 1)
+                if abs(mine - its) < _CROSSED and _TWIN < wide < 1.0 / _TWIN:
+                    raise one.doubt(k - 1, k)
+
+    def _width(self, k: int) -> float:
+        """Of a strip at the corner [m]."""
+        return abs(self.lines[k].at(self.corner) - self.lines[k + 1].at(self.corner))
 
     def _framed(self, other: _Edge) -> bool:
         """Whether strips as bright as the face run round its corner uncrossed: a frame, or another door behind."""

@@ -54,7 +54,7 @@ def localize(
     drift = drift_in(picture, camera, float(width), layout.T_base_door(width, thickness)[:3, 3])
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit)
-    checks.check_square(fit, settings)
+    checks.check_square(fit, {edge: trace.streaks for edge, trace in traces.items()}, settings)
     offset = DoorOffset(*(float(v) for v in fit.pose))
     checks.check_range(offset, layout.limits)
     along = np.linspace(0.0, 1.0, 9)

@@ -10,7 +10,13 @@ from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization.blur import Spread, edge_spread, textured_blur
 from doormill_ros.localization.fit import LineFit
 from doormill_ros.localization.profiles import Profiles, crossing, gather
-from doormill_ros.localization.texture import learn_variograms, step_weights, steps_beside, streaks
+from doormill_ros.localization.texture import (
+    Variograms,
+    learn_variograms,
+    step_weights,
+    steps_beside,
+    streaks,
+)
 from doormill_ros.localization.view import FaceView
 from doormill_ros.statistics import NORMAL_STD, column_medians, median
 
@@ -40,6 +46,8 @@ class Neighbourhood:
         rows: Their numbers, shape (n,).
         step: Step at the edge [grey levels].
         streaks: Standard deviation of what the rows have in common [grey levels].
+        inside: Texture of the face.
+        outside: Texture of what lies behind it.
         beside: Distances of other steps inwards of this one [px], the largest first, and their size [grey levels].
     """
 
@@ -49,6 +57,8 @@ class Neighbourhood:
     rows: IntArray
     step: float
     streaks: float
+    inside: Variograms
+    outside: Variograms
     beside: list[tuple[int, float]]
 
 
@@ -94,5 +104,7 @@ def look_around(
         wide.lines,
         wide.step,
         streaks(common[-_FACE_STRIP:]),
+        inside,
+        outside,
         beside,
     )

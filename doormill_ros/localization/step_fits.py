@@ -1,6 +1,7 @@
 """Fits of one step, of two, and of one seen by a defocused lens to the mean profile of an edge.
 
 Levenberg's and Marquardt's descent with derivatives in closed form; levels and heights are parameters as places are.
+Weights are those of bins by themselves, shape (m,), or what makes errors that go together white, shape (m, m).
 """
 
 from __future__ import annotations
@@ -62,6 +63,11 @@ def fit_disc(profile: FloatArray, weight: FloatArray, radius: float) -> StepFit:
     return _descend(_Spread(profile.size, _DISC), profile, weight, np.array([0.0, radius]), None)
 
 
+def fit_soft_disc(profile: FloatArray, weight: FloatArray, radius: float, blur: float) -> StepFit:
+    """One step of a profile (m,), weights (m,), spread by a disc and a lens; places are shift, radius, blur [px]."""
+    return _descend(_Spread(profile.size, _DISC), profile, weight, np.array([0.0, radius, blur]), None)
+
+
 def fit_ramp(profile: FloatArray, weight: FloatArray, reach: float, blur: float) -> StepFit:
     """An edge that thins out evenly, profile and weights (m,); places: shift, half width from `reach`, blur [px]."""
     return _descend(_Spread(profile.size, _RAMP), profile, weight, np.array([0.0, reach, blur]), None)
@@ -72,6 +78,13 @@ def fit_two(
 ) -> StepFit:
     """Two steps, profile and weights (m,); places: the outer's shift, how far inside the inner is, blur (3,) [px]."""
     return _descend(_Two(profile.size), profile, weight, start, sharp)
+
+
+def nearness(profile: FloatArray, weight: FloatArray, places: FloatArray) -> float:
+    """Squared deviations of a profile (m,) from two steps at `places` (3,), as in `fit_two`, of the best heights."""
+    columns = _Two(profile.size).columns(places)
+    left = _weighted(_solved(columns, profile, weight) @ columns - profile, weight)
+    return float(left @ left)
 
 
 @dataclass(frozen=True)
@@ -154,9 +167,15 @@ def _slopes(place: FloatArray, blur: float) -> tuple[FloatArray, FloatArray]:
 
 def _solved(columns: FloatArray, profile: FloatArray, weight: FloatArray) -> FloatArray:
     """Level and heights of least squares, shape (1 + n,)."""
-    weighted = columns * weight
+    weighted = _weighted(columns, weight)
     normal = weighted @ weighted.T + _RIDGE * np.eye(len(columns))
-    return np.asarray(np.linalg.solve(normal, weighted @ (profile * weight)), dtype=float)
+    return np.asarray(np.linalg.solve(normal, weighted @ _weighted(profile, weight)), dtype=float)
+
+
+def _weighted(values: FloatArray, weight: FloatArray) -> FloatArray:
+    """Profiles (..., m) by weights (m,) or (m, m)."""
+    out: FloatArray = values * weight if weight.ndim == 1 else values @ weight.T
+    return out
 
 
 def _descend(
@@ -176,14 +195,14 @@ def _descend(
         pull[count + model.blur_at], known[count + model.blur_at] = sharp.deviation**-2, sharp.blur
 
     def residual(state: FloatArray, columns: FloatArray) -> tuple[FloatArray, float]:
-        left = (state[:count] @ columns - profile) * weight
+        left = _weighted(state[:count] @ columns - profile, weight)
         return left, float(left @ left + pull @ (state - known) ** 2)
 
     left, cost = residual(state, columns)
     damping = _DAMPED
     curvature = np.eye(state.size)
     for _ in range(rounds):
-        jacobian = np.concatenate([columns, model.slopes(state[count:], state[1:count])]) * weight
+        jacobian = _weighted(np.concatenate([columns, model.slopes(state[count:], state[1:count])]), weight)
         curvature = jacobian @ jacobian.T + np.diag(pull + _RIDGE)
         downhill = jacobian @ left + pull * (state - known)
         while damping < 1e6:

@@ -1,7 +1,9 @@
 """Whether an edge is straight, as far as the picture shows it.
 
 A bow of 0.3 mm over 400 mm bends the 130 mm that show of the bottom edge by 0.03 mm, which a sawn edge leaves to be
-told, and the 80 mm that show of the hinge edge by 0.01 mm, less than it wanders.
+told, and the 80 mm that show of the hinge edge by 0.01 mm, less than it wanders. An edge that wanders by s over a
+length c leaves the rise over a length L open by s L^2 sqrt(11.25 sqrt(pi) c / l^5) of a piece l: the variance of the
+second coefficient of a parabola through l / (sqrt(pi) c) independent points.
 """
 
 from __future__ import annotations
@@ -19,6 +21,16 @@ _CHANCE = 2.0e-3  # probability that a straight edge seems to bend so much
 _SPENT = 4.0  # degrees of freedom of an edge's scatter that the arc and the pieces' overlap take
 
 
+def unseen_bow(line: LineFit, settings: LocalizerSettings) -> float:
+    """How far a bow may put an edge off the line of what shows of it, RMS [m], by what is known of doors and seen."""
+    squared = settings.straightness_length**2 / 4.0
+    known, seen = settings.straightness_deviation**2, line.bend_variance * squared**2
+    if not known:
+        return 0.0
+    share = known / (known + seen)
+    return float(np.sqrt(share * seen + (share * line.bend * squared) ** 2))
+
+
 def check_straight(
     lines: dict[str, LineFit], drawn: dict[str, FloatArray], settings: LocalizerSettings
 ) -> None:
@@ -30,11 +42,22 @@ def check_straight(
         settings: Limits of refusal.
 
     Raises:
-        BowedEdge: One bends, and would be further from straight than allowed over `straightness_length`.
+        BowedEdge: One bends, and would be further from straight than allowed over `straightness_length`; or doors may
+            be bowed so much that it has to be seen, and too little shows of one.
     """
     squared = settings.straightness_length**2 / 4.0  # an arc rises by that much per bend over its length
     for edge, line in lines.items():
         rise, deviation = line.bend * squared, float(np.sqrt(line.bend_variance)) * squared
+        open_by = unseen_bow(line, settings)
+        if open_by > settings.straightness_limit:
+            raise BowedEdge(
+                f"doors of this cell are bowed by {m_to_mm(settings.straightness_deviation):.2f} mm (standard "
+                f"deviation), and what shows of the {edge} edge leaves {m_to_mm(open_by):.2f} mm of it open, allowed "
+                f"are {m_to_mm(settings.straightness_limit):.2f} mm; measure the door by another sensor",
+                edge=edge,
+                open=open_by,
+                marks=((edge, drawn[edge]),),
+            )
         if deviation > settings.straightness_limit:
             continue  # too little shows of it for a bow of that size to be told from grain
         # The scatter is learned from few pieces of an edge: Student's distribution.

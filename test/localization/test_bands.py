@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.cell.layout import DoorOffset
+from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.localizer import localize
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import BackEdge, Edges, PictureScene, Sensor, Strip, Surface
@@ -34,7 +35,15 @@ SEEN = {
     "bevel of 1 mm": {"back_edge": BackEdge(1.0 * MM, 1.0 * MM, 1.0 * MM, 0.6)},
     "bevel of 1.5 mm": {"back_edge": BackEdge(1.5 * MM, 1.5 * MM, 1.5 * MM, 0.5)},
     "lip behind the hinge edge": {"back_edge": BackEdge(1.6 * MM, 0.0, 3.0 * MM, 0.5)},
+    "dark band of 1.6 mm along the hinge edge": {"strips": strips(-1.0, 1.6, 0.6, ("hinge",))},
+    "dark band of 2.5 mm along the bottom edge": {"strips": strips(-1.0, 2.5, 0.7, ("bottom",))},
     "grooves beside both edges": {"strips": strips(7.0, 8.5, 0.5)},
+}
+
+
+BEVELS = {
+    "hinge": BackEdge(2.0 * MM, 0.0, 1.0 * MM, 0.6),
+    "bottom": BackEdge(0.0, 2.0 * MM, 1.0 * MM, 0.6),
 }
 
 
@@ -43,3 +52,9 @@ def test_the_edge_of_the_face_is_found(name, camera, layout):
     scene = replace(SCENE, **SEEN[name])
     found = localize(render_picture(scene, 6), camera, layout, WIDTH, THICKNESS).offset
     assert np.hypot(found.y - scene.offset.y, found.z - scene.offset.z) < 0.03 * MM
+
+
+@pytest.mark.parametrize("edge", BEVELS)
+def test_a_bevel_along_one_edge_is_not_taken_for_a_band(edge, camera, layout):
+    with pytest.raises(WrongEdge, match=rf"two steps .* may be the {edge} edge"):
+        localize(render_picture(replace(SCENE, back_edge=BEVELS[edge]), 6), camera, layout, WIDTH, THICKNESS)

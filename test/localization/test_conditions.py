@@ -30,7 +30,7 @@ def outcome(camera, layout):
             picture = render_picture(scene, item.seed)
             try:
                 known = marked_cameras()[1] if item.marked else camera
-                found = localize(picture, known, layout, scene.width, item.thickness)
+                found = localize(picture, known, layout, scene.width, item.thickness, settings=item.settings)
                 if item.beams:
                     compare(item, found)
             except LocalizationError as reason:

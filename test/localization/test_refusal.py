@@ -9,7 +9,7 @@ from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization import errors
 from doormill_ros.localization.localizer import localize
 from doormill_ros.simulation.picture.picture import render_picture
-from doormill_ros.simulation.picture.scene import Edges, Light, PictureScene, Sensor, Strip, Surface
+from doormill_ros.simulation.picture.scene import BackEdge, Edges, Light, PictureScene, Sensor, Surface
 from doormill_ros.units import DEG, MM
 
 WIDTH, THICKNESS = 0.9, 0.05
@@ -40,7 +40,7 @@ def test_the_unspoilt_picture_is_accepted(good, camera, layout):
 SPOILT = {
     "no door": (errors.NoEdge, {"offset": DoorOffset(0.3, 0.3, 0.0)}),
     "taper": (errors.WrongEdge, {"edges": Edges(0.02 * MM, squareness=0.3 * DEG)}),
-    "edge beside edge": (errors.WrongEdge, {"strips": (Strip("hinge", -1.0, 0.8 * MM, 0.6),)}),
+    "edge beside edge": (errors.WrongEdge, {"back_edge": BackEdge(0.8 * MM, 0.0, 0.3 * MM, 0.6)}),
     "ragged": (errors.TooFewInliers, {"edges": Edges(0.4 * MM, correlation=1.5 * MM)}),
     "too far left": (errors.OutOfRange, {"offset": DoorOffset(0.0104, 0.0, 0.0)}),
     "far below": (errors.OutOfRange, {"offset": DoorOffset(0.0, -0.017, 0.0)}),

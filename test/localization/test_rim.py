@@ -26,7 +26,7 @@ def spread(profile, seed=3):
         (float(np.sqrt(np.mean((profile - soft(0.0, b)) ** 2))), b) for b in np.geomspace(0.5, 4, 30)
     )
     noisy = profile + noise * rng.standard_normal(PLACE.size)
-    return Spread(single[1], single[0], noise, noisy, np.full(PLACE.size, noise))
+    return Spread(single[1], single[0], noise, noisy, np.full(PLACE.size, noise), PLACE)
 
 
 @pytest.mark.parametrize(("width", "brightness"), [(3.0, -0.75), (3.0, 0.5), (6.0, 0.3)])

@@ -1,9 +1,14 @@
 """Doors that are not square: what the two lines tell of the turn, and how sure that is."""
 
 import numpy as np
+import pytest
 
+from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.fit import LineFit, fit_corner
+from doormill_ros.localization.localizer import localize
+from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.units import DEG
+from support.pictures.conditions import pictures
 
 SQUARE, LIMIT = 1.0e-4, 2.6e-3
 HINGE, BOTTOM = 3.0e-4, 4.0e-5  # standard deviations of the lines' slopes: little shows of the hinge edge
@@ -40,3 +45,9 @@ def test_the_hinge_edge_alone_tells_the_turn_of_one_that_is_plainly_askew():
     fit = fit_corner(line(0.0, 2e-5), line(2.0e-3, 2e-5), SQUARE, LIMIT)
     assert abs(fit.pose[2]) < 2e-5
     assert abs(fit.out_of_square - 2.0e-3) < 1e-6
+
+
+def test_a_streak_is_not_taken_for_an_edge_that_is_not_square(camera, layout):
+    item = next(iter(pictures("oak grain", 1, 9001)))
+    with pytest.raises(WrongEdge, match=r"-0\.1\d\d degrees out of square, and streaks of 10 %"):
+        localize(render_picture(item.scene, item.seed), camera, layout, item.scene.width, item.thickness)

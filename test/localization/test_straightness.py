@@ -59,3 +59,25 @@ def test_a_picture_of_a_bowed_door_is_refused(camera, layout):
     assert refused.value.data["marks"]
     straight = replace(scene, edges=Edges(0.008 * MM))
     localize(render_picture(straight, 4), camera, layout, scene.width, scene.thickness)
+
+
+def test_a_cell_of_bowed_doors_mills_only_those_whose_edges_show_that_they_are_straight():
+    bowed = replace(SETTINGS, straightness_deviation=0.17 * MM)
+    rough, smooth = (sawn(np.random.default_rng(3), rough=rms) for rms in (0.05 * MM, 0.001 * MM))
+    check_straight({"bottom": rough}, DRAWN, SETTINGS)
+    check_straight({"bottom": smooth}, DRAWN, bowed)
+    with pytest.raises(
+        BowedEdge, match=r"doors of this cell are bowed by 0\.17 mm .* leaves 0\.1\d mm of it open"
+    ):
+        check_straight({"bottom": rough}, DRAWN, bowed)
+    bent = sawn(np.random.default_rng(3), bend=0.0075, rough=0.001 * MM)
+    with pytest.raises(BowedEdge, match=r"leaves 0\.(29|30) mm of it open"):
+        check_straight({"bottom": bent}, DRAWN, bowed)
+
+
+def test_a_sawn_edge_leaves_a_bow_open_as_independent_points_would():
+    """The equation of `straightness`; a line that gives less weight to the largest waves bends a little less."""
+    length, over, wander, reach = float(ALONG[-1]), 0.4, 0.015 * MM, 2.0 * MM
+    rises = [sawn(np.random.default_rng(500 + seed)).bend * over**2 / 4 for seed in range(80)]
+    stated = wander * over**2 * np.sqrt(11.25 * np.sqrt(np.pi) * reach / length**5)
+    assert 0.6 * stated < np.std(rises) < 1.1 * stated

@@ -13,11 +13,20 @@ from doormill_ros.localization.overlay import draw_refusal
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.localization.view import face_view
 from doormill_ros.simulation.picture.picture import render_picture
-from doormill_ros.simulation.picture.scene import Edges, PictureScene, Surface
+from doormill_ros.simulation.picture.scene import BackEdge, Edges, PictureScene, Surface
 from doormill_ros.units import DEG, MM
 
 WIDTH, THICKNESS = 0.9, 0.05
 OFFSET = DoorOffset(0.003, -0.002, 0.008)
+BEVELLED = PictureScene(
+    WIDTH,
+    THICKNESS,
+    OFFSET,
+    face=Surface(0.6, mottle=0.015),
+    background=Surface(0.15),
+    edges=Edges(0.015 * MM),
+    back_edge=BackEdge(3.0 * MM, 0.0, 1.0 * MM, 0.6),
+)
 
 
 @pytest.fixture(scope="module")
@@ -62,13 +71,18 @@ def test_a_shadow_that_goes_on_over_the_background_is_no_edge(plain, camera, lay
     assert off(found) < 0.05 * MM
 
 
-def test_a_dark_band_may_be_a_lip_and_both_steps_are_drawn(plain, camera, layout):
-    picture = banded(plain, camera, layout, 0.6)
+def test_a_dark_band_that_ends_with_the_face_belongs_to_it(plain, camera, layout):
+    found = localize(banded(plain, camera, layout, 0.6), camera, layout, WIDTH, THICKNESS)
+    assert off(found) < 0.05 * MM
+
+
+def test_a_dark_strip_that_may_be_a_bevel_is_refused_and_both_steps_are_drawn(camera, layout):
+    picture = render_picture(BEVELLED, 6)
     with pytest.raises(WrongEdge, match=r"two steps \d\.\d mm apart may be the hinge edge") as refusal:
         localize(picture, camera, layout, WIDTH, THICKNESS)
     (inner, first), (outer, second) = refusal.value.data["marks"]
     assert (inner, outer) == ("inner", "outer")
-    apart = 3 * MM / face_view(camera, layout, WIDTH, THICKNESS).pixel
+    apart = 2.7 * MM / face_view(camera, layout, WIDTH, THICKNESS).pixel
     assert abs(second[:, 0] - first[:, 0]) == pytest.approx(np.full(2, apart), abs=0.2 * apart)
     drawn = draw_refusal(picture, refusal.value)
     changed = np.any(drawn != cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB), axis=2)

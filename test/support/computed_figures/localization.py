@@ -83,6 +83,18 @@ def _bow(length: float) -> float:
 SHORT_BOW, LONG_BOW = _bow(0.06), _bow(0.15)
 
 
+ROUGH, WANDERS = 1.5e-5, 2.0e-3  # m
+
+
+def _open(length: float) -> float:
+    """Standard deviation of the bow over 400 mm that a rough edge leaves open where `length` shows [m]."""
+    return ROUGH * 0.4**2 * float(np.sqrt(11.25 * np.sqrt(np.pi) * WANDERS / length**5))
+
+
+HINGE_SHOWS, BOTTOM_SHOWS = 0.08, 0.13  # m
+HINGE_OPEN, BOTTOM_OPEN = _open(HINGE_SHOWS), _open(BOTTOM_SHOWS)
+
+
 def conditions() -> float:
     """Conditions of the pictures that the localizer was not made for."""
     return float(len(CONDITIONS))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from doormill_ros.cell.layout import CellLayout, DoorOffset, load_layout
+from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.simulation.picture.scene import (
     BackEdge,
     Blot,
@@ -29,6 +30,7 @@ from doormill_ros.units import DEG, MM
 from support.pictures.marked_cell import marked_cameras
 
 EDGES = ("hinge", "bottom")
+_BOW = 0.3 * MM
 Change = Callable[[PictureScene, np.random.Generator], PictureScene]
 
 
@@ -41,6 +43,7 @@ class ConditionPicture:
         fair: Whether a person sees both edges plainly.
         marked: Whether the cell has marks; without them nothing in a picture tells that the camera was knocked.
         beams: Whether six beams look at the door beside the camera; by itself no picture tells a thicker door.
+        bow: What the cell says of how much its doors are bowed, standard deviation [m]; None for what is shipped.
         scene: The scene with its true pose.
         thickness: What the recipe says of the door's thickness [m].
         seed: Of its random fields.
@@ -50,9 +53,16 @@ class ConditionPicture:
     fair: bool
     marked: bool
     beams: bool
+    bow: float | None
     scene: PictureScene
     thickness: float
     seed: int
+
+    @property
+    def settings(self) -> LocalizerSettings:
+        """Those of the cell."""
+        shipped = shipped_settings()
+        return shipped if self.bow is None else replace(shipped, straightness_deviation=self.bow)
 
 
 @dataclass(frozen=True)
@@ -61,16 +71,17 @@ class _Condition:
     fair: bool = True
     marked: bool = False
     beams: bool = False
+    bow: float | None = None
 
 
 CONDITIONS: dict[str, _Condition] = {}
 
 
 def _condition(
-    name: str, fair: bool = True, marked: bool = False, beams: bool = False
+    name: str, fair: bool = True, marked: bool = False, beams: bool = False, bow: float | None = None
 ) -> Callable[[Change], Change]:
     def keep(change: Change) -> Change:
-        CONDITIONS[name] = _Condition(change, fair, marked, beams)
+        CONDITIONS[name] = _Condition(change, fair, marked, beams, bow)
         return change
 
     return keep
@@ -219,9 +230,9 @@ def bright_arris(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
     return replace(scene, strips=_strips(*EDGES, start=-1.0, stop=wide, factor=rng.uniform(1.15, 1.4)))
 
 
-@_condition("bowed edge")
+@_condition("bowed edge", fair=False, bow=_BOW / np.sqrt(3.0))
 def bowed(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
-    bow = tuple(rng.uniform(-0.3, 0.3, 2) * MM)
+    bow = tuple(rng.uniform(-_BOW, _BOW, 2))
     return replace(scene, edges=replace(scene.edges, bow=bow, bow_length=0.4))
 
 
@@ -342,5 +353,5 @@ def pictures(name: str, count: int, seed: int = 7) -> Iterator[ConditionPicture]
         rng = np.random.default_rng((seed, number, *name.encode()))
         scene = condition.change(_plain(rng, camera, layout), rng)
         thickness, scene = scene.thickness, replace(scene, thickness=scene.thickness + extra)
-        has = condition.fair, condition.marked, condition.beams
+        has = condition.fair, condition.marked, condition.beams, condition.bow
         yield ConditionPicture(name, *has, scene, thickness, int(rng.integers(2**31)))

@@ -3,10 +3,9 @@
 UNSEEN = frozenset(
     {
         "0.3 mm thicker than its recipe",
-        "bowed edge",
         "dark arris",
     }
 )
 
 # Plain to a person, yet refused in more than one of ten pictures, for a doubt that one picture does not settle.
-DOUBTFUL = frozenset({"edge band 2 mm", "wavy edge", "oak grain"})
+DOUBTFUL = frozenset({"wavy edge", "oak grain"})
