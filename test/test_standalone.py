@@ -36,6 +36,7 @@ MEANT = {
     # Where services put an installation and its site.
     "docs/living.md": [
         "place /opt/doormill",
+        "place /opt/doormill/deploy/doormill-run",
         "place /opt/doormill/deploy/systemd",
         "place /usr/lib/sysusers.d/doormill.conf",
         "place /usr/lib/tmpfiles.d/doormill.conf",
@@ -43,6 +44,17 @@ MEANT = {
         "place /var/lib/doormill",
         "place ~/.local/share/doormill_ros",
     ],
+    # Places inside a machine or a container that the bench makes.
+    "bench/booted.py": ["place /opt/doormill"],
+    "bench/contained.py": ["place /opt/doormill/deploy/doormill-run"],
+    "test/support/booted/campaign.py": [
+        "place /opt/doormill/deploy/doormill-run",
+        "place /opt/doormill/test/support/booted/goal.py",
+        "place /var/backups/doormill",
+        "place /var/lib/doormill",
+        "place /var/lib/doormill/out/bags",
+    ],
+    "test/support/booted/machine.py": ["place /opt/doormill", "place /usr/local/sbin"],
     # Where the operating system keeps the Python packages that belong to its own libraries.
     "docs/gige-camera.md": ["place /usr/lib/python3/dist-packages"],
     "doormill_ros/localization/gige/library.py": ["place /usr/lib/python3/dist-packages"],

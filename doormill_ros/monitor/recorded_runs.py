@@ -6,10 +6,14 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from doormill_ros.recording.bag_reader import read_bag, topics_of
+from doormill_ros.recording.bag_reader import bag_files, is_broken_off, read_bag, topics_of
 from doormill_ros.recording.errors import BagError
+from doormill_ros.recording.mcap_scan import scan
 
 RESULT = "/run/result"
+#: What else is asked of an inspected door's run. Topics have no common order: a bag that is being recorded may hold the
+#: end of a run before these.
+ASKED = ("/door/recipe", "/door/localization", "/simulation/executed_path")
 
 
 @dataclass(frozen=True)
@@ -37,9 +41,12 @@ class RecordedRuns:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._known: dict[Path, tuple[int, dict[str, RecordedEnd]]] = {}
+        self._partial: dict[
+            tuple[Path, str], int
+        ] = {}  # size of the bag in which more of a run was looked for
 
     def find(self, run_id: str, bag: Path | None = None) -> RecordedEnd | None:
-        """The run of an id; None where no bag holds its end.
+        """The run of an id; None where no bag holds its end, or one that is not closed yet holds no more than that.
 
         Args:
             run_id: Which run.
@@ -47,9 +54,18 @@ class RecordedRuns:
         """
         for folder in [*([bag] if bag is not None else []), *self._bags()]:
             found = self._runs(folder).get(run_id)
-            if found is not None:
+            if found is not None and self._is_whole(folder, run_id):
                 return found
         return None
+
+    def _is_whole(self, folder: Path, run_id: str) -> bool:
+        size = self._known[folder][0]
+        if self._partial.get((folder, run_id)) == size:
+            return False
+        if _is_whole(folder, run_id):
+            return True
+        self._partial[folder, run_id] = size
+        return False
 
     def _bags(self) -> list[Path]:
         """Folders of bags, the one that was written to last first."""
@@ -73,6 +89,21 @@ class RecordedRuns:
         if known is None or known[0] != size:
             known = self._known[folder] = size, _ends(folder)
         return known[1]
+
+
+def _is_whole(bag: Path, run_id: str) -> bool:
+    """Whether nothing more of a run is to come into a bag."""
+    try:
+        if not is_broken_off(bag):
+            return True
+        missing, wanted = set(ASKED), run_id.encode()
+        for item in (item for path in bag_files(bag) for item in scan(path)):
+            # Deserializing the paths of a whole shift takes seconds; the id is in the message as it is written.
+            if wanted in item.message.data:
+                missing -= {name for name in missing if item.channel.topic.endswith(name)}
+    except (BagError, OSError):
+        return False
+    return not missing
 
 
 def _ends(bag: Path) -> dict[str, RecordedEnd]:

@@ -16,7 +16,7 @@ export function showReport(id, code, own) {
 
 // A node as the operator calls it, with its name, by which it is started again.
 export function nodeName(node) {
-  const robot = /(?:^|\/)robot([12])\//.exec(node);
+  const robot = /(?:^|[/])robot([12])[/]/.exec(node);
   const parts = node.split("/");
   const own = parts.slice(parts.at(-1) === "controller" ? -2 : -1).join("/");
   if (!known(`node.${own}`)) return node;

@@ -1,9 +1,9 @@
 """The store of models: what is in use changes by orders alone, in one step, and whatever is broken is said."""
 
 import json
-import multiprocessing
 import os
-import signal
+import subprocess
+import sys
 from datetime import UTC, datetime
 
 import pytest
@@ -174,23 +174,27 @@ def test_a_record_that_is_gone_is_not_taken_for_an_empty_one(store):
         store.for_next_run()
 
 
-def _propose_for_ever(folder):
-    store = ModelStore(folder)
-    for number in range(100_000):
-        version = store.propose(b"model %d" % number, "doors")
-        if number % 2:
-            store.accept(version, *WHO)
+PROPOSE_FOR_EVER = """
+import sys
+from pathlib import Path
+from doormill_ros.models.store import ModelStore
+store = ModelStore(Path(sys.argv[1]))
+for number in range(100_000):
+    version = store.propose(b"model %d" % number, "doors")
+    if number % 2:
+        store.accept(version, "Kari", "door 15 to 30 say so")
+"""
 
 
 def test_a_writer_that_is_killed_leaves_a_store_that_can_be_read_and_written(tmp_path):
     for _ in range(8):
-        process = multiprocessing.get_context("fork").Process(target=_propose_for_ever, args=(tmp_path,))
-        process.start()
+        # No fork: this process has threads, whose locks the child would find taken for ever.
+        process = subprocess.Popen([sys.executable, "-c", PROPOSE_FOR_EVER, str(tmp_path)])
         issued = ModelStore(tmp_path).record().issued
         while ModelStore(tmp_path).record().issued < issued + 3:
-            pass
-        os.kill(process.pid, signal.SIGKILL)
-        process.join()
+            assert process.poll() is None
+        process.kill()
+        process.wait()
         store = ModelStore(tmp_path)
         used = store.for_next_run()
         assert used.version == store.record().in_use

@@ -3,8 +3,12 @@
 import os
 import shutil
 
+import pytest
+
+from doormill_ros.diagnosis.parts.recorded_cut import EXECUTED_PATH, LOCALIZATION, RECIPE
 from doormill_ros.monitor.recorded_runs import RESULT, RecordedRuns
 from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.recording.bag_writer import BagWriter
 from support.source_tree import ROOT
 
 BAG = ROOT / "bags" / "standard_door"
@@ -26,3 +30,44 @@ def test_a_folder_that_vanishes_during_the_search_hides_no_run(tmp_path, monkeyp
     found = RecordedRuns(tmp_path).find(end.run_id)
     assert vanished
     assert (found.bag, found.door_id) == (tmp_path / "bag", end.door_id)
+
+
+@pytest.mark.parametrize("late", [EXECUTED_PATH, LOCALIZATION, RECIPE, RESULT])
+def test_a_run_is_not_there_before_all_that_is_asked_of_it(tmp_path, late):
+    messages = list(read_bag(BAG))
+    (end,) = [item.message for item in messages if item.topic == RESULT]
+    writer = BagWriter(tmp_path / "bag")
+    for item in messages:
+        writer.add_topic(item.topic, item.type_name)
+    # Of the door before, whose pose and path are in the bag.
+    for item in messages:
+        if item.topic in (RECIPE, LOCALIZATION, EXECUTED_PATH, RESULT):
+            former = item.data.replace(end.run_id.encode(), b"2" * len(end.run_id))
+            writer.write(item.topic, former, item.stamp_ns)
+    for item in messages:
+        if item.topic != late:
+            writer.write(item.topic, item.data, item.stamp_ns)
+    writer.flush(force=True)
+    runs = RecordedRuns(tmp_path)
+    assert runs.find("2" * len(end.run_id)).door_id == end.door_id
+    assert runs.find(end.run_id) is None
+    assert runs.find(end.run_id) is None
+    for item in messages:
+        if item.topic == late:
+            writer.write(item.topic, item.data, item.stamp_ns)
+    writer.flush(force=True)
+    assert runs.find(end.run_id).door_id == end.door_id
+
+
+def test_nothing_more_is_waited_for_once_a_bag_is_closed(tmp_path):
+    messages = [item for item in read_bag(BAG) if item.topic != EXECUTED_PATH]
+    writer = BagWriter(tmp_path / "bag")
+    for item in messages:
+        writer.add_topic(item.topic, item.type_name)
+        writer.write(item.topic, item.data, item.stamp_ns)
+    writer.flush(force=True)
+    (end,) = [item.message for item in messages if item.topic == RESULT]
+    runs = RecordedRuns(tmp_path)
+    assert runs.find(end.run_id) is None
+    writer.close()
+    assert runs.find(end.run_id).door_id == end.door_id
