@@ -184,8 +184,9 @@ class KeptDoors:
         end = self._runs.find(run_id, inspection.bag)
         if end is None:
             raise UnknownRunError(
-                f"no bag holds all of a run {run_id!r} that has ended; the inspection of {len(inspection)} points waits "
-                "for it: correct the run id and hand the inspection in again, or bring the bag into the bags' folder",
+                f"no bag holds all of a run {run_id!r} that has ended; the inspection of {len(inspection)} points "
+                "waits for it: correct the run id and hand the inspection in again, or bring the bag into the bags' "
+                "folder",
                 run_id=run_id,
             )
         folder = self._doors / run_id

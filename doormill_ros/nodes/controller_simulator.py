@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunResult, TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.cell.waiting import wait
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
 from doormill_ros.measurements.inspection_writer import MeasuredPoints, write_inspection
 from doormill_ros.messages.from_message import program_of, recipe_of, transform_of
@@ -35,7 +36,11 @@ from doormill_ros.simulation.world.gauge import NOISE, gauge
 from doormill_ros.toolpath.split import SECOND
 
 STOP_LIMIT = 5.0  # s
+#: So long recipe and targets of a milled door may come after it: topics have no common order [s].
+KNOWN_LIMIT = 20.0
 BAG = "bag"  #: of a run, beside its inspection
+
+Message = TypeVar("Message", DoorRecipe, TargetArray)
 
 
 class ControllerSimulator(ManagedNode):
@@ -112,6 +117,7 @@ class ControllerSimulator(ManagedNode):
         self._cell.reset()
         self._clamped = self.value("clamped")  # as it was last asked for
         self._ended = ""  # run whose door is out of the clamp
+        self._told = threading.Condition()
         self._recipe: DoorRecipe | None = None
         self._placement: DoorPlacement | None = None
         self._targets: TargetArray | None = None
@@ -147,11 +153,15 @@ class ControllerSimulator(ManagedNode):
         self._clamped = clamped
 
     def _take_recipe(self, recipe: DoorRecipe) -> None:
-        self._recipe = recipe
+        with self._told:
+            self._recipe = recipe
+            self._told.notify_all()
 
     def _take_targets(self, targets: TargetArray) -> None:
         if targets.accepted:
-            self._targets = targets
+            with self._told:
+                self._targets = targets
+                self._told.notify_all()
 
     def _take_result(self, result: RunResult) -> None:
         # A refused door is taken out by the operator, who also stops the waiting program; and whoever is started
@@ -180,11 +190,24 @@ class ControllerSimulator(ManagedNode):
         self._thread.start()
 
     def _halt(self) -> None:
-        if self._run is not None:
-            self._run.stop()
-        if self._thread is not None:
-            self._thread.join(STOP_LIMIT)
-        self._run = self._thread = None
+        run, thread = self._run, self._thread
+        with self._told:
+            self._run = self._thread = None
+            self._told.notify_all()
+        if run is not None:
+            run.stop()
+        if thread is not None:
+            thread.join(STOP_LIMIT)
+
+    def _of_run(self, run: RobotCellRun, latest: Callable[[], Message | None], run_id: str) -> Message | None:
+        """The latest message once it is of that run; None where that does not come before its door goes."""
+
+        def told() -> Message | None:
+            message = latest()
+            return message if message is not None and message.run_id == run_id else None
+
+        wait(self._told, lambda: told() or self._run is not run, KNOWN_LIMIT)
+        return told()
 
     def _mill(self, run: RobotCellRun, placement: DoorPlacement) -> None:
         self.report(OK, "program running", door_id=placement.door_id)
@@ -194,11 +217,13 @@ class ControllerSimulator(ManagedNode):
             self.report(OK, "program stopped", door_id=placement.door_id)
 
     def _inspect(self, run: RobotCellRun, placement: DoorPlacement) -> None:
-        targets, recipe = self._targets, self._recipe
+        targets = self._of_run(run, lambda: self._targets, placement.run_id)
         if self.value("share"):
-            self._tell_share(run, placement)
+            if targets is not None:
+                self._tell_share(run, placement, targets)
             return
-        if targets is None or recipe is None or targets.run_id != placement.run_id:
+        recipe = self._of_run(run, lambda: self._recipe, placement.run_id)
+        if targets is None or recipe is None:
             # Nobody shall wait for what cannot come.
             self._milled.publish(MilledDoor(run_id=placement.run_id, door_id=placement.door_id))
             return
@@ -223,11 +248,9 @@ class ControllerSimulator(ManagedNode):
         self._milled.publish(milled_message(door, corrected, uncorrected, TOLERANCE, header, placement))
         self.report(OK, "door milled", door_id=placement.door_id, deviation=corrected.max_deviation)
 
-    def _tell_share(self, run: RobotCellRun, placement: DoorPlacement) -> None:
+    def _tell_share(self, run: RobotCellRun, placement: DoorPlacement, targets: TargetArray) -> None:
         """What this robot did to the door, and would have done without correction; the former comes last."""
-        if self._targets is None or self._targets.run_id != placement.run_id:
-            return
-        program = program_of(self._targets)
+        program = program_of(targets)
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
         uncorrected = self._cell.execute_uncorrected(program)
         self._uncorrected.publish(executed_message(uncorrected, header, placement))
