@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from doormill_ros.operator.situation import MAY_MOVE
+
 
 @dataclass(frozen=True)
 class Advice:
@@ -55,6 +57,7 @@ _WITH_RUN = {
     "raising": WAIT,
     "ready": _ABOUT_TO_MOVE,
     "acknowledged": _ABOUT_TO_MOVE,
+    MAY_MOVE: _ABOUT_TO_MOVE,
     "milling": _STAY_OUT,
     "done": CLOSING,
     "failed": CLOSING,
@@ -88,7 +91,7 @@ def next_step(
 
     Args:
         bridge_present: The ABB bridge gives signs of life.
-        state: State of the handshake with the controller.
+        state: State of the handshake with the controller, or `MAY_MOVE`.
         run_in_hand: A door is being milled.
         refusal: Why the door in hand or the last one was refused.
         faults: What nodes in error say of themselves, by node.

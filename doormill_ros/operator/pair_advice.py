@@ -13,7 +13,8 @@ from doormill_ros.operator.advice import (
     stopped_step,
     unknown_step,
 )
-from doormill_ros.operator.robot_view import HANDING, MOVING
+from doormill_ros.operator.robot_view import HANDING
+from doormill_ros.operator.situation import MAY_MOVE, MOVING
 
 #: Sentences about one of the robots.
 _OF = {
@@ -98,7 +99,7 @@ def pair_step(
     doing = list(does.values())
     if "silent" in doing:
         return _of_or_both("silent", does, "silent")
-    for what in (*MOVING, "may_move"):
+    for what in (*MOVING, MAY_MOVE):
         if what in doing:
             return _of("stay_out_of" if what == "milling" else "about_to_move_of", does, what)
     if run_in_hand and "share" in doing and (turn := [what for what in doing if what in ("turn", *HANDING)]):

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from doormill_ros.operator.robot_view import DOES, HANDING, MOVING, RobotView
-from doormill_ros.operator.situation import Situation
+from doormill_ros.operator.robot_view import DOES, HANDING, RobotView
+from doormill_ros.operator.situation import MAY_MOVE, MOVING, Situation
 
 ROBOTS = (1, 2)
 #: Whose state stands for the cell's, the first that a robot is in: moving before all, then what is waited for.
 _RANK = (
     *MOVING,
-    "may_move",
+    MAY_MOVE,
     "failed",
     "clearing",
     "asks_not",
@@ -27,7 +27,7 @@ _RANK = (
 )
 #: What a robot does as a state of the handshake, where it is not one.
 _STATES = {
-    "may_move": "clearing",
+    MAY_MOVE: "clearing",
     "asks_not": "idle",
     "turn": "requested",
     "share": "done",
@@ -81,7 +81,7 @@ class PairView:
         parts += [
             f"robot {robot.number}: {robot.reason}"
             for robot in self.robots
-            if robot.reason and does[robot.number] in ("failed", "clearing", "may_move")
+            if robot.reason and does[robot.number] in ("failed", "clearing", MAY_MOVE)
         ]
         key = does[lead.number]
         state = _STATES.get(key, key)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-MOVING = ("milling", "acknowledged", "ready")  #: it moves, or may at any moment
+from doormill_ros.operator.situation import MAY_MOVE, MOVING
+
 HANDING = ("raising", "verifying", "writing")  #: its targets are on their way
 #: What a robot does, in English; the state of its handshake where nothing follows from the other robot or the door.
 DOES = {
     "silent": "nothing is known of robot {robot}",
     "clearing": "the link to robot {robot} is being cleared",
-    "may_move": "robot {robot} may move, and the link to it is being cleared",
+    MAY_MOVE: "robot {robot} may move, and the link to it is being cleared",
     "idle": "the controller of robot {robot} asks for nothing",
     "asks_not": "the controller of robot {robot} has not asked for targets yet",
     "requested": "the controller of robot {robot} asks for targets",
@@ -80,7 +81,7 @@ class RobotView:
         if not (self.present and self.state):
             return "silent"
         if self.state == "clearing" and (self.may_move or (self.run_id == run_id != "" and not self.code)):
-            return "may_move"
+            return MAY_MOVE
         if self.state in (*MOVING, *HANDING, "clearing"):
             return self.state
         if not run_id:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+MOVING = ("milling", "acknowledged", "ready")  #: states in which a robot moves, or may at any moment
+#: Of the sentence for a link that is cleared while the robot has its targets.
+MAY_MOVE = "may_move"
 _ENDS = {"done": "was milled", "failed": "came to nothing"}
 
 
@@ -36,6 +39,7 @@ def situation(
     in_hand: tuple[str, str],
     last_run: str,
     request: bool,
+    may_move: bool = False,
 ) -> Situation:
     """State and reason for the door in hand, or for the last one.
 
@@ -49,9 +53,12 @@ def situation(
         in_hand: Run and door in hand, empty when there is none.
         last_run: Run that ended last, empty when none did.
         request: The controller asks for targets.
+        may_move: The robot has its targets, or was about to read them, and has not come to an end since.
     """
     (told_run, told_door), (run_id, door_id) = told, in_hand
     own = Situation(state, reason, True, state)
+    if state == "clearing" and may_move:
+        return own._replace(key=MAY_MOVE)
     if state not in _ENDS:
         return own
     before = f"the door before{f', {told_door},' if told_door else ''} {_ENDS[state]}"

@@ -15,7 +15,7 @@ from doormill_ros.operator.model_view import ModelView
 from doormill_ros.operator.pair_advice import pair_step
 from doormill_ros.operator.pair_view import PairView
 from doormill_ros.operator.robot_view import RobotView
-from doormill_ros.operator.situation import Situation, situation
+from doormill_ros.operator.situation import MAY_MOVE, MOVING, Situation, situation
 
 HISTORY = 50  # runs
 LONGEST_TEXT = 2000  # characters
@@ -57,6 +57,7 @@ class CellView:
         state_door: Door of that run.
         state_since: When it came into that state, by the steady clock [s]; None: not known.
         request: The controller asks for targets.
+        may_move: The robot has its targets, or was about to read them, and has not come to an end since.
         run_id: Run in hand, empty when there is none.
         door_id: Door of that run.
         run_since: When that run began, by the steady clock [s]; None: not known.
@@ -82,6 +83,7 @@ class CellView:
     state_door: str = ""
     state_since: float | None = None
     request: bool = False
+    may_move: bool = False
     run_id: str = ""
     door_id: str = ""
     run_since: float | None = None
@@ -134,6 +136,7 @@ class CellView:
             state_run=run_id,
             state_door=short(door_id),
             request=request,
+            may_move=state in MOVING or (state == "clearing" and self.may_move),
             state_since=_steady(since),
         )
 
@@ -260,6 +263,8 @@ class CellView:
             (self.run_id, self.door_id),
             last,
             self.request,
+            # A page that is started in between hears of this state alone.
+            self.may_move or (self.state_run == self.run_id != "" and not self.state_code),
         )
         return found, self.state_code, self.state_since
 
@@ -272,8 +277,9 @@ class CellView:
         in_hand = self.run_id != ""
         if self.pair is None:
             milled = seen.state == "done" and last is not None and last.run_id == self.state_run
+            state = MAY_MOVE if seen.key == MAY_MOVE else seen.state
             return next_step(
-                self.bridge_present, seen.state, in_hand, self.refusal, faults, spoiled, milled, stopped
+                self.bridge_present, state, in_hand, self.refusal, faults, spoiled, milled, stopped
             )
         run_id = last.run_id if last else ""
         done = self.pair.milled(run_id)

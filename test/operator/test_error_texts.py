@@ -20,7 +20,7 @@ from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.languages import LANGUAGES, headline_in
 from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
-from doormill_ros.operator.situation import situation
+from doormill_ros.operator.situation import MAY_MOVE, situation
 from doormill_ros.operator.state import CellView
 from doormill_ros.pipeline.course import SHARES
 from support.browser import open_page
@@ -112,7 +112,7 @@ def test_what_follows_for_a_waiting_door_says_the_same_in_english() -> None:
                 name = texts["before.name"].format(door=found.before) if found.before else ""
                 ended = texts[f"before.{found.ended}"].format(name=name)
                 assert texts[f"situation.{found.key}"].format(door=found.door, before=ended) == found.reason
-    own = {f"situation.{state.value}" for state in HandshakeState}
+    own = {f"situation.{key}" for key in (MAY_MOVE, *(state.value for state in HandshakeState))}
     assert {f"situation.{key}" for key in seen} == {k for k in texts if k.startswith("situation.")} - own
 
 
@@ -236,10 +236,13 @@ def test_a_waiting_door_is_told_in_the_readers_language(read_only: Any, language
         expect(page.locator("#state-words")).to_have_attribute("lang", "en")
         stage = texts["door.stage"].format(door="elm", stage=texts["stage.pose"])
         expect(page.locator("#door")).to_have_text(stage)
-        for state in HandshakeState:
-            update(lambda v, s=state.value: v.with_handshake(s, "in its own words", "r2", "elm"))
-            expect(page.locator("#state-words")).to_have_text(f"{state.value}: in its own words")
-            expect(page.locator("#state")).to_have_text(texts[f"situation.{state.value}"])
+        # The link is cleared before the run, and again once the robot may move.
+        states = [(state.value, state.value) for state in HandshakeState]
+        for state, key in (*states, ("milling", "milling"), ("clearing", MAY_MOVE)):
+            run_id = "" if key == "clearing" else "r2"
+            update(lambda v, s=state, r=run_id: v.with_handshake(s, "in its own words", r, "elm"))
+            expect(page.locator("#state-words")).to_have_text(f"{state}: in its own words")
+            expect(page.locator("#state")).to_have_text(texts[f"situation.{key}"])
         update(lambda v: v.with_handshake("of a later release", "new", "r2", "elm"))
         expect(page.locator("#state")).to_have_text("of a later release")
         assert errors == []

@@ -38,6 +38,29 @@ def test_a_good_run_from_start_to_end() -> None:
     assert view.document()["history"][0]["run_id"] == "r1"
 
 
+@pytest.mark.parametrize("code", [0, 450])
+@pytest.mark.parametrize("state", ["ready", "acknowledged", "milling"])
+def test_a_link_that_is_cleared_does_not_hide_that_the_robot_may_move(state: str, code: int) -> None:
+    """The bridge clears the link after the handover, while the robot mills, and for as long as the link is broken."""
+    view = CellView().with_run("r1", "oak").with_handshake(state, "", "r1", "oak")
+    view = view.with_handshake("clearing", "file handed over", "r1", "oak", error_code=code)
+    for seen in (
+        view,
+        view.with_ended(ended("r1", False, "no link")),
+        view.with_fault("abb_bridge", "no link"),
+    ):
+        document = seen.document()
+        assert (document["state"], document["situation"]["key"]) == ("clearing", "may_move")
+        assert (document["urgency"], document["step"]["key"]) == ("danger", "about_to_move")
+    # A page that is started meanwhile hears of that state alone.
+    late = CellView().with_run("r1", "oak").with_handshake("clearing", "file handed over", "r1", "oak")
+    assert late.document()["urgency"] == "danger"
+    over = view.with_handshake("milling", "", "r1", "oak").with_handshake("failed", "a fault", "r1", "oak")
+    assert over.with_handshake("clearing", "no link", error_code=450).document()["step"]["key"] == "clearing"
+    early = CellView().with_run("r1", "oak").with_handshake("clearing", "no link", error_code=450)
+    assert (early.document()["situation"]["key"], early.document()["urgency"]) == ("clearing", "wait")
+
+
 def test_the_reason_of_a_refusal_stays_until_the_next_run() -> None:
     view = CellView().with_run("r1", "oak").with_refused_picture("r1", "no edge")
     assert view.refusal == "no edge"

@@ -19,7 +19,8 @@ from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.operator.door_view import door_view, robots_of
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.languages import LANGUAGES
-from doormill_ros.operator.robot_view import DOES, MOVING, RobotView
+from doormill_ros.operator.robot_view import DOES, RobotView
+from doormill_ros.operator.situation import MOVING
 from doormill_ros.operator.state import CellView
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes
 from doormill_ros.toolpath.settings import load_settings
