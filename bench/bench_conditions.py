@@ -14,6 +14,9 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import one_core  # noqa: F401  before numpy
+
+# isort: split
 import cv2
 import numpy as np
 

@@ -12,6 +12,9 @@ import time
 from functools import partial
 from pathlib import Path
 
+import one_core  # noqa: F401  before numpy
+
+# isort: split
 import cv2
 import numpy as np
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 from doormill_ros.operator.door_view import door_view, planned_times
 from doormill_ros.operator.ended_run import EndedRun
@@ -133,7 +133,8 @@ def test_a_waiting_door_shows_for_how_long(shown: tuple[ViewStore, Page, list[st
     served, page, _ = shown
     since = time.time() - 125.0
     served.store.update(lambda v: v.with_handshake("requested", "waits for the targets", since=since))
-    page.wait_for_function("document.getElementById('since').textContent.includes(' min ')", timeout=LIMIT)
+    # Not by wait_for_function: a text that it has to evaluate again is what the page forbids.
+    expect(page.locator("#since")).to_contain_text(" min ")
     said = re.fullmatch(r"(\d+) min (\d+) s", page.locator("#since").text_content() or "")
     assert said is not None
     assert 125 <= 60 * int(said[1]) + int(said[2]) <= time.time() - since + 1

@@ -55,9 +55,7 @@ def test_the_picture_is_shown_and_replaced(shown: tuple[Any, Page, list[str]]) -
         data = encode_picture(np.full((48, width), 90, np.uint8))
         served.store.update(lambda v, d=data, w=width: v.with_picture(d, MEDIA_TYPE, f"{w} wide"))
         text_of(page, "#caption", f"{width} wide")
-        page.wait_for_function(
-            "w => document.getElementById('picture').naturalWidth === w", arg=width, timeout=LIMIT
-        )
+        expect(page.locator("#picture")).to_have_js_property("naturalWidth", width)
     assert errors == []
 
 
