@@ -14,7 +14,7 @@ from doormill_ros.abb.errors import TargetFileWriteError
 from doormill_ros.abb.target_file.target_file import write_target_file
 from doormill_ros.cell.errors import RunNoteError
 from doormill_ros.cell.run_in_hand import NOTE, RunNote
-from support.deaths.campaign import play
+from support.deaths.campaign import named_after, play
 from support.deaths.oracle import Oracle, Place, Placed
 from support.deaths.strikes import NODES, PAIRS, STAGES, Strike, deal
 
@@ -59,6 +59,20 @@ def test_nodes_that_die_leave_a_result_and_a_cell_that_mills_again_by_itself(
     assert tally.milled >= len(ROUNDS) + 1
     assert tally.seen >= len(ROUNDS) + 1
     assert tally.places > 1
+
+
+def test_a_node_is_named_so_long_after_the_strike_that_killed_it() -> None:
+    camera, path = "door x: /camera_simulator is dead: it", "door x: /path_generator is dead: it"
+    fallen = [
+        (Strike("path_generator", False, "pose", 0.0, 0.8), 10.0),  # too short to be dead
+        (Strike("path_generator", False, "pose", 0.0, 3.0), 11.0),
+        (Strike("cell_simulator", True, "pose", 0.0, 0.0), 12.0),
+    ]
+    assert named_after(path, fallen, 12.75) == [1.75]
+    assert named_after(camera, fallen, 13.5) == [1.5]
+    assert named_after("door x: /abb_bridge is dead: it", fallen, 13.0) == []
+    assert named_after(path, fallen[:1], 12.0) == []
+    assert named_after(path, [], 12.0) == []
 
 
 def _mill(home: Path, oracle: Oracle, asked: float | None) -> None:

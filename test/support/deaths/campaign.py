@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import random
+import re
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,6 +25,7 @@ from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import NodeDeadError
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.alive import LEASE
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.recording.bag_reader import read_bag
 from support.deaths.oracle import Oracle, Place, Placed, targets_of
@@ -44,6 +46,8 @@ LIMITS = {
 RESULT_LIMIT = 2.0 * sum(LIMITS.values())  # s; a run that has not ended by then has no end
 UP_LIMIT = 300.0  # s in which the cell mills again by itself
 TIME_SCALE = 40.0
+#: Nodes that one executable runs.
+HOSTED = {"cell_simulator": ("camera_simulator", "sensor_simulator", "controller_simulator")}
 #: How far off the doors stand; each of them at a place of its own [m, m, rad].
 SCATTER = {"offset_y": 0.008, "offset_z": 0.008, "offset_rotation": 0.03}
 
@@ -62,7 +66,7 @@ class Tally:
     died: list[str] = field(default_factory=list)
     struck: set[tuple[str, bool, str]] = field(default_factory=set)  # node, killed or stopped, stage
     together: set[tuple[str, ...]] = field(default_factory=set)  # stages of the strikes that fell in one run
-    named: list[float] = field(default_factory=list)  # from the last strike to the refusal of a dead node [s]
+    named: list[float] = field(default_factory=list)  # from the strike to the refusal that names the node [s]
     again: list[float] = field(default_factory=list)  # from the first strike to the next milled door [s]
     not_ended: list[str] = field(default_factory=list)  # told as milled, and no robot ended
     seen: int = 0  # times the oracle saw the robot begin
@@ -177,6 +181,26 @@ def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
             client.close()
 
 
+def named_after(message: str, fallen: Sequence[tuple[Strike, float]], now: float) -> list[float]:
+    """How long after the strike that did it a refusal named the node [s]; none where that fell on an earlier goal.
+
+    Args:
+        message: Of the refusal.
+        fallen: Strikes that fell while the goal was in hand, and when.
+        now: When its result came, by the same clock.
+    """
+    named = re.search(r"/(\w+) is dead", message)
+    died = [
+        when
+        for strike, when in fallen
+        # One that was stopped for less than a node may be silent for was never dead.
+        if named
+        and named[1] in HOSTED.get(strike.node, (strike.node,))
+        and (strike.kill or strike.stopped > LEASE)
+    ]
+    return [now - min(died)] if died else []
+
+
 class Game:
     """Goals and strikes in one cell, and what came of them."""
 
@@ -239,9 +263,9 @@ class Game:
             self._milled.append(result.run_id)
         else:
             tally.refused[result.error_code] = tally.refused.get(result.error_code, 0) + 1
-            struck = [when for strike, goal, when in self._fallen if goal == tally.goals]
-            if result.error_code == NodeDeadError.code and struck:
-                tally.named.append(time.monotonic() - struck[-1])
+            if result.error_code == NodeDeadError.code:
+                fallen = [(strike, when) for strike, goal, when in self._fallen if goal == tally.goals]
+                tally.named += named_after(result.message, fallen, time.monotonic())
         return result
 
     def _hit(self, strikes: Round) -> None:
