@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
 import cv2
 import numpy as np
 
@@ -21,6 +24,21 @@ _OPTIONS = [
     cv2.IMWRITE_JPEG_SAMPLING_FACTOR,
     cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
 ]
+
+
+@dataclass(frozen=True)
+class EncodedPicture:
+    """An encoded picture and what it shows; `number` grows with every new one.
+
+    `key` and `values` are those of the caption in the page's texts; an empty key: it has none there.
+    """
+
+    data: bytes
+    media_type: str
+    caption: str
+    number: int
+    key: str = ""
+    values: Mapping[str, str] = field(default_factory=dict)
 
 
 def encode_picture(picture: ByteArray) -> bytes:

@@ -14,26 +14,12 @@ from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.model_view import ModelView
 from doormill_ros.operator.pair_advice import pair_step
 from doormill_ros.operator.pair_view import PairView
+from doormill_ros.operator.picture import EncodedPicture
 from doormill_ros.operator.robot_view import RobotView
 from doormill_ros.operator.situation import MAY_MOVE, MOVING, Situation, situation
 
 HISTORY = 50  # runs
 LONGEST_TEXT = 2000  # characters
-
-
-@dataclass(frozen=True)
-class EncodedPicture:
-    """An encoded picture and what it shows; `number` grows with every new one.
-
-    `key` and `values` are those of the caption in the page's texts; an empty key: it has none there.
-    """
-
-    data: bytes
-    media_type: str
-    caption: str
-    number: int
-    key: str = ""
-    values: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
