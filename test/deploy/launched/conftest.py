@@ -5,6 +5,6 @@ from __future__ import annotations
 import shutil
 from importlib.util import find_spec
 
-collect_ignore = [] if find_spec("launch_ros") else ["test_cameras.py", "test_cell.py"]
+collect_ignore = [] if find_spec("launch_ros") else ["test_arguments.py", "test_cell.py"]
 if shutil.which("ros2") is None:
     collect_ignore.append("test_command_line.py")

@@ -13,6 +13,7 @@ from pathlib import Path
 import httpx
 import pytest
 import yaml
+from lifecycle_msgs.srv import GetState
 
 from support.cell_processes import NODES, PATIENT, STOP_LIMIT, CellProcesses, free_port
 from support.source_tree import ROOT
@@ -25,6 +26,7 @@ class LaunchedCell(CellProcesses):
     """The nodes of the launch file; its process is the only one that is ours."""
 
     robots = 1
+    door_sensors = False
 
     def start(self, name: str) -> None:
         """All at once, with the first."""
@@ -38,6 +40,7 @@ class LaunchedCell(CellProcesses):
             "page_port": self.page_port,
             "parameters": parameters,
             "robots": self.robots,
+            "door_sensors": self.door_sensors,
         }
         command = [sys.executable, "-m", "support.launching", str(ROOT / "launch" / "cell.launch.py")]
         with open(self.folder / "launch.log", "wb") as log:
@@ -80,6 +83,12 @@ class LaunchedPair(LaunchedCell):
             self.wait_until_active(node)
 
 
+class SensingCell(LaunchedCell):
+    """The other sensors beside the camera."""
+
+    door_sensors = True
+
+
 @pytest.fixture
 def cell(tmp_path: Path) -> Iterator[LaunchedCell]:
     with LaunchedCell(tmp_path, nodes=NODES) as running:
@@ -103,6 +112,16 @@ def test_it_mills_revives_what_dies_and_ends(cell: LaunchedCell) -> None:
     errors = [line for line in said.splitlines() if "[ERROR]" in line]
     assert [f"process has died [pid {first}" in line for line in errors] == [True], errors
     assert not [pid for pid in pids if Path(f"/proc/{pid}").exists()]
+
+
+def test_the_other_sensors_are_beside_the_camera_and_at_rest(tmp_path: Path) -> None:
+    with SensingCell(tmp_path, nodes=NODES) as cell:
+        assert len(cell.started("door_sensors")) == 1
+        for node in ("axis_vision", "photoelectric", "touch_probe"):
+            answer = cell.ask(GetState, f"{node}/get_state", GetState.Request())
+            assert answer.current_state.label != "active"
+        result, _ = cell.mill(DOOR)
+        assert result.success, result.message
 
 
 def test_two_robots_share_a_door(tmp_path: Path) -> None:

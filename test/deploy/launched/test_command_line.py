@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import re
+import signal
 import subprocess
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
+import httpx
 import pytest
 
 from support.cell_processes import CellProcesses, free_port
@@ -84,6 +89,31 @@ def test_the_pose_of_a_door_is_seen(cell: CellProcesses, tmp_path: Path) -> None
         echo.kill()
     assert "frame_id: base_link" in said
     assert "position:" in said
+
+
+def test_the_operator_s_page_is_served_beside_the_cell(
+    cell: CellProcesses, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    port = free_port()
+    command = f"{told('operators-page.md', 'ros2 run doormill_ros operator_page')} --ros-args -p port:={port}"
+    page = subprocess.Popen(
+        ["bash", "-c", f". {ROOT}/activate && exec {command}"], cwd=tmp_path, start_new_session=True
+    )
+    try:
+
+        def shown() -> dict[str, Any]:
+            with suppress(httpx.TransportError):
+                return dict(httpx.get(f"http://127.0.0.1:{port}/state", timeout=60.0).json())
+            return {}
+
+        # It has heard of the bridge, and what that does.
+        cell.wait(lambda: shown().get("state"))
+        os.killpg(page.pid, signal.SIGINT)
+        assert page.wait(LIMIT) == 0
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(page.pid, signal.SIGKILL)
 
 
 def test_a_part_of_the_cell_is_stopped_alone(cell: CellProcesses, tmp_path: Path) -> None:

@@ -1,7 +1,8 @@
-"""Which camera the launch file starts, by its arguments, as ROS' own launch works them out."""
+"""Which nodes the launch file starts, by its arguments, as ROS' own launch works them out."""
 
 from __future__ import annotations
 
+import re
 import runpy
 
 import pytest
@@ -28,6 +29,13 @@ def launched(**given: str) -> tuple[set[str], str]:
             if entity.node_executable == "cell_simulator":
                 draws = worked_out(entity, context)
     return started, draws
+
+
+def told(page: str, argument: str) -> dict[str, str]:
+    """The arguments of the one command with that argument on a page."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    (command,) = re.findall(rf"`ros2 launch doormill_ros cell\.launch\.py ({argument}:=[^`]*)`", text)
+    return dict(word.split(":=") for word in command.split())
 
 
 def worked_out(node: Node, context: LaunchContext) -> str:
@@ -60,3 +68,16 @@ def test_of_a_real_cell_nothing_is_simulated() -> None:
 def test_another_camera_is_refused() -> None:
     with pytest.raises(RuntimeError, match="Valid options are: \\['', 'gige'\\]"):
         launched(camera="usb")
+
+
+def test_the_other_sensors_of_a_page_are_started_beside_the_camera() -> None:
+    assert "door_sensors" not in launched()[0]
+    started, _ = launched(**told("sensors.md", "door_sensors"))
+    assert {"door_sensors", "door_localizer", "cell_simulator"} <= started
+
+
+def test_rviz_is_started_with_the_project_s_view() -> None:
+    assert "rviz2" not in launched()[0]
+    started, _ = launched(**told("recording.md", "rviz"))
+    assert {"rviz2", "door_localizer", "cell_simulator"} <= started
+    assert (ROOT / "config" / "cell.rviz").is_file()
