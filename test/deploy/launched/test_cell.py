@@ -13,8 +13,8 @@ from pathlib import Path
 import httpx
 import pytest
 import yaml
-from lifecycle_msgs.srv import GetState
 
+from doormill_ros.nodes import topics
 from support.cell_processes import NODES, PATIENT, STOP_LIMIT, CellProcesses, free_port
 from support.source_tree import ROOT
 
@@ -117,9 +117,11 @@ def test_it_mills_revives_what_dies_and_ends(cell: LaunchedCell) -> None:
 def test_the_other_sensors_are_beside_the_camera_and_at_rest(tmp_path: Path) -> None:
     with SensingCell(tmp_path, nodes=NODES) as cell:
         assert len(cell.started("door_sensors")) == 1
+        told = cell.subscribe(topics.DIAGNOSTICS)
         for node in ("axis_vision", "photoelectric", "touch_probe"):
-            answer = cell.ask(GetState, f"{node}/get_state", GetState.Request())
-            assert answer.current_state.label != "active"
+            cell.wait_until_active(node)
+            said = cell.wait(lambda name=node: [s.message for m in told for s in m.status if s.name == name])
+            assert said[-1].startswith("at rest: doors are found by camera")
         result, _ = cell.mill(DOOR)
         assert result.success, result.message
 

@@ -19,6 +19,7 @@ from support.shell import output_of
 from support.source_tree import ROOT
 
 LIMIT = 240  # s
+DOORS = 10
 DOOR = "thesis_190_0deg"
 PAGES = {path.name: path for path in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
 
@@ -80,10 +81,13 @@ def test_the_pose_of_a_door_is_seen(cell: CellProcesses, tmp_path: Path) -> None
         ["bash", "-c", f". {ROOT}/activate && exec {command}"], stdout=subprocess.PIPE, text=True
     )
     try:
-        # Whoever listens before the picture is taken hears of the pose.
+        # Whoever listens before the picture is taken hears of the pose; the localizer may hear of it later than this.
         cell.wait(lambda: cell.node.count_subscribers("door/pose") > before)
-        result, _ = cell.mill(DOOR)
-        assert result.success, result.message
+        for _ in range(DOORS):
+            result, _ = cell.mill(DOOR)
+            assert result.success, result.message
+            if echo.poll() is not None:
+                break
         said, _ = echo.communicate(timeout=LIMIT)
     finally:
         echo.kill()
