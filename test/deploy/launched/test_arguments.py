@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import runpy
+from pathlib import Path
 
 import pytest
 from launch.actions import DeclareLaunchArgument
@@ -80,4 +81,9 @@ def test_rviz_is_started_with_the_project_s_view() -> None:
     assert "rviz2" not in launched()[0]
     started, _ = launched(**told("recording.md", "rviz"))
     assert {"rviz2", "door_localizer", "cell_simulator"} <= started
-    assert (ROOT / "config" / "cell.rviz").is_file()
+    description = runpy.run_path(str(ROOT / "launch" / "cell.launch.py"))["generate_launch_description"]()
+    nodes = [entity for entity in description.entities if isinstance(entity, Node)]
+    (rviz,) = [node for node in nodes if node.node_executable == "rviz2"]
+    words = ["".join(part.perform(LaunchContext()) for part in word) for word in rviz.cmd[1:3]]
+    assert words[0] == "-d"
+    assert Path(words[1]).read_bytes() == (ROOT / "config" / "cell.rviz").read_bytes()
