@@ -41,9 +41,8 @@ class RecordedRuns:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._known: dict[Path, tuple[int, dict[str, RecordedEnd]]] = {}
-        self._partial: dict[
-            tuple[Path, str], int
-        ] = {}  # size of the bag in which more of a run was looked for
+        # Size of the bag in which more of a run was looked for in vain.
+        self._partial: dict[tuple[Path, str], int] = {}
 
     def find(self, run_id: str, bag: Path | None = None) -> RecordedEnd | None:
         """The run of an id; None where no bag holds its end, or one that is not closed yet holds no more than that.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from doormill_ros.operator.situation import MAY_MOVE, MOVING
+from doormill_ros.operator.situation import MAY_MOVE, MOVING, may_move_in, told_in_run
 
 HANDING = ("raising", "verifying", "writing")  #: its targets are on their way
 #: What a robot does, in English; the state of its handshake where nothing follows from the other robot or the door.
@@ -61,8 +61,7 @@ class RobotView:
     ) -> RobotView:
         """Its handshake changed."""
         milled = run_id if state == "done" else self.milled_run
-        # The bridge clears the link when the file is handed over and when the link breaks: the robot goes on meanwhile.
-        may_move = state in MOVING or (state == "clearing" and self.may_move)
+        may_move = may_move_in(state, self.may_move)
         return RobotView(self.number, True, state, reason, code, run_id, since, request, milled, may_move)
 
     def heard(self, present: bool) -> RobotView:
@@ -80,7 +79,7 @@ class RobotView:
         """
         if not (self.present and self.state):
             return "silent"
-        if self.state == "clearing" and (self.may_move or (self.run_id == run_id != "" and not self.code)):
+        if self.state == "clearing" and (self.may_move or told_in_run(self.run_id, run_id, self.code)):
             return MAY_MOVE
         if self.state in (*MOVING, *HANDING, "clearing"):
             return self.state

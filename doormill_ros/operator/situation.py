@@ -10,6 +10,22 @@ MAY_MOVE = "may_move"
 _ENDS = {"done": "was milled", "failed": "came to nothing"}
 
 
+def may_move_in(state: str, before: bool) -> bool:
+    """Whether a robot may move in a state of its handshake; before: whether it might in the one before that.
+
+    The bridge clears the link when the file is handed over and when the link breaks: the robot goes on meanwhile.
+    """
+    return state in MOVING or (state == "clearing" and before)
+
+
+def told_in_run(told: str, in_hand: str, code: int) -> bool:
+    """Whether a link that is cleared tells by itself that the robot may move: of the run in hand, and without an error.
+
+    Whoever is started in between hears of that state alone.
+    """
+    return told == in_hand != "" and not code
+
+
 class Situation(NamedTuple):
     """What the handshake's state means for one door.
 

@@ -16,7 +16,7 @@ from doormill_ros.operator.pair_advice import pair_step
 from doormill_ros.operator.pair_view import PairView
 from doormill_ros.operator.picture import EncodedPicture
 from doormill_ros.operator.robot_view import RobotView
-from doormill_ros.operator.situation import MAY_MOVE, MOVING, Situation, situation
+from doormill_ros.operator.situation import MAY_MOVE, Situation, may_move_in, situation, told_in_run
 
 HISTORY = 50  # runs
 LONGEST_TEXT = 2000  # characters
@@ -122,7 +122,7 @@ class CellView:
             state_run=run_id,
             state_door=short(door_id),
             request=request,
-            may_move=state in MOVING or (state == "clearing" and self.may_move),
+            may_move=may_move_in(state, self.may_move),
             state_since=_steady(since),
         )
 
@@ -249,8 +249,7 @@ class CellView:
             (self.run_id, self.door_id),
             last,
             self.request,
-            # A page that is started in between hears of this state alone.
-            self.may_move or (self.state_run == self.run_id != "" and not self.state_code),
+            self.may_move or told_in_run(self.state_run, self.run_id, self.state_code),
         )
         return found, self.state_code, self.state_since
 
