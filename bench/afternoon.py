@@ -35,12 +35,12 @@ def table(tally: Tally, title: str) -> Table:
         "milled": tally.milled,
         "refused, by code": dict(sorted(tally.refused.items())),
         "starts that the oracle saw": tally.seen,
-        "starts that it missed, kept from looking": tally.missed,
         "different places of the doors": tally.places,
         **{f"milled with {kind}": f"{tally.milled_by_fault[kind]} of {tally.faults[kind]}" for kind in KINDS},
     }
     wanted = {
         "milled by another door's, run's or place's file": tally.wrong,
+        "milled by a file that the oracle did not see": tally.missed,
         "goals without a result": tally.without_result,
         "refusals that nobody foresaw": tally.unforeseen,
         "told as milled, and no robot ended": tally.not_seen,
@@ -80,9 +80,10 @@ def main() -> int:
     console.print(
         table(tally, f"An afternoon of {tally.doors} doors, seed {arguments.seed}, {minutes:.1f} min")
     )
-    for line in tally.troubles():
+    troubles = [*tally.troubles(), *tally.missed]
+    for line in troubles:
         console.print(line, highlight=False)
-    return 1 if tally.troubles() else 0
+    return 1 if troubles else 0
 
 
 if __name__ == "__main__":
