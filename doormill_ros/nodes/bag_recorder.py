@@ -82,7 +82,7 @@ class BagRecorder(ManagedNode):
         for topic in (*topics.ALL, *frame_topics()):
             name = self.resolve_topic_name(topic.name)
             if name not in self._excluded:
-                self._record(name, type_name(topic.type), topic.type, topic.offered)
+                self._record(name, type_name(topic.type), topic.type, topic.offered, topic.latched)
         self._filler.start()
         if self._runs is not None:
             self._runs.start()
@@ -141,8 +141,10 @@ class BagRecorder(ManagedNode):
             offers = [info.qos_profile for info in self.get_publishers_info_by_topic(name)]
             if not offers:
                 continue
+            found = matching(offers)
+            latched = found.durability == DurabilityPolicy.TRANSIENT_LOCAL
             try:
-                self._record(name, types[0], message_class(types[0]), matching(offers))
+                self._record(name, types[0], message_class(types[0]), found, latched)
             except (ImportError, AttributeError, UnknownTypeError):
                 self._skipped.add(name)
                 self.get_logger().warning(f"{name} is not recorded: {types[0]} is not installed here")
@@ -152,8 +154,10 @@ class BagRecorder(ManagedNode):
         namespace = self.get_namespace().rstrip("/")
         return not namespace or name.startswith(f"{namespace}/") or name.count("/") == 1
 
-    def _record(self, name: str, kind: str, message_type: Any, offered: QoSProfile) -> None:
-        self._filler.add_topic(name, kind, [qos_document(offered)])
+    def _record(self, name: str, kind: str, message_type: Any, offered: QoSProfile, latched: bool) -> None:
+        # Of a kept event nothing is repeated, neither in a further file nor by who plays the bag.
+        durability = "transient_local" if latched else "volatile"
+        self._filler.add_topic(name, kind, [{**qos_document(offered), "durability": durability}])
         told = topic_of(name)
         latest: deque[tuple[Any, Any]] = deque(maxlen=REMEMBERED)
 
@@ -163,7 +167,7 @@ class BagRecorder(ManagedNode):
             if sample in latest:  # DDS may deliver what is latched to a late joiner twice
                 return
             latest.append(sample)
-            if self._wanted or offered.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+            if self._wanted or latched:
                 now = self._even_clock.now()
                 self._queue.put(Received(name, bytes(data), now, sample[0] or now))
                 if told is not None and self._runs is not None:

@@ -45,6 +45,9 @@ def _qos(
 STATE = _qos(1, DurabilityPolicy.TRANSIENT_LOCAL)
 #: Every message counts, late joiners do not get old ones.
 EVENT = _qos(10)
+#: An event that tells of a run is kept for whom its publisher comes to know of a moment late, as a recorder that was
+#: started with it. Nodes ask for EVENT, so that none acts on an old one.
+KEPT_EVENT = _qos(10, DurabilityPolicy.TRANSIENT_LOCAL)
 #: A picture of two megabytes that loses one fragment is lost, hence reliable where the camera offers it,
 #: as the simulated one does; a driver that offers sensor data quality is taken as it is.
 PICTURE = _qos(5)
@@ -63,6 +66,11 @@ class Topic:
     requested: QoSProfile
     fallback: QoSProfile | None = None
 
+    @property
+    def latched(self) -> bool:
+        """Nodes of the cell ask for what was published before they were there."""
+        return bool(self.requested.durability == DurabilityPolicy.TRANSIENT_LOCAL)
+
 
 def _topic(name: str, message_type: Any, qos: QoSProfile, fallback: QoSProfile | None = None) -> Topic:
     return Topic(name, message_type, qos, qos, fallback)
@@ -75,15 +83,15 @@ PICTURES = {"raw": IMAGE, "compressed": COMPRESSED}
 CAMERA_INFO = _topic("camera/camera_info", CameraInfo, PICTURE, PICTURE_FALLBACK)
 #: Way [m] and turn [rad] of the camera since its calibration, in base axes; there in cells with marks.
 CAMERA_MOVED = _topic("camera/moved", TwistStamped, EVENT)
-DOOR_POSE = _topic("door/pose", PoseStamped, EVENT)
-DOOR_LOCALIZATION = _topic("door/localization", DoorLocalization, EVENT)
+DOOR_POSE = Topic("door/pose", PoseStamped, KEPT_EVENT, EVENT)
+DOOR_LOCALIZATION = Topic("door/localization", DoorLocalization, KEPT_EVENT, EVENT)
 DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE, PICTURE_FALLBACK)
 #: Of all door sensors but the camera; three pictures in one message are of its size.
 SENSOR_READING = _topic("sensors/reading", SensorReading, PICTURE, PICTURE_FALLBACK)
 #: Of each sensor, the camera among them, where the cell has several.
-SENSOR_LOCALIZATION = _topic("sensors/localization", SensorLocalization, EVENT)
+SENSOR_LOCALIZATION = Topic("sensors/localization", SensorLocalization, KEPT_EVENT, EVENT)
 DOOR_RECIPE = _topic("door/recipe", DoorRecipe, STATE)
-PATH_TARGETS = _topic("path/targets", TargetArray, EVENT)
+PATH_TARGETS = Topic("path/targets", TargetArray, KEPT_EVENT, EVENT)
 PATH_NOMINAL = _topic("path/nominal", Path, STATE)
 PATH_CORRECTED = _topic("path/corrected", Path, STATE)
 PATH_MARKERS = _topic("path/markers", MarkerArray, STATE)

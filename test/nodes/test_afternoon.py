@@ -12,7 +12,7 @@ from doormill_ros.abb import signals
 from doormill_ros.cell.waiting import wait
 from doormill_ros.nodes.controller_simulator import switch_on
 from support.afternoon.campaign import Tally, play
-from support.afternoon.cell import CREDENTIALS, steady_time
+from support.afternoon.cell import CREDENTIALS
 from support.afternoon.faults import KINDS, Fault, draw
 
 LIMIT = 120.0  # s
@@ -54,14 +54,6 @@ def test_an_opened_clamp_takes_the_request_back(tmp_path: Path) -> None:
         run.stop()
         program.join(LIMIT)
     assert not program.is_alive()
-
-
-@pytest.mark.parametrize("shift", [0.0, 3600.0, -7200.0])
-def test_the_stamp_of_a_clock_that_is_set_is_told_by_the_machines(shift: float) -> None:
-    shifts = [0.0, 3600.0, -7200.0]
-    assert steady_time(1e9 - 5.0 + shift, shifts, 1e9) == 1e9 - 5.0
-    # Before a node has heard the clock its stamps are 0.
-    assert steady_time(0.0, shifts, 1e9) == 1e9
 
 
 def test_a_trouble_of_each_kind_is_told() -> None:

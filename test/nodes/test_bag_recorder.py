@@ -103,6 +103,31 @@ def test_latched_state_and_the_last_message_are_in_the_bag(
         assert ready.ext.offered_qos_profiles[0].durability.name == "TRANSIENT_LOCAL"
 
 
+@pytest.mark.parametrize(
+    "topic",
+    [topics.DOOR_POSE, topics.DOOR_LOCALIZATION, topics.SENSOR_LOCALIZATION, topics.PATH_TARGETS],
+    ids=lambda topic: topic.name,
+)
+def test_what_is_told_of_a_run_before_dds_knows_the_recorder_is_in_the_bag(
+    record: Callable[..., Recording], tmp_path: Path, topic: topics.Topic
+) -> None:
+    recording = record()
+    context = rclpy.Context()  # of a node that starts, which knows nobody yet
+    rclpy.init(context=context)
+    publisher = Node("starting", context=context).create_publisher(topic.type, topic.name, topic.offered)
+    publisher.publish(topic.type())
+    name = f"/{topic.name}"
+    recording.wait(lambda: publisher.get_subscription_count() >= 1)
+    publisher.publish(topic.type())
+    assert publisher.wait_for_all_acked()
+    recording.recorder.close()
+    rclpy.shutdown(context=context)
+    assert len(list(read_bag(tmp_path / "bag", [name]))) == 2
+    with Reader(tmp_path / "bag") as reader:
+        (found,) = (c for c in reader.connections if c.topic == name)
+        assert found.ext.offered_qos_profiles[0].durability.name == "VOLATILE"
+
+
 def test_what_does_not_fit_is_counted_and_told(record: Callable[..., Recording], tmp_path: Path) -> None:
     recording = record(queue_size=SMALLEST_QUEUE)
     told: list[DiagnosticStatus] = []

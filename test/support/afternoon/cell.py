@@ -6,9 +6,9 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from resource import RLIMIT_FSIZE, prlimit
 from typing import Any
@@ -20,7 +20,7 @@ from doormill_interfaces.action import MillDoor
 from support.afternoon.faults import Fault
 from support.cell_processes import free_port
 from support.clock_to_set import ClockToSet
-from support.deaths.campaign import LIMITS, TIME_SCALE, Client, good_targets, placed
+from support.deaths.campaign import LIMITS, TIME_SCALE, Client, good_targets
 from support.deaths.oracle import Oracle
 from support.deaths.strikes import STAGES
 from support.deaths.supervisor import Supervisor
@@ -38,41 +38,20 @@ NODES = (
     "cell_simulator",
 )
 CLOCK_PERIOD = 0.1  # s
-UNHEARD = 600.0  # s; the clock is set by an hour
 SET_LIMIT, ASK_AGAIN = 120.0, 5.0  # s
 FULL = 300_000  # bytes that a file may have on the full disk
 CREDENTIALS = {"DOORMILL_CONTROLLER_USER": "Default User", "DOORMILL_CONTROLLER_PASSWORD": "robotics"}
 
 
-def steady_time(stamp: float, shifts: Sequence[float], now: float) -> float:
-    """When something happened that was stamped by the clock that is set [s since the epoch].
-
-    Of all that the clock was shifted by, what fits to now. A node that was started again stamps 0 until it hears the
-    clock: what fits to nothing happened when it was heard of.
-
-    Args:
-        stamp: By that clock [s].
-        shifts: By what it was shifted so far [s].
-        now: When the message was heard [s since the epoch].
-    """
-    at = min((stamp - shift for shift in shifts), key=lambda at: abs(at - now))
-    return at if abs(at - now) < UNHEARD else now
-
-
 class AfternoonClient(Client):
-    """Hears where doors stand by a clock that is set, and sends goals."""
+    """Sets the clock, clamp and camera, and sends goals."""
 
     def __init__(self, oracle: Oracle) -> None:
         super().__init__(oracle)
         self.clock = ClockToSet(self.node, CLOCK_PERIOD)
         self.ended = threading.Event()  # no goal is in hand
-        self._shifts = {0.0}
         self._camera = self.node.create_client(SetParameters, "camera_simulator/set_parameters")
         self._controller = self.node.create_client(SetParameters, "controller_simulator/set_parameters")
-
-    def _place(self, message: Any) -> None:
-        told = placed(message)
-        self._oracle.placed(replace(told, at=steady_time(told.at, list(self._shifts), time.time())))
 
     def mill(self, door: str, limit: float, meanwhile: Callable[[], None] = lambda: None) -> Any:
         """See the base class."""
@@ -97,7 +76,6 @@ class AfternoonClient(Client):
 
     def set_clock(self, step: float) -> None:
         """Set the clock forwards or back [s]."""
-        self._shifts.add(self.clock.shift + step)
         self.clock.shift += step
 
     def set_camera(self, pictures: bool) -> None:

@@ -23,11 +23,11 @@ from rclpy.parameter import Parameter
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import NodeDeadError
-from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.alive import LEASE
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.units import ns_to_s
 from support.deaths.oracle import Oracle, Place, Placed, targets_of
 from support.deaths.strikes import NODES, STAGES, Round, Strike
 from support.deaths.supervisor import Supervisor
@@ -44,6 +44,7 @@ LIMITS = {
     "milling": 60.0,
 }
 RESULT_LIMIT = 2.0 * sum(LIMITS.values())  # s; a run that has not ended by then has no end
+PLACEMENT = "/simulation/door_placement"
 UP_LIMIT = 300.0  # s in which the cell mills again by itself
 TIME_SCALE = 40.0
 #: Nodes that one executable runs.
@@ -101,8 +102,9 @@ class Client:
         rclpy.shutdown(context=self.context)
         self._thread.join(2.0)
 
-    def _place(self, message: Any) -> None:
-        self._oracle.placed(placed(message))
+    # Both arguments are needed: with one, rclpy does not tell when the message was sent.
+    def _place(self, message: Any, info: Any) -> None:
+        self._oracle.placed(placed(message, ns_to_s(info["source_timestamp"])))
 
     def move(self, draw: random.Random) -> None:
         """Let the doors that are clamped from now on stand elsewhere; nothing when nobody is there to hear it."""
@@ -138,18 +140,23 @@ class Client:
         return None
 
 
-def placed(message: Any) -> Placed:
-    """What a message of simulation/door_placement says."""
+def placed(message: Any, sent: float) -> Placed:
+    """What a message of simulation/door_placement says.
+
+    Args:
+        message: Its stamp is not asked: by a clock that is set, or that a node has not heard yet, it tells nothing.
+        sent: When DDS took it, by the machine's own clock [s since the epoch].
+    """
     at, turn = message.pose.position, message.pose.orientation
     place = Place((at.x, at.y, at.z), (turn.x, turn.y, turn.z, turn.w))
-    return Placed(seconds_of(message.header.stamp), message.door_id, message.run_id, place)
+    return Placed(sent, message.door_id, message.run_id, place)
 
 
 def good_targets(door: str) -> NDArray[np.float64]:
     """Where the targets of a door's recorded run lie, seen from the door (N, 3) [m]."""
     bag = ROOT / "bags" / door
     (file,) = (m.message.data for m in read_bag(bag, ["/abb/target_file"]))
-    (place,) = (placed(m.message).place for m in read_bag(bag, ["/simulation/door_placement"]))
+    (place,) = (placed(m.message, ns_to_s(m.stamp_ns)).place for m in read_bag(bag, [PLACEMENT]))
     return place.seen(targets_of(file.encode()))
 
 
