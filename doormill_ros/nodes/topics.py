@@ -45,12 +45,13 @@ def _qos(
 STATE = _qos(1, DurabilityPolicy.TRANSIENT_LOCAL)
 #: Every message counts, late joiners do not get old ones.
 EVENT = _qos(10)
-#: An event that tells of a run is kept for whom its publisher comes to know of a moment late, as a recorder that was
-#: started with it. Nodes ask for EVENT, so that none acts on an old one.
+#: What a run is replayed from is kept for whom its publisher comes to know of a moment late, as a recorder that was
+#: started with it. Nodes ask for EVENT or PICTURE, so that none acts on an old one.
 KEPT_EVENT = _qos(10, DurabilityPolicy.TRANSIENT_LOCAL)
 #: A picture of two megabytes that loses one fragment is lost, hence reliable where the camera offers it,
 #: as the simulated one does; a driver that offers sensor data quality is taken as it is.
 PICTURE = _qos(5)
+KEPT_PICTURE = _qos(5, DurabilityPolicy.TRANSIENT_LOCAL)
 PICTURE_FALLBACK = _qos(5, reliability=ReliabilityPolicy.BEST_EFFORT)
 #: What tf2's own broadcasters offer on /tf; /tf_static is STATE.
 TRANSFORMS = _qos(100)
@@ -76,18 +77,18 @@ def _topic(name: str, message_type: Any, qos: QoSProfile, fallback: QoSProfile |
     return Topic(name, message_type, qos, qos, fallback)
 
 
-IMAGE = _topic("camera/image_raw", Image, PICTURE, PICTURE_FALLBACK)
+IMAGE = Topic("camera/image_raw", Image, KEPT_PICTURE, PICTURE, PICTURE_FALLBACK)
 COMPRESSED = _topic("camera/image_raw/compressed", CompressedImage, PICTURE, PICTURE_FALLBACK)
 #: As `image_transport` names the ways that pictures take.
 PICTURES = {"raw": IMAGE, "compressed": COMPRESSED}
-CAMERA_INFO = _topic("camera/camera_info", CameraInfo, PICTURE, PICTURE_FALLBACK)
+CAMERA_INFO = Topic("camera/camera_info", CameraInfo, KEPT_PICTURE, PICTURE, PICTURE_FALLBACK)
 #: Way [m] and turn [rad] of the camera since its calibration, in base axes; there in cells with marks.
 CAMERA_MOVED = _topic("camera/moved", TwistStamped, EVENT)
 DOOR_POSE = Topic("door/pose", PoseStamped, KEPT_EVENT, EVENT)
 DOOR_LOCALIZATION = Topic("door/localization", DoorLocalization, KEPT_EVENT, EVENT)
 DOOR_OVERLAY = _topic("door/overlay", Image, PICTURE, PICTURE_FALLBACK)
 #: Of all door sensors but the camera; three pictures in one message are of its size.
-SENSOR_READING = _topic("sensors/reading", SensorReading, PICTURE, PICTURE_FALLBACK)
+SENSOR_READING = Topic("sensors/reading", SensorReading, KEPT_PICTURE, PICTURE, PICTURE_FALLBACK)
 #: Of each sensor, the camera among them, where the cell has several.
 SENSOR_LOCALIZATION = Topic("sensors/localization", SensorLocalization, KEPT_EVENT, EVENT)
 DOOR_RECIPE = _topic("door/recipe", DoorRecipe, STATE)

@@ -105,7 +105,15 @@ def test_latched_state_and_the_last_message_are_in_the_bag(
 
 @pytest.mark.parametrize(
     "topic",
-    [topics.DOOR_POSE, topics.DOOR_LOCALIZATION, topics.SENSOR_LOCALIZATION, topics.PATH_TARGETS],
+    [
+        topics.IMAGE,
+        topics.CAMERA_INFO,
+        topics.SENSOR_READING,
+        topics.DOOR_POSE,
+        topics.DOOR_LOCALIZATION,
+        topics.SENSOR_LOCALIZATION,
+        topics.PATH_TARGETS,
+    ],
     ids=lambda topic: topic.name,
 )
 def test_what_is_told_of_a_run_before_dds_knows_the_recorder_is_in_the_bag(

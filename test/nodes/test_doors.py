@@ -133,7 +133,8 @@ def test_every_node_ends_on_interrupt(milled: dict[str, Any]) -> None:
 def _expected_counts(counts: dict[str, int], refused: int) -> None:
     n = len(DOORS)
     assert counts["/door/recipe"] == n
-    assert counts["/run/result"] == n + refused
+    # Of the goals that were refused before DDS made the recorder known it gets the latest, as every late joiner.
+    assert n + 1 <= counts["/run/result"] <= n + refused
     # On a loaded machine the camera takes a second picture before the targets are ready.
     for topic in ("/door/localization", "/door/pose", "/path/targets"):
         assert counts[topic] >= n, topic
