@@ -26,6 +26,7 @@ from rich.table import Table
 from support.deaths.campaign import play
 from support.deaths.strikes import deal
 
+KEPT = Path("out/deaths")  # logs of rounds that took long
 NAMED = 2.0  # s after which a refusal names the node that died
 
 
@@ -39,7 +40,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="deaths-", ignore_cleanup_errors=True) as name:
         os.environ["XDG_DATA_HOME"], os.environ["ROS_LOG_DIR"] = f"{name}/data", f"{name}/ros"
         rounds = deal(arguments.seed, arguments.strikes // 2)
-        tally = play(Path(name) / "cell", rounds, console.print)
+        tally = play(Path(name) / "cell", rounds, console.print, KEPT)
     table = Table(title=f"Nodes that die, seed {arguments.seed}, {(time.monotonic() - begun) / 60.0:.1f} min")
     rows = {
         "strikes": tally.strikes,

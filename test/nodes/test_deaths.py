@@ -73,6 +73,10 @@ def test_a_node_is_named_so_long_after_the_strike_that_killed_it() -> None:
     assert named_after("door x: /abb_bridge is dead: it", fallen, 13.0) == []
     assert named_after(path, fallen[:1], 12.0) == []
     assert named_after(path, [], 12.0) == []
+    # A bridge that was stopped meanwhile can name it once it goes on.
+    held = [*fallen, (Strike("abb_bridge", False, "pose", 0.0, 1.5), 11.5)]
+    assert named_after(path, held, 13.25) == [0.25]
+    assert named_after(path, held, 12.75) == [1.75]
 
 
 def _mill(home: Path, oracle: Oracle, asked: float | None) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import re
+import shutil
 import signal
 import threading
 import time
@@ -47,6 +48,7 @@ RESULT_LIMIT = 2.0 * sum(LIMITS.values())  # s; a run that has not ended by then
 PLACEMENT = "/simulation/door_placement"
 UP_LIMIT = 300.0  # s in which the cell mills again by itself
 TIME_SCALE = 40.0
+LONG = 60.0  # s until a door is milled again, of which one wants to know why
 #: Nodes that one executable runs.
 HOSTED = {"cell_simulator": ("camera_simulator", "sensor_simulator", "controller_simulator")}
 #: How far off the doors stand; each of them at a place of its own [m, m, rad].
@@ -191,6 +193,8 @@ def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
 def named_after(message: str, fallen: Sequence[tuple[Strike, float]], now: float) -> list[float]:
     """How long after the strike that did it a refusal named the node [s]; none where that fell on an earlier goal.
 
+    While the bridge is stopped itself there is nobody to name it: that time does not count.
+
     Args:
         message: Of the refusal.
         fallen: Strikes that fell while the goal was in hand, and when.
@@ -205,7 +209,8 @@ def named_after(message: str, fallen: Sequence[tuple[Strike, float]], now: float
         and named[1] in HOSTED.get(strike.node, (strike.node,))
         and (strike.kill or strike.stopped > LEASE)
     ]
-    return [now - min(died)] if died else []
+    resumed = [when + s.stopped for s, when in fallen if s.node == "abb_bridge" and not s.kill]
+    return [now - max([min(died), *(when for when in resumed if when <= now)])] if died else []
 
 
 class Game:
@@ -292,13 +297,29 @@ class Game:
                 self._supervisor.strike(strike.node, signal.SIGCONT)
 
 
-def play(folder: Path, rounds: list[Round], tell: Callable[[str], None] = lambda line: None) -> Tally:
-    """Play the rounds one after the other in one cell."""
+def play(
+    folder: Path,
+    rounds: list[Round],
+    tell: Callable[[str], None] = lambda line: None,
+    kept: Path | None = None,
+) -> Tally:
+    """Play the rounds one after the other in one cell.
+
+    Args:
+        folder: Of the cell.
+        rounds: What is struck.
+        tell: Is given a line a round.
+        kept: The nodes' logs are copied there after a round that took long.
+    """
     with running(folder) as (supervisor, oracle, client):
         game = Game(supervisor, client, len(rounds))
         if not game.until_milled():
             game.tally.manual.append("the cell did not come up")
             return game.tally
-        for strikes in rounds:
+        for number, strikes in enumerate(rounds, 1):
             game.play(strikes, tell)
+            if kept is not None and game.tally.again[-1] > LONG:
+                (kept / str(number)).mkdir(parents=True, exist_ok=True)
+                for log in folder.glob("*.log"):
+                    shutil.copy(log, kept / str(number))
         return game.end(oracle)
