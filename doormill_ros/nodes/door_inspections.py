@@ -20,14 +20,18 @@ class DoorInspections:
     """
 
     def __init__(self, node: ManagedNode, notify: Callable[[], None]) -> None:
+        self._node = node
         self._notify = notify
         self._latest = ("", MeasuredDoor())
         self._subscription = node.subscribe(topics.MILLED_DOOR, self._take)
 
     @property
-    def present(self) -> bool:
-        """Somebody measures doors."""
-        return int(self._subscription.get_publisher_count()) > 0
+    def present(self) -> frozenset[bytes]:
+        """Who measures doors, by the ids that DDS gives to publishers."""
+        if not self._subscription.get_publisher_count():
+            return frozenset()
+        offers = self._node.get_publishers_info_by_topic(self._subscription.topic_name)
+        return frozenset(bytes(offer.endpoint_gid) for offer in offers)
 
     def found(self, run_id: str) -> MeasuredDoor | None:
         """How a run's door came out, None while nobody has told."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence, Sized
+from collections.abc import Callable, Hashable, Sequence, Set, Sized
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -85,8 +85,8 @@ class Inspector(Protocol):
     """Who measures milled doors, if anybody does; lets the run look again whenever a door was measured."""
 
     @property
-    def present(self) -> bool:
-        """There is one."""
+    def present(self) -> Set[Hashable]:
+        """Who they are; one that was started again is another."""
 
     def found(self, run_id: str) -> MeasuredDoor | None:
         """How a run's door came out, None while nobody has told."""

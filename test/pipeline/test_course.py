@@ -35,6 +35,7 @@ from support.memory_transport import MemoryTransport
 
 DOOR = "thesis_190_0deg"
 EPOCH = 1.7e9  # s, wall clock at monotonic 0
+GAUGE = frozenset({"gauge"})  # who measures milled doors
 TURN = 0.25  # s by which the world moves on whenever the run looks at the clock
 LIMITS = StageLimits(
     recipe=3.0, picture=4.0, targets=5.0, request=6.0, ready=7.0, read=8.0, milling=9.0, inspection=10.0
@@ -96,7 +97,7 @@ class World:
         self.heard: dict[str, float] = {}
         self.ready = True
         self.pictured = 0.0
-        self.present = False
+        self.present: frozenset[str] = frozenset()
         self.inspection: MeasuredDoor | None = None
         self.inspected_after = 3  # looks
         self.dead: set[str] = set()
@@ -468,7 +469,7 @@ def test_what_is_no_refusal_is_left_to_the_caller(world: World) -> None:
 
 
 def test_a_door_that_was_measured_says_how_far_off_it_is(world: World) -> None:
-    world.present, world.inspection = True, MeasuredDoor("hinge_1", 0.31e-3, 0.5e-3)
+    world.present, world.inspection = GAUGE, MeasuredDoor("hinge_1", 0.31e-3, 0.5e-3)
     end = world.mill()
     assert (end.success, end.milled, end.error_code, end.inspection) == (True, True, 0, world.inspection)
     assert end.message.endswith("; hinge_1 is 0.31 mm off where 0.50 mm are allowed")
@@ -476,7 +477,7 @@ def test_a_door_that_was_measured_says_how_far_off_it_is(world: World) -> None:
 
 @pytest.mark.parametrize(("deviation", "words"), [(1.6e-3, "1.60 mm"), (float("nan"), "nan mm")])
 def test_a_door_beyond_its_tolerance_is_no_success(world: World, deviation: float, words: str) -> None:
-    world.present, world.inspection = True, MeasuredDoor("lock_case", deviation, 0.5e-3)
+    world.present, world.inspection = GAUGE, MeasuredDoor("lock_case", deviation, 0.5e-3)
     end = world.mill()
     assert (end.success, end.milled, end.error_code) == (False, True, OutOfToleranceError.code)
     assert f"milled, out of tolerance, lock_case is {words} off where 0.50 mm are allowed" in end.message
@@ -494,23 +495,28 @@ def test_a_door_that_nobody_measures_is_not_called_good(world: World) -> None:
     assert end.message.endswith("; not measured")
 
 
-@pytest.mark.parametrize("leaves", [False, True], ids=["silent", "gone"])
-def test_a_door_is_not_measured_when_nobody_tells_of_it(world: World, leaves: bool) -> None:
-    world.present, world.inspected_after = True, 1000
+@pytest.mark.parametrize(
+    ("left", "waits"),
+    [(GAUGE, True), (frozenset(), False), (frozenset({"another"}), False), (GAUGE | {"another"}, True)],
+    ids=["silent", "gone", "started again", "joined"],
+)
+def test_a_door_is_not_measured_when_nobody_tells_of_it(
+    world: World, left: frozenset[str], waits: bool
+) -> None:
+    world.present, world.inspected_after = GAUGE, 1000
     begun: list[float] = []
-    tell = world._tell
+    found = world.found
 
-    def watch(stage: str, progress: float) -> None:
-        tell(stage, progress)
-        if progress == 1.0:
-            begun.append(world.now)
-            world.present = not leaves
+    def look(run_id: str) -> MeasuredDoor | None:
+        begun.append(world.now)
+        world.present = left
+        return found(run_id)
 
-    world._tell = watch
+    world.found = look
     end = world.mill()
     assert (end.success, end.inspection) == (True, MeasuredDoor())
     waited = world.now - begun[0]
-    assert waited < 1.0 if leaves else LIMITS.inspection <= waited < LIMITS.inspection + 1.0
+    assert LIMITS.inspection <= waited < LIMITS.inspection + 1.0 if waits else waited < 1.0
 
 
 @pytest.mark.parametrize(

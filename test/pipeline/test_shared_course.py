@@ -96,7 +96,7 @@ class World:
         self.run = Run("run-1", "oak", Clock(self.turn, lambda: 1.7e9 + self.now))
         self.answer = RecipeAnswer(True, 0, "", 4)
         self.workers = ("first", "second")
-        self.ready = self.present = True
+        self.ready, self.present = True, frozenset({"gauge"})
         self.inspection = MeasuredDoor("hinge_1", 1e-4, 5e-4)
         self.at: dict[str, Callable[[], None]] = {}
 

@@ -29,6 +29,7 @@ from doormill_ros.nodes.alive import LEASE
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.units import ns_to_s
+from support.cell_processes import free_port
 from support.deaths.oracle import Oracle, Place, Placed, targets_of
 from support.deaths.strikes import NODES, STAGES, Round, Strike
 from support.deaths.supervisor import Supervisor
@@ -175,6 +176,13 @@ def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
         **{f"limit.{name}": value for name, value in LIMITS.items()},
     }
     parameters["bag_recorder"] = {"folder": folder / "bags"}
+    parameters["path_generator"] = {"models": folder / "models"}
+    parameters["model_monitor"] = {
+        "inspections": folder / "inspections",
+        "bags": folder / "bags",
+        "models": folder / "models",
+    }
+    parameters["operator_page"] = {"port": free_port(), "history": folder / "runs"}
     parameters["cell_simulator"] = {
         "controller_simulator:home": home,
         "controller_simulator:time_scale": TIME_SCALE,

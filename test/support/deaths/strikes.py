@@ -13,6 +13,8 @@ NODES = (
     "abb_bridge",
     "cell_simulator",
     "bag_recorder",
+    "model_monitor",
+    "operator_page",
 )
 STAGES = ("recipe", "picture", "pose", "targets", "ready", "milling")
 PAIRS = tuple(combinations_with_replacement(STAGES, 2))
