@@ -3,8 +3,8 @@
 The shipped executables as processes, killed, stopped and continued at drawn moments of every pair of stages and started
 again as launch would; two doors alternate. An oracle at the controller's folder keeps the bytes that stood under a high
 ready signal when the robot began to mill. Exit code 1 when a door was milled by another one's file or by one that the
-oracle did not see, when a goal had no result, when a dead node was named late, or when the cell did not mill again by
-itself.
+oracle did not see, when a target file outlived its run, when a goal had no result, when a dead node was named late, or
+when the cell did not mill again by itself.
 """
 
 from __future__ import annotations
@@ -59,6 +59,7 @@ def main() -> int:
         "first strike to the next milled door, longest [s]": round(max(tally.again), 1),
         "milled by another door's or place's file": len(tally.wrong),
         "told as milled, and no robot ended": len(tally.not_ended),
+        "target files that outlived their run": len(tally.left),
         "goals without a result": len(tally.without_result),
         "restarts by hand": len(tally.manual),
         "nodes that died unstruck": len(tally.died),
@@ -68,7 +69,14 @@ def main() -> int:
     for what, value in rows.items():
         table.add_row(what, str(value))
     console.print(table)
-    failures = [*tally.wrong, *tally.not_ended, *tally.without_result, *tally.manual, *tally.died]
+    failures = [
+        *tally.wrong,
+        *tally.not_ended,
+        *tally.left,
+        *tally.without_result,
+        *tally.manual,
+        *tally.died,
+    ]
     if tally.missed:
         failures.append(f"{tally.missed} milled doors of which nobody knows by what file")
     if max(tally.named, default=0.0) > NAMED:

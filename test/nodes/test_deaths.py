@@ -15,6 +15,7 @@ from doormill_ros.abb.target_file.target_file import write_target_file
 from doormill_ros.cell.errors import RunNoteError
 from doormill_ros.cell.run_in_hand import NOTE, RunNote
 from support.deaths.campaign import named_after, play
+from support.deaths.leftovers import Leftovers
 from support.deaths.oracle import Oracle, Place, Placed
 from support.deaths.strikes import NODES, PAIRS, STAGES, Strike, deal
 
@@ -53,8 +54,8 @@ def test_nodes_that_die_leave_a_result_and_a_cell_that_mills_again_by_itself(
     tally = play(tmp_path / "cell", ROUNDS)
     assert tally.strikes == len(STRUCK)
     assert tally.struck == {strike.kind for strike in STRUCK}
-    failed = tally.wrong, tally.without_result, tally.manual, tally.died, tally.not_ended
-    assert failed == ([], [], [], [], [])
+    failed = tally.wrong, tally.without_result, tally.manual, tally.died, tally.not_ended, tally.left
+    assert failed == ([], [], [], [], [], [])
     # Once before the rounds and once after each.
     assert tally.milled >= len(ROUNDS) + 1
     assert tally.seen >= len(ROUNDS) + 1
@@ -77,6 +78,24 @@ def test_a_node_is_named_so_long_after_the_strike_that_killed_it() -> None:
     held = [*fallen, (Strike("abb_bridge", False, "pose", 0.0, 1.5), 11.5)]
     assert named_after(path, held, 13.25) == [0.25]
     assert named_after(path, held, 12.75) == [1.75]
+
+
+def test_a_file_that_outlives_its_run_is_seen_when_the_next_result_comes(tmp_path: Path) -> None:
+    leftovers, file = Leftovers(tmp_path), tmp_path / "Hei2.txt"
+
+    def goal(run: str, stands: bytes | None) -> list[str]:
+        leftovers.sent()
+        file.unlink(missing_ok=True)
+        if stands is not None:
+            file.write_bytes(stands)
+        leftovers.told(run)
+        return leftovers.found
+
+    assert goal("r1", FILE) == []  # cleared a moment after its result is soon enough
+    assert goal("r2", None) == []
+    assert goal("", FILE.replace(b"r1", b"r3")) == []
+    (left,) = goal("r3", FILE)
+    assert "run r1" in left
 
 
 def _mill(home: Path, oracle: Oracle, asked: float | None) -> None:

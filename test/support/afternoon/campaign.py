@@ -18,6 +18,7 @@ from doormill_ros.operator.history import FILE
 from support.afternoon.cell import DOORS, AfternoonCell, running
 from support.afternoon.faults import Fault
 from support.deaths.campaign import RESULT_LIMIT, UP_LIMIT
+from support.deaths.leftovers import Leftovers
 
 SETTLING = 30.0  # s, for what is told of the last run
 KEPT_BAGS = 3  # the newest ones; hundreds would fill the disk
@@ -55,6 +56,7 @@ class Tally:
 class _Afternoon:
     def __init__(self, cell: AfternoonCell, tally: Tally, draw_place: random.Random) -> None:
         self.cell, self.tally, self.draw_place = cell, tally, draw_place
+        self.leftovers = Leftovers(cell.folder / "HOME")
         self.turn = 0
         self.successes: list[str] = []
         self.runs: list[str] = []
@@ -66,10 +68,12 @@ class _Afternoon:
     def goal(self, what: str, meanwhile: Callable[[], None] = lambda: None) -> Any:
         """A goal and what is said of its result."""
         self.cell.client.move(self.draw_place)
+        self.leftovers.sent()
         result = self.cell.client.mill(self.door(), RESULT_LIMIT, meanwhile)
         if result is None:
             self.tally.without_result.append(f"no result: {what}")
             return None
+        self.leftovers.told(result.run_id)
         if result.run_id:
             self.runs.append(result.run_id)
         if result.success:
@@ -127,6 +131,7 @@ class _Afternoon:
         while (missing := set(self.runs) - _on_page(cell.folder)) and time.monotonic() < deadline:
             time.sleep(0.1)
         tally.not_on_page = [f"not in the page's history: {run}" for run in sorted(missing)]
+        tally.left = list(self.leftovers.found)
         home = cell.folder / "HOME"
         if (home / signals.TARGET_FILE).exists():
             tally.left.append("a target file outlived the last run")

@@ -30,6 +30,7 @@ from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.units import ns_to_s
 from support.cell_processes import free_port
+from support.deaths.leftovers import Leftovers
 from support.deaths.oracle import Oracle, Place, Placed, targets_of
 from support.deaths.strikes import NODES, STAGES, Round, Strike
 from support.deaths.supervisor import Supervisor
@@ -74,6 +75,7 @@ class Tally:
     again: list[float] = field(default_factory=list)  # from the first strike to the next milled door [s]
     not_ended: list[str] = field(default_factory=list)  # told as milled, and no robot ended
     seen: int = 0  # times the oracle saw the robot begin
+    left: list[str] = field(default_factory=list)  # files that stood there longer than their run
     missed: int = 0  # milled doors of which it did not see the begin
     places: int = 0  # different ones where a door stood then
 
@@ -224,9 +226,9 @@ def named_after(message: str, fallen: Sequence[tuple[Strike, float]], now: float
 class Game:
     """Goals and strikes in one cell, and what came of them."""
 
-    def __init__(self, supervisor: Supervisor, client: Client, seed: int) -> None:
+    def __init__(self, supervisor: Supervisor, client: Client, leftovers: Leftovers, seed: int) -> None:
         self.tally = Tally()
-        self._supervisor, self._client = supervisor, client
+        self._supervisor, self._client, self._leftovers = supervisor, client, leftovers
         self._places = random.Random(seed)
         self._milled: list[str] = []
         self._fallen: list[tuple[Strike, int, float]] = []  # strike, goal and when it fell
@@ -269,13 +271,17 @@ class Game:
         tally.missed = sum(run.encode() not in begun for run in self._milled)
         tally.not_ended = [run for run in self._milled if run.encode() not in ended]
         tally.died = self._supervisor.deaths_by_themselves
+        tally.left = self._leftovers.found
         return tally
 
     def _goal(self, what: str, meanwhile: Callable[[], None] = lambda: None) -> Any:
         tally = self.tally
         tally.goals += 1
         self._client.move(self._places)
+        self._leftovers.sent()
         result = self._client.mill(DOORS[tally.goals % 2], RESULT_LIMIT, meanwhile)
+        if result is not None:
+            self._leftovers.told(result.run_id)
         if result is None:
             tally.without_result.append(what)
         elif result.success:
@@ -320,7 +326,7 @@ def play(
         kept: The nodes' logs are copied there after a round that took long.
     """
     with running(folder) as (supervisor, oracle, client):
-        game = Game(supervisor, client, len(rounds))
+        game = Game(supervisor, client, Leftovers(folder / "HOME"), len(rounds))
         if not game.until_milled():
             game.tally.manual.append("the cell did not come up")
             return game.tally
