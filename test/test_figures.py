@@ -85,6 +85,14 @@ def test_there_are_many() -> None:
     assert len({row.page for row in ROWS}) >= 8
 
 
+#: Kept runs that did not end well or do not say how, and why they are kept.
+BOUNDS_MISSED = {
+    "bench_conditions": "no picture shows that a door is 0.3 mm thicker, and waves of some lengths are refused",
+    "calibration_campaign": "kept before runs said how they ended",
+    "loop_worlds": "kept before runs said how they ended; force and gap together miss their bound",
+}
+
+
 def lacking(path: Path) -> list[str]:
     """What a kept run does not say of itself, or that no page uses it."""
     head = path.read_text(encoding="utf-8").split("\n\n")[0]
@@ -94,6 +102,8 @@ def lacking(path: Path) -> list[str]:
         "date": r"^date: \d{4}-\d\d-\d\d \d\d:\d\d UTC$",
         "commit": r"^commit: [0-9a-f]{40}\b",
     }
+    if path.stem not in BOUNDS_MISSED:
+        said["exit status: 0"] = r"^exit status: 0$"
     missing = [name for name, pattern in said.items() if not re.search(pattern, head, re.MULTILINE)]
     used = any(source.startswith(kept) for row in ROWS for source in row.sources)
     there = (ROOT / "bench" / f"{path.stem}.py").is_file()
@@ -107,6 +117,7 @@ def test_kept_runs_say_how_they_came_about_and_are_used(tmp_path: Path) -> None:
         "command",
         "date",
         "commit",
+        "exit status: 0",
         "a page that uses it",
         "the bench",
     ]
