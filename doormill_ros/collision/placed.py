@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.collision.skeleton import Skeleton
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,9 +23,24 @@ class Placed:
     joint: int
     corners: FloatArray
     margin: float
-    index: int
     half: FloatArray
     place: FloatArray
+    bones: Skeleton
+
+    @functools.cached_property
+    def away(self) -> float:
+        """How far a body on joint 0 is from the origin of the first joint [m]."""
+        return self.distance_from(self.bones.origin)
+
+    @functools.cached_property
+    def farthest(self) -> float:
+        """How far the farthest point of a body that moves can be from there [m]."""
+        return self.bones.farthest(self.joint, self.corners, self.margin)
+
+    @functools.cached_property
+    def reach(self) -> FloatArray:
+        """How far the farthest point of a body that moves can be from each axis before it, shape (6,) [m]."""
+        return self.bones.reach(self.joint, self.corners, self.margin)
 
     def distance_from(self, point: FloatArray) -> float:
         """How far it is from a point of the joint's frame, shape (3,) [m]; not positive for one inside."""
