@@ -1,63 +1,30 @@
-"""How far apart bodies stay about a posture in which their distance and a plane between them are known.
+"""How far apart bodies stay while joints move, as far as a plane between them in one posture tells.
 
-No point of a body moves further than the sum of the joints' turns, each times its reach. A plane mostly tells more.
-Two convex bodies are apart by no less than their gap along any direction. Joints that turn by s carry a point of the
-moving body along the direction by n . J s, but for a second part of no more than half the sum over all pairs of joints
-of |s_i| |s_j| times the reach of the later one: what turns the arm of a joint turns it no faster than that joint's own
-speed. So a tool that draws back from a face is known to be clear of it over a long way, however close it begins.
+Two convex bodies are apart by no less than their gap along any direction, so a plane that is kept with the body that
+moves less tells something in every posture, exactly. A point of the other one bends off the chord between two postures
+by no more than an eighth of the sum over all pairs of joints of |s_i| |s_j| times the reach of the later one, s being
+what the joints turn by: what turns the arm of a joint turns it no faster than that joint's own speed. The same holds
+about the hull of more than two postures, s being how far they lie apart. So a tool that draws back from a face is known
+to be clear of it over a long way, however close it begins.
 """
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.collision.skeleton import Skeleton
 from doormill_ros.robot.chain import JOINTS
 
 #: Of a body its three half edges, then its middle.
 EDGES, MIDDLE = slice(0, 3), 3
-#: The vector product of each unit vector with others, as matrices on those, shape (3, 3, 3).
-_CROSS = np.array([np.cross(axis, np.eye(3)).T for axis in np.eye(3)])
-
-
-@dataclass(frozen=True, eq=False)
-class Separation:
-    """Pairs of bodies on either side of a plane in one posture.
-
-    Attributes:
-        gap: Of the moving body's middle from the other body, and its half edges, along the plane's normal, shape
-            (p, 4) [m].
-        slope: How fast each joint changes them, shape (p, 4, 6) [m/rad].
-        curve: Largest second derivative of any point of it by each two joints, shape (p, 36) [m/rad^2].
-    """
-
-    gap: FloatArray
-    slope: FloatArray
-    curve: FloatArray
-
-    def lowest(self, step: FloatArray, off: FloatArray | None = None) -> FloatArray:
-        """Distances that the planes leave the pairs at least, shape (m, p) [m].
-
-        The bound is concave: what holds at two steps holds on the straight line between them.
-
-        Args:
-            step: Of the joints from the posture, shape (m, 6) [rad].
-            off: How far each joint may be beside that, shape (m, 6) or (6,) [rad]; None for not at all.
-        """
-        m, slope = len(step), self.slope.reshape(-1, JOINTS).T
-        turned, along = np.abs(step), (step @ slope).reshape(m, *self.gap.shape) + self.gap
-        lowest: FloatArray = along[..., MIDDLE] - np.abs(along[..., EDGES]).sum(axis=2)
-        if off is not None:
-            turned = turned + off
-            lowest -= (off @ np.abs(slope)).reshape(-1, *self.gap.shape).sum(axis=2)
-        lowest -= 0.5 * (turned[:, :, None] * turned[:, None, :]).reshape(m, -1) @ self.curve.T
-        return lowest
 
 
 class Bodies:
-    """Boxes and capsules on the joints of an arm, as they stand in one posture."""
+    """Boxes and capsules on the joints of an arm."""
 
     def __init__(
         self, half: FloatArray, margin: FloatArray, joint: IntArray, T_joint_body: FloatArray
@@ -71,36 +38,85 @@ class Bodies:
             T_joint_body: Its middle in the joint's frame, shape (n, 4, 4).
         """
         self._margin, self._joint = margin, joint
-        self._own = T_joint_body.copy()
-        self._own[:, :3, EDGES] *= half[:, None]
-        # Half edges and middles in columns, base axes, shape (n, 3, 4) [m].
-        self._edges: FloatArray = self._own[:, :3]
+        self._own = T_joint_body.swapaxes(1, 2)[..., :3].copy()  # (n, 4, 3)
+        self._own[:, EDGES] *= half[:, :, None]
+        of_joint = [np.flatnonzero(joint == number) for number in range(JOINTS + 1)]
+        self._by_joint = [self._own[bodies].reshape(-1, 3) for bodies in of_joint]
+        self._number = np.argsort(np.concatenate(of_joint))  # of each body in that order
 
-    def stand(self, T_base_joint: FloatArray) -> None:
-        """Put them where their joints are now, shape (7, 4, 4)."""
-        self._edges = T_base_joint[self._joint, :3] @ self._own
+    def edges(self, T_base_joint: FloatArray) -> FloatArray:
+        """Where they stand, as in `Region`, shapes (7, 3, 4, m) -> (3, n, 4, m) [m]."""
+        m = T_base_joint.shape[-1]
+        parts = [
+            (own @ T[:, :3]).reshape(3, -1, 4, m) for own, T in zip(self._by_joint, T_base_joint, strict=True)
+        ]
+        for part, T in zip(parts, T_base_joint, strict=True):
+            part[:, :, MIDDLE] += T[:, None, 3]
+        return np.concatenate(parts, axis=1)
 
-    def gap_and_slope(
-        self, pairs: IntArray, normal: FloatArray, J: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """As in `Separation`, were all joints to move all moving bodies.
+    def gap(self, pairs: IntArray, normal: FloatArray, region: Region) -> FloatArray:
+        """Gaps of pairs along planes in the n postures of a region, shape (p, n) [m].
 
         Args:
             pairs: Number of the moving body of each pair, and of the other one, shape (2, p).
-            normal: Of a plane between the two, towards the moving one, shape (p, 3).
-            J: Velocity of what passes the base's origin and angular velocity, by each joint, shape (6, 6).
+            normal: Of a plane kept with the joint of the latter, in its frame, towards the moving one, shape (p, 3).
+            region: The postures.
         """
-        moving, still = self._edges[pairs]  # (p, 3, 4) each
-        gap: FloatArray = (normal[:, None] @ moving)[:, 0]  # (p, 4)
-        other = (normal[:, None] @ still)[:, 0]
-        other[:, EDGES] = np.abs(other[:, EDGES])
-        gap[:, MIDDLE] -= other.sum(axis=1) + self._margin[pairs].sum(axis=0)
-        across = (normal @ (_CROSS @ J[3:]).reshape(3, -1)).reshape(
-            -1, 3, JOINTS
-        )  # normal x axis of each joint
-        slope: FloatArray = np.swapaxes(moving, 1, 2) @ across
-        slope[:, MIDDLE] += normal @ J[:3]
-        return gap, slope
+        (moving, other), joint = self._number[pairs], self._joint[pairs[1]]
+        across = np.empty((3, len(joint), len(region.q)))  # the normals, base axes
+        for number in np.unique(joint).tolist():
+            own = np.flatnonzero(joint == number)
+            across[:, own] = normal[own] @ region.T_base_joint[number, :, :3]
+        along = np.zeros((len(joint), 4, len(region.q)))
+        for axis, edges in zip(across, region.edges, strict=True):
+            along += axis[:, None] * edges[moving]
+            along[:, MIDDLE] -= axis * edges[other, MIDDLE]
+        gap: FloatArray = along[:, MIDDLE] - np.abs(along[:, EDGES]).sum(axis=1)
+        behind = np.abs((self._own[pairs[1], EDGES] @ normal[:, :, None])[..., 0]).sum(axis=1)
+        gap -= (behind + self._margin[pairs].sum(axis=0))[:, None]
+        return gap
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """All postures in the hulls of some, each hull widened.
+
+    Attributes:
+        q: n postures, shape (n, 6) [rad].
+        hulls: Numbers of those that each hull is of, shape (h, c).
+        off: How far each joint may be beside a hull, shape (h, 6) [rad].
+        bones: Joints of the robot.
+        bodies: On them.
+    """
+
+    q: FloatArray
+    hulls: IntArray
+    off: FloatArray
+    bones: Skeleton
+    bodies: Bodies
+
+    @functools.cached_property
+    def T_base_joint(self) -> FloatArray:
+        """Joints 0 (base) to 6 in the postures, without the last row, shape (7, 3, 4, n)."""
+        return self.bones.frames(self.q)
+
+    @functools.cached_property
+    def edges(self) -> FloatArray:
+        """Half edges and middles of all bodies there, in columns, base axes, shape (3, bodies, 4, n) [m]."""
+        return self.bodies.edges(self.T_base_joint)
+
+    @functools.cached_property
+    def spread(self) -> FloatArray:
+        """Product of how far the postures of a hull lie apart in each two joints, shape (36, h) [rad^2]."""
+        corners = self.q[self.hulls]
+        apart = (corners.max(axis=1) - corners.min(axis=1)).T
+        spread: FloatArray = (apart[:, None] * apart).reshape(JOINTS**2, -1)
+        return spread
+
+    def turned(self, here: FloatArray) -> FloatArray:
+        """How far each joint turns at most from a posture into each hull itself, shapes (6,) -> (h, 6) [rad]."""
+        most: FloatArray = np.abs(self.q - here)[self.hulls].max(axis=1)
+        return most
 
 
 def curve_of(reach: FloatArray) -> FloatArray:

@@ -30,11 +30,24 @@ class Skeleton:
         own_axis: Axis of each joint in its own frame, shape (6, 3).
         longest: How far the origin of joint b can be from that of joint a, whatever the angles, shape (6, 6) [m].
         origin: That of the first joint, which stands still, base frame, shape (3,) [m].
+        turned: Each joint's place in the frame of the one before it is the sum of these three, the second times the
+            sine and the third times the cosine of its angle, shape (3, 6, 4, 4).
     """
 
     own_axis: FloatArray
     longest: FloatArray
     origin: FloatArray
+    turned: FloatArray
+
+    def frames(self, q: FloatArray) -> FloatArray:
+        """T_base_joint of base (0) and joints 1 to 6, without the last row, shapes (n, 6) [rad] -> (7, 3, 4, n)."""
+        still, by_sine, by_cosine = self.turned
+        own = still + np.sin(q)[..., None, None] * by_sine + np.cos(q)[..., None, None] * by_cosine
+        T = np.empty((len(q), JOINTS + 1, 4, 4))
+        T[:, 0] = np.eye(4)
+        for joint in range(JOINTS):
+            np.matmul(T[:, joint], own[:, joint], out=T[:, joint + 1])
+        return np.ascontiguousarray(T[:, :, :3].transpose(1, 2, 3, 0))
 
     def farthest(self, joint: int, corners: FloatArray, margin: float) -> float:
         """How far the farthest point of a body can be from `origin` [m]; arguments as of `reach`."""
@@ -72,7 +85,19 @@ def skeleton_of(urdf: Path) -> Skeleton:
     for a in range(JOINTS):
         for b in range(a + 1, JOINTS):
             longest[a, b] = _longest(points[a : b + 1], axes[a : b + 1])
-    return Skeleton(own_axis, longest, points[0])
+    placed = np.array([model.jointPlacements[i].homogeneous for i in range(1, JOINTS + 1)])
+    return Skeleton(own_axis, longest, points[0], _turned(placed, own_axis))
+
+
+def _turned(T_before_joint: FloatArray, axis: FloatArray) -> FloatArray:
+    """As in `Skeleton`; joints at angle 0, shape (6, 4, 4), and their axes, shape (6, 3)."""
+    turned = np.zeros((3, JOINTS, 4, 4))
+    along = axis[:, :, None] * axis[:, None, :]
+    turned[0, :, :3, :3], turned[0, :, 3, 3] = along, 1.0
+    turned[1, :, :3, :3] = cross(axis[:, None], np.eye(3)).swapaxes(1, 2)
+    turned[2, :, :3, :3] = np.eye(3) - along
+    parts: FloatArray = T_before_joint @ turned
+    return parts
 
 
 def _longest(points: FloatArray, axes: FloatArray) -> float:

@@ -1,9 +1,9 @@
 """Prove that a motion keeps every pair of bodies apart, or find where it does not.
 
 No body's point moves further than the sum of the joints' turns, each times its reach, and a plane between two bodies
-tells more (`separation`). So one posture with known distances proves every posture near it, and a motion is done when
-such neighbourhoods cover it: nothing between samples is left to luck. A pair that is proven on a part of the motion is
-not looked at there again.
+tells more (`separation`). So one posture with known distances proves parts of the motion far and near, and a motion is
+done when they cover it: nothing between samples is left to luck. A pair that is proven on a part of the motion is not
+looked at there again.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from doormill_ros.collision.world import World
 RESERVE = 0.002
 #: A way without a bulge keeps that all along but for this: the verdict does not hang on where it is looked at [m].
 HAIR = 1e-5
+#: By as much bodies may be off their chords between the postures that a way is looked at in one go [m].
+BEND = 0.004
 LOOKS = 4  #: at each part of a way before much is spent on it
 CONVEX = 5  #: places that are looked at on a straight way of the tool
 MOST = 20_000  #: postures; more than any way within a cell takes
@@ -86,37 +88,62 @@ def contact_along(
     """
     if pairs is None:
         pairs = np.flatnonzero(world.outside_cut) if cutting else np.arange(len(world.names))
-    n = len(q) - 1
-    off = None if bulge is None else np.maximum(bulge[np.r_[0, :n]], bulge[np.r_[:n, n - 1]])
     needed = world.clearance + (RESERVE - HAIR if bulge is None else 0.0)
-    ways = deque([(q, off, pairs)] if len(pairs) else [])
-    for looked in range(MOST):
-        if not ways:
-            return None
+    ways = deque([(q, bulge, pairs)] if len(pairs) else [])
+    looks = 0
+    while ways:
         # Long parts come first, so that what is in the way is found soon.
         q, off, pairs = ways.popleft()
-        at, size = _halfway(q, world.farthest)
-        here = 0.5 * (q[at] + q[at + 1])
-        distance = world.distances(here, pairs)
-        if distance.min() < world.clearance + RESERVE:
-            return _contact(world, pairs, distance, here)
-        q = np.concatenate([q[: at + 1], here[None], q[at + 1 :]])
-        if off is not None:
-            off = np.concatenate([off[: at + 1], off[at : at + 2].max(axis=0)[None], off[at + 1 :]])
-        lowest = world.lowest(pairs, distance, q - here, off, world.clearance + RESERVE)
-        for end in () if looked else (-1, 0):
-            close = pairs[lowest[end] < world.clearance + RESERVE]
-            found = _contact_of(world, q[end], close)
-            if found is not None:
-                return found
-        for half in (slice(at + 2), slice(at + 1, None)):
-            rest = pairs[lowest[half].min(axis=0) < needed]
-            if len(rest) and size < 0.1 * RESERVE:
-                # Only what the way may leave its line by is too much: as good as a contact.
-                return _contact(world, pairs, distance, here)
-            if len(rest):
-                ways.append((q[half], None if off is None else off[half], rest))
-    raise AssertionError("a way takes more postures than any can")
+        q, off, at = _divided(world, q, off)
+        parts = np.arange(len(q) - 1)[:, None] + np.arange(2)
+        region = world.region(q, parts, off)
+        left = np.ones((len(pairs), len(parts)), dtype=bool)
+        rest: dict[int, IntArray] = {}
+        while left.any():
+            looks += 1
+            if looks > MOST:
+                raise AssertionError("a way takes more postures than any can")
+            beside = range(max(at - 1, 0), min(at + 1, len(parts)))
+            own = np.flatnonzero(left[:, beside].any(axis=1))
+            distance = world.distances(q[at], pairs[own])
+            if distance.min() < world.clearance + RESERVE:
+                return _contact(world, pairs[own], distance, q[at])
+            left[own] &= world.lowest(pairs[own], distance, q[at], region, needed) < needed
+            for part in beside:
+                if left[:, part].any():
+                    if float(np.abs(q[part + 1] - q[part]) @ world.farthest) < 0.1 * RESERVE:
+                        # Only what the way may leave its line by is too much: as good as a contact.
+                        return _contact(world, pairs[own], distance, q[at])
+                    rest[part] = pairs[left[:, part]]
+                    left[:, part] = False
+            if left.any():
+                # In the middle of where the pair that is proven least is not proven yet.
+                open_ = np.flatnonzero(left[left.sum(axis=1).argmax()])
+                at = int(open_[len(open_) // 2])
+        ways += [(q[i : i + 2], None if off is None else off[i : i + 1], own) for i, own in rest.items()]
+    return None
+
+
+def _divided(
+    world: World, q: FloatArray, off: FloatArray | None
+) -> tuple[FloatArray, FloatArray | None, int]:
+    """A way in parts so short that bodies hardly bend off their chords, and the number of the posture in its middle.
+
+    Args:
+        world: The bodies.
+        q: Postures, shape (n, 6) [rad].
+        off: As `contact_along`'s bulge.
+    """
+    turn = np.abs(np.diff(q, axis=0))
+    count = np.ceil(np.sqrt(world.bend(turn) / BEND)).astype(int).clip(1)
+    way = (turn @ world.farthest).cumsum()
+    middle = int(way.searchsorted(0.5 * way[-1]))
+    count[middle] += count[middle] % 2
+    at = int(count[:middle].sum() + count[middle] // 2)
+    part = np.repeat(np.arange(len(turn)), count)
+    share = np.concatenate([np.arange(number) / number for number in count.tolist()])[:, None]
+    places = np.concatenate([q[part] + share * (q[part + 1] - q[part]), q[-1:]])
+    return places, None if off is None else off[part], at
 
 
 def contact_on_line(world: World, q: FloatArray, fraction: FloatArray) -> Contact | None:
@@ -159,13 +186,6 @@ def _contact(world: World, pairs: IntArray, distance: FloatArray, q: FloatArray)
     worst = int(distance.argmin())
     body, obstacle = world.names[pairs[worst]]
     return Contact(body, obstacle, float(distance[worst]), np.array(q))
-
-
-def _halfway(q: FloatArray, farthest: FloatArray) -> tuple[int, float]:
-    """The part in the middle of a way, and how far a body may move on the longest one [m]; shapes (m, 6), (6,)."""
-    size = np.abs(q[1:] - q[:-1]) @ farthest
-    way = size.cumsum()
-    return int(way.searchsorted(0.5 * way[-1])), float(size.max())
 
 
 def bulge_of(q: FloatArray) -> FloatArray:

@@ -18,8 +18,9 @@ except ImportError:  # its name until Pinocchio 3
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.cell.layout import CellLayout
-from doormill_ros.collision.separation import Bodies, Separation, curve_of
-from doormill_ros.collision.skeleton import model_of, skeleton_of
+from doormill_ros.collision.placed import Placed
+from doormill_ros.collision.separation import Bodies, Region, curve_of
+from doormill_ros.collision.skeleton import Skeleton, model_of, skeleton_of
 from doormill_ros.robot.bodies import Body, load_bodies
 from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.description import Robot
@@ -51,33 +52,6 @@ class PlacedDoor:
     T_base_door: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class _Placed:
-    """A body on a moving joint (0: none): its name, the joint, and its farthest points in the joint's frame.
-
-    `half` are half its edges along its own axes, those of a capsule 0 but for the third, shape (3,) [m]; `place` is the
-    pose of its middle in that frame, shape (4, 4).
-    """
-
-    name: str
-    joint: int
-    corners: FloatArray
-    margin: float
-    index: int
-    half: FloatArray
-    place: FloatArray
-
-    def distance_from(self, point: FloatArray) -> float:
-        """How far it is from a point of the joint's frame, shape (3,) [m]; not positive for one inside."""
-        own = (point - self.place[:3, 3]) @ self.place[:3, :3]
-        return float(np.linalg.norm((np.abs(own) - self.half).clip(0.0))) - self.margin
-
-    def distance_to(self, point: FloatArray) -> float:
-        """Of a point from the box round the body along its joint's axes, shape (3,) [m]."""
-        outside = np.maximum(self.corners.min(axis=0) - point, point - self.corners.max(axis=0)).clip(0.0)
-        return float(np.linalg.norm(outside)) - self.margin
-
-
 class World:
     """One robot before one door.
 
@@ -98,6 +72,8 @@ class World:
         self._model = model_of(robot.urdf)
         self._data = self._model.createData()
         self._geometry = pin.GeometryModel()
+        self._bones = skeleton_of(robot.urdf)
+        self._index: dict[Placed, int] = {}  # its bodies in turn, with their numbers
         moving = [self._add(body, body.link) for body in load_bodies(robot)]
         spindle = [self._add(body, robot.flange_link) for body in layout.spindle]
         mill_body = self._add(_mill_body(layout, mill), robot.flange_link)
@@ -107,42 +83,35 @@ class World:
             fixed += [self._add_box(name, *box, door.T_base_door) for name, box in boards if box is not None]
             fixed.append(self._add_box(DOOR, np.zeros(3), door.size, door.T_base_door))
         moving += [*spindle, mill_body]
-        bones = skeleton_of(robot.urdf)
         # What a body reaches in no posture is no pair: of most of the cell the better part of the arm.
-        away = [body.distance_from(bones.origin) - self.clearance - FAR for body in fixed]
-        far = {a.index: bones.farthest(a.joint, a.corners, a.margin) for a in moving if a.joint}
+        away = [body.away - self.clearance - FAR for body in fixed]
         pairs = [
-            (a, b)
-            for a in moving
-            if a.joint
-            for b, off in zip(fixed, away, strict=True)
-            if off < far[a.index]
+            (a, b) for a in moving if a.joint for b, off in zip(fixed, away, strict=True) if off < a.farthest
         ]
         tool = {body.name for body in [*spindle, mill_body]}
         wrist = self._model.jointPlacements[FOREARM + 1].translation
         forearm = [body for body in moving if body.joint == FOREARM and body.distance_to(wrist) >= WRIST_ROOM]
         pairs += [(a, b) for a in moving for b in moving if a.joint - b.joint >= JOINTS_APART]
         pairs += [(a, b) for a in [*spindle, mill_body] for b in forearm]
-        for a, b in pairs:
-            self._geometry.addCollisionPair(pin.CollisionPair(a.index, b.index))
+        self._sides = np.array([(self._index[a], self._index[b]) for a, b in pairs]).T
+        for first, second in self._sides.T.tolist():
+            self._geometry.addCollisionPair(pin.CollisionPair(first, second))
         self._results = self._geometry.createData()
         # Each stays where it is and is filled anew; to take them out of Pinocchio costs as much as the distances.
         self._found = list(self._results.distanceResults)
         self.names = tuple((a.name, b.name) for a, b in pairs)
-        reach = {b.index: bones.reach(b.joint, b.corners, b.margin) for b in moving if b.joint}
         moves = np.array([b.joint for a, b in pairs])[:, None] < _BEHIND
-        self.reach = np.where(moves, np.array([reach[a.index] for a, b in pairs]), 0.0)
+        self.reach = np.where(moves, np.array([a.reach for a, b in pairs]), 0.0)
         self.farthest: FloatArray = self.reach.max(axis=0, initial=0.0)
         self._curve = curve_of(self.reach)
-        self._sides = np.array([(a.index, b.index) for a, b in pairs]).T
-        self._moves = (self.reach > 0.0)[:, None]
+        self._most_curved = curve_of(self.farthest[None])[0]
+        self._joint_behind = np.array([b.joint for a, b in pairs])
         self._joints = [self._data.oMi[i] for i in range(JOINTS + 1)]
-        all_ = sorted([*moving, *fixed], key=lambda body: body.index)
         self._bodies = Bodies(
-            np.array([body.half for body in all_]),
-            np.array([body.margin for body in all_]),
-            np.array([body.joint for body in all_]),
-            np.array([body.place for body in all_]),
+            np.array([body.half for body in self._index]),
+            np.array([body.margin for body in self._index]),
+            np.array([body.joint for body in self._index]),
+            np.array([body.place for body in self._index]),
         )
         still = {body.name for body in fixed}
         self.tool_and_cell: BoolArray = np.array([a.name in tool and b.name in still for a, b in pairs])
@@ -170,75 +139,104 @@ class World:
             [pin.computeDistance(self._geometry, self._results, i).min_distance for i in pairs.tolist()]
         )
 
+    def region(self, q: FloatArray, hulls: IntArray, off: FloatArray | None = None) -> Region:
+        """Postures in the hulls of some.
+
+        Args:
+            q: Some postures, shape (n, 6) [rad].
+            hulls: Numbers of those that each hull is of, shape (h, c).
+            off: How far each joint may be beside a hull, shape (h, 6) [rad]; None for not at all.
+        """
+        return Region(
+            q, hulls, np.zeros((len(hulls), JOINTS)) if off is None else off, self._bones, self._bodies
+        )
+
+    def bend(self, turn: FloatArray) -> FloatArray:
+        """How far any body may be off its chord while joints turn by so much, shapes (n, 6) [rad] -> (n,) [m]."""
+        both = (turn[:, :, None] * turn[:, None, :]).reshape(len(turn), -1)
+        bend: FloatArray = 0.125 * both @ self._most_curved
+        return bend
+
     def lowest(
         self,
         pairs: IntArray,
         distance: FloatArray,
-        step: FloatArray,
-        off: FloatArray | None = None,
+        here: FloatArray,
+        region: Region,
         enough: float = np.inf,
     ) -> FloatArray:
-        """Distances that pairs have at least about the posture in which theirs were asked for last, shape (m, n) [m].
+        """Distances that pairs have at least in a region, shape (n, h) [m].
 
         Most bodies are so far apart that their reach alone tells enough; a plane is looked for only between others.
 
         Args:
             pairs: Their numbers, shape (n,).
-            distance: What was found, all above 0, shape (n,) [m].
-            step: Of the joints from the posture, shape (m, 6) [rad].
-            off: How far each joint may be beside that, shape (m, 6) or (6,) [rad]; None for not at all.
-            enough: For a pair that keeps this on every step something less than its bound may be told, yet no less
+            distance: What was found when they were asked for last, all above 0, shape (n,) [m].
+            here: The posture in which that was, shape (6,) [rad].
+            region: The postures, in h hulls.
+            enough: For a pair that keeps this in every hull something less than its bound may be told, yet no less
                 than this [m].
         """
-        turned = np.abs(step) if off is None else np.abs(step) + off
-        lowest: FloatArray = distance - turned @ self.reach[pairs].T
-        near = np.flatnonzero(lowest.min(axis=0) < enough)
+        reach = self.reach[pairs]
+        lowest: FloatArray = distance[:, None] - reach @ (region.turned(here) + region.off).T
+        near = np.flatnonzero(lowest.min(axis=1) < enough)
         if len(near):
             # The library knows a plane less exactly than a distance, which tells on bodies as wide as a floor.
-            by_plane = self._separation(pairs[near]).lowest(step, off)
-            lowest[:, near] = np.maximum(by_plane, lowest[:, near])
+            rows = pairs[near]
+            gap = self._bodies.gap(self._sides[:, rows], self._planes(rows), region)
+            by_plane = gap[:, region.hulls].min(axis=2) - 0.125 * self._curve[rows] @ region.spread
+            lowest[near] = np.maximum(by_plane - reach[near] @ region.off.T, lowest[near])
         return lowest
 
-    def _separation(self, pairs: IntArray) -> Separation:
-        """Planes between pairs in the posture in which their distances were asked for last, shape (n,)."""
+    def _planes(self, pairs: IntArray) -> FloatArray:
+        """Normals of planes between pairs in the posture in which their distances were asked for last, shape (n, 3).
+
+        Each in the frame of the joint of the pair's second body, towards the first one.
+        """
         results = [self._found[i] for i in pairs.tolist()]
         first = np.concatenate([result.getNearestPoint1() for result in results])
         second = np.concatenate([result.getNearestPoint2() for result in results])
         way = (first - second).reshape(-1, 3)
-        normal = way / np.sqrt((way**2).sum(axis=1))[:, None]
-        self._bodies.stand(np.array([place.homogeneous for place in self._joints]))
-        J = pin.computeJointJacobians(self._model, self._data)
-        gap, slope = self._bodies.gap_and_slope(self._sides[:, pairs], normal, J)
-        slope *= self._moves[pairs]
-        return Separation(gap, slope, self._curve[pairs])
+        R_base_joint = np.array([place.rotation for place in self._joints])[self._joint_behind[pairs]]
+        normal: FloatArray = (way[:, None] @ R_base_joint)[:, 0]
+        normal /= np.sqrt((normal**2).sum(axis=1))[:, None]
+        return normal
 
-    def _add(self, body: Body, link: str) -> _Placed:
-        frame = self._model.frames[self._model.getFrameId(link)]
-        joint = int(frame.parentJoint)
-        T_joint_link = frame.placement.homogeneous
-        if body.size is not None:
-            shape, half = coal.Box(*body.size), 0.5 * body.size
-        else:
-            length = float(np.linalg.norm(np.subtract(*body.ends)))
-            shape, half = coal.Capsule(body.margin, length), np.array([0.0, 0.0, 0.5 * length])
-        place = pin.SE3(T_joint_link @ body.T_frame_body)
-        index = self._geometry.addGeometryObject(_object(body.name, joint, place, shape))
-        corners = body.corners @ T_joint_link[:3, :3].T + T_joint_link[:3, 3]
-        return _Placed(body.name, joint, corners, body.margin, int(index), half, place.homogeneous)
+    def _add(self, body: Body, link: str) -> Placed:
+        return self._put(*_on_joint(self._model, self._bones, body, link))
 
-    def _add_box(self, name: str, low: FloatArray, high: FloatArray, T_base_door: FloatArray) -> _Placed:
+    def _add_box(self, name: str, low: FloatArray, high: FloatArray, T_base_door: FloatArray) -> Placed:
         """A box between two corners of the door frame."""
         T = T_base_door.copy()
         T[:3, 3] += T[:3, :3] @ (0.5 * (low + high))
-        shape = coal.Box(*(high - low))
-        index = self._geometry.addGeometryObject(_object(name, 0, pin.SE3(T), shape))
-        return _Placed(name, 0, np.zeros((0, 3)), 0.0, int(index), 0.5 * (high - low), T)
+        box = Placed(name, 0, np.zeros((0, 3)), 0.0, 0.5 * (high - low), T, self._bones)
+        return self._put(box, coal.Box(*(high - low)))
+
+    def _put(self, body: Placed, shape: coal.CollisionGeometry) -> Placed:
+        place = pin.SE3(body.place)
+        if coal.__name__ == "coal":
+            own = pin.GeometryObject(body.name, body.joint, place, shape)
+        else:
+            own = pin.GeometryObject(body.name, body.joint, shape, place)
+        self._index[body] = int(self._geometry.addGeometryObject(own))
+        return body
 
 
-def _object(name: str, joint: int, place: pin.SE3, shape: coal.CollisionGeometry) -> pin.GeometryObject:
-    if coal.__name__ == "coal":
-        return pin.GeometryObject(name, joint, place, shape)
-    return pin.GeometryObject(name, joint, shape, place)
+@functools.lru_cache(maxsize=256)  # but for the door all bodies stay what they are
+def _on_joint(
+    model: pin.Model, bones: Skeleton, body: Body, link: str
+) -> tuple[Placed, coal.CollisionGeometry]:
+    """A body of a link on its joint, and its shape."""
+    frame = model.frames[model.getFrameId(link)]
+    T_joint_link = frame.placement.homogeneous
+    if body.size is not None:
+        shape, half = coal.Box(*body.size), 0.5 * body.size
+    else:
+        length = float(np.linalg.norm(np.subtract(*body.ends)))
+        shape, half = coal.Capsule(body.margin, length), np.array([0.0, 0.0, 0.5 * length])
+    corners = body.corners @ T_joint_link[:3, :3].T + T_joint_link[:3, 3]
+    joint, place = int(frame.parentJoint), T_joint_link @ body.T_frame_body
+    return Placed(body.name, joint, corners, body.margin, half, place, bones), shape
 
 
 @functools.lru_cache(maxsize=8)  # it is made for every door, and what it works out of itself stays with it

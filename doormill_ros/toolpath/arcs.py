@@ -34,9 +34,9 @@ def unfollowable(program: MillingProgram) -> dict[int, str]:
     via = places[list(circular.values())] - start
     end = places[[program.motions[i].target for i in arcs]] - start
     near = np.minimum(np.linalg.norm(via, axis=1), np.linalg.norm(end, axis=1))
-    seen = _angle(via, end)
+    seen = turns_between(via, end)
     # The angle at the circle point stands over what the arc leaves of a full circle.
-    turned = 2.0 * (math.pi - _angle(-via, end - via))
+    turned = 2.0 * (math.pi - turns_between(-via, end - via))
     found: dict[int, str] = {}
     for k, i in enumerate(arcs):
         if near[k] < SMALLEST_CHORD:
@@ -48,30 +48,32 @@ def unfollowable(program: MillingProgram) -> dict[int, str]:
     return found
 
 
-def circle(
+def circles(
     start: FloatArray, via: FloatArray, end: FloatArray
-) -> tuple[float, float, FloatArray, FloatArray]:
-    """What a MoveC through three points is, each of shape (3,) [m].
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """What each MoveC through three points is, shape (n, 3) each [m].
 
     Returns:
-        Length and radius [m], and the unit directions of travel at begin and end, shape (3,).
+        Lengths and radii, shape (n,) [m], and unit directions of travel at begin and end, shape (n, 3).
     """
-    # Plain numbers: three of them cost an array as much as a thousand do, and a door has hundreds of arcs.
-    a, b, chord = (via - start).tolist(), (end - via).tolist(), (end - start).tolist()
+    a, b, chord = via - start, end - via, end - start
     # The angle at the circle point stands over half of the arc that lies opposite.
-    normal = _cross(a, b)
-    across, before, behind, straight = (math.hypot(*vector) for vector in (normal, a, b, chord))
-    turned = 2.0 * math.atan2(across, _dot(a, b))
-    if turned < STRAIGHT:
-        direction = np.array(chord) / max(straight, 1e-12)
-        return before + behind, math.inf, direction, direction
-    radius = straight / (2.0 * abs(math.sin(0.5 * turned)))
+    normal = cross(a, b)
+    across, before, behind, straight = (np.linalg.norm(vectors, axis=1) for vectors in (normal, a, b, chord))
+    turned = 2.0 * np.arctan2(across, np.einsum("ni,ni->n", a, b))
+    bent = turned >= STRAIGHT
+    radius = np.full(len(a), np.inf)
+    np.divide(straight, 2.0 * np.abs(np.sin(0.5 * turned)), out=radius, where=bent)
+    length = np.where(bent, turned, 0.0) * np.where(bent, radius, 0.0) + np.where(bent, 0.0, before + behind)
+    along = chord / np.maximum(straight, 1e-12)[:, None]
     # Between a chord and the tangent lies half the angle that the chord spans, asin of half of it over the radius.
-    first = math.asin(min(1.0, before / (2.0 * radius)))
-    last = math.asin(min(1.0, behind / (2.0 * radius)))
-    begin = _turned(a, _cross(normal, a), -first, before, across)
-    finish = _turned(b, _cross(normal, b), last, behind, across)
-    return radius * turned, radius, begin, finish
+    begin, finish = (
+        _turned(
+            vector, cross(normal, vector), way * np.arcsin(np.minimum(1.0, size / (2.0 * radius))), across
+        )
+        for vector, size, way in ((a, before, -1.0), (b, behind, 1.0))
+    )
+    return length, radius, np.where(bent[:, None], begin, along), np.where(bent[:, None], finish, along)
 
 
 def turn_between(a: FloatArray, b: FloatArray) -> float:
@@ -80,10 +82,12 @@ def turn_between(a: FloatArray, b: FloatArray) -> float:
     return math.atan2(math.hypot(*_cross(first, second)), _dot(first, second))
 
 
-def _turned(along: list[float], aside: list[float], angle: float, length: float, across: float) -> FloatArray:
-    """Unit direction of a vector turned towards another one at right angles, `across` times as long as itself."""
-    c, s = math.cos(angle) / length, math.sin(angle) / (length * across)
-    return np.array([c * u + s * v for u, v in zip(along, aside, strict=True)])
+def _turned(along: FloatArray, aside: FloatArray, angle: FloatArray, across: FloatArray) -> FloatArray:
+    """Unit directions of vectors turned towards others at right angles, `across` times as long, shape (n, 3)."""
+    aside = aside / np.maximum(across, 1e-300)[:, None]
+    turned = np.cos(angle)[:, None] * along + np.sin(angle)[:, None] * aside
+    unit: FloatArray = turned / np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
+    return unit
 
 
 def _dot(a: list[float], b: list[float]) -> float:
@@ -94,7 +98,7 @@ def _cross(a: list[float], b: list[float]) -> list[float]:
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
-def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
+def turns_between(a: FloatArray, b: FloatArray) -> FloatArray:
     """Angles between vectors, shapes (n, 3) -> (n,) [rad]."""
     angle: FloatArray = np.arctan2(np.linalg.norm(cross(a, b), axis=1), np.einsum("ni,ni->n", a, b))
     return angle

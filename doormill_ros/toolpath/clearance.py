@@ -176,7 +176,8 @@ def check_feature(
             )
         bulge = 2.0 * np.abs(postures[:-1].mean(axis=0) - here)
         enough = world.clearance + RESERVE
-        lowest = world.lowest(pairs, distance, postures - here, bulge, enough).min(axis=0)
+        region = world.region(postures[:-1], np.arange(8)[None], bulge[None])
+        lowest = world.lowest(pairs, distance, here, region, enough)[:, 0]
         if lowest.min() < world.clearance:
             axis = int((high - low).argmax())
             middle = 0.5 * (low[axis] + high[axis])

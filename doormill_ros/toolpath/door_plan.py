@@ -71,8 +71,22 @@ def door_plan(
             f"door {recipe.door_id} leaves this robot 0 features, allowed is at least 1; "
             "check the recipe or the split of the work"
         )
+    drawn_back = tuple(sorted((retreats or {}).items()))
+    return _planned(recipe.program, recipe.material, tuple(operations), settings, drawn_back, frozenset(free))
+
+
+@functools.lru_cache(maxsize=64)  # nothing of it hangs on where the door stands
+def _planned(
+    program: Program,
+    material: Material,
+    operations: tuple[Operation, ...],
+    settings: PathSettings,
+    retreats: tuple[tuple[int, float], ...],
+    free: frozenset[int],
+) -> Plan:
+    """As `door_plan`; `retreats` are numbers of operations with the distances [m]."""
     if (
-        recipe.program is Program.PATH_20
+        program is Program.PATH_20
         and fits_path_20([item.feature for item in operations])
         and all(
             item.feature.tool.centre_cutting
@@ -83,15 +97,16 @@ def door_plan(
         return thesis_plan(operations, settings)
     steps: list[Step] = []
     before: Operation | None = None
+    distances = dict(retreats)
     for number, item in enumerate(operations):
-        cuts = list(_cuts(item, recipe.material, settings))
+        cuts = list(_cuts(item, material, settings))
         if steps:
             cuts = _at_one_speed(cuts, steps[-1].spindle_speed, item, settings)
         if before is not None and number in free:
             at, goal = steps[-1].curve.end, cuts[0].curve.end
             steps.append(_air(cuts[0], at, goal, MotionKind.JOINT))
         else:
-            steps += _way(before, item, steps, cuts[0], settings, (retreats or {}).get(number))
+            steps += _way(before, item, steps, cuts[0], settings, distances.get(number))
         steps += cuts[1:]
         before = item
     ways = settings.approach.way_speed
@@ -107,9 +122,7 @@ def _at_one_speed(cuts: list[Step], before: float, item: Operation, settings: Pa
     return [step.changed(spindle_speed=before) for step in cuts]
 
 
-@functools.lru_cache(
-    maxsize=128
-)  # a plan is made anew for every way between features that is tried, and for every door
+@functools.lru_cache(maxsize=128)  # a plan is made anew for every way between features that is tried
 def _cuts(item: Operation, material: Material, settings: PathSettings) -> tuple[Step, ...]:
     steps = pocket_steps(item, settings)
     return tuple(

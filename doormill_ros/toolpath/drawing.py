@@ -15,7 +15,7 @@ from doormill_ros.recipes.errors import UnreadableFile
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.arcs import circle
+from doormill_ros.toolpath.arcs import circles
 from doormill_ros.toolpath.curve import arc_about
 from doormill_ros.toolpath.program import AT_POINTS, MillingProgram, MotionKind
 from doormill_ros.units import m_to_mm
@@ -155,7 +155,7 @@ def _ways(
 
 def _arc(start: FloatArray, via: FloatArray, end: FloatArray) -> FloatArray:
     """Points on the circle through three points, shape (n, 3)."""
-    length, radius, begin, _ = circle(start, via, end)
+    (length,), (radius,), (begin,), _ = circles(start[None], via[None], end[None])
     if not np.isfinite(radius):
         return np.array([start, via, end])
     normal = np.cross(begin, via - start)

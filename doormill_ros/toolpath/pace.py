@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
-from doormill_ros.toolpath.arcs import circle, turn_between
+from doormill_ros.toolpath.arcs import turn_between, turns_between
 from doormill_ros.toolpath.curve import Arc
+from doormill_ros.toolpath.motion_ways import motion_ways
 from doormill_ros.toolpath.plan import Step
-from doormill_ros.toolpath.program import AT_POINTS, MillingProgram, Motion, MotionKind
+from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings
 from doormill_ros.units import deg_to_rad
 
@@ -66,20 +66,18 @@ def zone_of(mill_radius: float) -> str:
 
 def paced(program: MillingProgram, settings: PathSettings) -> MillingProgram:
     """The program with every feed lowered to what can be followed along its corrected targets."""
-    at = np.array([t.T_base_tool_corrected[:3, 3] for t in program.targets])
-    ways = [_way(program, i, at) for i in range(len(program.motions))]
+    ways = motion_ways(program, np.array([t.T_base_tool_corrected[:3, 3] for t in program.targets]))
+    known, length = ways.known.tolist(), ways.length.tolist()
     shortest, acceleration = settings.correction.segment_time, SPARE * settings.cycle.acceleration
-    speed = [motion.speed for motion in program.motions]
-    for i, way in enumerate(ways):
-        if way is None:
+    speed = np.array([motion.speed for motion in program.motions])
+    followed = np.minimum(SPARE * ways.length / shortest, np.sqrt(acceleration * ways.radius))
+    speed = np.where(ways.known, np.minimum(speed, followed), speed).tolist()
+    turns = turns_between(ways.end[:-1], ways.begin[1:]).tolist()
+    for i, (motion, after) in enumerate(itertools.pairwise(program.motions)):
+        if motion.zone == "fine" or not (motion.cutting or after.cutting) or not (known[i] and known[i + 1]):
             continue
-        length, radius, _, leaving = way
-        speed[i] = min(speed[i], SPARE * length / shortest, math.sqrt(acceleration * radius))
-        motion, after = program.motions[i], ways[i + 1] if i + 1 < len(ways) else None
-        if after is None or motion.zone == "fine" or not (motion.cutting or program.motions[i + 1].cutting):
-            continue
-        legs = min(ZONES[motion.zone], 0.5 * length, 0.5 * after[0])
-        passed = math.sqrt(acceleration * corner_radius(turn_between(leaving, after[2]), legs))
+        legs = min(ZONES[motion.zone], 0.5 * length[i], 0.5 * length[i + 1])
+        passed = math.sqrt(acceleration * corner_radius(turns[i], legs))
         speed[i], speed[i + 1] = min(speed[i], passed), min(speed[i + 1], passed)
     motions = (replace(m, speed=v) if v < m.speed else m for m, v in zip(program.motions, speed, strict=True))
     return replace(program, motions=tuple(motions))
@@ -131,21 +129,3 @@ def _slower(step: Step, begin: float, end: float, zone: str, settings: PathSetti
     if ends[1]:
         parts.append(step.part(last, 1.0).changed(speed=end))
     return parts
-
-
-def _way(
-    program: MillingProgram, index: int, at: FloatArray
-) -> tuple[float, float, FloatArray, FloatArray] | None:
-    """Length and radius [m] of a MoveL or MoveC, and its unit directions at begin and end; None of any other."""
-    motion: Motion = program.motions[index]
-    if not index or motion.kind not in (MotionKind.LINEAR, MotionKind.CIRCULAR):
-        return None
-    before = program.motions[index - 1]
-    if before.kind in AT_POINTS:
-        return None
-    start, end = at[before.target], at[motion.target]
-    if motion.via is not None:
-        return circle(start, at[motion.via], end)
-    length = math.dist(start, end)
-    direction = (end - start) / max(length, 1e-12)
-    return length, math.inf, direction, direction

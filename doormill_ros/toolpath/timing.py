@@ -11,7 +11,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import inverse
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
-from doormill_ros.toolpath.arcs import circle
+from doormill_ros.toolpath.motion_ways import motion_ways
 from doormill_ros.toolpath.program import AT_POINTS, RACK_KINDS, MillingProgram, Motion, MotionKind
 from doormill_ros.toolpath.settings import Cycle
 
@@ -39,8 +39,8 @@ def motion_times(program: MillingProgram, robot: Robot, cycle: Cycle) -> FloatAr
         return times
     motions = program.motions
     stop = [_stops(program, i) for i in range(n)]
-    straight = [i for i in range(1, n) if motions[i].kind not in JOINT_MOTIONS]
-    lengths = {i: motion_length(program, i) for i in straight}
+    ways = motion_lengths(program).tolist()
+    lengths = {i: ways[i] for i in range(1, n) if motions[i].kind not in JOINT_MOTIONS}
     passed = _passed(program, lengths, stop, cycle.acceleration)
     joint = {i for i, motion in enumerate(motions) if motion.kind in JOINT_MOTIONS} | {n}
     by_joints = _joint_times(program, robot, cycle, joint)
@@ -166,13 +166,7 @@ def _stretch(length: float, speed: float, acceleration: float, begin: float, end
     return (2.0 * speed - begin - end) / acceleration + (length - ramps) / speed
 
 
-def motion_length(program: MillingProgram, index: int) -> float:
-    """Length of a MoveL or MoveC on the nominal path [m]."""
-    motion, before = program.motions[index], program.motions[index - 1]
-    if before.kind in AT_POINTS:
-        return 0.0
-    start = program.targets[before.target].T_base_tool_nominal[:3, 3]
-    end = program.targets[motion.target].T_base_tool_nominal[:3, 3]
-    if motion.via is None:
-        return math.dist(start, end)
-    return circle(start, program.targets[motion.via].T_base_tool_nominal[:3, 3], end)[0]
+def motion_lengths(program: MillingProgram) -> FloatArray:
+    """Lengths of the MoveL and MoveC of n motions on the nominal path, 0 for the others, shape (n,) [m]."""
+    places = np.array([target.T_base_tool_nominal[:3, 3] for target in program.targets]).reshape(-1, 3)
+    return motion_ways(program, places).length

@@ -6,7 +6,7 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recipes.tabled_tool import TabledTool
 from doormill_ros.toolpath.errors import ToolLifeError
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.timing import motion_length
+from doormill_ros.toolpath.timing import motion_lengths
 
 
 def cut_lengths(program: MillingProgram, recipe: Recipe) -> dict[str, float]:
@@ -18,10 +18,12 @@ def cut_lengths(program: MillingProgram, recipe: Recipe) -> dict[str, float]:
     """
     tools = {feature.id: feature.tool for feature in recipe.features if isinstance(feature.tool, TabledTool)}
     lengths: dict[str, float] = {}
-    for index, motion in enumerate(program.motions):
+    if not tools:
+        return lengths
+    for motion, length in zip(program.motions, motion_lengths(program).tolist(), strict=True):
         tool = tools.get(motion.feature)
         if motion.cutting and tool is not None:
-            lengths[tool.name] = lengths.get(tool.name, 0.0) + motion_length(program, index)
+            lengths[tool.name] = lengths.get(tool.name, 0.0) + length
     return lengths
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 
 import numpy as np
@@ -28,7 +29,14 @@ def beside_rack(
     carried: str | None = None,
 ) -> CellLayout:
     """The cell with what waits in the robot's rack among its obstacles; arguments as of `waiting_tools`."""
-    return layout.beside(waiting_tools(layout, robot, settings, tools, carried))
+    return _beside(layout, tuple(waiting_tools(layout, robot, settings, tools, carried)))
+
+
+@functools.lru_cache(
+    maxsize=32
+)  # so that what was worked out of the same cell is found again at the next door
+def _beside(layout: CellLayout, bodies: tuple[Body, ...]) -> CellLayout:
+    return layout.beside(bodies)
 
 
 def waiting_tools(
@@ -53,19 +61,31 @@ def waiting_tools(
     if carried is None:
         carried = rack.places[0].tool
     nose = float(layout.T_flange_tool[2, 3]) - settings.approach.nose
+    sizes = tuple(_size(tools.get(place.tool), settings) for place in rack.places)
+    return list(_standing(rack, robot, nose, sizes, carried))
+
+
+def _size(tool: Tool | None, settings: PathSettings) -> tuple[float, float]:
+    """Width of a tool, and how far it stands out of the spindle [m]."""
+    width = 2.0 * settings.approach.mill_radius if tool is None else tool.diameter
+    return width, tool.length if isinstance(tool, TabledTool) else settings.approach.nose
+
+
+@functools.lru_cache(maxsize=32)
+def _standing(
+    rack: Rack, robot: Robot, nose: float, sizes: tuple[tuple[float, float], ...], carried: str
+) -> tuple[Body, ...]:
+    """As `waiting_tools`; `nose` is where the tools begin, flange frame, and `sizes` are theirs by place [m]."""
     bodies = []
-    for place in rack.places:
+    for place, (width, length) in zip(rack.places, sizes, strict=True):
         T_base_seat = _seat(rack, place, robot)
         bodies.append(rack.held_in(place).mapped(T_base_seat))
         if place.tool != carried:
-            tool = tools.get(place.tool)
-            width = 2.0 * settings.approach.mill_radius if tool is None else tool.diameter
-            length = tool.length if isinstance(tool, TabledTool) else settings.approach.nose
             middle = np.array([0.0, 0.0, nose + 0.5 * length])
             size = np.array([width, width, length])
             standing = Body(tool_name(place), "box", size=size, position=middle, rotation=np.zeros(3))
             bodies.append(standing.mapped(T_base_seat))
-    return bodies
+    return tuple(bodies)
 
 
 def tool_name(place: RackPlace) -> str:

@@ -94,8 +94,8 @@ class _Ways:
     def homeward(
         self, q: FloatArray, what: str, feature: str, known: Sequence[FloatArray] = ()
     ) -> list[FloatArray]:
-        """Points from a posture in front of a feature to home, both left out; `known` is the way from near it."""
-        if len(known) > 1 and contact_along(self.world, np.array([q, *known[1:], self.rest])) is None:
+        """Points from a posture in front of a feature to home, both left out; `known` is a free way from near it."""
+        if len(known) > 1 and contact_along(self.world, np.array([q, known[1]])) is None:
             return list(known[1:])
         # What helped at the feature before is tried first.
         hints = list(self._by_way_home(q))

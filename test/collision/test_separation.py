@@ -3,9 +3,11 @@
 import itertools
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.collision.skeleton import model_of, skeleton_of
 from doormill_ros.collision.sweep import RESERVE, contact_along
 from doormill_ros.collision.world import DOOR, MILL, Mill, PlacedDoor, World
 from doormill_ros.frames import transform
@@ -33,24 +35,79 @@ def facing(*places):
     )
 
 
-def test_no_pair_comes_closer_than_promised(world):
-    rng = np.random.default_rng(1)
+def told_at(world, q, pairs, distance, here):
+    """What a plane and the bodies' reach tell of single postures, shape (n, h)."""
+    return world.lowest(pairs, distance, here, world.region(q, np.arange(len(q))[:, None]))
+
+
+def drawn_within(rng, corners, off, n):
+    """Postures somewhere in the hull of some, and beside it, shape (n, 6)."""
+    weight = rng.dirichlet(np.full(len(corners), 0.4), n)
+    return weight @ corners + rng.choice([-1.0, 0.0, 1.0], (n, 6)) * off
+
+
+def test_bodies_stand_where_pinocchio_has_them(world):
+    rng = np.random.default_rng(2)
+    for robot in (ROBOT, load_robot("irb6700_235_265")):
+        model = model_of(robot.urdf)
+        data = model.createData()
+        q = rng.uniform(robot.lower, robot.upper, (50, 6))
+        T = skeleton_of(robot.urdf).frames(q)
+        for number, posture in enumerate(q):
+            pin.forwardKinematics(model, data, posture)
+            expected = [data.oMi[joint].homogeneous[:3] for joint in range(7)]
+            np.testing.assert_allclose(T[..., number], expected, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("corners", [2, 3, 8])
+def test_no_pair_comes_closer_than_promised(world, corners):
+    """Of hulls of postures and what lies beside them: no posture drawn there has a pair closer together."""
+    rng = np.random.default_rng(corners)
     lower, upper = np.maximum(ROBOT.lower, -2.0), np.minimum(ROBOT.upper, 2.0)
-    told = 0
+    told = close = 0
     for _ in range(60):
-        q = rng.uniform(lower, upper)
-        pairs = np.flatnonzero(world.distances(q) > 0.012)
-        distance = world.distances(q, pairs)
-        np.testing.assert_allclose(world.lowest(pairs, distance, np.zeros((1, 6)))[0], distance, atol=GJK)
-        step = rng.uniform(-1.0, 1.0, (8, 6)) * rng.uniform(0.0, 0.4, (8, 1))
-        off = rng.uniform(0.0, 0.03, (8, 6))
-        promised = world.lowest(pairs, distance, step, off)
-        beside = step + rng.choice([-1.0, 1.0], off.shape) * off
-        found = np.array([world.distances(q + s, pairs) for s in beside])
-        # Of overlapping bodies the depth is what the library makes of it.
-        assert np.all((promised <= found + GJK) | (promised < 0.0))
-        told += int((promised > 0.0).sum())
-    assert told > 10_000
+        here = rng.uniform(lower, upper)
+        pairs = np.flatnonzero(world.distances(here) > 0.012)
+        distance = world.distances(here, pairs)
+        np.testing.assert_allclose(
+            told_at(world, here[None], pairs, distance, here)[:, 0], distance, atol=GJK
+        )
+        q = here + rng.uniform(-1.0, 1.0, (4 * corners, 6)) * rng.uniform(0.0, 0.4)
+        hulls = rng.permutation(4 * corners).reshape(4, corners)
+        off = rng.uniform(0.0, 0.03, (4, 6))
+        promised = world.lowest(pairs, distance, here, world.region(q, hulls, off))
+        for hull, beside, least in zip(hulls, off, promised.T, strict=True):
+            found = np.array([world.distances(p, pairs) for p in drawn_within(rng, q[hull], beside, 12)])
+            # Of overlapping bodies the depth is what the library makes of it.
+            assert np.all((least <= found + GJK) | (least < 0.0))
+            told += int((least > 0.0).sum())
+            close += int((found.min(axis=0)[least > 0.0] - least[least > 0.0] < 0.05).sum())
+    assert told > 5_000
+    assert close > 500  # the bound is not idle
+
+
+def test_a_plane_tells_the_gap_that_the_corners_have(world):
+    """Against the farthest corners of both bodies along the normal, one pair and one posture at a time."""
+    rng = np.random.default_rng(4)
+    lower, upper = np.maximum(ROBOT.lower, -2.0), np.minimum(ROBOT.upper, 2.0)
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    for _ in range(20):
+        here, there = rng.uniform(lower, upper, (2, 6))
+        pairs = np.flatnonzero(world.distances(here) > 0.0)
+        world.distances(here, pairs)
+        normal = world._planes(pairs)
+        region = world.region(there[None], np.zeros((1, 1), dtype=int))
+        gap = world._bodies.gap(world._sides[:, pairs], normal, region)[:, 0]
+        for pair, own, told in zip(pairs, normal, gap, strict=True):
+            moving, other = world._sides[:, pair]
+            axis = region.T_base_joint[world._bodies._joint[other], :, :3, 0] @ own
+            places = [
+                region.edges[:, body, 3, 0] + signs @ region.edges[:, body, :3, 0].T
+                for body in world._bodies._number[[moving, other]]
+            ]
+            margins = world._bodies._margin[[moving, other]].sum()
+            expected = (places[0] @ axis).min() - (places[1] @ axis).max() - margins
+            assert told == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_tool_that_draws_back_is_clear_over_a_long_way(world):
@@ -59,9 +116,11 @@ def test_a_tool_that_draws_back_is_clear_over_a_long_way(world):
     pair = np.array([world.names.index((MILL, DOOR))])
     distance = world.distances(near, pair)
     assert np.abs(far - near) @ world.reach[pair[0]] > 20.0 * distance[0]
-    step = np.linspace(0.0, 1.0, 6)[1:, None] * (far - near)
-    promised = world.lowest(pair, distance, step)[:, 0]
-    assert np.all(promised[:3] > distance)
+    q = near + np.linspace(0.0, 1.0, 6)[:, None] * (far - near)
+    parts = np.arange(5)[:, None] + np.arange(2)
+    promised = world.lowest(pair, distance, near, world.region(q, parts))[0]
+    assert np.all(promised[0] > distance - 0.002)
+    assert np.all(promised[1:] > distance)
 
 
 def test_a_verdict_does_not_hang_on_where_it_is_looked(world):
@@ -92,10 +151,11 @@ def test_no_plane_is_missed_where_reach_alone_does_not_tell_enough(world):
         q = rng.uniform(lower, upper)
         pairs = np.flatnonzero(world.distances(q) > enough)
         distance = world.distances(q, pairs)
-        step = rng.uniform(-1.0, 1.0, (5, 6)) * rng.uniform(0.0, 0.4)
+        ends = q + rng.uniform(-1.0, 1.0, (6, 6)) * rng.uniform(0.0, 0.4)
         off = rng.uniform(0.0, 0.03, (5, 6)) if rng.random() < 0.5 else None
-        full, told = (world.lowest(pairs, distance, step, off, least) for least in (np.inf, enough))
-        np.testing.assert_array_equal(told.min(axis=0) < enough, full.min(axis=0) < enough)
+        region = world.region(ends, np.arange(5)[:, None] + np.arange(2), off)
+        full, told = (world.lowest(pairs, distance, q, region, least) for least in (np.inf, enough))
+        np.testing.assert_array_equal(told.min(axis=1) < enough, full.min(axis=1) < enough)
         np.testing.assert_allclose(told[full < enough], full[full < enough], rtol=0.0, atol=1e-12)
         assert np.all((told <= full + 1e-12) & (told >= np.minimum(full, enough) - 1e-12))
         below += int((full < enough).sum())

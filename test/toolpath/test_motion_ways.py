@@ -1,0 +1,63 @@
+"""What circles and lines between targets are, against circles that were drawn first."""
+
+import numpy as np
+import pytest
+
+from doormill_ros.robot.configuration import ConfData
+from doormill_ros.toolpath.arcs import circles
+from doormill_ros.toolpath.motion_ways import motion_ways
+from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
+
+
+def test_circles_are_those_that_their_points_were_taken_from():
+    rng = np.random.default_rng(0)
+    turned, radius = rng.uniform(0.05, 4.1, 500), 10.0 ** rng.uniform(-3.0, 1.0, 500)
+    middle = turned * rng.uniform(0.3, 0.7, 500)  # neither chord spans half of the circle
+    frames = np.linalg.qr(rng.normal(size=(500, 3, 3)))[0]
+    centre = rng.normal(size=(500, 3))
+
+    def at(angle):
+        return centre + radius[:, None] * along(angle)
+
+    def along(angle):
+        return np.cos(angle)[:, None] * frames[..., 0] + np.sin(angle)[:, None] * frames[..., 1]
+
+    length, found, begin, end = circles(at(0.0 * turned), at(middle), at(turned))
+    np.testing.assert_allclose(length, radius * turned, rtol=1e-6)
+    np.testing.assert_allclose(found, radius, rtol=1e-6)
+    np.testing.assert_allclose(begin, along(0.0 * turned + 0.5 * np.pi), atol=1e-6)
+    np.testing.assert_allclose(end, along(turned + 0.5 * np.pi), atol=1e-6)
+
+
+def test_three_points_on_a_line_are_no_circle():
+    start, end = np.zeros((2, 3)), np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    length, radius, begin, finish = circles(start, 0.5 * (start + end), end)
+    np.testing.assert_allclose(length, [0.1, 0.0])
+    assert np.all(np.isinf(radius))
+    np.testing.assert_allclose(begin, [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    np.testing.assert_array_equal(begin, finish)
+
+
+def test_nothing_is_told_of_ways_that_the_joints_make():
+    places = np.array([[0.0, 0.0, 0.0], [0.3, 0.4, 0.0], [0.3, 0.4, 0.1], [0.1, 0.2, 0.2], [0.2, 0.2, 0.2]])
+    targets = tuple(
+        Target(str(i), T, T, np.zeros(6), ConfData(0, 0, 0, 0), np.zeros(6), np.zeros(6))
+        for i, T in enumerate(np.tile(np.eye(4), (len(places), 1, 1)))
+    )
+    kinds = [
+        (MotionKind.LINEAR, 0, None),
+        (MotionKind.LINEAR, 1, None),
+        (MotionKind.CIRCULAR, 3, 2),
+        (MotionKind.JOINT, 0, None),
+        (MotionKind.LINEAR, 4, None),
+        (MotionKind.ABSOLUTE, 0, None),
+        (MotionKind.LINEAR, 1, None),
+    ]
+    motions = tuple(Motion(kind, target, via, 0.1, "fine", "a", True) for kind, target, via in kinds)
+    ways = motion_ways(MillingProgram("d", 1, targets, motions, (np.zeros(6),)), places)
+    assert ways.known.tolist() == [False, True, True, False, True, False, False]
+    (arc,), (radius,), (begin,), (end,) = circles(places[[1]], places[[2]], places[[3]])
+    np.testing.assert_allclose(ways.length, [0.0, 0.5, arc, 0.0, np.sqrt(0.12), 0.0, 0.0])
+    assert ways.radius.tolist() == pytest.approx([np.inf, np.inf, radius, *[np.inf] * 4])
+    np.testing.assert_allclose(ways.begin[1], [0.6, 0.8, 0.0])
+    np.testing.assert_allclose([ways.begin[2], ways.end[2]], [begin, end])
