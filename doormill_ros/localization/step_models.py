@@ -101,7 +101,7 @@ class Two(_Steps):
 
 
 class Spread(_Steps):
-    """One step that is spread by `share` of each of _NODES; p is shift, reach and, unless it is _DISC_BLUR, blur [px]."""
+    """One step that is spread by `share` of each of _NODES; p is shift, reach and, where it is fitted, blur [px]."""
 
     blur_at = 2
 
