@@ -25,10 +25,10 @@ def median(values: FloatArray | Float32Array) -> float:
     return float(flat[middle])
 
 
-def column_medians(values: Float32Array) -> Float32Array:
-    """Upper median of each column of (n, m), shape (m,)."""
-    middle = len(values) // 2
-    rows = np.ascontiguousarray(values.T)
+def row_medians(values: Float32Array) -> Float32Array:
+    """Upper median of each row of (n, m), shape (n,)."""
+    middle = values.shape[1] // 2
+    rows = np.array(values, order="C")
     rows.partition(middle, axis=1)
     return rows[:, middle]
 

@@ -10,11 +10,11 @@ from doormill_ros.statistics import (
     CHI_SQUARE_MEDIAN,
     NORMAL_STD,
     bootstrap_ratio,
-    column_medians,
     huber_weights,
     median,
     median_length,
     resampled,
+    row_medians,
     share,
 )
 
@@ -22,7 +22,7 @@ from doormill_ros.statistics import (
 def test_medians_are_the_upper_ones() -> None:
     values = np.random.default_rng(0).normal(size=(41, 3))
     assert median(values) == np.median(values)
-    assert column_medians(values).tolist() == np.median(values, axis=0).tolist()
+    assert row_medians(values.T).tolist() == np.median(values, axis=0).tolist()
     assert median(np.array([4.0, 1.0, 3.0, 2.0])) == 3.0
     assert share(np.array([[True, False], [True, True]])) == 0.75
 

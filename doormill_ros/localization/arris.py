@@ -17,13 +17,13 @@ from doormill_ros.localization.rim import NARROW, Rim
 from doormill_ros.localization.step_fits import (
     Sharp,
     StepFit,
-    blurred_step,
     fit_one,
     fit_ramp,
     fit_soft_disc,
     fit_two,
-    nearness,
 )
+from doormill_ros.localization.step_grid import nearness
+from doormill_ros.localization.step_models import blurred_step
 from doormill_ros.localization.texture import Variograms
 from doormill_ros.units import m_to_mm
 
@@ -83,9 +83,10 @@ class Profile:
         step, wider = blurred_step(place, blur), blurred_step(place, blur + near)
         plain = np.stack([np.ones_like(place), step, blurred_step(place - near, blur), wider])
         rims = blurred_step(place - _TRIED[:, None], blur)
-        profile = self.whiten @ self.mean
-        basis = np.linalg.qr(self.whiten @ np.concatenate([plain, rims]).T)[0]
-        beyond = basis[:, len(plain) :].T @ profile
+        # The last column of the triangular factor is the profile in the basis of those before it.
+        columns = self.whiten @ np.concatenate([plain, rims, self.mean[None]]).T
+        triangle = np.asarray(np.linalg.qr(columns, mode="r"))
+        beyond = triangle[len(plain) : -1, -1]
         return bool(beyond @ beyond > least)
 
     def find(self, pixel: float) -> Rim | None:
@@ -93,28 +94,25 @@ class Profile:
         if not self.odd():
             return None
         mean, whiten, blur = self.mean, self.whiten, self.spread.blur
-        plain = min(
-            self.squares(fit)
-            for fit in (
-                fit_one(mean, whiten, blur),
-                fit_soft_disc(mean, whiten, 1.2 * blur, 0.6 * blur),
-                fit_ramp(mean, whiten, 1.2 * blur, 0.6 * blur),
-            )
-        )
         # Half as dark as the background a rim softens the edge, as dark as it the line lies at its inner border.
-        starts = [np.array([part * width, width, soft * blur]) for part, soft in _KINDS for width in _WIDTHS]
-        starts.sort(key=lambda start: nearness(mean, whiten, start))
-        tries = [fit_two(mean, whiten, start) for start in starts[:_STARTS]]
-        # What is left of chips trails behind an edge that stays where it is.
-        plain = min([plain, *(self.squares(fit) for fit in tries if _trail(fit))])
-        tries = [fit for fit in tries if _arris(fit, pixel)]
-        if not tries:
+        starts = np.array([(part * width, width, soft * blur) for part, soft in _KINDS for width in _WIDTHS])
+        order = np.argsort(nearness(mean, whiten, starts), kind="stable")
+        tries = [fit_two(mean, whiten, start) for start in starts[order[:_STARTS]]]
+        rims = [fit for fit in tries if _arris(fit, pixel)]
+        if not rims:
             return None
-        best = min(tries, key=self.squares)
+        best = min(rims, key=self.squares)
         rim = self._rim(best)
         least = _GAIN if rim.brightness + 1 > _AS_BACKGROUND else _GAIN_DARK
-        fits = max(self._left_near(best), 1.0)
-        return rim if plain - self.squares(best) > least * fits else None
+        least = least * max(self._left_near(best), 1.0) + self.squares(best)
+        # What is left of chips trails behind an edge that stays where it is.
+        if any(self.squares(fit) <= least for fit in tries if _trail(fit)):
+            return None
+        # Of what spreads one step evenly, one that is as good is enough, so the cheapest comes first.
+        if self.squares(fit_one(mean, whiten, blur)) <= least:
+            return None
+        spreads = (fit(mean, whiten, 1.2 * blur, 0.6 * blur) for fit in (fit_soft_disc, fit_ramp))
+        return None if any(self.squares(fit) <= least for fit in spreads) else rim
 
     def _left_near(self, fit: StepFit) -> float:
         """Mean square that two steps leave where the profile rises, 1 as its errors are known.

@@ -15,7 +15,7 @@ import numpy as np
 from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization.errors import NoEdge
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
-from doormill_ros.statistics import column_medians
+from doormill_ros.statistics import row_medians
 
 ACROSS, ALONG = 4, 8  # pixels averaged for the search, across the edge and along it
 WING = 2  # samples averaged on each side of a step
@@ -201,5 +201,5 @@ def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float,
         tilts=tilts,
         scores=scores(np.arange(near), tilts),
         texture=scores(np.arange(near + WING, count - WING), tilts[len(tilts) % 3 // 2 :: 3]),
-        brightness=column_medians(values[first::per])[inside],
+        brightness=row_medians(values[first::per].T)[inside],
     )

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import sqrt
 
 import numpy as np
 from scipy.special import ndtr
 
-from doormill_ros.arrays import BoolArray, Float32Array, FloatArray, IntArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.localization.profiles import Profiles
 from doormill_ros.localization.texture import PIXEL_VARIANCE, Variograms, covariance_function, step_design
 
 _FINE = 2  # bins a pixel
 _BLURS = np.geomspace(0.45, 9.0, 18)  # px
+# Level, step and slope of each blur among the columns of all, shape (b, 3).
+_PARTS = np.array([[0, 1 + i, 1 + len(_BLURS) + i] for i in range(len(_BLURS))])
 _MODEL = 4.0e-3  # how far a true point spread is from a Gaussian one, as a share of the step
 
 
@@ -60,28 +63,75 @@ def bin_places(size: int) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def _templates(half: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Blurred steps (b, m, 3), projectors (b, m, m) onto what they leave unexplained; bin centres (m,)."""
+    """Blurred steps (b, m, 3), orthonormal bases (b 3, m) of what each of them explains; bin centres (m,)."""
     place = np.arange(-half + 0.5, half - 0.5 + 1e-9, 1 / _FINE)
     design = np.stack([step_design(place, blur) for blur in _BLURS])
-    return design, np.eye(place.size) - design @ np.linalg.pinv(design), place
+    bases = np.swapaxes(np.linalg.qr(design)[0], 1, 2).reshape(-1, place.size)
+    return design, np.ascontiguousarray(bases), place
 
 
-def _lay_over(
-    shape: Float32Array, index: IntArray, at: FloatArray, size: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mean, its standard error and mean `at` (size,) of `shape` in the bins `index`; index `size` is nowhere."""
-    index = index.ravel()
-    count = np.bincount(index, minlength=size + 1)[:size]
-    total = np.bincount(index, weights=shape.ravel(), minlength=size + 1)[:size]
-    square = np.bincount(index, weights=(shape * shape).ravel(), minlength=size + 1)[:size]
-    many = np.maximum(count, 1)
-    mean = total / many
-    place = np.bincount(index, weights=at.ravel(), minlength=size + 1)[:size] / many
-    if not count.all():
-        filled = np.flatnonzero(count)
-        mean = np.interp(np.arange(size), filled, mean[filled])
-        place[count == 0] = np.nan
-    return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many), place
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """Pixels of rows whose edge lies in the same half pixel, and where those fall in a mean profile.
+
+    Attributes:
+        bins: Bin of each pixel for each such half pixel, the profile's size where it is in none, shape (w r,).
+        count: Rows, shape (g, r), for each of g choices of rows.
+        total: Sum of their shares of the step, shape (g, w r).
+        square: Sum of the squares, shape (g, w r).
+        away: Sum of the pixels' distances from the edge [px], shape (g, w r).
+    """
+
+    bins: IntArray
+    count: FloatArray
+    total: FloatArray
+    square: FloatArray
+    away: FloatArray
+
+    def laid_over(self, choice: int, size: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mean, its standard error and mean distance from the edge [px] of chosen rows by bin, each (size,)."""
+        per = np.broadcast_to(
+            self.count[choice], (self.bins.size // self.count.shape[1], self.count.shape[1])
+        )
+        count, total, square, away = (
+            np.bincount(self.bins, weights=of, minlength=size + 1)[:size]
+            for of in (per.ravel(), self.total[choice], self.square[choice], self.away[choice])
+        )
+        many = np.maximum(count, 1.0)
+        mean, place = total / many, away / many
+        if not count.all():
+            filled = np.flatnonzero(count)
+            mean = np.interp(np.arange(size), filled, mean[filled])
+            place[count == 0] = np.nan
+        return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many), place
+
+
+def _sums(profiles: Profiles, shift: FloatArray, choices: list[BoolArray], size: int) -> _Sums:
+    """Sums over chosen rows; `shift` is that of `edge_spread`, each choice (n,), and the profile has `size` bins."""
+    wide, good = len(profiles.values), profiles.edge_like
+    shape = (profiles.values - profiles.level) / np.where(good, profiles.contrast, 1.0)
+    both = np.empty((2 * wide, shape.shape[1]))
+    both[:wide], both[wide:] = shape, shape * shape
+    # A pixel further is _FINE bins further, so rows of one edge fall on few places only.
+    first = np.rint((0.5 * (wide - 2) - shift) * _FINE).astype(np.intp)
+    low, high = int(first.min()), int(first.max())
+    rows = first == np.arange(low, high + 1)[:, None]
+    chosen = np.concatenate([rows & choice for choice in choices]).astype(float)
+    many = len(rows)
+    count, moved = chosen.sum(axis=1), chosen @ shift
+    sums = (both @ chosen.T).reshape(2, wide, len(choices), many)
+    pixel = np.arange(wide) - wide // 2
+    away = pixel[:, None] * count - moved
+    bins = _FINE * pixel[:, None] + np.arange(low, high + 1)
+    bins[(bins < 0) | (bins >= size)] = size
+    by_choice = np.moveaxis(sums, 2, 1).reshape(2, len(choices), -1)
+    return _Sums(
+        bins.ravel(),
+        count.reshape(len(choices), many),
+        by_choice[0],
+        by_choice[1],
+        np.moveaxis(away.reshape(wide, len(choices), many), 1, 0).reshape(len(choices), -1),
+    )
 
 
 def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Spread:
@@ -92,36 +142,26 @@ def edge_spread(profiles: Profiles, shift: FloatArray, near: BoolArray) -> Sprea
         shift: Distance of the fitted line from the middle of each row's pixels [px], shape (n,).
         near: Rows whose edge point lies near the line: chips would smear the step, shape (n,), bool.
     """
-    _, projector, place = _templates(profiles.values.shape[1] // 2)
+    _, bases, place = _templates(len(profiles.values) // 2)
     good = profiles.edge_like
-    shape, index, at = _shares(profiles, shift, good)
-    mean, error, seen = _lay_over(shape, index, at, place.size)
-    misfit = np.sqrt(np.min(_left_over(projector, mean)))
-    level = float(np.sqrt(np.mean(error**2)))
-    near = near[good]
-    if 2 * np.count_nonzero(near) > near.size > np.count_nonzero(near):
-        mean, error, seen = _lay_over(shape[near], index[near], at[near], place.size)
-    return Spread(_lowest(_left_over(projector, mean)), float(misfit), level, mean, error, seen)
+    near = near & good
+    many, close = int(np.count_nonzero(good)), int(np.count_nonzero(near))
+    split = 2 * close > many > close
+    sums = _sums(profiles, shift, [good, near] if split else [good], place.size)
+    mean, error, seen = sums.laid_over(0, place.size)
+    left = _left_over(bases, mean)
+    misfit, level = sqrt(left.min()), sqrt(error @ error / error.size)
+    if split:
+        mean, error, seen = sums.laid_over(1, place.size)
+        left = _left_over(bases, mean)
+    return Spread(_lowest(left), misfit, level, mean, error, seen)
 
 
-def _shares(
-    profiles: Profiles, shift: FloatArray, good: BoolArray
-) -> tuple[Float32Array, IntArray, FloatArray]:
-    """Pixels of the good rows as shares of their steps, their bins, and how far from the edge they are [px]; (k, w)."""
-    half = profiles.values.shape[1] // 2
-    place = _templates(half)[2]
-    shape = (profiles.values[good] - profiles.level[good, None]) / profiles.contrast[good, None]
-    at = np.arange(-half, half + 1) - shift[good, None]
-    index = np.rint((at - place[0]) * _FINE).astype(np.intp)
-    index[(index < 0) | (index >= place.size)] = place.size
-    return shape, index, at
-
-
-def _left_over(projector: FloatArray, mean: FloatArray) -> FloatArray:
-    """Mean square (b,) of what each blur leaves of a profile unexplained."""
-    left = projector @ mean
-    squares: FloatArray = np.einsum("bm,bm->b", left, left) / mean.size
-    return squares
+def _left_over(bases: FloatArray, mean: FloatArray) -> FloatArray:
+    """Mean square (b,) of what each blur leaves of a profile (m,) unexplained, bases as in `_templates`."""
+    explained = np.square(bases @ mean).reshape(-1, 3).sum(axis=1)
+    left: FloatArray = np.maximum(mean @ mean - explained, 0.0) / mean.size
+    return left
 
 
 def profile_covariance(
@@ -173,12 +213,9 @@ def textured_blur(spread: Spread, step: float, inside: Variograms, outside: Vari
     covariance = profile_covariance(spread, step, inside, outside, _MODEL)
     columns = np.column_stack([design[0, :, 0], design[:, :, 1].T, design[:, :, 2].T, spread.mean])
     products = columns.T @ np.linalg.solve(covariance, columns)
-    count = len(_BLURS)
-    part = np.stack(
-        [np.zeros(count, dtype=np.intp), 1 + np.arange(count), 1 + count + np.arange(count)], axis=1
-    )
-    moment = products[part, -1]
-    explained = np.linalg.solve(products[part[:, :, None], part[:, None, :]], moment[..., None])[..., 0]
+    moment = products[_PARTS, -1]
+    normal = products[_PARTS[:, :, None], _PARTS[:, None, :]]
+    explained = np.linalg.solve(normal, moment[..., None])[..., 0]
     blur = _lowest(-np.einsum("bi,bi->b", moment, explained))
     # What seems softer than any blur tried is not one step at all: `spread.misfit` is to say so, not the blur.
     return blur if blur < 0.99 * _BLURS[-1] else spread.blur

@@ -18,7 +18,7 @@ from doormill_ros.localization.texture import (
     streaks,
 )
 from doormill_ros.localization.view import FaceView
-from doormill_ros.statistics import NORMAL_STD, column_medians, median
+from doormill_ros.statistics import NORMAL_STD, median, row_medians
 
 WIDE_HALF = 12  #: px on each side; wide enough to catch an edge four pixels from where the search has it
 EVERY = 6  #: rows left out while focusing in
@@ -42,7 +42,7 @@ class Neighbourhood:
     Attributes:
         spread: Blur of the edge.
         weights: For its rows, as its blur and the textures beside it ask for, shape (PHASES, 3, w).
-        face: Rows of the face beside it [grey levels], shape (n, m).
+        face: Rows of the face beside it, a column each [grey levels], shape (m, n).
         rows: Their numbers, shape (n,).
         step: Step at the edge [grey levels].
         streaks: Standard deviation of what the rows have in common [grey levels].
@@ -82,15 +82,15 @@ def look_around(
     gap = int(np.ceil(3.0 * spread.blur)) + 2
     span = np.arange(-gap - _LOOK_INSIDE, gap + _LOOK_OUTSIDE + 1)
     values = gather(picture, edge, wide.lines, wide.centre, span).astype(np.float32)
-    beyond = values[:, -_LOOK_OUTSIDE:]
-    face, back = values[:, :_LOOK_INSIDE], beyond[:, :_BACK_STRIP]
-    strip = face[:, -_FACE_STRIP:]
+    beyond = values[-_LOOK_OUTSIDE:]
+    face, back = values[:_LOOK_INSIDE], beyond[:_BACK_STRIP]
+    strip = face[-_FACE_STRIP:]
     # Rows in light and in shadow are brought to one level, or their median would step where a shadow ends.
-    some = face[::3]
-    level = np.maximum(some.mean(axis=1, keepdims=True), 1.0)
-    common = column_medians(some * (level.mean() / level))
+    some = face[:, ::3]
+    level = np.maximum(some.mean(axis=0), 1.0)
+    common = row_medians(some * (level.mean() / level))
     beside = [(distance + gap, step) for distance, step in steps_beside(common, wide.step)]
-    outwards = column_medians(beyond[::3])[::-1].copy()
+    outwards = row_medians(beyond[::-1, ::3])
     beside += [(-distance - gap, -step) for distance, step in steps_beside(outwards, wide.step)[::-1]]
     apart, most = max(round(_LASTING / view.pixel / EVERY), 1), _TEXTURE * abs(wide.step)
     inside, outside = (learn_variograms(side, _WIDEST, apart, most) for side in (strip, back))

@@ -29,7 +29,7 @@ class Profiles:
         edge: "hinge" or "bottom".
         lines: Number of the row, shape (n,).
         centre: Column in the middle of `values`, shape (n,).
-        values: Pixels of the row about the edge, shape (n, 2 half + 1), float32.
+        values: Pixels of the rows about the edge, a column each, shape (2 half + 1, n), float32.
         place: Where the edge was predicted, from the middle of `values` [px], shape (n,).
         pixels: Edge points u, v [px], shape (n, 2).
         level: Grey level on the side of small u or v, shape (n,).
@@ -72,15 +72,15 @@ def gather(picture: ByteArray, edge: str, lines: IntArray, centre: IntArray, spa
         span: Places about it, ascending, shape (m,).
 
     Returns:
-        Grey levels, shape (n, m); beyond the picture those at its rim.
+        Grey levels, a column for each line, shape (m, n); beyond the picture those at its rim.
     """
     height, width = picture.shape
     last, run, step = (width - 1, width, 1) if edge == HINGE else (height - 1, 1, width)
     # Flat indices into the picture are several times faster than pairs of them.
     if centre.size and centre.min() + span[0] >= 0 and centre.max() + span[-1] <= last:
-        flat = (lines * run + centre * step)[:, None] + span * step
+        flat = (span * step)[:, None] + (lines * run + centre * step)
     else:
-        flat = (lines * run)[:, None] + np.clip(centre[:, None] + span, 0, last) * step
+        flat = np.clip(span[:, None] + centre, 0, last) * step + lines * run
     return np.take(picture, flat)
 
 
@@ -138,13 +138,14 @@ def measure(
     centre = np.rint(at).astype(np.intp)
     phase = np.minimum(((at - centre + 0.5) * PHASES).astype(np.intp), PHASES - 1)
     raw = gather(picture, edge, lines, centre, np.arange(-half, half + 1))
-    clipped = raw.max(axis=1, initial=0) >= WHITE
+    clipped = raw.max(axis=0, initial=0) >= WHITE
     values = raw.astype(np.float32)
     # All phases of all rows in one product cost less than picking each row's weights before it.
-    every_phase = (values @ weights.reshape(-1, values.shape[1]).T).reshape(len(lines), PHASES, 3)
-    level, step, moment = every_phase[np.arange(len(lines)), phase].T
-    typical = np.partition(step, step.size // 2)[step.size // 2] if step.size else 0.0
-    edge_like = (step * np.sign(typical) > max(_WEAKEST * abs(typical), 1e-3)) & ~clipped
+    every_phase = weights.reshape(-1, len(values)) @ values
+    level, step, moment = every_phase.reshape(PHASES, 3, -1)[phase, :, np.arange(len(lines))].T
+    typical = median(step) if step.size else 0.0
+    edge_like = (step if typical > 0 else -step) > max(_WEAKEST * abs(typical), 1e-3)
+    edge_like &= ~clipped
     shift = np.divide(moment, step, out=np.zeros_like(moment), where=edge_like)
     edge_like &= np.abs(shift) < 0.6 * half
     place = (phase + 0.5) / PHASES - 0.5

@@ -12,16 +12,9 @@ import numpy as np
 
 from doormill_ros.localization.blur import Spread, bin_places
 from doormill_ros.localization.errors import WrongEdge
-from doormill_ros.localization.step_fits import (
-    WIDEST,
-    Sharp,
-    blurred_step,
-    fit_disc,
-    fit_one,
-    fit_ramp,
-    fit_two,
-    two_starts,
-)
+from doormill_ros.localization.step_fits import Sharp, fit_disc, fit_one, fit_ramp, fit_two
+from doormill_ros.localization.step_grid import WIDEST, two_starts
+from doormill_ros.localization.step_models import blurred_step
 from doormill_ros.units import m_to_mm
 
 _MODEL = 4.0e-3  # how far a true point spread is from a modelled one, as a share of the step
@@ -87,7 +80,7 @@ def find_rim(spread: Spread, streaks: float, sharp: float | None = None) -> Rim 
         plain = min(plain, fit_disc(profile, weight, min(2 * spread.blur, 11.0)).misfit)
     else:
         plain = fit_one(profile, weight, sharp, known).misfit
-    starts, _ = two_starts(profile, weight)
+    starts = two_starts(profile, weight)
     near = np.array([1.5, 1.8, 0.8]) * spread.blur  # narrower than the grid tells from one step
     tries = []
     for start in (starts[0], near, *starts[1:]):

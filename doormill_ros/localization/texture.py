@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import sqrt
 
 import numpy as np
 from scipy.special import ndtr
@@ -61,16 +62,17 @@ class Variograms:
 
 
 def learn_variograms(strip: Float32Array, lags: int, apart: int, most: float) -> Variograms:
-    """Learn the texture of rows of pixels (n, m); where lag >= m the last value is kept.
+    """Learn the texture of n rows of m pixels; where lag >= m the last value is kept.
 
     Args:
-        strip: Rows of pixels on one surface.
+        strip: Rows of pixels on one surface, a column each, shape (m, n).
         lags: Largest lag wanted [px].
         apart: Rows so many numbers apart have only streaks in common.
         most: Largest standard deviation believed to be texture [grey levels].
     """
-    count = len(strip)
-    level = strip - strip.mean(axis=1, keepdims=True)
+    level = np.ascontiguousarray(strip.T)
+    level -= level.mean(axis=1, keepdims=True)
+    count = len(level)
     liveliness = np.einsum("nm,nm->n", level, level)
     keep = max(int(_TRIM * count), 1)
     calm = liveliness <= np.partition(liveliness, keep - 1)[keep - 1]
@@ -98,7 +100,7 @@ def _variogram(products: FloatArray) -> FloatArray:
     return 0.5 * np.bincount(lag, weights=squares.ravel()) / count
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _lags(size: int) -> tuple[IntArray, IntArray]:
     """Lag of each pair of pixels (size^2,), and how many pairs each lag has."""
     lag = np.abs(np.arange(size)[:, None] - np.arange(size)).ravel()
@@ -120,8 +122,25 @@ def covariance_function(gamma: FloatArray, fine: int = 1) -> FloatArray:
     """
     count = gamma.size - 1
     power = gamma.max() - gamma
-    spectrum = np.maximum(np.fft.rfft(np.concatenate([power, power[-2:0:-1]])).real, 0.0)
-    return fine * np.fft.irfft(spectrum, 2 * count * fine)[: count * fine + 1]
+    there, back = _cosines(count, fine)
+    covariance: FloatArray = back @ np.maximum(there @ power, 0.0)
+    return covariance
+
+
+@lru_cache(maxsize=64)
+def _cosines(count: int, fine: int) -> tuple[FloatArray, FloatArray]:
+    """Fourier transform of an even function of lags 0..count, and its inverse to lags `1 / fine` apart.
+
+    Shapes are (count + 1, count + 1) and (count fine + 1, count + 1); functions are so short that products with
+    them cost less than a fast transform.
+    """
+    lag = np.arange(count + 1)
+    twice = np.where((lag == 0) | (lag == count), 1.0, 2.0)
+    there = np.cos(np.pi / count * np.outer(lag, lag)) * twice
+    if fine > 1:
+        twice[count] = 2.0  # the highest frequency is not the last of the finer function
+    back = np.cos(np.pi / (count * fine) * np.outer(np.arange(count * fine + 1), lag)) * (twice / (2 * count))
+    return there, back
 
 
 def step_weights(half: int, blur: float, inside: Variograms, outside: Variograms) -> Float32Array:
@@ -142,7 +161,7 @@ def step_weights(half: int, blur: float, inside: Variograms, outside: Variograms
     sigma = np.sqrt(blur**2 + PIXEL_VARIANCE)
     design = step_design(place, blur)
     design = np.concatenate([design, (place / sigma)[..., None] * design[..., 2:]], axis=-1)
-    lag = np.abs(np.arange(2 * half + 1)[:, None] - np.arange(2 * half + 1))
+    lag = _lags(2 * half + 1)[0].reshape(2 * half + 1, -1)
     out = ndtr(place / sigma)
     covariance = np.zeros((PHASES, 2 * half + 1, 2 * half + 1))
     noise = 0.0
@@ -150,7 +169,7 @@ def step_weights(half: int, blur: float, inside: Variograms, outside: Variograms
         function = covariance_function((side.lasting + side.rows / _AVERAGED)[: 2 * half + 1])
         covariance += share[:, :, None] * share[:, None, :] * function[lag]
         noise = max(noise, _STIFFNESS * function[0])
-    covariance += (noise + _LEAST_NOISE) * np.eye(2 * half + 1)
+    covariance.reshape(PHASES, -1)[:, :: 2 * half + 2] += noise + _LEAST_NOISE
     weighted = np.linalg.solve(covariance, design)
     weights = np.linalg.solve(np.swapaxes(design, 1, 2) @ weighted, np.swapaxes(weighted, 1, 2))
     return weights[:, :3].astype(np.float32)
@@ -160,7 +179,8 @@ def streaks(common: Float32Array) -> float:
     """Standard deviation of what all rows of a strip have in common (m,), a slope aside [grey levels]."""
     place = np.arange(common.size) - (common.size - 1) / 2
     common = common - common.mean()
-    return float(np.std(common - place * (place @ common) / (place @ place)))
+    left = common - place * ((place @ common) / (place @ place))
+    return sqrt(left @ left / left.size)
 
 
 def steps_beside(common: Float32Array, step: float) -> list[tuple[int, float]]:
@@ -193,7 +213,7 @@ def push(strip: Float32Array, along: IntArray, weights: Float32Array, blur: floa
     """How far texture like that in `strip` pushes a line fitted to edge points.
 
     Args:
-        strip: Rows of pixels on one side of the edge, the side where windows begin, shape (n, m).
+        strip: Rows of pixels on one side of the edge, the side where windows begin, a column each, shape (m, n).
         along: Number of each row [px], shape (n,).
         weights: From `step_weights`.
         blur: Standard deviation of the point spread [px].
@@ -203,15 +223,16 @@ def push(strip: Float32Array, along: IntArray, weights: Float32Array, blur: floa
     place = phase_places(half)[PHASES // 2]
     kernel = weights[PHASES // 2, 2] * (1 - ndtr(place / np.sqrt(blur**2 + PIXEL_VARIANCE)))
     used = kernel[: half + int(np.ceil(2 * blur)) + 2]
-    if strip.shape[1] < used.size + 2:
+    if len(strip) < used.size + 2:
         return Push(0.0, 0.0)
-    starts = np.arange(0, strip.shape[1] - used.size + 1, 5)
-    windows = np.zeros((strip.shape[1], starts.size))
-    windows[starts + np.arange(used.size)[:, None], np.arange(starts.size)] = (used / step)[:, None]
-    moved = strip @ windows  # (n, k), shift at each row for each place of the window
+    count = (len(strip) - used.size) // 5 + 1
+    windows = np.zeros((count, len(strip)))
+    for k in range(count):
+        windows[k, 5 * k : 5 * k + used.size] = used / step
+    moved = windows @ strip  # (k, n), shift at each row for each place of the window
     limit = 4 * median(np.abs(moved)) + 1e-6
     moved = np.minimum(np.maximum(moved, -limit), limit)
     lever = along - along.mean()
-    places = moved.mean(axis=0)
-    slopes = lever @ moved / (lever @ lever)
-    return Push(float(np.mean(places**2)), float(np.mean(slopes**2)))
+    places = moved.sum(axis=1) / along.size
+    slopes = moved @ lever / (lever @ lever)
+    return Push(float(places @ places) / count, float(slopes @ slopes) / count)

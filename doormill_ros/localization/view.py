@@ -30,6 +30,7 @@ class FaceView:
 
     Attributes:
         camera: The camera.
+        corner: Nominal corner of the face in base, shape (3,) [m].
         distance: From the camera to the face along base x [m].
         pixel: Size of a pixel on the face at the nominal corner [m]; the thesis' dynamic scale.
     """
@@ -38,31 +39,31 @@ class FaceView:
         """Put the nominal door before the camera; width and thickness in [m]."""
         self.camera = camera
         self._T_base_camera = camera.T_base_camera(width)
-        self._corner = layout.T_base_door(width, thickness)[:3, 3]
+        self.corner: FloatArray = layout.T_base_door(width, thickness)[:3, 3]
         rotation = self._T_base_camera[:3, :3]
-        self._corner_seen = (self._corner - self._T_base_camera[:3, 3]) @ rotation
+        self._corner_seen = (self.corner - self._T_base_camera[:3, 3]) @ rotation
         self._plane_seen = rotation[1:3]
-        self.distance = float(self._corner[0] - self._T_base_camera[0, 3])
+        self.distance = float(self.corner[0] - self._T_base_camera[0, 3])
         self.pixel = float(self.distance / np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
 
     def pixels(self, points: FloatArray) -> FloatArray:
         """Pixels u, v (..., 2) of face points (..., 2) [m]."""
-        seen = self._corner_seen + np.asarray(points, dtype=float) @ self._plane_seen
+        seen = np.asarray(points, dtype=float) @ self._plane_seen + self._corner_seen
         return self.camera.distort(seen[..., :2] / seen[..., 2:])
 
     def points(self, pixels: FloatArray) -> FloatArray:
         """Face points (n, 2) [m] of pixels u, v (n, 2)."""
         rays = self.camera.undistort(pixels)
         rotation = self._T_base_camera[:3, :3]
-        ahead = rays @ rotation[:, :2].T + rotation[:, 2]
-        reach = (self._corner[0] - self._T_base_camera[0, 3]) / ahead[:, :1]
-        points: FloatArray = self._T_base_camera[1:3, 3] - self._corner[1:] + reach * ahead[:, 1:]
-        return points
+        ahead = rotation[:, :2] @ rays.T + rotation[:, 2:]
+        reach = self.distance / ahead[0]
+        points: FloatArray = reach * ahead[1:] + (self._T_base_camera[1:3, 3] - self.corner[1:])[:, None]
+        return points.T
 
     def sight(self, point: FloatArray) -> FloatArray:
         """Base y and z per x along the ray to a face point (2,) [m], shape (2,)."""
         start = self._T_base_camera[:3, 3]
-        shift: FloatArray = (self._corner[1:] + point - start[1:]) / (self._corner[0] - start[0])
+        shift: FloatArray = (self.corner[1:] + point - start[1:]) / self.distance
         return shift
 
     @lru_cache(maxsize=8)  # noqa: B019  views are few and live in a cache themselves

@@ -5,9 +5,16 @@ from math import erf, sqrt
 import numpy as np
 import pytest
 
-from doormill_ros.localization import step_fits
+from doormill_ros.localization import step_grid, step_models
 from doormill_ros.localization.blur import bin_places
-from doormill_ros.localization.step_fits import Sharp, fit_disc, fit_one, fit_ramp, fit_two, two_starts
+from doormill_ros.localization.step_fits import (
+    Sharp,
+    fit_disc,
+    fit_one,
+    fit_ramp,
+    fit_two,
+)
+from doormill_ros.localization.step_grid import nearness, two_starts
 
 PLACE = bin_places(47)
 
@@ -28,7 +35,7 @@ def test_one_step_is_placed():
 def test_two_steps_are_placed_from_the_grid(width, share, blur):
     profile = share * soft(1.1, blur) + (1 - share) * soft(1.1 - width, blur)
     weight = np.full(PLACE.size, 250.0)
-    starts, _ = two_starts(profile, weight)
+    starts = two_starts(profile, weight)
     best = min((fit_two(profile, weight, start) for start in starts), key=lambda fit: fit.misfit)
     assert best.places == pytest.approx([1.1, width, blur], abs=0.02)
     assert best.heights == pytest.approx([share, 1 - share], abs=0.01)
@@ -62,14 +69,53 @@ def test_what_thins_out_evenly_is_no_disc():
 
 
 @pytest.mark.parametrize(
-    "model", [step_fits._One(47), step_fits._Two(47), step_fits._Spread(47, step_fits._DISC)]
+    "model",
+    [
+        step_models.One(47),
+        step_models.Two(47),
+        step_models.Spread(47, step_models.DISC, 2),
+        step_models.Spread(47, step_models.RAMP, 3),
+    ],
 )
 def test_slopes_are_those_of_the_columns(model):
-    heights = np.array([0.3, 0.6]) if isinstance(model, step_fits._Two) else np.array([0.9])
-    p = np.array([0.4, 1.7, 0.9])[: 3 if isinstance(model, step_fits._Two) else 2]
+    heights = np.array([0.3, 0.6]) if isinstance(model, step_models.Two) else np.array([0.9])
+    p = np.array([0.4, 1.7, 0.9])[: len(model.jacobian) - model.count]
     h = 1e-5
     ahead, behind = (
-        np.array([heights @ model.columns(p + move)[1:] for move in side * np.eye(p.size)])
+        np.array([heights @ model.at((p + move).tolist())[1:] for move in side * np.eye(p.size)])
         for side in (h, -h)
     )
-    np.testing.assert_allclose(model.slopes(p, heights), (ahead - behind) / (2 * h), atol=1e-6)
+    columns = model.at(p.tolist()).copy()
+    slopes = model.slopes(heights.tolist())
+    np.testing.assert_array_equal(slopes[: model.count], columns)
+    np.testing.assert_allclose(slopes[model.count :], (ahead - behind) / (2 * h), atol=1e-6)
+
+
+def left_of_two(profile, weight, places):
+    """Squared deviations from two steps of the best heights, by plain least squares; weights (m,) or (m, m)."""
+    shift, width, blur = places
+    columns = np.stack([np.ones(PLACE.size), soft(shift, blur), soft(shift - width, blur)], axis=1)
+    white = np.diag(weight) if weight.ndim == 1 else weight
+    heights = np.linalg.lstsq(white @ columns, white @ profile, rcond=None)[0]
+    return float(np.sum((white @ (columns @ heights - profile)) ** 2))
+
+
+def test_the_grid_starts_where_least_squares_are_least():
+    rng = np.random.default_rng(3)
+    profile = 0.4 * soft(1.2, 1.1) + 0.6 * soft(-2.0, 1.1) + 4e-3 * rng.standard_normal(PLACE.size)
+    weight = 250.0 * rng.uniform(0.5, 1.0, PLACE.size)
+    parameters = step_grid._grid(PLACE.size)[0]
+    left = np.array([left_of_two(profile, weight, places) for places in parameters])
+    best = parameters[np.argmin(left)]
+    other = np.abs(parameters[:, 1] / best[1] - 1) > 0.5
+    second = parameters[np.argmin(np.where(other, left, np.inf))]
+    np.testing.assert_array_equal(two_starts(profile, weight), [best, second])
+
+
+def test_nearness_is_that_of_least_squares():
+    rng = np.random.default_rng(4)
+    profile = 0.3 * soft(0.9, 1.0) + 0.7 * soft(-0.9, 1.0) + 4e-3 * rng.standard_normal(PLACE.size)
+    weight = np.tril(0.1 * rng.standard_normal((PLACE.size, PLACE.size))) * 20.0 + 250.0 * np.eye(PLACE.size)
+    places = np.array([[0.9, 1.8, 1.0], [0.5, 1.2, 0.9], [2.2, 2.2, 1.3]])
+    wanted = [left_of_two(profile, weight, each) for each in places]
+    np.testing.assert_allclose(nearness(profile, weight, places), wanted, rtol=1e-5)
