@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field
 
 from doormill_ros.errors import DoormillError
 from doormill_ros.operator.audit import AuditLog
+from doormill_ros.operator.order_texts import Printable
 from doormill_ros.operator.token import Keys, Role
 from doormill_ros.operator.tries import Tries
 
@@ -64,15 +65,15 @@ class Control(Protocol):
 class MillRequest(BaseModel):
     """Body of a request to mill a door."""
 
-    door_id: str = Field(min_length=1, max_length=LONGEST_ID)
+    door_id: Printable = Field(min_length=1, max_length=LONGEST_ID)
 
 
 class ModelOrderRequest(BaseModel):
     """Body of an order about a version of the model."""
 
     version: int = Field(ge=1, lt=2**32)
-    who: str = Field(min_length=1, max_length=LONGEST_ID)
-    why: str = Field(min_length=1, max_length=LONGEST_REASON)
+    who: Printable = Field(min_length=1, max_length=LONGEST_ID)
+    why: Printable = Field(min_length=1, max_length=LONGEST_REASON)
 
 
 class Doorkeeper:
@@ -174,5 +175,5 @@ def serve_orders(app: FastAPI, control: Control, doorkeeper: Doorkeeper, audit: 
 
     # To be offered before the token is typed; the page shows door ids to everybody anyway.
     @app.get("/doors")
-    async def doors(prefix: Annotated[str, Query(max_length=LONGEST_ID)] = "") -> list[str]:
+    async def doors(prefix: Annotated[Printable, Query(max_length=LONGEST_ID)] = "") -> list[str]:
         return await answer(control.doors, prefix)

@@ -11,6 +11,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from fastapi import FastAPI, HTTPException, Request, Response
+from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, StreamingResponse
 from starlette.datastructures import MutableHeaders
 from starlette.middleware.trustedhost import TrustedHostMiddleware
@@ -21,6 +22,7 @@ from doormill_ros.operator.audited import Audited
 from doormill_ros.operator.errors import AuditError
 from doormill_ros.operator.history_pages import serve_history
 from doormill_ros.operator.languages import LANGUAGES
+from doormill_ros.operator.order_texts import no_order
 from doormill_ros.operator.orders import Control, Doorkeeper, serve_orders
 from doormill_ros.operator.origin import OwnOrigin
 from doormill_ros.operator.state import CellView
@@ -105,6 +107,7 @@ def create_app(
         app.add_middleware(Audited, audit=audit, complain=lambda text: store.update(_unwritten(text)))
     app.add_middleware(_Headers)
     app.add_exception_handler(Exception, _unforeseen)
+    app.add_exception_handler(RequestValidationError, no_order)
     for path, (name, media_type) in _FILES.items():
         _serve_file(app, path, name, media_type)
     _serve_view(app, store, control is not None)
