@@ -19,12 +19,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.audited import Audited
+from doormill_ros.operator.doorkeeper import Doorkeeper
 from doormill_ros.operator.errors import AuditError
 from doormill_ros.operator.history_pages import serve_history
 from doormill_ros.operator.languages import LANGUAGES
 from doormill_ros.operator.order_texts import no_order
-from doormill_ros.operator.orders import Control, Doorkeeper, serve_orders
+from doormill_ros.operator.orders import ROLES, Control, serve_orders
 from doormill_ros.operator.origin import OwnOrigin
+from doormill_ros.operator.short_body import ShortBody
 from doormill_ros.operator.state import CellView
 from doormill_ros.operator.token import Keys
 from doormill_ros.operator.tries import Tries
@@ -100,6 +102,13 @@ def create_app(
         ValueError: Control without a token.
     """
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    if control is not None:
+        keys = token if isinstance(token, Keys) else Keys(token)
+        if not keys:
+            raise ValueError("control of the cell needs a token; pass one made by new_token()")
+        serve_orders(app, control, audit)
+        app.add_middleware(ShortBody)
+        app.add_middleware(Doorkeeper, keys=keys, tries=Tries(clock), roles=ROLES)
     # The last one added sees a request first.
     app.add_middleware(OwnOrigin)
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(hosts))
@@ -112,11 +121,6 @@ def create_app(
         _serve_file(app, path, name, media_type)
     _serve_view(app, store, control is not None)
     serve_history(app, store, history)
-    if control is not None:
-        keys = token if isinstance(token, Keys) else Keys(token)
-        if not keys:
-            raise ValueError("control of the cell needs a token; pass one made by new_token()")
-        serve_orders(app, control, Doorkeeper(keys, Tries(clock)), audit)
     return app
 
 
