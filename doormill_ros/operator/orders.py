@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from typing import Annotated, Any, Protocol, TypeVar
 
+from anyio import CapacityLimiter, to_thread
 from fastapi import FastAPI, HTTPException, Query, Request
-from fastapi.concurrency import run_in_threadpool
 from pydantic import BaseModel, Field
 
 from doormill_ros.errors import DoormillError
@@ -20,6 +21,8 @@ Value = TypeVar("Value")
 LONGEST_ID = 100  # characters
 LONGEST_REASON = 500  # characters
 SHOWN_ENTRIES = 500
+ORDERS_AT_ONCE = 16
+DOORS_AT_ONCE = 4  # searches; each may wait for a database that is silent
 
 
 class Control(Protocol):
@@ -94,10 +97,15 @@ def serve_orders(app: FastAPI, control: Control, audit: AuditLog | None) -> None
         control: Carries them out.
         audit: Where they are written down; a run that cannot be written down is not started.
     """
+    # Threads of their own: whatever else the page waits for, an order finds one.
+    orders, searches = CapacityLimiter(ORDERS_AT_ONCE), CapacityLimiter(DOORS_AT_ONCE)
+    searching = asyncio.Semaphore(DOORS_AT_ONCE)
 
-    async def answer(action: Callable[..., Value], *arguments: Any) -> Value:
+    async def answer(
+        action: Callable[..., Value], *arguments: Any, threads: CapacityLimiter = orders
+    ) -> Value:
         try:
-            return await run_in_threadpool(action, *arguments)
+            return await to_thread.run_sync(action, *arguments, limiter=threads)
         except DoormillError as error:
             raise HTTPException(409, error.message, {"Error-Code": str(error.code)}) from error
 
@@ -134,9 +142,14 @@ def serve_orders(app: FastAPI, control: Control, audit: AuditLog | None) -> None
 
     @app.get(f"{ORDERS}/audit")
     async def entries() -> list[dict[str, Any]]:
-        return [] if audit is None else await run_in_threadpool(audit.last, SHOWN_ENTRIES)
+        return [] if audit is None else await answer(audit.last, SHOWN_ENTRIES)
 
     # To be offered before the token is typed; the page shows door ids to everybody anyway.
     @app.get("/doors")
     async def doors(prefix: Annotated[Printable, Query(max_length=LONGEST_ID)] = "") -> list[str]:
-        return await answer(control.doors, prefix)
+        if searching.locked():
+            raise HTTPException(
+                503, "the recipe database is asked by others; type on, or type the whole id of the door"
+            )
+        async with searching:
+            return await answer(control.doors, prefix, threads=searches)

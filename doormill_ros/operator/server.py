@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import time
-from collections.abc import AsyncIterator, Callable
-from contextlib import suppress
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 
@@ -21,6 +19,7 @@ from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.audited import Audited
 from doormill_ros.operator.doorkeeper import Doorkeeper
 from doormill_ros.operator.errors import AuditError
+from doormill_ros.operator.event_streams import EventStreams
 from doormill_ros.operator.history_pages import serve_history
 from doormill_ros.operator.languages import LANGUAGES
 from doormill_ros.operator.order_texts import no_order
@@ -32,7 +31,6 @@ from doormill_ros.operator.token import Keys
 from doormill_ros.operator.tries import Tries
 from doormill_ros.operator.view_store import ViewStore
 
-KEEP_ALIVE = 5.0  # s, the longest silence on the event stream
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
@@ -153,9 +151,11 @@ def _serve_view(app: FastAPI, store: ViewStore, control: bool) -> None:
     async def state() -> Response:
         return Response(document(), media_type="application/json")
 
+    streams = EventStreams(store, document)
+
     @app.get("/events")
     async def events() -> StreamingResponse:
-        return StreamingResponse(_events(store, document), media_type="text/event-stream")
+        return streams.open()
 
     @app.get("/picture/{number}")
     async def picture(number: int) -> Response:
@@ -163,27 +163,3 @@ def _serve_view(app: FastAPI, store: ViewStore, control: bool) -> None:
         if shown is None or shown.number != number:
             raise HTTPException(404, "this picture is no longer there; the page shows the newest")
         return Response(shown.data, media_type=shown.media_type)
-
-
-async def _events(store: ViewStore, document: Callable[[], str]) -> AsyncIterator[str]:
-    """The view at once, after every change, and a sign of life in between."""
-    loop, changed = asyncio.get_running_loop(), asyncio.Event()
-
-    def notify() -> None:
-        # The page may be closing while the cell still changes.
-        with suppress(RuntimeError):
-            loop.call_soon_threadsafe(changed.set)
-
-    end = store.listen(notify)
-    try:
-        while True:
-            changed.clear()
-            yield f"data: {document()}\n\n"
-            while True:
-                try:
-                    await asyncio.wait_for(changed.wait(), KEEP_ALIVE)
-                    break
-                except TimeoutError:
-                    yield "event: alive\ndata: -\n\n"
-    finally:
-        end()
