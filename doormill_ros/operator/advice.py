@@ -29,18 +29,16 @@ WAIT = Advice("wait", "wait", "Wait. The cell is measuring the door and working 
 _STAY_OUT = Advice("danger", "stay_out", "Stay out of the cell. The robot mills the door.")
 _ABOUT_TO_MOVE = Advice("danger", "about_to_move", "Stay out of the cell. The robot is about to move.")
 CLOSING = Advice("wait", "closing", "Wait. The run is being closed.")
-_SPOILED = Advice(
-    "act",
-    "spoiled",
-    "The door was milled out of tolerance. Put it aside when the robot has stopped, and mill no other before it is "
-    "known why.",
-)
-_MILLED_AFTER_ALL = Advice(
-    "act",
-    "milled_after_all",
-    "The run was given up, but the robot milled on to the end. See that it stands still and look at the door before "
-    "it is used.",
-)
+#: Sentences that name the door that ended last.
+_OF_DOOR = {
+    "spoiled": "The door{door} was milled out of tolerance. Put it aside when the robot has stopped, and mill no other "
+    "before it is known why.",
+    "milled_after_all": "The run of the door{door} was given up, but the robot milled on to the end. See that it "
+    "stands still and look at the door before it is used.",
+    "not_milled": "The door{door} was not milled. See that the robot stands still, put right what is said below, start "
+    "again.",
+    "done": "The door{door} is milled. Take it out when the robot has stopped and clamp the next one.",
+}
 CLEARING = Advice(
     "wait", "clearing", "Wait until the link to the controller is clear. If this lasts, see the state below."
 )
@@ -66,9 +64,6 @@ _WITHOUT_RUN = {
     "clearing": CLEARING,
     "idle": Advice("act", "next_door", "Clamp the next door, then start the controller's program."),
     "requested": Advice("act", "start", "The controller is ready for a door. Start milling it."),
-    "done": Advice(
-        "act", "done", "The door is milled. Take it out when the robot has stopped and clamp the next one."
-    ),
     "failed": Advice(
         "act",
         "failed",
@@ -86,6 +81,7 @@ def next_step(
     spoiled: bool = False,
     milled: bool = False,
     stopped: str = "",
+    door: str = "",
 ) -> Advice:
     """What to do now.
 
@@ -98,6 +94,7 @@ def next_step(
         spoiled: The last door was milled out of tolerance.
         milled: The robot reported the end of milling of the last run, however that ended.
         stopped: Why no door is milled before somebody decides; empty when they are.
+        door: The door that ended last, empty where its name is not known.
     """
     if not bridge_present or not state:
         return Advice(
@@ -113,17 +110,11 @@ def next_step(
         return fault_step(faults)
     if stopped and not run_in_hand:
         return stopped_step(stopped)
-    if refusal and not run_in_hand and spoiled:
-        return _SPOILED
-    if refusal and not run_in_hand and milled:
-        return _MILLED_AFTER_ALL
     if refusal and not run_in_hand:
         # A run can also end while the robot moves: canceled, or given up after its time limit.
-        return Advice(
-            "act",
-            "not_milled",
-            "The door was not milled. See that the robot stands still, put right what is said below, start again.",
-        )
+        return _of_door("spoiled" if spoiled else "milled_after_all" if milled else "not_milled", door)
+    if state == "done" and not run_in_hand:
+        return _of_door("done", door)
     return in_motion or unknown_step(state)
 
 
@@ -152,6 +143,11 @@ def unknown_step(state: str) -> Advice:
         "The controller link is in the unknown state {state}. Call maintenance.",
         state=repr(state),
     )
+
+
+def _of_door(key: str, door: str) -> Advice:
+    # With its blank, so that a door without a name leaves none, in every language.
+    return _with("act", key, _OF_DOOR[key], door=f" {door}" if door else "")
 
 
 def _with(urgency: str, key: str, text: str, **values: str) -> Advice:

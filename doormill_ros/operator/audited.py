@@ -10,15 +10,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from doormill_ros.operator.audit import AuditEntry, AuditLog
 from doormill_ros.operator.errors import AuditError
+from doormill_ros.operator.order_paths import is_order
 from doormill_ros.operator.token import Holder, Role
-
-ORDERS = "/control"
 
 
 class Audited:
     """Stands before everything that may refuse an order.
 
-    What carries an order out leaves `holder` and `door_id` in the request's state.
+    What lets an order in leaves `holder` in the request's state, what carries it out `door_id`.
 
     Args:
         app: What answers.
@@ -33,7 +32,7 @@ class Audited:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on and keep the answer until it is written down."""
-        if scope["type"] != "http" or not f"{scope['path']}/".startswith(f"{ORDERS}/"):
+        if not is_order(scope):
             await self._app(scope, receive, send)
             return
         scope["state"] = {}

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-import math
+import asyncio
 from collections.abc import Callable
 from typing import Annotated, Any, Protocol, TypeVar
 
-from fastapi import Depends, FastAPI, HTTPException, Query, Request
-from fastapi.concurrency import run_in_threadpool
+from anyio import CapacityLimiter, to_thread
+from fastapi import FastAPI, HTTPException, Query, Request
 from pydantic import BaseModel, Field
 
 from doormill_ros.errors import DoormillError
 from doormill_ros.operator.audit import AuditLog
-from doormill_ros.operator.token import Keys, Role
-from doormill_ros.operator.tries import Tries
+from doormill_ros.operator.order_paths import ORDERS
+from doormill_ros.operator.order_texts import Printable
+from doormill_ros.operator.token import Role
 
 Value = TypeVar("Value")
 
 LONGEST_ID = 100  # characters
 LONGEST_REASON = 500  # characters
 SHOWN_ENTRIES = 500
+ORDERS_AT_ONCE = 16
+DOORS_AT_ONCE = 4  # searches; each may wait for a database that is silent
 
 
 class Control(Protocol):
@@ -64,84 +67,53 @@ class Control(Protocol):
 class MillRequest(BaseModel):
     """Body of a request to mill a door."""
 
-    door_id: str = Field(min_length=1, max_length=LONGEST_ID)
+    door_id: Printable = Field(min_length=1, max_length=LONGEST_ID)
 
 
 class ModelOrderRequest(BaseModel):
     """Body of an order about a version of the model."""
 
     version: int = Field(ge=1, lt=2**32)
-    who: str = Field(min_length=1, max_length=LONGEST_ID)
-    why: str = Field(min_length=1, max_length=LONGEST_REASON)
+    who: Printable = Field(min_length=1, max_length=LONGEST_ID)
+    why: Printable = Field(min_length=1, max_length=LONGEST_REASON)
 
 
-class Doorkeeper:
-    """Lets in who has a token of the role that an order needs.
-
-    Args:
-        keys: The tokens.
-        tries: Wrong tokens so far.
-    """
-
-    def __init__(self, keys: Keys, tries: Tries) -> None:
-        self._keys = keys
-        self._tries = tries
-
-    def needs(self, role: Role) -> Any:
-        """A dependency; refuses with 401 who has no token, 403 whose token is for less, 429 who guesses."""
-
-        async def allowed(request: Request) -> None:
-            address = request.client.host if request.client else ""
-            wait = math.ceil(self._tries.wait(address))
-            if wait > 0:
-                raise HTTPException(
-                    429,
-                    f"too many wrong tokens came from {address}; wait {wait} s, then try again with the right one",
-                    {"Retry-After": str(wait)},
-                )
-            header = request.headers.get("authorization")
-            found = self._keys.holder(header)
-            if found is None:
-                if header:  # without one nothing was guessed
-                    self._tries.failed(address)
-                raise HTTPException(
-                    401,
-                    "the token is missing or wrong; it was printed when the cell was started",
-                    {"WWW-Authenticate": "Bearer"},
-                )
-            request.state.holder = found
-            if found.role < role:
-                raise HTTPException(
-                    403,
-                    f"this token allows to {found.role.word}, the order needs the token of the {role.word}",
-                )
-
-        return Depends(allowed)
+#: The role that each order needs.
+ROLES = {
+    ORDERS: Role.OPERATE,
+    f"{ORDERS}/mill": Role.OPERATE,
+    f"{ORDERS}/cancel": Role.OPERATE,
+    f"{ORDERS}/accept": Role.ENGINEER,
+    f"{ORDERS}/revert": Role.ENGINEER,
+    f"{ORDERS}/audit": Role.ENGINEER,
+}
 
 
-def serve_orders(app: FastAPI, control: Control, doorkeeper: Doorkeeper, audit: AuditLog | None) -> None:
-    """Add the orders to the application.
+def serve_orders(app: FastAPI, control: Control, audit: AuditLog | None) -> None:
+    """Add the orders to the application; who may give them is asked by `Doorkeeper`, before.
 
     Args:
         app: The application.
         control: Carries them out.
-        doorkeeper: Knows who may give which.
         audit: Where they are written down; a run that cannot be written down is not started.
     """
-    operate, engineer = doorkeeper.needs(Role.OPERATE), doorkeeper.needs(Role.ENGINEER)
+    # Threads of their own: whatever else the page waits for, an order finds one.
+    orders, searches = CapacityLimiter(ORDERS_AT_ONCE), CapacityLimiter(DOORS_AT_ONCE)
+    searching = asyncio.Semaphore(DOORS_AT_ONCE)
 
-    async def answer(action: Callable[..., Value], *arguments: Any) -> Value:
+    async def answer(
+        action: Callable[..., Value], *arguments: Any, threads: CapacityLimiter = orders
+    ) -> Value:
         try:
-            return await run_in_threadpool(action, *arguments)
+            return await to_thread.run_sync(action, *arguments, limiter=threads)
         except DoormillError as error:
             raise HTTPException(409, error.message, {"Error-Code": str(error.code)}) from error
 
-    # The token is looked at before the body is.
-    @app.get("/control", dependencies=[operate])
+    @app.get(ORDERS)
     async def check() -> dict[str, str]:
         return {"message": "the token is right"}
 
-    @app.post("/control/mill", dependencies=[operate], status_code=202)
+    @app.post(f"{ORDERS}/mill", status_code=202)
     async def mill(wanted: MillRequest, request: Request) -> dict[str, str]:
         request.state.door_id = wanted.door_id
         if audit is not None:
@@ -149,7 +121,7 @@ def serve_orders(app: FastAPI, control: Control, doorkeeper: Doorkeeper, audit: 
         return {"message": await answer(control.mill, wanted.door_id)}
 
     # Carried out even where it cannot be written down: it makes nothing move.
-    @app.post("/control/cancel", dependencies=[operate], status_code=202)
+    @app.post(f"{ORDERS}/cancel", status_code=202)
     async def cancel() -> dict[str, str]:
         return {"message": await answer(control.cancel)}
 
@@ -160,19 +132,24 @@ def serve_orders(app: FastAPI, control: Control, doorkeeper: Doorkeeper, audit: 
             await answer(audit.require)
         return {"message": await answer(action, wanted.version, wanted.who, wanted.why)}
 
-    @app.post("/control/accept", dependencies=[engineer])
+    @app.post(f"{ORDERS}/accept")
     async def accept(wanted: ModelOrderRequest) -> dict[str, str]:
         return await change_model(control.accept, wanted)
 
-    @app.post("/control/revert", dependencies=[engineer])
+    @app.post(f"{ORDERS}/revert")
     async def revert(wanted: ModelOrderRequest) -> dict[str, str]:
         return await change_model(control.revert, wanted)
 
-    @app.get("/control/audit", dependencies=[engineer])
+    @app.get(f"{ORDERS}/audit")
     async def entries() -> list[dict[str, Any]]:
-        return [] if audit is None else await run_in_threadpool(audit.last, SHOWN_ENTRIES)
+        return [] if audit is None else await answer(audit.last, SHOWN_ENTRIES)
 
     # To be offered before the token is typed; the page shows door ids to everybody anyway.
     @app.get("/doors")
-    async def doors(prefix: Annotated[str, Query(max_length=LONGEST_ID)] = "") -> list[str]:
-        return await answer(control.doors, prefix)
+    async def doors(prefix: Annotated[Printable, Query(max_length=LONGEST_ID)] = "") -> list[str]:
+        if searching.locked():
+            raise HTTPException(
+                503, "the recipe database is asked by others; type on, or type the whole id of the door"
+            )
+        async with searching:
+            return await answer(control.doors, prefix, threads=searches)

@@ -117,7 +117,7 @@ function refusedOrder(code, forModel) {
 async function answerTo(response, done, wrong, forModel) {
   const answer = await response.json();
   const own = answer.message || (typeof answer.detail === "string" ? answer.detail : "");
-  if (response.status === 422) return [own || text(wrong)];
+  if (response.status === 422) return own && language() === ENGLISH ? [own] : [text(wrong), own];
   if (language() === ENGLISH) return [own];
   if (response.ok) return [done];
   if (response.status === 409) return [refusedOrder(response.headers.get("Error-Code"), forModel), own];

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import time
-from collections.abc import AsyncIterator, Callable
-from contextlib import suppress
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 
 from fastapi import FastAPI, HTTPException, Request, Response
+from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, StreamingResponse
 from starlette.datastructures import MutableHeaders
 from starlette.middleware.trustedhost import TrustedHostMiddleware
@@ -18,17 +17,20 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.audited import Audited
+from doormill_ros.operator.doorkeeper import Doorkeeper
 from doormill_ros.operator.errors import AuditError
+from doormill_ros.operator.event_streams import EventStreams
 from doormill_ros.operator.history_pages import serve_history
 from doormill_ros.operator.languages import LANGUAGES
-from doormill_ros.operator.orders import Control, Doorkeeper, serve_orders
+from doormill_ros.operator.order_texts import no_order
+from doormill_ros.operator.orders import ROLES, Control, serve_orders
 from doormill_ros.operator.origin import OwnOrigin
+from doormill_ros.operator.short_body import ShortBody
 from doormill_ros.operator.state import CellView
 from doormill_ros.operator.token import Keys
 from doormill_ros.operator.tries import Tries
 from doormill_ros.operator.view_store import ViewStore
 
-KEEP_ALIVE = 5.0  # s, the longest silence on the event stream
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
@@ -98,6 +100,13 @@ def create_app(
         ValueError: Control without a token.
     """
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    if control is not None:
+        keys = token if isinstance(token, Keys) else Keys(token)
+        if not keys:
+            raise ValueError("control of the cell needs a token; pass one made by new_token()")
+        serve_orders(app, control, audit)
+        app.add_middleware(ShortBody)
+        app.add_middleware(Doorkeeper, keys=keys, tries=Tries(clock), roles=ROLES)
     # The last one added sees a request first.
     app.add_middleware(OwnOrigin)
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(hosts))
@@ -105,15 +114,11 @@ def create_app(
         app.add_middleware(Audited, audit=audit, complain=lambda text: store.update(_unwritten(text)))
     app.add_middleware(_Headers)
     app.add_exception_handler(Exception, _unforeseen)
+    app.add_exception_handler(RequestValidationError, no_order)
     for path, (name, media_type) in _FILES.items():
         _serve_file(app, path, name, media_type)
     _serve_view(app, store, control is not None)
     serve_history(app, store, history)
-    if control is not None:
-        keys = token if isinstance(token, Keys) else Keys(token)
-        if not keys:
-            raise ValueError("control of the cell needs a token; pass one made by new_token()")
-        serve_orders(app, control, Doorkeeper(keys, Tries(clock)), audit)
     return app
 
 
@@ -146,9 +151,11 @@ def _serve_view(app: FastAPI, store: ViewStore, control: bool) -> None:
     async def state() -> Response:
         return Response(document(), media_type="application/json")
 
+    streams = EventStreams(store, document)
+
     @app.get("/events")
     async def events() -> StreamingResponse:
-        return StreamingResponse(_events(store, document), media_type="text/event-stream")
+        return streams.open()
 
     @app.get("/picture/{number}")
     async def picture(number: int) -> Response:
@@ -156,27 +163,3 @@ def _serve_view(app: FastAPI, store: ViewStore, control: bool) -> None:
         if shown is None or shown.number != number:
             raise HTTPException(404, "this picture is no longer there; the page shows the newest")
         return Response(shown.data, media_type=shown.media_type)
-
-
-async def _events(store: ViewStore, document: Callable[[], str]) -> AsyncIterator[str]:
-    """The view at once, after every change, and a sign of life in between."""
-    loop, changed = asyncio.get_running_loop(), asyncio.Event()
-
-    def notify() -> None:
-        # The page may be closing while the cell still changes.
-        with suppress(RuntimeError):
-            loop.call_soon_threadsafe(changed.set)
-
-    end = store.listen(notify)
-    try:
-        while True:
-            changed.clear()
-            yield f"data: {document()}\n\n"
-            while True:
-                try:
-                    await asyncio.wait_for(changed.wait(), KEEP_ALIVE)
-                    break
-                except TimeoutError:
-                    yield "event: alive\ndata: -\n\n"
-    finally:
-        end()

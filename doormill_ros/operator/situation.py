@@ -87,6 +87,6 @@ def situation(
             return Situation("requested", measured, False, "measured", *doors)
         waits = f"door {door_id} waits for the controller to ask for targets; {before}"
         return Situation("idle", waits, False, "waits", *doors)
-    if state == "done" and told_run and last_run not in ("", told_run):
+    if told_run and last_run not in ("", told_run):
         return Situation("idle", f"the controller asks for nothing; {before}", False, "nothing", *doors)
     return own

@@ -162,14 +162,20 @@ class CellView:
         if any(run.run_id == other.run_id for other in self.history):
             return self
         run = replace(run, door_id=short(run.door_id), message=short(run.message))
-        in_hand = self.run_id not in ("", run.run_id)
-        view = self if in_hand else replace(self, run_id="", door_id="", stage="", progress=0.0)
+        history = (run, *self.history)[:HISTORY]
+        if self.run_id not in ("", run.run_id):
+            # How another run ended is told late: the page speaks of the one in hand.
+            return replace(self, history=history)
         return replace(
-            view,
+            self,
+            run_id="",
+            door_id="",
+            stage="",
+            progress=0.0,
             refusal="" if run.success else run.message,
             refusal_code=run.error_code,
             notice="",
-            history=(run, *self.history)[:HISTORY],
+            history=history,
         )
 
     def with_history(self, runs: tuple[EndedRun, ...]) -> CellView:
@@ -263,8 +269,9 @@ class CellView:
         if self.pair is None:
             milled = seen.state == "done" and last is not None and last.run_id == self.state_run
             state = MAY_MOVE if seen.key == MAY_MOVE else seen.state
+            door = last.door_id if last else self.state_door
             return next_step(
-                self.bridge_present, state, in_hand, self.refusal, faults, spoiled, milled, stopped
+                self.bridge_present, state, in_hand, self.refusal, faults, spoiled, milled, stopped, door
             )
         run_id = last.run_id if last else ""
         done = self.pair.milled(run_id)

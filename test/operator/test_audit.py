@@ -44,7 +44,7 @@ def test_orders_are_written_with_who_when_what_and_outcome(guarded: Any) -> None
         ("operate", "POST /control/mill", "busy", "refused", 409),
         ("operate", "POST /control/mill", "", "refused", 422),
         ("operate", "POST /control/mill", "bug", "refused", 500),
-        ("operate", "POST /control/mill", NASTY, "accepted", 202),
+        ("operate", "POST /control/mill", "", "refused", 422),
     ]
     assert (found[0]["message"], found[2]["message"]) == (
         "door oak is started",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from pathlib import Path
 
-from doormill_ros.operator import audit, tries
+from doormill_ros.operator import audit, short_body, tries
 from doormill_ros.operator.token import Role
 
 TEXT = (Path(__file__).parents[2] / "docs" / "operators-page.md").read_text()
@@ -17,6 +17,7 @@ def test_limits_and_files_are_told_as_they_are() -> None:
         f"after {NUMBERS[tries.FREE]} wrong tokens",
         f"at most {tries.LONGEST_WAIT:.0f} s",
         f"forgotten {tries.FORGOTTEN:.0f} s after",
+        f"more than {short_body.LARGEST_BODY} bytes",
         f"beyond {audit.LARGEST} bytes",
         f"{NUMBERS[audit.KEPT]} of either kind",
         f"`{audit.ORDERS}`: with one",

@@ -85,8 +85,11 @@ def test_latched_messages_may_come_in_any_order() -> None:
 
 def test_another_runs_messages_do_not_touch_the_run_in_hand() -> None:
     view = CellView().with_run("r2", "oak").with_stage("pose", 0.3)
-    later = view.with_ended(ended("r1")).with_refused_picture("r1", "no edge")
-    assert (later.run_id, later.stage, later.progress, later.refusal) == ("r2", "pose", 0.3, "")
+    for own in ("", "no picture"):
+        before = view.with_refused_picture("r2", own, 301 if own else 0).with_notice("wait", 7)
+        for end in (ended("r1"), ended("r1", False, "door elm: no edge")):
+            later = before.with_ended(end).with_refused_picture("r1", "no edge")
+            assert later == dataclasses.replace(before, history=(end,))
 
 
 def test_a_run_counts_once_and_the_newest_is_first() -> None:
@@ -267,19 +270,55 @@ def test_a_run_given_up_that_the_robot_milled_on_is_not_said_to_be_unmilled() ->
     assert "look at the door" in document["next_step"]
 
 
-_TOLD = st.tuples(
-    st.just("with_handshake"), st.sampled_from(STATES), st.just("told"), _RUNS, st.text(), st.booleans()
+DOORS = {"r1": "oak", "r2": "elm", "r3": "ash"}
+_RUNS_AND_DOORS = st.sampled_from(sorted(DOORS.items()))
+_OF_DOORS = st.one_of(
+    st.builds(lambda run: ("with_run", *run), _RUNS_AND_DOORS),
+    st.builds(
+        lambda run, state, request: ("with_handshake", state, f"told of {run[1]}", *run, request),
+        _RUNS_AND_DOORS,
+        st.sampled_from(STATES),
+        st.booleans(),
+    ),
+    st.builds(
+        lambda run, code: ("with_ended", EndedRun(*run, not code, code, "why" if code else "", 1.0)),
+        _RUNS_AND_DOORS,
+        st.sampled_from([0, 204, OutOfToleranceError.code]),
+    ),
 )
 
 
-@given(st.lists(st.one_of(_CHANGES, _TOLD), max_size=20))
+@given(st.lists(_OF_DOORS, max_size=20))
 def test_state_and_next_step_are_of_one_door(changes: list[tuple[Any, ...]]) -> None:
     view = CellView()
     for name, *arguments in changes:
         view = getattr(view, name)(*arguments)
     view = view.with_bridge(True)
-    document = view.document()
-    ended_state = document["state"] in ("done", "failed")
-    assert not (document["run_id"] and ended_state and view.state_run != document["run_id"])
-    milled = document["state"] == "done" and view.state_run != ""
-    assert not (milled and "not milled" in document["next_step"])
+    document, key = view.document(), view.document()["step"]["key"]
+    last = view.run_id or (view.history[0].run_id if view.history else view.state_run)
+    if document["state"] in ("done", "failed"):
+        assert view.state_run == last
+    assert not (document["state"] == "done" and key == "not_milled")
+    if key in ("not_milled", "spoiled", "milled_after_all", "done"):
+        assert document["next_step"].count(DOORS[last]) == 1
+        assert not view.run_id
+    if document["situation"]["ended"]:
+        before = DOORS[view.state_run]
+        assert f"the door before, {before}, " in document["state_reason"]
+        assert before not in document["next_step"]
+
+
+@pytest.mark.parametrize(("state", "words"), [("done", "was milled"), ("failed", "came to nothing")])
+def test_a_door_refused_before_it_was_asked_for_is_told_apart_from_the_one_before(
+    state: str, words: str
+) -> None:
+    view = CellView().with_run("r1", "oak").with_handshake(state, "told of oak", "r1", "oak", error_code=450)
+    view = view.with_ended(EndedRun("r1", "oak", state == "done", 0 if state == "done" else 450, "", 1.0))
+    document = view.with_run("r2", "elm").with_ended(EndedRun("r2", "elm", False, 204, "no", 2.0)).document()
+    assert (document["state"], document["state_code"]) == ("idle", 0)
+    assert document["state_reason"] == f"the controller asks for nothing; the door before, oak, {words}"
+    assert document["next_step"].startswith("The door elm was not milled.")
+
+
+def test_a_door_whose_name_nobody_told_has_none_in_the_next_step() -> None:
+    assert CellView().with_handshake("done", "").document()["next_step"].startswith("The door is milled.")
