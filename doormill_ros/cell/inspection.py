@@ -46,6 +46,15 @@ class MeasuredDoor:
             "are allowed"
         )
 
+    def told_of(self, door_id: str, how: str) -> str:
+        """What is said of a milled door: how it was milled, or what to do where it is out of tolerance."""
+        if self.out_of_tolerance:
+            return (
+                f"door {door_id}: {OUT_OF_TOLERANCE}, {self.sentence}; find out what the model of the robot gets "
+                "wrong (diagnose) before the next door"
+            )
+        return f"door {door_id} milled: {how}; {self.sentence}"
+
     @classmethod
     def worst(cls, deviations: Iterable[tuple[str, float]], tolerance: float) -> MeasuredDoor:
         """The worst of the features' names and deviations [m]; of none, a door that was not measured."""

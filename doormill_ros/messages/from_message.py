@@ -13,6 +13,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.inspection import MeasuredDoor
+from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.frames import from_xyzw
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.errors import BadCameraInfo
@@ -173,6 +174,12 @@ def inspection_of(message: Any) -> MeasuredDoor:
     """How a door came out, from a doormill_interfaces/MilledDoor; one without features was not measured."""
     found = ((feature.feature, float(feature.corrected_max)) for feature in message.features)
     return MeasuredDoor.worst(found, float(message.tolerance))
+
+
+def gauged_of(message: Any) -> MeasuredDoor:
+    """How a door came out, from a doormill_interfaces/DoorInspection: its worst point, whichever way it is off."""
+    points = zip(message.feature, map(abs, message.deviation), strict=False)
+    return MeasuredDoor.worst(points, TOLERANCE)
 
 
 def program_of(message: Any) -> MillingProgram:

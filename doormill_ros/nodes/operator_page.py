@@ -27,7 +27,7 @@ from doormill_interfaces.msg import (
 )
 from doormill_ros.arrays import ByteArray
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import nanoseconds_of, recipe_of, seconds_of
+from doormill_ros.messages.from_message import gauged_of, nanoseconds_of, recipe_of, seconds_of
 from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.planned_times import planned_times_of
@@ -107,6 +107,7 @@ class OperatorPage(ManagedNode):
         self._bridges_heard = dict.fromkeys(self._places, float("-inf"))
         self._look_for_bridges()
         self._shown: ShownDoors[Image] = ShownDoors()
+        self._judged, self._inspected = "", DoorInspection()
         self._pictures: deque[Image] = deque(maxlen=KEPT_PICTURES)
         host, tokens = self.value("host"), self.value("tokens")
         token = self._given or (load_keys(Path(tokens)) if tokens else None)
@@ -168,17 +169,27 @@ class OperatorPage(ManagedNode):
             self.store.update(lambda view: view.with_plan(targets.run_id, times, robot or None))
 
     def _take_milled(self, door: MilledDoor) -> None:
+        self._judged = door.run_id
         found = {feature.feature: feature.corrected_max for feature in door.features}
         self._measured(door.run_id, found, door.tolerance)
 
     def _take_inspection(self, measured: DoorInspection) -> None:
+        if measured.run_id == self._judged:
+            return  # who measured in the cell has told more, and the result holds it
+        self._inspected = measured
         found: dict[str, float] = {}
-        for feature, wall, deviation in zip(
-            measured.feature, measured.wall, measured.deviation, strict=False
-        ):
-            if wall:
-                found[feature] = max(found.get(feature, 0.0), abs(deviation))
-        self._measured(measured.run_id, found, 0.0)
+        for feature, deviation in zip(measured.feature, measured.deviation, strict=False):
+            found[feature] = max(found.get(feature, 0.0), abs(deviation))
+        self._measured(measured.run_id, found, gauged_of(measured).tolerance)
+        self._amend()
+
+    def _amend(self) -> None:
+        """Say of the run that was inspected last how its door came out; its result may come before or after."""
+        run_id, inspection = self._inspected.run_id, gauged_of(self._inspected)
+        before = self.store.view.history
+        self.store.update(lambda view: view.with_inspection(run_id, inspection))
+        for run in set(self.store.view.history) - set(before):
+            append_history(self._history, run)
 
     def _measured(self, run_id: str, found: dict[str, float], tolerance: float) -> None:
         finite = {name: value for name, value in found.items() if math.isfinite(value)}
@@ -232,6 +243,7 @@ class OperatorPage(ManagedNode):
         self.store.update(lambda view: view.with_ended(ended))
         if not known:
             append_history(self._history, ended)
+            self._amend()
 
     def _take_verdict(self, said: ModelVerdict) -> None:
         doors = tuple(TrendDoor(d.door_id, d.run_id, d.model_version, d.largest) for d in said.doors)

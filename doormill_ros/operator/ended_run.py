@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, outcome
+from doormill_ros.cell.errors import OutOfToleranceError
+from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE, MeasuredDoor, outcome
 
 _CAME_TO = {MILLED: "milled", NOT_MEASURED: "not_measured", OUT_OF_TOLERANCE: "out_of_tolerance"}
 
@@ -28,6 +29,19 @@ class EndedRun:
     def outcome(self) -> str:
         """What it came to in two or three words."""
         return outcome(self.success, self.error_code, self.measured)
+
+    def found(self, inspection: MeasuredDoor) -> EndedRun:
+        """The same run once its door was measured; one that was measured before, or was not milled, stays as it is."""
+        if not self.success or self.measured or not inspection.measured:
+            return self
+        how = self.message.removeprefix(f"door {self.door_id} milled: ")
+        return replace(
+            self,
+            success=not inspection.out_of_tolerance,
+            error_code=OutOfToleranceError.code if inspection.out_of_tolerance else 0,
+            message=inspection.told_of(self.door_id, how.removesuffix(f"; {MeasuredDoor().sentence}")),
+            measured=True,
+        )
 
     @property
     def came_to(self) -> str:

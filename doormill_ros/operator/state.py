@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from doormill_ros.cell.errors import OutOfToleranceError
+from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.operator.advice import Advice, next_step
 from doormill_ros.operator.door_view import DoorView
 from doormill_ros.operator.ended_run import EndedRun
@@ -177,6 +178,17 @@ class CellView:
             notice="",
             history=history,
         )
+
+    def with_inspection(self, run_id: str, inspection: MeasuredDoor) -> CellView:
+        """The door of a run that ended was measured, perhaps long after; see `EndedRun.found`."""
+        history = tuple(run.found(inspection) if run.run_id == run_id else run for run in self.history)
+        if history == self.history:
+            return self
+        newest = history[0]
+        if self.run_id or newest == self.history[0]:
+            return replace(self, history=history)  # the page speaks of another door
+        refusal = "" if newest.success else newest.message
+        return replace(self, history=history, refusal=refusal, refusal_code=newest.error_code)
 
     def with_history(self, runs: tuple[EndedRun, ...]) -> CellView:
         """Runs that ended before the page was there, the newest first."""

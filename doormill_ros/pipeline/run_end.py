@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from doormill_ros.cell.errors import OutOfToleranceError
-from doormill_ros.cell.inspection import OUT_OF_TOLERANCE, MeasuredDoor
+from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.summary import StageDurations
 from doormill_ros.units import m_to_mm, s_to_ms
 
@@ -95,11 +95,6 @@ class RunEnd:
         self.milled = True
         self.inspection = inspection
         self.success = not inspection.out_of_tolerance
-        if self.success:
-            self.message = f"door {self.door_id} milled: {how}; {inspection.sentence}"
-        else:
+        self.message = inspection.told_of(self.door_id, how)
+        if not self.success:
             self.error_code = OutOfToleranceError.code
-            self.message = (
-                f"door {self.door_id}: {OUT_OF_TOLERANCE}, {inspection.sentence}; find out what the model of the "
-                "robot gets wrong (diagnose) before the next door"
-            )

@@ -24,6 +24,7 @@ LATEST = (
     "simulation/verdict",
 )
 STATUS = "abb/status"
+INSPECTION = "door/inspection"  #: of any run, also of one that ended before
 SECOND = "/robot2/"  #: in the topics of the second of two robots
 
 
@@ -66,7 +67,9 @@ def _in_the_cell(topic: str) -> str:
     """The name of a topic without the namespace of the cell that it was recorded in, or of the first of two robots."""
     if SECOND in topic:
         return topic.lstrip("/")
-    return next((name for name in (*LATEST, STATUS) if topic.endswith(f"/{name}")), topic.lstrip("/"))
+    return next(
+        (name for name in (*LATEST, STATUS, INSPECTION) if topic.endswith(f"/{name}")), topic.lstrip("/")
+    )
 
 
 def read_run(bag: Path) -> RunRecord:
@@ -78,11 +81,14 @@ def read_run(bag: Path) -> RunRecord:
     """
     record = RunRecord(bag)
     steps: list[tuple[float, str, str]] = []
+    inspections: dict[str, Any] = {}
     for item in read_bag(bag):
         topic = _in_the_cell(item.topic)
         record.counts[topic] = record.counts.get(topic, 0) + 1
         if topic in LATEST:
             record.latest[topic] = item.message
+        elif topic == INSPECTION:
+            inspections[item.message.run_id] = item.message
         elif topic == STATUS:
             steps.append((seconds_of(item.message.since), item.message.state, item.message.reason))
     result = record.get("run/result")
@@ -94,6 +100,8 @@ def read_run(bag: Path) -> RunRecord:
     for topic, message in list(record.latest.items()):
         if getattr(message, "run_id", result.run_id) != result.run_id:
             del record.latest[topic]
+    if result.run_id in inspections:
+        record.latest[INSPECTION] = inspections[result.run_id]
     begun = steps[0][0] if steps else 0.0
     record.handshake = [HandshakeStep(at - begun, state, reason) for at, state, reason in steps]
     return record

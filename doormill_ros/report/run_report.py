@@ -14,7 +14,7 @@ from doormill_ros.cell.inspection import MILLED, NOT_MEASURED, OUT_OF_TOLERANCE,
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.files import write_atomically
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import inspection_of, program_of, recipe_of, transform_of
+from doormill_ros.messages.from_message import gauged_of, inspection_of, program_of, recipe_of, transform_of
 from doormill_ros.pages.page import Charts, Facts, Listing, Page, PageSection, Paragraphs, Picture, render
 from doormill_ros.pipeline.cycle import cycle_time
 from doormill_ros.recipes.drawing import draw_recipe
@@ -95,6 +95,8 @@ def _facts(record: RunRecord) -> dict[str, str]:
             f"within {m_to_mm(milled.corrected_max):.3f} mm of the recipe, {m_to_mm(milled.uncorrected_max):.3f} mm "
             f"without correction, tolerance {m_to_mm(milled.tolerance):.1f} mm"
         )
+    elif inspection.measured:
+        facts["milled"] = inspection.sentence
     verdict = record.get("simulation/verdict")
     if verdict is not None:
         facts["touched"] = verdict.message
@@ -115,8 +117,10 @@ def _handed_over(result: Any) -> bool:
 
 def _inspection(record: RunRecord) -> MeasuredDoor:
     """How the door came out."""
-    milled = record.get("simulation/milled_door")
-    return MeasuredDoor() if milled is None else inspection_of(milled)
+    milled, gauged = record.get("simulation/milled_door"), record.get("door/inspection")
+    if milled is not None:
+        return inspection_of(milled)
+    return MeasuredDoor() if gauged is None else gauged_of(gauged)
 
 
 def _outcome(record: RunRecord) -> str:

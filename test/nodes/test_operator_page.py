@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -9,9 +10,20 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.parameter import Parameter
 
-from doormill_interfaces.msg import AbbStatus, DoorLocalization, DoorRecipe
+from doormill_interfaces.msg import (
+    AbbStatus,
+    DoorInspection,
+    DoorLocalization,
+    DoorRecipe,
+    FeatureDeviation,
+    MilledDoor,
+    RunResult,
+)
 from doormill_ros.nodes.operator_page import OperatorPage
+from doormill_ros.operator.history import load_history
 from doormill_ros.operator.state import Fault
+
+BEYOND = "milled, out of tolerance"
 
 
 def diagnosis(
@@ -50,6 +62,58 @@ def test_codes_come_with_faults_refusals_and_states(page: OperatorPage) -> None:
     assert (page.store.view.refusal, page.store.view.refusal_code) == ("dark", 207)
     page._take_status(AbbStatus(state="clearing", reason="no link", error_code=450))
     assert page.store.view.state_code == 450
+
+
+def gauged(run_id: str, deviation: float) -> DoorInspection:
+    return DoorInspection(
+        run_id=run_id, feature=["lock_case", "hinge_1"], wall=[False, True], deviation=[1e-5, deviation]
+    )
+
+
+@pytest.mark.parametrize("late", [False, True], ids=["before the result", "after it"])
+@pytest.mark.parametrize(("deviation", "outcome", "code"), [(-1.6e-3, BEYOND, 807), (4e-4, "milled", 0)])
+def test_a_gauge_says_how_an_ended_run_came_out(
+    page: OperatorPage, tmp_path: Path, late: bool, deviation: float, outcome: str, code: int
+) -> None:
+    result = RunResult(
+        run_id="r1", door_id="oak", success=True, message="door oak milled: 4 targets; not measured"
+    )
+    heard = [partial(page._take_result, result), partial(page._take_inspection, gauged("r1", deviation))]
+    for hear in heard if late else reversed(heard):
+        hear()
+    (run,) = page.store.view.history
+    assert (run.outcome, run.success, run.error_code, run.measured) == (outcome, code == 0, code, True)
+    assert f"hinge_1 is {abs(deviation) * 1e3:.2f} mm off where 0.50 mm are allowed" in run.message
+    assert "not measured" not in run.message
+    assert (page.store.view.refusal, page.store.view.refusal_code) == ("" if code == 0 else run.message, code)
+    assert load_history(tmp_path / "history") == (run,)
+    page._take_inspection(gauged("r1", 5e-3))  # measured again: what was found first is what the run came to
+    page._take_result(result)
+    assert page.store.view.history == (run,)
+
+
+def test_who_measures_in_the_cell_is_believed_first(page: OperatorPage) -> None:
+    feature = FeatureDeviation(feature="hinge_1", corrected_max=1e-4)
+    page._take_milled(MilledDoor(run_id="r1", tolerance=5e-4, features=[feature]))
+    page._take_inspection(gauged("r1", 1.6e-3))
+    page._take_result(RunResult(run_id="r1", door_id="oak", success=True, measured=True, message="door oak"))
+    (run,) = page.store.view.history
+    assert (run.outcome, run.message) == ("milled", "door oak")
+
+
+def test_a_refused_run_stays_refused_whatever_a_gauge_says(page: OperatorPage) -> None:
+    page._take_result(RunResult(run_id="r1", door_id="oak", error_code=204, message="too far off"))
+    page._take_inspection(gauged("r1", 1.6e-3))
+    (run,) = page.store.view.history
+    assert (run.error_code, run.measured) == (204, False)
+
+
+def test_a_door_measured_late_does_not_speak_for_the_one_in_hand(page: OperatorPage) -> None:
+    page._take_result(RunResult(run_id="r1", door_id="oak", success=True, message="not measured"))
+    page._take_recipe(DoorRecipe(run_id="r2", door_id="ash"))
+    page._take_inspection(gauged("r1", 1.6e-3))
+    assert page.store.view.refusal == ""
+    assert page.store.view.history[0].outcome == BEYOND
 
 
 @pytest.mark.parametrize("page", [2], indirect=True)

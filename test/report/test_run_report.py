@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
+from doormill_interfaces.msg import DoorInspection
 from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.report import run_record
 from doormill_ros.report.figures import picture_url
 from doormill_ros.report.run_record import read_run
 from doormill_ros.report.run_report import render_report, write_report
@@ -229,6 +231,35 @@ def test_a_bag_of_older_software_is_not_believed_that_a_bad_door_is_good() -> No
     assert "Door thesis_190_0deg: milled, out of tolerance" in page
     assert f"{feature.feature} is 1.60 mm off where 0.50 mm are allowed" in page
     assert 'class="bad"' in page
+
+
+@pytest.mark.parametrize(
+    ("deviation", "said"),
+    [(-1.6e-3, "milled, out of tolerance"), (0.2e-3, "hinge_1 is 0.20 mm off where 0.50 mm are allowed")],
+)
+def test_a_gauge_that_is_not_part_of_the_cell_is_believed(deviation: float, said: str) -> None:
+    record = read_run(BAGS / "thesis_190_0deg")
+    gauged = DoorInspection(
+        run_id="r", feature=["hinge_1", "hinge_2"], wall=[True, False], deviation=[deviation, 1e-5]
+    )
+    record.latest["door/inspection"] = gauged
+    assert "1.60 mm" not in render_report(record)  # who measured in the cell is believed first
+    del record.latest["simulation/milled_door"]
+    page = render_report(record)
+    assert said in page
+    assert "not measured" not in page
+
+
+def test_an_inspection_is_found_by_its_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = read_run(BAGS / "thesis_190_0deg").get("run/result").run_id
+
+    def measured_later(bag: Path) -> Iterator[SimpleNamespace]:
+        yield from read_bag(bag)
+        for run_id in (run, "another"):
+            yield SimpleNamespace(topic="/cell1/door/inspection", message=DoorInspection(run_id=run_id))
+
+    monkeypatch.setattr(run_record, "read_bag", measured_later)
+    assert read_run(BAGS / "thesis_190_0deg").get("door/inspection").run_id == run
 
 
 def test_a_door_that_nobody_measured_is_said_to_be_so() -> None:
