@@ -42,7 +42,8 @@ from doormill_ros.operator.door_view import door_view
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.history import append_history, load_history
 from doormill_ros.operator.model_view import ModelView, TrendDoor
-from doormill_ros.operator.page_server import PageServer, is_loopback
+from doormill_ros.operator.page_names import is_address, page_names
+from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.shown_door import ShownDoors
@@ -69,6 +70,11 @@ class OperatorPage(ManagedNode):
     PARAMETERS = (
         NodeParameter(
             "host", "127.0.0.1", "address the page is served at, unencrypted; 0.0.0.0: every network"
+        ),
+        NodeParameter(
+            "names",
+            "",
+            "host names under which the page is reached, with commas, beside this machine's own; addresses always do",
         ),
         NodeParameter("port", 8080, "TCP port of the page; 0: any free one", 0, 65535),
         NodeParameter(
@@ -112,9 +118,11 @@ class OperatorPage(ManagedNode):
         host, tokens = self.value("host"), self.value("tokens")
         token = self._given or (load_keys(Path(tokens)) if tokens else None)
         control = ActionControl(self, self.store) if token else None
-        hosts = (host, "127.0.0.1", "localhost", "[::1]") if is_loopback(host) else ("*",)
+        names = page_names(self.value("names"))
+        if not is_address(host):
+            names = (*names, host.lower())
         audit = AuditLog(Path(self.value("audit") or site_folder() / AUDIT))
-        app = create_app(self.store, control, token, hosts, audit, history=self._history)
+        app = create_app(self.store, control, token, names, audit, history=self._history)
         self._controls = control is not None
         self._server = PageServer(app, host, self.value("port")).start()
         self.url = self._server.url

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers
@@ -32,20 +33,42 @@ def is_own(origin: str, host: str) -> bool:
         return False
 
 
+def is_named(origin: str, names: Collection[str]) -> bool:
+    """Whether an Origin header names one of the hosts, at whatever port."""
+    return any(is_own(origin, f"{name}:{_port(origin)}") for name in names)
+
+
+def _port(origin: str) -> int | None:
+    try:
+        asked = urlsplit(origin)
+        return asked.port or _PORTS.get(asked.scheme)
+    except ValueError:
+        return None
+
+
 class OwnOrigin:
     """Answers 403 to every request with a foreign Origin.
 
     Programs that are no browsers send none and pass; orders need the token all the same.
+
+    Args:
+        app: What answers.
+        names: Under which the page is reached through a server that asks for it by another one; lower case.
     """
 
-    def __init__(self, app: ASGIApp) -> None:
+    def __init__(self, app: ASGIApp, names: tuple[str, ...] = ()) -> None:
         self._app = app
+        self._names = names
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on or refuse it."""
         headers = Headers(scope=scope)
         host = headers.get("host", "")
-        foreign = [origin for origin in headers.getlist("origin") if not is_own(origin, host)]
+        foreign = [
+            origin
+            for origin in headers.getlist("origin")
+            if not (is_own(origin, host) or is_named(origin, self._names))
+        ]
         if not foreign:
             await self._app(scope, receive, send)
             return

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import socket
 import threading
 
@@ -14,16 +13,6 @@ from doormill_ros.cell.waiting import wait
 from doormill_ros.operator.errors import PageAddressError
 
 START_LIMIT = 20.0  # s
-
-
-def is_loopback(host: str) -> bool:
-    """Whether an address can be reached from this machine alone."""
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 class PageServer:

@@ -12,7 +12,6 @@ from fastapi import FastAPI, HTTPException, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, StreamingResponse
 from starlette.datastructures import MutableHeaders
-from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from doormill_ros.operator.audit import AuditLog
@@ -25,6 +24,7 @@ from doormill_ros.operator.languages import LANGUAGES
 from doormill_ros.operator.order_texts import no_order
 from doormill_ros.operator.orders import ROLES, Control, serve_orders
 from doormill_ros.operator.origin import OwnOrigin
+from doormill_ros.operator.page_names import KnownHost
 from doormill_ros.operator.short_body import ShortBody
 from doormill_ros.operator.state import CellView
 from doormill_ros.operator.token import Keys
@@ -79,7 +79,7 @@ def create_app(
     store: ViewStore,
     control: Control | None = None,
     token: str | Keys | None = None,
-    hosts: tuple[str, ...] = ("127.0.0.1", "localhost"),
+    names: tuple[str, ...] = (),
     audit: AuditLog | None = None,
     clock: Callable[[], float] = time.monotonic,
     history: Path | None = None,
@@ -90,8 +90,7 @@ def create_app(
         store: What is shown.
         control: What may be done; None for a page that only shows.
         token: Needed for control: that of the role operate, or the tokens of all roles.
-        hosts: Names under which the page may be asked for, so that no foreign name pointed at this machine
-            reads it; "*" for any.
+        names: Under which the page may be asked for, beside localhost, this machine's name and IP addresses.
         audit: Where orders and refused tries are written down; None: nowhere.
         clock: Monotonic time that limits the tries of tokens [s].
         history: Folder of the ended runs; None: those in the view are all that can be searched.
@@ -108,8 +107,8 @@ def create_app(
         app.add_middleware(ShortBody)
         app.add_middleware(Doorkeeper, keys=keys, tries=Tries(clock), roles=ROLES)
     # The last one added sees a request first.
-    app.add_middleware(OwnOrigin)
-    app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(hosts))
+    app.add_middleware(OwnOrigin, names=names)
+    app.add_middleware(KnownHost, names=names)
     if audit is not None:
         app.add_middleware(Audited, audit=audit, complain=lambda text: store.update(_unwritten(text)))
     app.add_middleware(_Headers)

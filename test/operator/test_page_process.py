@@ -8,6 +8,7 @@ import socket
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ import httpx
 import pytest
 import yaml
 
+from doormill_ros.nodes import topics
 from support.cell_processes import NODES, STOP_LIMIT, CellProcesses, executable, free_port
 
 DOOR = "thesis_190_0deg"
@@ -30,7 +32,9 @@ class Beside:
         self.port, self.folder = free_port(), folder
         self.tokens = folder / "tokens.yaml"
         written = {"history": folder / "runs", "audit": folder / "audit"}
-        parameters = {PAGE: {"port": self.port, "tokens": self.tokens, **written}}
+        # A run can be held for as long as a page takes to come up.
+        patient = {"limit.sign_of_life": 600.0, "limit.targets": 600.0}
+        parameters = {PAGE: {"port": self.port, "tokens": self.tokens, **written}, "abb_bridge": patient}
         self.cell = CellProcesses(folder, parameters, (*NODES, PAGE))
         self.url = f"http://127.0.0.1:{self.port}"
 
@@ -100,11 +104,25 @@ def test_killed_and_started_again_it_knows_what_was(beside: Beside) -> None:
 
 def test_a_run_in_hand_is_taken_up_by_a_page_started_meanwhile(beside: Beside) -> None:
     beside.cell.stop(PAGE)
-    result, _ = beside.cell.mill(DOOR)
+    recipes = beside.cell.subscribe(topics.DOOR_RECIPE)
+    before = beside.cell.wait(lambda: recipes and recipes[-1].run_id)
+    planner = beside.cell.processes["path_generator"]
+    planner.send_signal(signal.SIGSTOP)
+    with ThreadPoolExecutor(1) as pool:
+        try:
+            goal = pool.submit(beside.cell.mill, DOOR)
+            beside.cell.wait(lambda: recipes[-1].run_id != before)
+            beside.cell.start(PAGE)
+            shown = beside.state(lambda s: s["run_id"])
+            assert not goal.done()
+        finally:
+            planner.send_signal(signal.SIGCONT)
+        result, _ = goal.result()
     assert result.success, result.message
-    beside.cell.start(PAGE)
-    shown = beside.state(lambda s: any(run["run_id"] == result.run_id for run in s["history"]))
-    assert (shown["run_id"], shown["history"][0]["success"]) == ("", True)
+    assert (shown["run_id"], shown["door_id"]) == (result.run_id, DOOR)
+    assert result.run_id not in {run["run_id"] for run in shown["history"]}
+    ended = beside.state(lambda s: any(run["run_id"] == result.run_id for run in s["history"]))
+    assert (ended["run_id"], ended["history"][0]["success"]) == ("", True)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from doormill_ros.operator.errors import PageAddressError
-from doormill_ros.operator.page_server import PageServer, is_loopback
+from doormill_ros.operator.page_server import PageServer
 from doormill_ros.operator.picture import LONGEST_SIDE, encode_picture
 from doormill_ros.operator.server import create_app
 from doormill_ros.operator.token import authorizes, new_token
@@ -236,21 +236,6 @@ def test_stopping_ends_live_connections() -> None:
             list(lines)
     with pytest.raises(httpx.ConnectError):
         get(server.url)
-
-
-@pytest.mark.parametrize(
-    ("host", "expected"),
-    [
-        ("127.0.0.1", True),
-        ("::1", True),
-        ("localhost", True),
-        ("0.0.0.0", False),
-        ("10.0.0.5", False),
-        ("cell", False),
-    ],
-)
-def test_what_only_this_machine_reaches(host: str, expected: bool) -> None:
-    assert is_loopback(host) is expected
 
 
 def test_tokens_are_random_and_long() -> None:
