@@ -14,7 +14,7 @@ from scipy.linalg.lapack import dposv
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.step_grid import RIDGE
-from doormill_ros.localization.step_models import DISC, RAMP, One, Spread, Two
+from doormill_ros.localization.step_models import DISC, RAMP, OneStep, SpreadStep, TwoSteps
 
 _ENOUGH = 1.0e-5  # a fit ends where its squares fall by less, as a share
 _DAMPED = 1.0e-3
@@ -39,29 +39,29 @@ class StepFit:
 
 def fit_one(profile: FloatArray, weight: FloatArray, blur: float, sharp: Sharp | None = None) -> StepFit:
     """One step in a profile (m,) of weights (m,); places are shift and blur [px], which starts from `blur`."""
-    return _descend(One(profile.size), profile, weight, np.array([0.0, blur]), sharp)
+    return _descend(OneStep(profile.size), profile, weight, np.array([0.0, blur]), sharp)
 
 
 def fit_disc(profile: FloatArray, weight: FloatArray, radius: float) -> StepFit:
     """One step of a profile (m,), weights (m,), spread by a disc; places are shift and radius from `radius` [px]."""
-    return _descend(Spread(profile.size, DISC, 2), profile, weight, np.array([0.0, radius]), None)
+    return _descend(SpreadStep(profile.size, DISC, 2), profile, weight, np.array([0.0, radius]), None)
 
 
 def fit_soft_disc(profile: FloatArray, weight: FloatArray, radius: float, blur: float) -> StepFit:
     """One step of a profile (m,), weights (m,), spread by a disc and a lens; places are shift, radius, blur [px]."""
-    return _descend(Spread(profile.size, DISC, 3), profile, weight, np.array([0.0, radius, blur]), None)
+    return _descend(SpreadStep(profile.size, DISC, 3), profile, weight, np.array([0.0, radius, blur]), None)
 
 
 def fit_ramp(profile: FloatArray, weight: FloatArray, reach: float, blur: float) -> StepFit:
     """An edge that thins out evenly, profile and weights (m,); places: shift, half width from `reach`, blur [px]."""
-    return _descend(Spread(profile.size, RAMP, 3), profile, weight, np.array([0.0, reach, blur]), None)
+    return _descend(SpreadStep(profile.size, RAMP, 3), profile, weight, np.array([0.0, reach, blur]), None)
 
 
 def fit_two(
     profile: FloatArray, weight: FloatArray, start: FloatArray, sharp: Sharp | None = None
 ) -> StepFit:
     """Two steps, profile and weights (m,); places: the outer's shift, how far inside the inner is, blur (3,) [px]."""
-    return _descend(Two(profile.size), profile, weight, start, sharp)
+    return _descend(TwoSteps(profile.size), profile, weight, start, sharp)
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def _solved(normal: FloatArray, right: FloatArray) -> FloatArray | None:
 
 
 def _descend(
-    model: One | Two | Spread,
+    model: OneStep | TwoSteps | SpreadStep,
     profile: FloatArray,
     weight: FloatArray,
     start: FloatArray,

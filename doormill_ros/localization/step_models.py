@@ -56,7 +56,7 @@ class _Steps:
         return by_shift, by_shift * self._scaled * self._spread
 
 
-class One(_Steps):
+class OneStep(_Steps):
     """One step; p is its shift and its blur [px]."""
 
     def __init__(self, size: int) -> None:
@@ -75,7 +75,7 @@ class One(_Steps):
         return self.jacobian
 
 
-class Two(_Steps):
+class TwoSteps(_Steps):
     """Two steps; p is the outer's shift, how far inside of it the inner is, and their blur [px]."""
 
     count = 3
@@ -100,7 +100,7 @@ class Two(_Steps):
         return self.jacobian
 
 
-class Spread(_Steps):
+class SpreadStep(_Steps):
     """One step that is spread by `share` of each of _NODES; p is shift, reach and, where it is fitted, blur [px]."""
 
     blur_at = 2

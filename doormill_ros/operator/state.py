@@ -12,6 +12,7 @@ from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.operator.advice import Advice, next_step
 from doormill_ros.operator.door_view import DoorView
 from doormill_ros.operator.ended_run import EndedRun
+from doormill_ros.operator.fault import Fault
 from doormill_ros.operator.model_view import ModelView
 from doormill_ros.operator.pair_advice import pair_step
 from doormill_ros.operator.pair_view import PairView
@@ -21,14 +22,6 @@ from doormill_ros.operator.situation import MAY_MOVE, Situation, may_move_in, si
 
 HISTORY = 50  # runs
 LONGEST_TEXT = 2000  # characters
-
-
-@dataclass(frozen=True)
-class Fault:
-    """What a node in error says of itself; `error_code` 0: it gave none."""
-
-    message: str
-    error_code: int = 0
 
 
 @dataclass(frozen=True)

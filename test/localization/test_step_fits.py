@@ -71,14 +71,14 @@ def test_what_thins_out_evenly_is_no_disc():
 @pytest.mark.parametrize(
     "model",
     [
-        step_models.One(47),
-        step_models.Two(47),
-        step_models.Spread(47, step_models.DISC, 2),
-        step_models.Spread(47, step_models.RAMP, 3),
+        step_models.OneStep(47),
+        step_models.TwoSteps(47),
+        step_models.SpreadStep(47, step_models.DISC, 2),
+        step_models.SpreadStep(47, step_models.RAMP, 3),
     ],
 )
 def test_slopes_are_those_of_the_columns(model):
-    heights = np.array([0.3, 0.6]) if isinstance(model, step_models.Two) else np.array([0.9])
+    heights = np.array([0.3, 0.6]) if isinstance(model, step_models.TwoSteps) else np.array([0.9])
     p = np.array([0.4, 1.7, 0.9])[: len(model.jacobian) - model.count]
     h = 1e-5
     ahead, behind = (

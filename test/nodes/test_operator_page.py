@@ -20,8 +20,8 @@ from doormill_interfaces.msg import (
     RunResult,
 )
 from doormill_ros.nodes.operator_page import OperatorPage
+from doormill_ros.operator.fault import Fault
 from doormill_ros.operator.history import load_history
-from doormill_ros.operator.state import Fault
 
 BEYOND = "milled, out of tolerance"
 
