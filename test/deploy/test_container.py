@@ -70,6 +70,22 @@ def test_every_node_has_its_container_a_bounded_log_and_no_privileges() -> None:
     ]
 
 
+def test_what_is_told_by_variables_reaches_the_containers() -> None:
+    sources = (path.read_text(encoding="utf-8") for path in (ROOT / "doormill_ros").rglob("*.py"))
+    read = {name for text in sources for name in re.findall(r"\bDOORMILL_[A-Z_]+", text)}
+    told = set(re.findall(r"`((?:DOORMILL|ROS)_[A-Z_]+)(?:=\w+)?`", (ROOT / "docs/living.md").read_text()))
+    secret = {name for name in read if name.startswith("DOORMILL_CONTROLLER_")}
+    assert len(secret) == 4
+    assert "ROS_SECURITY_KEYSTORE" in told
+    # The image says where the site is; wheels are found by themselves, and containers share the host's network.
+    wanted = (read | told) - {"DOORMILL_SITE", "DOORMILL_WHEELS", "ROS_AUTOMATIC_DISCOVERY_RANGE"}
+    for name, service in COMPOSE["services"].items():
+        given = set(service["environment"])
+        assert (given & secret == secret) is (name == "abb_bridge")
+        assert wanted - secret <= given, name
+        assert all(value is None for value in service["environment"].values())  # as the shell has them
+
+
 def ignored(name: str) -> bool:
     """Whether .dockerignore keeps a file out of the image."""
     patterns = (ROOT / ".dockerignore").read_text(encoding="utf-8").split()
