@@ -15,7 +15,7 @@ import pytest
 import yaml
 
 from doormill_ros.nodes import topics
-from support.cell_processes import NODES, PATIENT, STOP_LIMIT, CellProcesses, free_port
+from support.cell_processes import MANAGED, NODES, PATIENT, STOP_LIMIT, CellProcesses, free_port
 from support.source_tree import ROOT
 
 DOOR = "thesis_190_0deg"
@@ -33,18 +33,21 @@ class LaunchedCell(CellProcesses):
         if self.processes:
             return
         self.page_port = free_port()
+        self.launch("launch", out=self.folder / "out", page_port=self.page_port)
+
+    def launch(self, process: str, **chosen: object) -> None:
+        """Call the launch file, with these arguments beside those of the class."""
         parameters = self.folder / "parameters.yaml"
         parameters.write_text(yaml.safe_dump({"/**/abb_bridge": {"ros__parameters": PATIENT}}))
         arguments = {
-            "out": self.folder / "out",
-            "page_port": self.page_port,
             "parameters": parameters,
             "robots": self.robots,
             "door_sensors": self.door_sensors,
+            **chosen,
         }
         command = [sys.executable, "-m", "support.launching", str(ROOT / "launch" / "cell.launch.py")]
-        with open(self.folder / "launch.log", "wb") as log:
-            self.processes["launch"] = subprocess.Popen(
+        with open(self.folder / f"{process}.log", "wb") as log:
+            self.processes[process] = subprocess.Popen(
                 [*command, *(f"{key}:={value}" for key, value in arguments.items())],
                 stdout=log,
                 stderr=subprocess.STDOUT,
@@ -81,6 +84,23 @@ class LaunchedPair(LaunchedCell):
         of_robots = ("path_generator", "abb_bridge", "controller_simulator")
         for node in (*names, *(f"robot{number}/{name}" for number in (1, 2) for name in of_robots)):
             self.wait_until_active(node)
+
+
+class CellsApart(LaunchedCell):
+    """Two cells in one domain, each by a call of its own."""
+
+    names = ("cell1", "cell2")
+
+    def start(self, name: str) -> None:
+        """Both at once, with the first."""
+        for each in () if self.processes else self.names:
+            self.launch(each, namespace=f"/{each}", out=self.folder / each, page_port=free_port())
+
+    def wait_until_up(self) -> None:
+        """Every node of both."""
+        for each in self.names:
+            for node in MANAGED:
+                self.wait_until_active(f"{each}/{node}")
 
 
 class SensingCell(LaunchedCell):
@@ -124,6 +144,20 @@ def test_the_other_sensors_are_beside_the_camera_and_at_rest(tmp_path: Path) -> 
             assert said[-1].startswith("at rest: doors are found by camera")
         result, _ = cell.mill(DOOR)
         assert result.success, result.message
+
+
+def test_two_cells_beside_each_other_share_nothing(tmp_path: Path) -> None:
+    with CellsApart(tmp_path, nodes=("cell1",)) as cell:
+        told = [cell.subscribe(topics.at(topics.RUN_RESULT, f"/{name}")) for name in cell.names]
+        asked = [cell.subscribe(topics.at(topics.DOOR_RECIPE, f"/{name}")) for name in cell.names]
+        results = [cell.mill(DOOR, action=f"/{name}/mill_door")[0] for name in cell.names]
+        assert [result.success for result in results] == [True, True]
+        # What the second heard of the first one's goal it has told by the end of its own.
+        cell.wait(lambda: all(told) and all(asked))
+        for name, result, ended, recipes in zip(cell.names, results, told, asked, strict=True):
+            assert {message.run_id for message in ended} == {result.run_id}
+            assert {message.run_id for message in recipes} == {result.run_id}
+            assert {path.stem for path in (tmp_path / name / "targets").glob("*.txt")} == {result.run_id}
 
 
 def test_two_robots_share_a_door(tmp_path: Path) -> None:
