@@ -36,13 +36,16 @@ MEANT = {
     # Where services put an installation and its site.
     "docs/living.md": [
         "place /opt/doormill",
-        "place /opt/doormill/deploy/doormill-run",
+        *["place /opt/doormill/deploy/doormill-run"] * 3,
         "place /opt/doormill/deploy/systemd",
         "place /usr/lib/sysusers.d/doormill.conf",
         "place /usr/lib/tmpfiles.d/doormill.conf",
         "place /var/backups/doormill",
+        "place /var/backups/doormill.tar",
         "place /var/lib/doormill",
+        *["place /var/lib/doormill/today.tar"] * 3,
         "place ~/.local/share/doormill_ros",
+        "place ~/.ros/log",
     ],
     # Places inside a machine or a container that the bench makes.
     "bench/booted.py": ["place /opt/doormill"],

@@ -29,6 +29,7 @@ WAIT = Advice("wait", "wait", "Wait. The cell is measuring the door and working 
 _STAY_OUT = Advice("danger", "stay_out", "Stay out of the cell. The robot mills the door.")
 _ABOUT_TO_MOVE = Advice("danger", "about_to_move", "Stay out of the cell. The robot is about to move.")
 CLOSING = Advice("wait", "closing", "Wait. The run is being closed.")
+LONGEST_NAME = 30  # characters of a door's id in a sentence
 #: Sentences that name the door that ended last.
 _OF_DOOR = {
     "spoiled": "The door{door} was milled out of tolerance. Put it aside when the robot has stopped, and mill no other "
@@ -146,8 +147,9 @@ def unknown_step(state: str) -> Advice:
 
 
 def _of_door(key: str, door: str) -> Advice:
-    # With its blank, so that a door without a name leaves none, in every language.
-    return _with("act", key, _OF_DOOR[key], door=f" {door}" if door else "")
+    # With its blank, so that a door without a name leaves none, in every language. What to do has to fit a telephone.
+    name = door if len(door) <= LONGEST_NAME else f"{door[: LONGEST_NAME - 1]}…"
+    return _with("act", key, _OF_DOOR[key], door=f" {name}" if name else "")
 
 
 def _with(urgency: str, key: str, text: str, **values: str) -> Advice:

@@ -95,6 +95,7 @@ def test_a_plane_tells_the_gap_that_the_corners_have(world):
         here, there = rng.uniform(lower, upper, (2, 6))
         pairs = np.flatnonzero(world.distances(here) > 0.0)
         world.distances(here, pairs)
+        assert pairs.size
         normal = world._planes(pairs)
         region = world.region(there[None], np.zeros((1, 1), dtype=int))
         gap = world._bodies.gap(world._sides[:, pairs], normal, region)[:, 0]
