@@ -19,7 +19,9 @@ from support.truth.loading_test import Spoil, draw_plan, write_loading_test
 pytestmark = pytest.mark.timeout(1500)
 
 #: Kernel of OpenBLAS, threads, and the seed of the noise laid on the data: 1e-12 of every number.
-OTHER = "SkylakeX" if "avx512f" in Path("/proc/cpuinfo").read_text() else "Sandybridge"  # what this processor can
+OTHER = (
+    "SkylakeX" if "avx512f" in Path("/proc/cpuinfo").read_text() else "Sandybridge"
+)  # what this processor can
 MACHINES = {
     "first": ("Haswell", 1, None),
     "other vectors": (OTHER, 2, None),
