@@ -42,6 +42,7 @@ MEANT = {
         "place /usr/lib/tmpfiles.d/doormill.conf",
         "place /var/backups/doormill",
         "place /var/backups/doormill.tar",
+        *["place /var/backups/new.tar"] * 2,
         "place /var/lib/doormill",
         *["place /var/lib/doormill/today.tar"] * 3,
         "place ~/.local/share/doormill_ros",

@@ -178,6 +178,8 @@ class OperatorPage(ManagedNode):
 
     def _take_milled(self, door: MilledDoor) -> None:
         self._judged = door.run_id
+        if self._inspected.run_id == door.run_id:
+            self._inspected = DoorInspection()
         found = {feature.feature: feature.corrected_max for feature in door.features}
         self._measured(door.run_id, found, door.tolerance)
 

@@ -92,13 +92,16 @@ def test_a_gauge_says_how_an_ended_run_came_out(
     assert page.store.view.history == (run,)
 
 
-def test_who_measures_in_the_cell_is_believed_first(page: OperatorPage) -> None:
+@pytest.mark.parametrize("turn", [1, -1], ids=["first", "last"])
+def test_who_measures_in_the_cell_is_believed(page: OperatorPage, turn: int) -> None:
     feature = FeatureDeviation(feature="hinge_1", corrected_max=1e-4)
-    page._take_milled(MilledDoor(run_id="r1", tolerance=5e-4, features=[feature]))
-    page._take_inspection(gauged("r1", 1.6e-3))
-    page._take_result(RunResult(run_id="r1", door_id="oak", success=True, measured=True, message="door oak"))
+    milled = MilledDoor(run_id="r1", tolerance=5e-4, features=[feature])
+    heard = [partial(page._take_milled, milled), partial(page._take_inspection, gauged("r1", 1.6e-3))]
+    for hear in heard[::turn]:
+        hear()
+    page._take_result(RunResult(run_id="r1", door_id="oak", success=True, message="door oak"))
     (run,) = page.store.view.history
-    assert (run.outcome, run.message) == ("milled", "door oak")
+    assert (run.outcome, run.message) == ("milled, not measured", "door oak")
 
 
 def test_a_refused_run_stays_refused_whatever_a_gauge_says(page: OperatorPage) -> None:
