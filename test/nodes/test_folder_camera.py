@@ -6,8 +6,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter
 
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.errors import BadPicture
@@ -30,11 +28,7 @@ def picture_of_a_door(offset_y: float) -> np.ndarray:
 
 def stand(cell: CellProcesses, offset_y: float) -> None:
     """The door that is really milled stands where the next picture shows it."""
-    values = {"offset_y": offset_y, "offset_z": OFFSET_Z, "offset_rotation": TURN}
-    parameters = [Parameter(k, value=v).to_parameter_msg() for k, v in values.items()]
-    request = SetParameters.Request(parameters=parameters)
-    answer = cell.ask(SetParameters, "camera_simulator/set_parameters", request)
-    assert all(r.successful for r in answer.results)
+    cell.put("camera_simulator", offset_y=offset_y, offset_z=OFFSET_Z, offset_rotation=TURN)
 
 
 def test_doors_are_milled_from_a_folder(tmp_path: Path) -> None:

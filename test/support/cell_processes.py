@@ -14,8 +14,10 @@ from typing import Any
 
 import rclpy
 from lifecycle_msgs.srv import GetState
+from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.nodes.goal_client import GoalClient
@@ -183,6 +185,13 @@ class CellProcesses:
         answer = self.wait(answered).result()
         self.node.destroy_client(client)
         return answer
+
+    def put(self, node: str, **values: object) -> None:
+        """Change parameters of a running node."""
+        parameters = [Parameter(k, value=v).to_parameter_msg() for k, v in values.items()]
+        request = SetParameters.Request(parameters=parameters)
+        answer = self.ask(SetParameters, f"{node}/set_parameters", request)
+        assert all(result.successful for result in answer.results), answer.results
 
     def subscribe(self, topic: Any) -> list[Any]:
         """A list that grows by each message of the topic."""
