@@ -19,6 +19,7 @@ from doormill_ros.cell.layout import CAMERA, load_layout
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import RunSummary
 from doormill_ros.files import write_atomically
+from doormill_ros.interrupts import Terminated
 from doormill_ros.localization.sensors.registry import SENSORS, registered
 from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.bag_recorder import BagRecorder
@@ -197,7 +198,7 @@ class Cell:
 
     def stay(self) -> None:
         """Keep the cell up until the process is interrupted."""
-        with suppress(KeyboardInterrupt):
+        with suppress(KeyboardInterrupt, Terminated):
             while rclpy.ok():
                 time.sleep(0.1)
 

@@ -12,7 +12,9 @@ from typing import Generic, TypeVar
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 
+from doormill_ros.interrupts import is_terminated_in_order
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.run import ignore_signals, init, shut_down
 from doormill_ros.nodes.spinning import SteadyExecutor
@@ -58,7 +60,10 @@ class Composition(Generic[Driver]):
         self._thread: threading.Thread | None = None
 
     def __enter__(self) -> Composition[Driver]:
-        init(self._arguments)
+        # Where this thread hears of signals, the context is left to the nodes that are still to be closed.
+        init(
+            self._arguments, SignalHandlerOptions.NO if is_terminated_in_order() else SignalHandlerOptions.ALL
+        )
         try:
             self._start()
         except BaseException:

@@ -17,6 +17,7 @@ from rclpy.parameter import Parameter
 from doormill_ros.cell.errors import BadParameterError
 from doormill_ros.errors import DoormillError, one_line, unexpected
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.parameter_changes import refusal
 
 OK: bytes = DiagnosticStatus.OK
 WARN: bytes = DiagnosticStatus.WARN
@@ -49,6 +50,11 @@ class NodeParameter:
         limits = "" if self.low is None else f" from {self.low:g} to {self.high:g}"
         return f"a {type(self.default).__name__}{limits}"
 
+    def refusal(self, node: str, value: object, remedy: str) -> str:
+        """Why a node cannot take a value, and what to do."""
+        told = f": {self.description}" if self.description else ""
+        return f"parameter {self.name} of /{node} is {value!r}, allowed is {self.allowed}{told}; {remedy}"
+
     def descriptor(self) -> ParameterDescriptor:
         """The ROS descriptor."""
         descriptor = ParameterDescriptor(description=self.description)
@@ -80,7 +86,6 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         except BadParameterError:
             LifecycleNode.destroy_node(self)  # what subclasses destroy is not there yet
             raise
-        self.add_on_set_parameters_callback(self._judge_change)
         self.add_post_set_parameters_callback(self._tell_change)
         self._diagnostics = self.create_publisher(
             DiagnosticArray, topics.DIAGNOSTICS.name, topics.DIAGNOSTICS.offered
@@ -112,10 +117,8 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             raise self._bad_value(parameter, given.value) from error
 
     def _bad_value(self, parameter: NodeParameter, value: object) -> DoormillError:
-        return BadParameterError(
-            f"parameter {parameter.name} of /{self.get_name()} is {value!r}, allowed is {parameter.allowed}: "
-            f"{parameter.description}; correct it on the command line or in the parameter file"
-        )
+        remedy = "correct it on the command line or in the parameter file"
+        return BadParameterError(parameter.refusal(self.get_name(), value, remedy))
 
     def declared(self) -> set[str]:
         """Names of the parameters that the node has."""
@@ -125,25 +128,21 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         """Names of the parameters that the command line or a file gives the node a value for."""
         return set(self._parameter_overrides)
 
-    def _judge_change(self, changes: list[Parameter]) -> SetParametersResult:
-        """Refuse what is none of the choices, and what would be accepted and change nothing."""
-        chosen = {parameter.name: parameter for parameter in self.PARAMETERS if parameter.choices}
-        for change in changes:
-            if change.name in chosen and change.value not in chosen[change.name].choices:
-                return SetParametersResult(
-                    successful=False,
-                    reason=f"{change.name} is {change.value!r}, allowed is {chosen[change.name].allowed}",
-                )
-        fixed = {parameter.name for parameter in self.PARAMETERS if not parameter.live}
-        for change in changes:
-            known = change.name in fixed and self.has_parameter(change.name)
-            if known and self.settled and change.value != self.value(change.name):
-                return SetParametersResult(
-                    successful=False,
-                    reason=f"{change.name} is read when /{self.get_name()} is configured; deactivate it and clean it "
-                    "up first (ros2 lifecycle set), or start it with the new value",
-                )
-        return SetParametersResult(successful=True)
+    def parameter(self, name: str) -> NodeParameter:
+        """What a parameter of the node may be; that of one of rclpy or of a base class by its value."""
+        found = {parameter.name: parameter for parameter in self.PARAMETERS}.get(name)
+        return found or NodeParameter(name, self.value(name), self.describe_parameter(name).description)
+
+    def set_parameters(self, parameter_list: list[Parameter]) -> list[SetParametersResult]:
+        """See the base class, whose method does not call the one below."""
+        return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Judge changes first: of a value of another type rclpy tells the numbers of the types."""
+        reason = refusal(self, parameter_list)
+        if reason:
+            return SetParametersResult(successful=False, reason=reason)
+        return super().set_parameters_atomically(parameter_list)
 
     def _tell_change(self, changes: list[Parameter]) -> None:
         for change in changes:

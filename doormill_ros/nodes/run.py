@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import contextlib
 import ctypes
 import gc
@@ -16,10 +15,11 @@ import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import get_logger
-from rclpy.signals import uninstall_signal_handlers
+from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
 from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
 from doormill_ros.errors import one_line
+from doormill_ros.interrupts import interrupt_once
 from doormill_ros.nodes.mailboxes import lost_mailboxes
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.spinning import SteadyExecutor
@@ -35,8 +35,12 @@ _TRIM_THRESHOLD, _TOP_PAD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -2, -3, -8
 _MEGABYTE = 1 << 20
 
 
-def init(arguments: Sequence[str]) -> None:
+def init(arguments: Sequence[str], handlers: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
     """Initialize rclpy with the shipped parameter file and the user's ROS arguments.
+
+    Args:
+        arguments: Program name and ROS arguments.
+        handlers: Signals at which rclpy takes the context away.
 
     Raises:
         RosArgumentsError: They cannot be read.
@@ -45,7 +49,7 @@ def init(arguments: Sequence[str]) -> None:
     program, *rest = list(arguments)
     shipped = ["--ros-args", "--params-file", str(resource("config/nodes.yaml")), "--"]
     try:
-        rclpy.init(args=[program, *shipped, *rest])
+        rclpy.init(args=[program, *shipped, *rest], signal_handler_options=handlers)
     except rclpy_implementation.UnknownROSArgsError as error:
         raise RosArgumentsError(
             f"{error} after --ros-args is nothing that ROS 2 knows; correct it on the command line"
@@ -55,25 +59,6 @@ def init(arguments: Sequence[str]) -> None:
         raise RosArgumentsError(
             f"{reason}; correct the arguments after --ros-args on the command line, or the parameter file"
         ) from error
-
-
-def interrupt_once() -> None:
-    """Let the first interrupt end the process in order and the ones after it wait for that.
-
-    Under `ros2 launch` a Ctrl-C comes twice, from the terminal and from launch. To be called by a
-    process' main thread before rclpy.init, whose own handler passes the signal on.
-    """
-    interrupted = False
-
-    def end(*_: object) -> None:
-        nonlocal interrupted
-        if not interrupted:
-            interrupted = True
-            raise KeyboardInterrupt
-
-    signal.signal(signal.SIGINT, end)
-    # The interpreter takes that handler away on its way out; an interrupt ignored stays ignored.
-    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
 
 def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | None = None) -> int:

@@ -5,16 +5,18 @@ from __future__ import annotations
 import argparse
 import itertools
 import re
+import signal
 import sys
 from contextlib import nullcontext
 from datetime import UTC, datetime
 from pathlib import Path
 
 from doormill_ros.cell.run_folder import point_latest
-from doormill_ros.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
+from doormill_ros.interrupts import die_of_interrupts, interrupt_once
 
 OUT_OF_TOLERANCE_STATUS = 3
 VERDICT_LIMIT = 3600.0  # s after the last door
+ENDING = (signal.SIGINT, signal.SIGTERM)
 NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 
 
@@ -126,19 +128,20 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run; 0 for a milled door, 3 for one milled out of tolerance, 1 for one refused or not measured."""
+    alone = arguments is None  # the process is this command
+    if alone:
+        die_of_interrupts()
     options = parse(arguments)
     # Late, so that --help answers at once.
     from doormill_ros.cell.inspection import OUT_OF_TOLERANCE
     from doormill_ros.cell.run_folder import RunFolder
     from doormill_ros.cell.summary import RunSummary
     from doormill_ros.nodes.cell import CellOptions, run_once
-    from doormill_ros.nodes.run import interrupt_once
     from doormill_ros.operator.token import Keys, new_token
     from doormill_ros.recording.errors import BagError
     from doormill_ros.report.run_report import write_report
+    from doormill_ros.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
-    if arguments is None:
-        interrupt_once()
     camera: dict[str, object] = {"seed": options.seed, "pictures": not options.no_pictures}
     if options.offset is not None:
         y, z, rotation = options.offset
@@ -149,7 +152,7 @@ def main(arguments: list[str] | None = None) -> int:
     if options.effects and options.doors is None:
         parameters["controller_simulator"] = {"effects": Path(options.effects).resolve()}
     if options.doors is not None:
-        return _mill_shift(options, parameters)
+        return _mill_shift(options, parameters, alone)
     latest = Path("out/latest")
     folder = options.out or Path("out/runs") / datetime.now(UTC).strftime("%Y%m%dT%H%M%S%fZ")
 
@@ -183,6 +186,8 @@ def main(arguments: list[str] | None = None) -> int:
         sensors=tuple(options.sensor),
         robots=options.robots,
     )
+    if alone:
+        interrupt_once(ENDING)
     summary = run_once(options.door[0], folder, cell, progress, milled)
     unreported = ""
     try:
@@ -212,7 +217,7 @@ def main(arguments: list[str] | None = None) -> int:
     return 0 if summary.success else 1
 
 
-def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, object]]) -> int:
+def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, object]], alone: bool) -> int:
     """Mill doors one after the other; 0 when nothing is wrong with any, 1 otherwise, 2 when a file cannot be used."""
     from doormill_ros.cell.run_folder import ShiftFolder
     from doormill_ros.cell.summary import RunSummary
@@ -243,6 +248,8 @@ def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, obj
     if options.monitor:
         parameters["controller_simulator"] = {"gauged": True}
     cell = CellOptions(parameters, namespace=options.namespace, sensors=tuple(options.sensor))
+    if alone:
+        interrupt_once(ENDING)
     with ModelMonitorBeside(folder, cell) if options.monitor else nullcontext() as beside:
         shift = run_shift(doors, folder, cell, options.world, effects, milled)
         state = None if beside is None else beside.verdict(VERDICT_LIMIT)

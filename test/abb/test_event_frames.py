@@ -99,6 +99,24 @@ def test_what_is_no_frame_ends_the_stream_and_nothing_else(
     assert "signals are polled meanwhile" in warnings[0]
 
 
+@pytest.mark.parametrize("fragments", [1, 5000])
+def test_what_goes_on_without_end_is_given_up_before_it_is_kept(
+    fragments: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    """More comes than may be kept, in one frame or in many of which none is the last."""
+    payload = b"<li>" * (MEMORY // 2 // fragments)
+    stream = frame(payload, final=fragments == 1) + frame(payload, opcode=0, final=False) * (fragments - 1)
+    assert len(stream) > 2 * MEMORY - 1
+    tracemalloc.start()
+    try:
+        edges, warnings = heard([stream], caplog)
+        assert tracemalloc.get_traced_memory()[1] < MEMORY
+    finally:
+        tracemalloc.stop()
+    assert edges == []
+    assert len(warnings) == 1, warnings
+
+
 def test_frames_of_all_kinds_are_read_for_what_they_are(caplog: pytest.LogCaptureFixture) -> None:
     middle = len(EVENT) // 2
     stream = (

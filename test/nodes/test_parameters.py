@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -99,6 +100,38 @@ def test_a_change_out_of_range_is_refused_with_the_range(context: rclpy.Context,
     assert "0.1" in answer.reason
     assert "600" in answer.reason
     assert node.value("limit.recipe") == 10.0
+    node.destroy_node()
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "value", "words"),
+    [
+        (AbbBridge, "limit.recipe", "soon", "'soon', allowed is a float from 0.1 to 600: "),
+        (AbbBridge, "limit.recipe", 7, "7, allowed is a float from 0.1 to 600: "),
+        (AbbBridge, "limit.recipe", [7.0], "[7.0], allowed is a float from 0.1 to 600: "),
+        (AbbBridge, "limit.recipe", None, "None, allowed is a float from 0.1 to 600: "),
+        (AbbBridge, "transport", 2, "2, allowed is one of "),
+        (AbbBridge, "address", 192, "192, allowed is a str: "),
+        (AbbBridge, "autostart", "no", "'no', allowed is a bool: "),
+        (CameraSimulator, "pictures", 1, "1, allowed is a bool: "),
+        (CameraSimulator, "seed", 1.0, "1.0, allowed is a int from "),
+    ],
+)
+def test_a_change_of_another_type_is_refused_in_one_sentence(
+    make: Callable[..., Any], name: str, value: Any, words: str, context: rclpy.Context
+) -> None:
+    node = make(context=context)
+    before = node.value(name)
+    change = [Parameter(name, value=value)]
+    for answer in (*node.set_parameters(change), node.set_parameters_atomically(change)):
+        assert not answer.successful
+        assert answer.reason.startswith(f"parameter {name} of /{node.get_name()} is {words}")
+        description = node.describe_parameter(name).description
+        sentence, remedy = answer.reason.rsplit(f": {description}; ", 1)
+        assert re.match("set it to|write 7.0$|quote it", remedy)
+        assert "\n" not in sentence
+    assert node.value(name) == before
+    assert node.set_parameters([Parameter(name, value=before)])[0].successful
     node.destroy_node()
 
 

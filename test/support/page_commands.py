@@ -13,7 +13,20 @@ from support.source_tree import ROOT
 
 FOLDER = ROOT / "test" / "page_commands"
 #: Programs of others that pages call.
-OTHERS = ("dask", "docker", "duckdb", "make", "python", "python3", "ros2", "systemctl")
+OTHERS = (
+    "dask",
+    "docker",
+    "duckdb",
+    "install",
+    "journalctl",
+    "make",
+    "python",
+    "python3",
+    "rm",
+    "ros2",
+    "runuser",
+    "systemctl",
+)
 #: Pages of which `test_readme.py` runs the shell blocks as they stand.
 IN_BLOCKS = ("README.md", "living.md")
 #: What a reader replaces or may leave out: words in capitals, options in brackets, all but the first choice.

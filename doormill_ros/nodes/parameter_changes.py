@@ -1,0 +1,51 @@
+"""Changes of a running node's parameters: those that are refused, and why, in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rclpy.parameter import Parameter
+
+if TYPE_CHECKING:
+    from doormill_ros.nodes.reporting_node import ReportingNode
+
+
+def refusal(node: ReportingNode, changes: Sequence[Parameter]) -> str:
+    """Why the node cannot take these changes; empty when it can, as far as it is not told by a range."""
+    for change in changes:
+        reason = _bad_value(node, change) or _no_effect(node, change)
+        if reason:
+            return reason
+    return ""
+
+
+def _bad_value(node: ReportingNode, change: Parameter) -> str:
+    """It is of another type than the parameter, or none of its few words."""
+    if not node.has_parameter(change.name):  # rclpy says so
+        return ""
+    parameter = node.parameter(change.name)
+    if parameter.choices:
+        if change.value in parameter.choices:
+            return ""
+        remedy = "set it to one of these"
+    elif change.type_ == node.get_parameter(change.name).type_:
+        return ""
+    elif isinstance(parameter.default, float) and type(change.value) is int:
+        remedy = f"write {float(change.value)!r}"
+    elif isinstance(parameter.default, str):
+        remedy = f"quote it, as {str(change.value)!r} within further quotes"
+    else:
+        remedy = f"set it to a value such as {parameter.default!r}"
+    return parameter.refusal(node.get_name(), change.value, remedy)
+
+
+def _no_effect(node: ReportingNode, change: Parameter) -> str:
+    """It would be accepted and change nothing."""
+    known = node.has_parameter(change.name) and change.name in {p.name for p in node.PARAMETERS if not p.live}
+    if not known or not node.settled or change.value == node.value(change.name):
+        return ""
+    return (
+        f"{change.name} is read when /{node.get_name()} is configured; deactivate it and clean it "
+        "up first (ros2 lifecycle set), or start it with the new value"
+    )
