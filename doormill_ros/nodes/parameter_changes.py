@@ -3,15 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 from rclpy.parameter import Parameter
 
-if TYPE_CHECKING:
-    from doormill_ros.nodes.reporting_node import ReportingNode
+
+class Described(Protocol):
+    """What a `NodeParameter` says of itself."""
+
+    name: str
+    default: Any
+    live: bool
+    choices: tuple[str, ...]
+
+    def refusal(self, node: str, value: object, remedy: str) -> str:
+        """Why a node cannot take a value, and what to do."""
 
 
-def refusal(node: ReportingNode, changes: Sequence[Parameter]) -> str:
+class Changed(Protocol):
+    """The node, as far as its parameters are concerned; see `ReportingNode`."""
+
+    PARAMETERS: Sequence[Any]
+
+    @property
+    def settled(self) -> bool:
+        """What is not live is read already."""
+
+    def parameter(self, name: str) -> Described:
+        """The description of one of its parameters."""
+
+    def value(self, name: str) -> Any:
+        """What a parameter is."""
+
+    def has_parameter(self, name: str) -> bool:
+        """It is declared."""
+
+    def get_parameter(self, name: str) -> Parameter:
+        """What rclpy holds of it."""
+
+    def get_name(self) -> str:
+        """Of the node."""
+
+
+def refusal(node: Changed, changes: Sequence[Parameter]) -> str:
     """Why the node cannot take these changes; empty when it can, as far as it is not told by a range."""
     for change in changes:
         reason = _bad_value(node, change) or _no_effect(node, change)
@@ -20,7 +54,7 @@ def refusal(node: ReportingNode, changes: Sequence[Parameter]) -> str:
     return ""
 
 
-def _bad_value(node: ReportingNode, change: Parameter) -> str:
+def _bad_value(node: Changed, change: Parameter) -> str:
     """It is of another type than the parameter, or none of its few words."""
     if not node.has_parameter(change.name):  # rclpy says so
         return ""
@@ -40,7 +74,7 @@ def _bad_value(node: ReportingNode, change: Parameter) -> str:
     return parameter.refusal(node.get_name(), change.value, remedy)
 
 
-def _no_effect(node: ReportingNode, change: Parameter) -> str:
+def _no_effect(node: Changed, change: Parameter) -> str:
     """It would be accepted and change nothing."""
     known = node.has_parameter(change.name) and change.name in {p.name for p in node.PARAMETERS if not p.live}
     if not known or not node.settled or change.value == node.value(change.name):
