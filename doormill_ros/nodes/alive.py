@@ -22,10 +22,11 @@ from std_msgs.msg import Empty
 from doormill_ros.nodes.topics import Topic
 from doormill_ros.units import s_to_ns
 
-LEASE = 1.5  #: s without a sign of life after which a node is dead; a loaded machine keeps one waiting for over 1 s
-#: A sign that is late by less than this is no death: DDS sends them two thirds of `LEASE` apart, so that a third of it
-#: without the processor would be one [s].
-GRACE = 0.4
+OFFERED = 0.6  #: s that a node's sign of life lasts by its own word; DDS sends them two thirds of it apart
+#: s without a sign of life after which a node is dead. With `GRACE`, a node may be kept from the processor for 1.2 s on a
+#: loaded machine, and one that died is known in 1.6 s.
+LEASE = 1.2
+GRACE = 0.4  #: s by which a sign may come after that
 #: A node that is started again stands beside its dead predecessor for so long after the lease [s].
 SETTLING = 0.5
 
@@ -46,7 +47,7 @@ def alive_topic(name: str, lease: float = LEASE) -> Topic:
         name: One that begins with a slash is taken as it is, for what is not of one namespace.
         lease: Of who watches [s], at least `LEASE`.
     """
-    return Topic(name if name.startswith("/") else f"_alive/{name}", Empty, qos(LEASE), qos(lease))
+    return Topic(name if name.startswith("/") else f"_alive/{name}", Empty, qos(OFFERED), qos(lease))
 
 
 @dataclass
