@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import socket
 import subprocess
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -36,6 +38,7 @@ MANAGED = (*NODES[:-1], "camera_simulator", "controller_simulator")
 PATIENT = {f"limit.{stage}": 120.0 for stage in ("recipe", "picture", "targets", "request", "ready", "read")}
 PATIENT["limit.sign_of_life"] = 30.0
 ASK_AGAIN = 5.0  # s
+ASK_ANEW = 20.0  # s, by a client that everybody has to discover again
 START_LIMIT = 240.0  # s; less than a test is given, so that this says what was waited for
 STOP_LIMIT = 120.0  # s
 
@@ -112,6 +115,7 @@ class CellProcesses:
         return (self.folder / f"{name}.log").read_text(errors="replace")
 
     def __enter__(self) -> CellProcesses:
+        gc.collect()  # What earlier tests left in cycles of references leaves the network now, not while nodes start.
         rclpy.init()
         for name in self._names:
             self.start(name)
@@ -147,23 +151,50 @@ class CellProcesses:
             assert self._action.wait_for_server(START_LIMIT), self.log("abb_bridge")
 
     def wait_until_active(self, node: str) -> None:
-        """Asks again and again: an answer of a process that was killed never comes."""
-        client = self.node.create_client(GetState, f"{node}/get_state")
+        """Asks again and again, now and then by a new client: an answer of a process that was killed never comes."""
+        heard: list[str] = []
 
-        def active() -> bool:
+        def active(client: Any) -> bool:
             future = client.call_async(GetState.Request())
             end = time.monotonic() + 1.0
             while not future.done() and time.monotonic() < end:
                 time.sleep(0.01)
-            return future.done() and future.result().current_state.label == "active"
+            heard.append(future.result().current_state.label if future.done() else "no answer")
+            return heard[-1] == "active"
 
-        self.wait(lambda: client.service_is_ready() and active())
-        self.node.destroy_client(client)
+        def asked_anew() -> bool:
+            client = self.node.create_client(GetState, f"{node}/get_state")
+            end = time.monotonic() + ASK_ANEW
+            try:
+                while not client.service_is_ready():
+                    if time.monotonic() > end or self._ended():
+                        heard.append("no service")
+                        return False
+                    time.sleep(0.02)
+                while not (is_active := active(client)) and time.monotonic() < end and not self._ended():
+                    time.sleep(0.02)
+                return is_active
+            finally:
+                self.node.destroy_client(client)
+
+        try:
+            self.wait(asked_anew)
+        except AssertionError as error:
+            raise AssertionError(f"/{node}: {dict(Counter(heard))}; {error}") from None
+
+    def _ended(self) -> bool:
+        return any(process.poll() is not None for process in self.processes.values())
+
+    def _situation(self) -> str:
+        """What may tell why nothing comes: who hears nobody, and what everybody said last."""
+        deaf = {name: lost_mailboxes(str(process.pid)) for name, process in self.processes.items()}
+        said = "\n".join(f"--- {name}\n{self.log(name)[-1500:]}" for name in self.processes)
+        return f"taken from this process: {lost_mailboxes()}, from the others: {deaf}\n{said}"
 
     def wait(self, condition: Callable[[], Any], limit: float = START_LIMIT, pause: float = 0.02) -> Any:
         deadline = time.monotonic() + limit
         while not (value := condition()):
-            assert time.monotonic() < deadline, f"waited in vain; taken from this process: {lost_mailboxes()}"
+            assert time.monotonic() < deadline, f"waited for {limit:g} s in vain; {self._situation()}"
             for name, process in self.processes.items():
                 assert process.poll() is None, f"{name} ended by itself: {self.log(name)}"
             time.sleep(pause)
