@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
-import logging
 import random
-import threading
-import time
 import tracemalloc
 
-import httpx
 import pytest
 
-from doormill_ros.abb.transports.rws_dialect import RWS1
-from doormill_ros.abb.transports.rws_events import RwsEvents
-from support.hostile.frames import BINARY, CLOSE, PING, TEXT, FrameServer, frame
-from support.hostile.wire import FRAME
+from support.hostile import frames
+from support.hostile.frames import BINARY, CLOSE, PING, TEXT, frame, heard
 
-EVENT = FRAME.encode()
+EVENT = frames.EVENT.encode()
 EDGES = [True, False, True]
-#: Levels of the stream that comes last, and its frame.
-LAST = [True, True, False, False, True, True]
-GOOD = frame(b"".join(EVENT.replace(b">1<", b">%d<" % level).split(b"</li>")[0] + b"</li>" for level in LAST))
-LIMIT = 60.0  # s
 MEMORY = 20_000_000  # bytes
 
 HOSTILE = {
@@ -49,48 +39,11 @@ HOSTILE = {
 }
 
 
-class Session:
-    """Stands for the session with a controller whose subscriptions lead to a server of frames."""
-
-    def __init__(self, address: str) -> None:
-        self.url, self.tls = f"http://{address}", None
-
-    def cookie_header(self) -> str:
-        return "a=b"
-
-    def request(self, method: str, path: str, **_: object) -> httpx.Response:
-        return httpx.Response(201, headers={"Location": f"ws://controller/poll/{path.strip('/')[:3]}1"})
-
-
-def heard(streams: list[bytes], caplog: pytest.LogCaptureFixture) -> tuple[list[bool], list[str]]:
-    """The edges until those of the last stream have come, without them, and what was warned of."""
-    edges: list[bool] = []
-    with caplog.at_level(logging.WARNING), FrameServer([*streams, GOOD]) as server:
-        events = RwsEvents(Session(server.address), RWS1, "diRequest", threading.Event())  # type: ignore[arg-type]
-        events.start()
-        deadline = time.monotonic() + LIMIT
-        while edges[-len(LAST) :] != LAST:
-            assert events._thread.is_alive()
-            assert time.monotonic() < deadline, (edges, caplog.messages)
-            edge = events.next_edge()
-            if edge is None:
-                time.sleep(0.005)
-            else:
-                edges.append(edge)
-        events.close()
-        assert not events._thread.is_alive()
-    return edges[: -len(LAST)], [
-        record.getMessage() for record in caplog.records if record.levelno >= logging.WARNING
-    ]
-
-
 @pytest.mark.parametrize("name", HOSTILE)
-def test_what_is_no_frame_ends_the_stream_and_nothing_else(
-    name: str, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_what_is_no_frame_ends_the_stream_and_nothing_else(name: str) -> None:
     tracemalloc.start()
     try:
-        edges, warnings = heard([HOSTILE[name]], caplog)
+        edges, warnings = heard([HOSTILE[name]])
         assert tracemalloc.get_traced_memory()[1] < MEMORY
     finally:
         tracemalloc.stop()
@@ -100,16 +53,14 @@ def test_what_is_no_frame_ends_the_stream_and_nothing_else(
 
 
 @pytest.mark.parametrize("fragments", [1, 5000])
-def test_what_goes_on_without_end_is_given_up_before_it_is_kept(
-    fragments: int, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_what_goes_on_without_end_is_given_up_before_it_is_kept(fragments: int) -> None:
     """More comes than may be kept, in one frame or in many of which none is the last."""
     payload = b"<li>" * (MEMORY // 2 // fragments)
     stream = frame(payload, final=fragments == 1) + frame(payload, opcode=0, final=False) * (fragments - 1)
     assert len(stream) > 2 * MEMORY - 1
     tracemalloc.start()
     try:
-        edges, warnings = heard([stream], caplog)
+        edges, warnings = heard([stream])
         assert tracemalloc.get_traced_memory()[1] < MEMORY
     finally:
         tracemalloc.stop()
@@ -117,7 +68,7 @@ def test_what_goes_on_without_end_is_given_up_before_it_is_kept(
     assert len(warnings) == 1, warnings
 
 
-def test_frames_of_all_kinds_are_read_for_what_they_are(caplog: pytest.LogCaptureFixture) -> None:
+def test_frames_of_all_kinds_are_read_for_what_they_are() -> None:
     middle = len(EVENT) // 2
     stream = (
         frame(EVENT, opcode=BINARY)
@@ -127,15 +78,13 @@ def test_frames_of_all_kinds_are_read_for_what_they_are(caplog: pytest.LogCaptur
         + frame("Tür auf".encode())
         + frame((1000).to_bytes(2, "big"), opcode=CLOSE)
     )
-    edges, warnings = heard([stream], caplog)
+    edges, warnings = heard([stream])
     assert edges == EDGES * 2
     assert warnings == []
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_streams_with_flipped_bits_never_end_the_listening(
-    seed: int, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_streams_with_flipped_bits_never_end_the_listening(seed: int) -> None:
     rng = random.Random(seed)
     streams = []
     for _ in range(3):
@@ -143,6 +92,6 @@ def test_streams_with_flipped_bits_never_end_the_listening(
         for _ in range(rng.randint(1, 8)):
             stream[rng.randrange(len(stream))] ^= 1 << rng.randrange(8)
         streams.append(bytes(stream[: rng.randint(1, len(stream))]))
-    edges, warnings = heard(streams, caplog)
+    edges, warnings = heard(streams)
     assert len(edges) <= 3 * len(EDGES) * len(streams)
     assert len(warnings) <= len(streams)

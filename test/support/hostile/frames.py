@@ -1,18 +1,37 @@
-"""A controller's event stream, byte by byte (RFC 6455): a server that upgrades and then sends whatever it was given."""
+"""A controller's event stream, byte by byte (RFC 6455): a server that upgrades and then sends whatever it was given.
+
+And what our side hears of it.
+"""
 
 from __future__ import annotations
 
 import base64
 import hashlib
+import logging
 import socket
 import struct
 import threading
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from types import TracebackType
+
+import httpx
+
+from doormill_ros.abb.transports import rws_events
+from doormill_ros.abb.transports.rws_dialect import RWS1
+from doormill_ros.abb.transports.rws_events import RwsEvents
 
 _GUID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"  # RFC 6455, 1.3
 TEXT, BINARY, CLOSE, PING = 0x1, 0x2, 0x8, 0x9
 _ANSWER_LIMIT = 60.0  # s
+EVENT = "".join(
+    f'<li class="ios-signalstate-ev"><a href="/rw/iosystem/signals/diRequest;state" rel="self"/>\n'
+    f'<span class="lvalue">{level}</span></li>\n'
+    for level in (1, 0, 1)
+)
+#: Levels of the stream that comes last.
+_LAST = [True, True, False, False, True, True]
 
 
 def frame(
@@ -87,3 +106,60 @@ class FrameServer:
             + named[b"sec-websocket-protocol"]
             + b"\r\n\r\n"
         )
+
+
+class _Session:
+    """Stands for the session with a controller whose subscriptions lead to a server of frames."""
+
+    def __init__(self, address: str) -> None:
+        self.url, self.tls = f"http://{address}", None
+
+    def cookie_header(self) -> str:
+        return "a=b"
+
+    def request(self, method: str, path: str, **_: object) -> httpx.Response:
+        return httpx.Response(201, headers={"Location": f"ws://controller/poll/{path.strip('/')[:3]}1"})
+
+
+@contextmanager
+def _warnings() -> Iterator[list[str]]:
+    """What the event stream warns of, also where nobody wants to hear it."""
+    told: list[str] = []
+
+    class Handler(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            told.append(record.getMessage())
+
+    handler, disabled = Handler(logging.WARNING), logging.root.manager.disable
+    rws_events._LOG.addHandler(handler)
+    logging.disable(logging.NOTSET)
+    try:
+        yield told
+    finally:
+        logging.disable(disabled)
+        rws_events._LOG.removeHandler(handler)
+
+
+def heard(streams: Sequence[bytes]) -> tuple[list[bool], list[str]]:
+    """The edges that come of some streams, one after the other, and what was warned of; a good one ends them."""
+    item = EVENT.split("</li>")[0] + "</li>"
+    last = "".join(item.replace(">1<", f">{level:d}<") for level in _LAST).encode()
+    edges: list[bool] = []
+    with _warnings() as told, FrameServer([*streams, frame(last)]) as server:
+        events = RwsEvents(_Session(server.address), RWS1, "diRequest", threading.Event())  # type: ignore[arg-type]
+        events.start()
+        deadline = time.monotonic() + _ANSWER_LIMIT
+        while server.connections <= len(streams) or edges[-len(_LAST) :] != _LAST:
+            if not events._thread.is_alive():
+                raise AssertionError(f"nobody listens any more: {told}")
+            if time.monotonic() > deadline:
+                raise AssertionError(f"the last stream is not heard: {edges}, {told}")
+            edge = events.next_edge()
+            if edge is None:
+                time.sleep(0.005)
+            else:
+                edges.append(edge)
+        events.close()
+        if events._thread.is_alive():
+            raise AssertionError("it does not end")
+    return edges[: -len(_LAST)], told

@@ -11,9 +11,11 @@ from xml.etree import ElementTree
 
 import httpx
 
+from doormill_ros.abb.link_errors import SubscriptionError
 from doormill_ros.abb.transports.rws_controller import RwsController
 from doormill_ros.abb.transports.rws_dialect import RWS1, RWS2, Dialect
 from doormill_ros.abb.transports.rws_events import RwsEvents
+from support.hostile.frames import CLOSE, EVENT, frame, heard
 from support.hostile.subject import Subject, text_folder
 
 STATES: list[dict[str, Any]] = [
@@ -31,11 +33,6 @@ REFUSAL = {
     "msg": "Operation rejected by the controller safety access restriction mechanism.",
 }
 _SIGNALS = "/rw/iosystem/signals/"
-FRAME = "".join(
-    f'<li class="ios-signalstate-ev"><a href="/rw/iosystem/signals/diRequest;state" rel="self"/>\n'
-    f'<span class="lvalue">{level}</span></li>\n'
-    for level in (1, 0, 1)
-)
 
 
 class _Answers:
@@ -58,7 +55,7 @@ def _reader(dialect: Dialect) -> Any:
     return read
 
 
-def _frame(path: Path) -> object:
+def _event(path: Path) -> object:
     events = RwsEvents(None, RWS1, "diRequest", threading.Event())  # type: ignore[arg-type]  # connects to nothing
     text = path.read_text(encoding="utf-8", errors="replace")
     events._take(text)
@@ -92,8 +89,16 @@ def _told(text: str) -> list[bool] | None:
     return edges[-100:]
 
 
+def _stream(path: Path) -> object:
+    """Edges of a stream of frames; refused is one that ends with a warning."""
+    edges, warnings = heard([path.read_bytes()])
+    if warnings:
+        raise SubscriptionError(" ".join(warnings))
+    return edges
+
+
 def controller_answers(folder: Path) -> Iterator[Subject]:
-    """Answers of both versions, a refusal and a message of the event stream."""
+    """Answers of both versions, a refusal, a message of the event stream and a stream of frames."""
     answers = {
         "rws1": (RWS1, {"_embedded": {"_state": STATES, "status": REFUSAL}}),
         "rws2": (RWS2, {"state": STATES, "status": REFUSAL}),
@@ -101,5 +106,9 @@ def controller_answers(folder: Path) -> Iterator[Subject]:
     for name, (dialect, document) in answers.items():
         place = text_folder(folder / name, "answer.json", json.dumps(document))
         yield Subject(f"{name} answer", place, "answer.json", _reader(dialect), False)
-    place = text_folder(folder / "frame", "frame.txt", FRAME)
-    yield Subject("event frame", place, "frame.txt", _frame, False)
+    place = text_folder(folder / "event", "event.txt", EVENT)
+    yield Subject("event", place, "event.txt", _event, False)
+    middle, event = len(EVENT) // 2, EVENT.encode()
+    stream = frame(event) + frame(event[:middle], final=False) + frame(event[middle:], opcode=0)
+    place = text_folder(folder / "frames", "frames.bin", stream + frame(b"", opcode=CLOSE))
+    yield Subject("event stream's frames", place, "frames.bin", _stream, False)
