@@ -58,7 +58,13 @@ MEANT = {
         "place /var/lib/doormill",
         "place /var/lib/doormill/out/bags",
     ],
-    "test/deploy/test_living_commands.py": ["place /opt/doormill/"],
+    "test/deploy/test_living_commands.py": [
+        "place /opt/doormill/",
+        "place /opt/doormill/*",
+        "place /var/backups",
+        "place /var/lib/doormill/",
+        "place /var/lib/doormill/*",
+    ],
     "test/support/booted/machine.py": ["place /opt/doormill", "place /usr/local/sbin"],
     # Where the operating system keeps the Python packages that belong to its own libraries.
     "docs/gige-camera.md": ["place /usr/lib/python3/dist-packages"],

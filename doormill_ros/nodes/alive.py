@@ -23,8 +23,8 @@ from doormill_ros.nodes.topics import Topic
 from doormill_ros.units import s_to_ns
 
 OFFERED = 0.6  #: s that a node's sign of life lasts by its own word; DDS sends them two thirds of it apart
-#: s without a sign of life after which a node is dead. With `GRACE`, a node may be kept from the processor for 1.2 s on a
-#: loaded machine, and one that died is known in 1.6 s.
+#: s without a sign of life after which a node is dead. With `GRACE`, a loaded machine may keep one from the processor
+#: for 1.2 s, and one that died is known in 1.6 s.
 LEASE = 1.2
 GRACE = 0.4  #: s by which a sign may come after that
 #: A node that is started again stands beside its dead predecessor for so long after the lease [s].

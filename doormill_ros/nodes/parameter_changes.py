@@ -13,6 +13,8 @@ class Described(Protocol):
 
     name: str
     default: Any
+    low: float | None
+    high: float | None
     live: bool
     choices: tuple[str, ...]
 
@@ -46,7 +48,7 @@ class Changed(Protocol):
 
 
 def refusal(node: Changed, changes: Sequence[Parameter]) -> str:
-    """Why the node cannot take these changes; empty when it can, as far as it is not told by a range."""
+    """Why the node cannot take these changes; empty when it can."""
     for change in changes:
         reason = _bad_value(node, change) or _no_effect(node, change)
         if reason:
@@ -55,7 +57,7 @@ def refusal(node: Changed, changes: Sequence[Parameter]) -> str:
 
 
 def _bad_value(node: Changed, change: Parameter) -> str:
-    """It is of another type than the parameter, or none of its few words."""
+    """It is of another type than the parameter, none of its few words or beyond its limits."""
     if not node.has_parameter(change.name):  # rclpy says so
         return ""
     parameter = node.parameter(change.name)
@@ -64,7 +66,9 @@ def _bad_value(node: Changed, change: Parameter) -> str:
             return ""
         remedy = "set it to one of these"
     elif change.type_ == node.get_parameter(change.name).type_:
-        return ""
+        if parameter.low is None or parameter.high is None or parameter.low <= change.value <= parameter.high:
+            return ""
+        remedy = "set it within these limits"
     elif isinstance(parameter.default, float) and type(change.value) is int:
         remedy = f"write {float(change.value)!r}"
     elif isinstance(parameter.default, str):

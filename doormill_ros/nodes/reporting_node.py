@@ -48,7 +48,8 @@ class NodeParameter:
         if self.choices:
             return f"one of {', '.join(repr(choice) for choice in self.choices)}"
         limits = "" if self.low is None else f" from {self.low:g} to {self.high:g}"
-        return f"a {type(self.default).__name__}{limits}"
+        kind = type(self.default).__name__
+        return f"{'an' if kind == 'int' else 'a'} {kind}{limits}"
 
     def refusal(self, node: str, value: object, remedy: str) -> str:
         """Why a node cannot take a value, and what to do."""
