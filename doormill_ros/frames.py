@@ -15,9 +15,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
 
@@ -25,6 +25,13 @@ BASE_FRAME = "base_link"
 DOOR_FRAME = "door"
 CAMERA_FRAME = "camera_optical_frame"
 TOOL_FRAME = "tool"
+
+
+def rotations() -> Any:
+    """SciPy's class of rotations, imported here: it takes a fifth of the start of a node that turns nothing."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation
 
 
 def check_transform(T_a_b: FloatArray, name: str = "transform", tolerance: float = 1e-6) -> FloatArray:
@@ -95,7 +102,7 @@ def apply(T_a_b: FloatArray, p_b: FloatArray) -> FloatArray:
 
 def quaternion_xyzw(T_a_b: FloatArray) -> FloatArray:
     """Unit quaternion (x, y, z, w) of R_a_b with w >= 0; shape (..., 4). ROS order."""
-    quaternion: FloatArray = Rotation.from_matrix(np.asarray(T_a_b)[..., :3, :3]).as_quat(canonical=True)
+    quaternion: FloatArray = rotations().from_matrix(np.asarray(T_a_b)[..., :3, :3]).as_quat(canonical=True)
     return quaternion
 
 
@@ -111,7 +118,7 @@ def from_xyzw(position: FloatArray, quaternion: FloatArray) -> FloatArray:
         position: p_a_b, shape (..., 3) [m].
         quaternion: (x, y, z, w) of any positive norm, shape (..., 4).
     """
-    rotation = Rotation.from_quat(quaternion).as_matrix()
+    rotation = rotations().from_quat(quaternion).as_matrix()
     T_a_b = np.zeros((*rotation.shape[:-2], 4, 4))
     T_a_b[..., :3, :3] = rotation
     T_a_b[..., :3, 3] = position
@@ -126,8 +133,14 @@ def from_wxyz(position: FloatArray, quaternion: FloatArray) -> FloatArray:
 
 def rotation_x(angle: float) -> FloatArray:
     """R_a_b for a turn of b by `angle` [rad] about the x axis of a; shape (3, 3)."""
-    R_a_b: FloatArray = Rotation.from_euler("x", angle).as_matrix()
-    return R_a_b
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def rotation_y(angle: float) -> FloatArray:
+    """R_a_b for a turn of b by `angle` [rad] about the y axis of a; shape (3, 3)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
 def rotation_z(angle: float) -> FloatArray:
@@ -136,10 +149,16 @@ def rotation_z(angle: float) -> FloatArray:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
+def rotation_rpy(angles: Sequence[float] | FloatArray) -> FloatArray:
+    """R_a_b for turns of b by roll, pitch and yaw [rad] about the axes x, y and z of a, in this order; shape (3, 3)."""
+    roll, pitch, yaw = angles
+    return rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll)
+
+
 def rotation_from_vector(vector: FloatArray) -> FloatArray:
     """R_a_b, shape (..., 3, 3), for turns of b by vectors in the axes of a, shape (..., 3) [rad]."""
     vector = np.array(vector, dtype=float)  # SciPy reads no array that is locked
-    R_a_b: FloatArray = Rotation.from_rotvec(vector.reshape(-1, 3)).as_matrix().reshape(*vector.shape, 3)
+    R_a_b: FloatArray = rotations().from_rotvec(vector.reshape(-1, 3)).as_matrix().reshape(*vector.shape, 3)
     return R_a_b
 
 
@@ -162,7 +181,7 @@ def vector_from_rotation(R_a_b: FloatArray) -> FloatArray:
     vector *= 2.0 * half[:, None]
     wide = trace <= 0.0
     if wide.any():
-        vector[wide] = Rotation.from_matrix(R[wide]).as_rotvec()
+        vector[wide] = rotations().from_matrix(R[wide]).as_rotvec()
     return vector.reshape(R_a_b.shape[:-1])
 
 

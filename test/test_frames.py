@@ -11,7 +11,9 @@ from doormill_ros.frames import (
     apply_twist,
     rotate_wrench,
     rotation_from_vector,
+    rotation_rpy,
     rotation_x,
+    rotation_y,
     rotation_z,
     shift_wrench,
     twist_between,
@@ -106,6 +108,13 @@ def test_many_wrenches_and_many_rotations():
         assert got[i] == pytest.approx(np.concatenate([R[i] @ wrench[i, :3], R[i] @ wrench[i, 3:]]))
 
 
-@pytest.mark.parametrize(("turn", "axis"), [(rotation_x, [1, 0, 0]), (rotation_z, [0, 0, 1])])
+@pytest.mark.parametrize(
+    ("turn", "axis"), [(rotation_x, [1, 0, 0]), (rotation_y, [0, 1, 0]), (rotation_z, [0, 0, 1])]
+)
 def test_turns_about_an_axis(turn, axis):
     assert turn(0.3) == pytest.approx(expm(0.3 * skew(np.array(axis))), abs=1e-14)
+
+
+@given(VECTORS)
+def test_roll_pitch_and_yaw_are_turns_about_fixed_axes(angles):
+    assert rotation_rpy(angles) == pytest.approx(Rotation.from_euler("xyz", angles).as_matrix(), abs=1e-14)

@@ -13,6 +13,7 @@ NEEDED = ("recipe_database", LOCALIZER, "path_generator", "abb_bridge", "bag_rec
 BESIDE = ("model_monitor", "operator_page")
 #: Of two robots each has these in its namespace.
 OF_A_ROBOT = ("path_generator", "abb_bridge")
+SHARES = "door_shares"  #: gives them the word
 CONTROLLER = "abb_bridge/controller"  #: what the bridge says of the controller; not every transport can tell
 #: A node that has not been heard of for so long counts as gone [s].
 SILENCE = 3.0

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
-from doormill_ros.localization.sensors.agreement import SensedDoor
 from doormill_ros.localization.sensors.errors import BadReading
+from doormill_ros.localization.sensors.sensed_door import SensedDoor
 from doormill_ros.localization.sensors.sensor import ReadingKind
 from doormill_ros.messages.from_message import door_pose_of, positions_of
 from doormill_ros.messages.picture import picture_of

@@ -23,6 +23,7 @@ from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, o
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.errors import NodeDoubledError
 from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.readiness import SHARES
 from doormill_ros.cell.run import LOCALIZATION
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
@@ -36,7 +37,7 @@ from doormill_ros.nodes.mill_door import MillDoorServer
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
-from doormill_ros.pipeline.course import SHARES, recipe_nodes, stage_of
+from doormill_ros.pipeline.course import recipe_nodes, stage_of
 from doormill_ros.units import s_to_ns
 
 

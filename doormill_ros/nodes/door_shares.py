@@ -16,6 +16,7 @@ from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import DoorRecipe, RunResult
 from doormill_ros.cell.clock import Clock
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
+from doormill_ros.cell.readiness import SHARES
 from doormill_ros.cell.run import Run, RunDesk, StageLimits
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
@@ -28,7 +29,6 @@ from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
 from doormill_ros.nodes.robots import ROBOTS
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.nodes.share_client import ShareClient
-from doormill_ros.pipeline.course import SHARES
 from doormill_ros.pipeline.run_end import RunEnd
 from doormill_ros.pipeline.shared_course import SharedCourse
 from doormill_ros.toolpath.settings import load_settings

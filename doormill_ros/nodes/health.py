@@ -11,10 +11,9 @@ from rclpy.node import Node
 
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.layout import CAMERA, load_layout
-from doormill_ros.cell.readiness import OF_A_ROBOT, Readiness, needed_nodes
+from doormill_ros.cell.readiness import OF_A_ROBOT, SHARES, Readiness, needed_nodes
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.robots import ROBOTS, in_robot
-from doormill_ros.pipeline.course import SHARES
 
 PERIOD = 0.1  # s
 

@@ -19,6 +19,7 @@ from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.clock import Clock, step_text
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError, WrongGoalError
 from doormill_ros.cell.inspection import MeasuredDoor
+from doormill_ros.cell.readiness import SHARES
 from doormill_ros.cell.run import RunDesk, StageLimits
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.errors import DoormillError
@@ -30,7 +31,7 @@ from doormill_ros.nodes.door_inspections import DoorInspections
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.recipe_client import RecipeClient
 from doormill_ros.nodes.reporting_node import WARN
-from doormill_ros.pipeline.course import SHARES, Course
+from doormill_ros.pipeline.course import Course
 from doormill_ros.pipeline.partners import Attendance, Handover
 from doormill_ros.pipeline.run_end import RunEnd
 from doormill_ros.units import ns_to_s

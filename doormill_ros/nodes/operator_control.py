@@ -9,11 +9,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.srv import AcceptModel, ListRecipes, RevertModel
 from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, StageRefusedError, StageTimeoutError
+from doormill_ros.cell.readiness import SHARES
 from doormill_ros.nodes.futures import result_of
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.operator.view_store import ViewStore
-from doormill_ros.pipeline.course import SHARES
 
 ACTION = "mill_door"
 OFFERED_DOORS = 20

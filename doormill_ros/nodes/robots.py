@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from doormill_ros.cell.readiness import SHARES
 from doormill_ros.nodes import topics
-from doormill_ros.pipeline.course import SHARES
 from doormill_ros.toolpath.split import FIRST, SECOND
 
 ROBOTS = (FIRST, SECOND)  #: in the order in which they mill

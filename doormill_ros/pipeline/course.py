@@ -12,6 +12,7 @@ from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.cell.door_sensors import node_of
 from doormill_ros.cell.errors import StageRefusedError
 from doormill_ros.cell.layout import CAMERA
+from doormill_ros.cell.readiness import SHARES
 from doormill_ros.cell.run import LOCALIZATION, Run, StageLimits
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.sensors.agreement import check_agreement
@@ -26,8 +27,6 @@ ALONE_LIMIT = 10.0  # s
 MILLING = ("controller_simulator",)
 TARGETS = ("path_generator", *MILLING)
 SIMULATED = ("camera_simulator", "sensor_simulator")
-#: Who gives the word where two robots share a door.
-SHARES = "door_shares"
 
 
 def picture_nodes(sensors: Sequence[str]) -> tuple[str, ...]:

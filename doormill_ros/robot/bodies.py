@@ -9,11 +9,10 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import StrictBool, model_validator
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import found, read
-from doormill_ros.frames import transform
+from doormill_ros.frames import rotation_rpy, rotations, transform
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.errors import RobotDescriptionError
 from doormill_ros.robot.urdf import link_names
@@ -74,13 +73,13 @@ class Body(Section):
     def T_frame_body(self) -> FloatArray:
         """Middle of the body with z along a capsule's axis, in the frame it is given in, shape (4, 4)."""
         if self.position is not None and self.rotation is not None:
-            return transform(Rotation.from_euler("xyz", self.rotation).as_matrix(), self.position)
+            return transform(rotation_rpy(self.rotation), self.position)
         start, end = self.ends
         axis = end - start
         length = float(np.linalg.norm(axis))
         turn = np.eye(3)
         if length > 0.0:
-            turn = Rotation.align_vectors(axis[None] / length, np.array([[0.0, 0.0, 1.0]]))[0].as_matrix()
+            turn = rotations().align_vectors(axis[None] / length, np.array([[0.0, 0.0, 1.0]]))[0].as_matrix()
         return transform(turn, 0.5 * (start + end))
 
     @property
@@ -106,7 +105,7 @@ class Body(Section):
         places = {name: getattr(self, name) for name in ("position", "start", "end")}
         changed = {name: R @ at + p for name, at in places.items() if at is not None}
         if self.rotation is not None:
-            changed["rotation"] = _roll_pitch_yaw(R @ Rotation.from_euler("xyz", self.rotation).as_matrix())
+            changed["rotation"] = _roll_pitch_yaw(R @ rotation_rpy(self.rotation))
         return replace(self, **changed)
 
     @property

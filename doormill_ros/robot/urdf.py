@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
-from doormill_ros.frames import rotation_from_vector, transform
+from doormill_ros.frames import rotation_from_vector, rotation_rpy, transform
 from doormill_ros.robot.errors import RobotDescriptionError
 
 JOINTS = 6
@@ -183,7 +182,7 @@ def _origin(path: Path, joint: ElementTree.Element) -> FloatArray:
     element = joint.find("origin")
     if element is None:
         return np.eye(4)
-    rotation = Rotation.from_euler("xyz", _numbers(path, joint, element.get("rpy", "0 0 0"))).as_matrix()
+    rotation = rotation_rpy(_numbers(path, joint, element.get("rpy", "0 0 0")))
     return transform(rotation, _numbers(path, joint, element.get("xyz", "0 0 0")))
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from pydantic.dataclasses import dataclass
-from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read
-from doormill_ros.frames import transform
+from doormill_ros.frames import rotation_z, transform
 from doormill_ros.resources import resource
 from doormill_ros.toolpath.errors import PathSettingsError
 from doormill_ros.values import Count, Finite, NotNegative, Positive, Section, Vector3
@@ -145,7 +144,7 @@ class SecondRobot(Section):
     @property
     def T_base_second(self) -> FloatArray:
         """Its base frame in the first robot's, shape (4, 4)."""
-        return transform(Rotation.from_euler("z", self.rotation).as_matrix(), self.position)
+        return transform(rotation_z(self.rotation), self.position)
 
 
 @dataclass(frozen=True)

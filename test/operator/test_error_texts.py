@@ -14,7 +14,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from doormill_ros.abb.handshake.state import HandshakeState
-from doormill_ros.cell.readiness import BESIDE, CONTROLLER, NEEDED
+from doormill_ros.cell.readiness import BESIDE, CONTROLLER, NEEDED, SHARES
 from doormill_ros.errors import catalogue
 from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.operator.ended_run import EndedRun
@@ -22,7 +22,6 @@ from doormill_ros.operator.languages import LANGUAGES, headline_in
 from doormill_ros.operator.picture import CAPTIONS, MEDIA_TYPE, encode_picture
 from doormill_ros.operator.situation import MAY_MOVE, situation
 from doormill_ros.operator.state import CellView
-from doormill_ros.pipeline.course import SHARES
 from support.browser import open_page
 
 ROOT = Path(__file__).parents[2]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -13,28 +12,12 @@ from scipy.special import chdtri
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import twist_between
 from doormill_ros.localization.sensors.errors import SensorsDisagree
+from doormill_ros.localization.sensors.sensed_door import SensedDoor
 from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM
 from doormill_ros.units import m_to_mm, rad_to_deg
 
 #: Probability that a door is refused though all its sensors keep what they state.
 CHANCE = 1.0e-4
-
-
-@dataclass(frozen=True, eq=False)
-class SensedDoor:
-    """Where one sensor has the door.
-
-    Attributes:
-        sensor: Its name.
-        T_base_door: The pose, shape (4, 4).
-        covariance: Of the twist from there to the truth, base axes, shape (6, 6); read where the sensor sees.
-        sees: Which degrees of freedom it measures, in the order of DEGREES_OF_FREEDOM.
-    """
-
-    sensor: str
-    T_base_door: FloatArray
-    covariance: FloatArray
-    sees: tuple[bool, ...]
 
 
 def check_agreement(doors: Sequence[SensedDoor]) -> None:

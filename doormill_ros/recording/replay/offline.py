@@ -11,9 +11,10 @@ from doormill_ros.cell.layout import CAMERA, CellLayout, load_layout
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError, StalePicture
-from doormill_ros.localization.sensors.agreement import SensedDoor, check_agreement
+from doormill_ros.localization.sensors.agreement import check_agreement
 from doormill_ros.localization.sensors.errors import SensorsDisagree
 from doormill_ros.localization.sensors.registry import SENSORS, registered
+from doormill_ros.localization.sensors.sensed_door import SensedDoor
 from doormill_ros.localization.sensors.sensor import DoorSensor
 from doormill_ros.messages.from_message import camera_of, nanoseconds_of, recipe_of, transform_of
 from doormill_ros.pipeline.look import look

@@ -9,8 +9,9 @@ from scipy.stats import binom
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import apply_twist
-from doormill_ros.localization.sensors.agreement import CHANCE, SensedDoor, check_agreement
+from doormill_ros.localization.sensors.agreement import CHANCE, check_agreement
 from doormill_ros.localization.sensors.errors import SensorsDisagree
+from doormill_ros.localization.sensors.sensed_door import SensedDoor
 
 NOMINAL = load_layout().T_base_door(0.826, 0.040)
 CAMERA = (False, True, True, True, False, False)

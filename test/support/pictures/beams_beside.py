@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from doormill_ros.cell.layout import CAMERA, load_layout
 from doormill_ros.localization.result import Localization
-from doormill_ros.localization.sensors.agreement import SensedDoor, check_agreement
+from doormill_ros.localization.sensors.agreement import check_agreement
 from doormill_ros.localization.sensors.registry import SENSORS
+from doormill_ros.localization.sensors.sensed_door import SensedDoor
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.simulation.sensors.photoelectric import PhotoelectricRig
 from support.pictures.conditions import ConditionPicture
