@@ -12,9 +12,11 @@ request of its own before it takes anything.
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LOOK = 0.001  # s
+FIRST = -15  #: niceness of the thread that looks
 NEVER = float("-inf")
 #: Between the targets of two good files of a door, seen from the door [m]: the pose is found to 0.1 mm, and the
 #: correction differs with the robot's posture. Doors of the campaign stand up to 8 mm and 0.03 rad apart.
@@ -150,6 +153,8 @@ class Oracle:
             return NEVER
 
     def _watch(self) -> None:
+        with suppress(PermissionError):  # without the right to it, it may look too late on a machine at work
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), FIRST)
         ready, busy, target = (
             self._home / "io" / "doPathReady",
             self._home / "io" / "doPathBusy",
