@@ -24,10 +24,17 @@ class PageServer:
         port: TCP port, 0 for any free one.
 
     Raises:
-        PageAddressError: The address is taken or not one of this machine.
+        PageAddressError: The address is taken, not one of this machine, or none.
     """
 
     def __init__(self, app: FastAPI, host: str, port: int) -> None:
+        if not host:  # a socket would take that for every network
+            raise PageAddressError(
+                "the operator's page has no host to be served at; name an address of this machine, 127.0.0.1 for "
+                "itself alone or 0.0.0.0 for every network",
+                host=host,
+                port=port,
+            )
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         self._socket = socket.socket(family, socket.SOCK_STREAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -222,6 +222,8 @@ def test_a_taken_port_is_refused_with_what_to_do() -> None:
         port = taken.getsockname()[1]
         with pytest.raises(PageAddressError, match=f"{port}.*choose another"):
             PageServer(create_app(ViewStore()), "127.0.0.1", port)
+    with pytest.raises(PageAddressError, match=r"no host.*0\.0\.0\.0"):
+        PageServer(create_app(ViewStore()), "", 0)
     with pytest.raises(PageAddressError, match="no-such-host"):
         PageServer(create_app(ViewStore()), "no-such-host.invalid", 0)
 
