@@ -31,6 +31,7 @@ from doormill_ros.nodes.alive import LEASE
 from doormill_ros.nodes.attendance import CellAttendance
 from doormill_ros.nodes.controller_monitor import ControllerMonitor
 from doormill_ros.nodes.convert.program import program_into
+from doormill_ros.nodes.door_inspections import GAUGE_PARAMETER
 from doormill_ros.nodes.expect_door import ExpectDoorServer
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.mill_door import MillDoorServer
@@ -109,6 +110,7 @@ class AbbBridge(ManagedNode):
             3600.0,
             live=True,
         ),
+        GAUGE_PARAMETER,
     )
 
     handshake: SharedHandshake

@@ -22,7 +22,7 @@ from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.action_server import MillDoorActionServer
 from doormill_ros.nodes.convert.run_end import run_end_into
-from doormill_ros.nodes.door_inspections import DoorInspections
+from doormill_ros.nodes.door_inspections import GAUGE_PARAMETER, DoorInspections
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.recipe_client import RecipeClient
 from doormill_ros.nodes.reporting_node import OK, WARN, NodeParameter
@@ -39,16 +39,19 @@ from doormill_ros.units import ns_to_s
 class DoorShares(ManagedNode):
     """Takes a door through the run that both robots share; says when the camera looks and which robot may mill."""
 
-    PARAMETERS = tuple(
-        NodeParameter(
-            f"limit.{field.name}",
-            field.default,
-            f"longest wait of a robot for {field.name} [s]",
-            0.1,
-            36000.0,
-            live=True,
-        )
-        for field in fields(StageLimits)
+    PARAMETERS = (
+        GAUGE_PARAMETER,
+        *(
+            NodeParameter(
+                f"limit.{field.name}",
+                field.default,
+                f"longest wait of a robot for {field.name} [s]",
+                0.1,
+                36000.0,
+                live=True,
+            )
+            for field in fields(StageLimits)
+        ),
     )
 
     def __init__(self, **kwargs: Any) -> None:
@@ -70,7 +73,7 @@ class DoorShares(ManagedNode):
         self._robots = tuple(ShareClient(self, name, self._notify, self._group) for name in ROBOTS)
         self._recipes = RecipeClient(self, self._group)
         self.keep(lambda recipes: recipes.close(), self._recipes)
-        self._inspections = DoorInspections(self, self._notify)
+        self._inspections = DoorInspections(self, self._notify, self.value(GAUGE_PARAMETER.name))
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
 
     def stop(self) -> None:

@@ -27,7 +27,7 @@ from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.action_server import MillDoorActionServer
 from doormill_ros.nodes.convert.run_end import run_end_into
-from doormill_ros.nodes.door_inspections import DoorInspections
+from doormill_ros.nodes.door_inspections import GAUGE_PARAMETER, DoorInspections
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.recipe_client import RecipeClient
 from doormill_ros.nodes.reporting_node import WARN
@@ -93,7 +93,7 @@ class MillDoorServer:
         self._sensors = tuple(sensors)
         note = self._note = RunNote(Path(self._node.value("archive")))
         self._recipes = RecipeClient(self._node, self._group)
-        self._inspections = DoorInspections(self._node, self.notify)
+        self._inspections = DoorInspections(self._node, self.notify, self._node.value(GAUGE_PARAMETER.name))
         cut_off = note.read()
         self._cut_off = None if cut_off is None else RunEnd(*cut_off)
         self._end_what_was_cut_off()

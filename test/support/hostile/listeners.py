@@ -23,6 +23,7 @@ from doormill_ros.nodes.abb_bridge import AbbBridge
 from doormill_ros.nodes.bag_recorder import BagRecorder
 from doormill_ros.nodes.controller_simulator import ControllerSimulator
 from doormill_ros.nodes.door_localizer import DoorLocalizer
+from doormill_ros.nodes.door_shares import DoorShares
 from doormill_ros.nodes.folder_camera import FolderCamera
 from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.nodes.model_monitor import ModelMonitor
@@ -77,6 +78,8 @@ def listeners() -> list[Listener]:
     return [
         *found,
         Listener(AbbBridge, {"shared": True, "sensors": f"{CAMERA},{next(iter(SENSORS))}"}),
+        Listener(AbbBridge, {"gauge": True}),
+        Listener(DoorShares, {"gauge": True}),
         Listener(DoorLocalizer, {"image_transport": "compressed"}),
     ]
 
