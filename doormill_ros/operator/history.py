@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import deque
 from dataclasses import asdict, dataclass
 from itertools import islice
 from pathlib import Path
@@ -15,6 +14,7 @@ from doormill_ros.operator.state import HISTORY
 FILE = "history.jsonl"
 SUMMARIES = ("summary.json", "*/summary.json")
 MOST_READ = 16_000_000  # bytes of the file, its newest
+RECENT = 1_000_000  # bytes, of which the last runs are
 MOST_SUMMARIES = 1000
 _LATEST = 253402300800.0  # s since the epoch, the beginning of the year 10000
 _UNREADABLE = (ValueError, KeyError, TypeError, OverflowError, RecursionError)
@@ -31,12 +31,8 @@ def load_history(folder: Path) -> tuple[EndedRun, ...]:
         run = _summary(path)
         if run is not None:
             found[run.run_id] = run
-    try:
-        with (folder / FILE).open(encoding="utf-8", errors="replace") as lines:
-            last = deque(lines, maxlen=HISTORY)
-    except OSError:
-        last = deque()
-    for line in last:
+    # A run that was measured later has a line more.
+    for line in _last_lines(folder / FILE, RECENT)[0]:
         run = _run(line)
         if run is not None:
             found[run.run_id] = run

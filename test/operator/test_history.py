@@ -16,6 +16,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from doormill_interfaces.msg import RunResult
+from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.summary import RunSummary
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.operator_page import OperatorPage
@@ -35,6 +36,17 @@ def test_the_newest_come_first_and_the_list_is_bounded(tmp_path: Path) -> None:
     for number in range(HISTORY + 5):
         append_history(tmp_path / "new", run(number))
     assert load_history(tmp_path / "new") == tuple(run(n) for n in range(HISTORY + 4, 4, -1))
+
+
+def test_runs_that_were_measured_later_take_no_other_one_s_place(tmp_path: Path) -> None:
+    late = MeasuredDoor("hinge_1", 1e-4, 5e-4)
+    for number in range(HISTORY):
+        append_history(tmp_path, run(number))
+    half = HISTORY // 2
+    ended = [*map(run, range(half)), *(run(number).found(late) for number in range(half, HISTORY))]
+    for one in ended[half:]:
+        append_history(tmp_path, one)
+    assert load_history(tmp_path) == tuple(reversed(ended))
 
 
 def test_a_folder_that_is_not_there_has_no_history(tmp_path: Path) -> None:
