@@ -26,8 +26,9 @@ from doormill_interfaces.msg import (
     TargetArray,
 )
 from doormill_ros.arrays import ByteArray
+from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import gauged_of, nanoseconds_of, recipe_of, seconds_of
+from doormill_ros.messages.from_message import gauged_of, inspection_of, nanoseconds_of, recipe_of, seconds_of
 from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.planned_times import planned_times_of
@@ -113,7 +114,7 @@ class OperatorPage(ManagedNode):
         self._bridges_heard = dict.fromkeys(self._places, float("-inf"))
         self._look_for_bridges()
         self._shown: ShownDoors[Image] = ShownDoors()
-        self._judged, self._inspected = "", DoorInspection()
+        self._judged, self._found = "", ("", MeasuredDoor())
         self._pictures: deque[Image] = deque(maxlen=KEPT_PICTURES)
         host, tokens = self.value("host"), self.value("tokens")
         token = self._given or (load_keys(Path(tokens)) if tokens else None)
@@ -178,24 +179,25 @@ class OperatorPage(ManagedNode):
 
     def _take_milled(self, door: MilledDoor) -> None:
         self._judged = door.run_id
-        if self._inspected.run_id == door.run_id:
-            self._inspected = DoorInspection()
+        self._found = door.run_id, inspection_of(door)
         found = {feature.feature: feature.corrected_max for feature in door.features}
         self._measured(door.run_id, found, door.tolerance)
+        self._amend()
 
     def _take_inspection(self, measured: DoorInspection) -> None:
         if measured.run_id == self._judged:
             return  # who measured in the cell has told more, and the result holds it
-        self._inspected = measured
+        inspection = gauged_of(measured)
+        self._found = measured.run_id, inspection
         found: dict[str, float] = {}
         for feature, deviation in zip(measured.feature, measured.deviation, strict=False):
             found[feature] = max(found.get(feature, 0.0), abs(deviation))
-        self._measured(measured.run_id, found, gauged_of(measured).tolerance)
+        self._measured(measured.run_id, found, inspection.tolerance)
         self._amend()
 
     def _amend(self) -> None:
-        """Say of the run that was inspected last how its door came out; its result may come before or after."""
-        run_id, inspection = self._inspected.run_id, gauged_of(self._inspected)
+        """Say of the run that was measured last how its door came out; its result may come before or after."""
+        run_id, inspection = self._found
         before = self.store.view.history
         self.store.update(lambda view: view.with_inspection(run_id, inspection))
         for run in set(self.store.view.history) - set(before):

@@ -101,7 +101,19 @@ def test_who_measures_in_the_cell_is_believed(page: OperatorPage, turn: int) -> 
         hear()
     page._take_result(RunResult(run_id="r1", door_id="oak", success=True, message="door oak"))
     (run,) = page.store.view.history
-    assert (run.outcome, run.message) == ("milled, not measured", "door oak")
+    assert run.outcome == "milled"
+    assert "hinge_1 is 0.10 mm off" in run.message
+
+
+def test_who_measures_in_the_cell_may_take_longer_than_the_run_waits(
+    page: OperatorPage, tmp_path: Path
+) -> None:
+    page._take_result(RunResult(run_id="r1", door_id="oak", success=True, message="door oak"))
+    feature = FeatureDeviation(feature="hinge_1", corrected_max=2e-3)
+    page._take_milled(MilledDoor(run_id="r1", tolerance=5e-4, features=[feature]))
+    (run,) = page.store.view.history
+    assert (run.outcome, run.error_code) == (BEYOND, 807)
+    assert load_history(tmp_path / "history") == (run,)
 
 
 def test_a_refused_run_stays_refused_whatever_a_gauge_says(page: OperatorPage) -> None:
