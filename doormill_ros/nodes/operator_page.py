@@ -41,7 +41,7 @@ from doormill_ros.nodes.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
 from doormill_ros.operator.door_view import door_view
 from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.history import append_history, load_history
+from doormill_ros.operator.history import append_history, kept_run, load_history
 from doormill_ros.operator.model_view import ModelView, TrendDoor
 from doormill_ros.operator.page_names import is_address, page_names
 from doormill_ros.operator.page_server import PageServer
@@ -200,7 +200,11 @@ class OperatorPage(ManagedNode):
         run_id, inspection = self._found
         before = self.store.view.history
         self.store.update(lambda view: view.with_inspection(run_id, inspection))
-        for run in set(self.store.view.history) - set(before):
+        amended = set(self.store.view.history) - set(before)
+        if run_id != self.store.view.run_id and all(run.run_id != run_id for run in before):
+            kept = kept_run(self._history, run_id)  # it ended so long ago that the page shows it no more
+            amended |= {kept.found(inspection)} - {kept} if kept else set()
+        for run in amended:
             append_history(self._history, run)
 
     def _measured(self, run_id: str, found: dict[str, float], tolerance: float) -> None:

@@ -64,6 +64,18 @@ def kept_runs(folder: Path | None, most: int = MOST_READ) -> Kept:
     return Kept(tuple(found.values()), whole and len(single) <= MOST_SUMMARIES)
 
 
+def kept_run(folder: Path, run_id: str) -> EndedRun | None:
+    """What the file says of a run last; None where it does not know it.
+
+    Args:
+        folder: Where `append_history` wrote.
+        run_id: Of the run.
+    """
+    written = json.dumps(run_id)
+    runs = (_run(line) for line in reversed(_last_lines(folder / FILE, MOST_READ)[0]) if written in line)
+    return next((run for run in runs if run is not None and run.run_id == run_id), None)
+
+
 def _last_lines(path: Path, most: int) -> tuple[list[str], bool]:
     """Lines of a file, and whether they are all; a line that begins before its last bytes is none."""
     try:

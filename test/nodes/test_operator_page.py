@@ -21,7 +21,8 @@ from doormill_interfaces.msg import (
 )
 from doormill_ros.nodes.operator_page import OperatorPage
 from doormill_ros.operator.fault import Fault
-from doormill_ros.operator.history import load_history
+from doormill_ros.operator.history import FILE, kept_run, load_history
+from doormill_ros.operator.state import HISTORY
 
 BEYOND = "milled, out of tolerance"
 
@@ -114,6 +115,24 @@ def test_who_measures_in_the_cell_may_take_longer_than_the_run_waits(
     (run,) = page.store.view.history
     assert (run.outcome, run.error_code) == (BEYOND, 807)
     assert load_history(tmp_path / "history") == (run,)
+
+
+def test_a_run_that_is_shown_no_more_is_amended_where_it_is_kept(page: OperatorPage, tmp_path: Path) -> None:
+    """A gauge by hand comes to a door an hour after it was milled."""
+    for number in range(HISTORY + 1):
+        page._take_result(RunResult(run_id=f"r{number}", door_id="oak", success=True, message="not measured"))
+    shown = page.store.view.history
+    assert "r0" not in {run.run_id for run in shown}
+    for _ in range(2):
+        page._take_inspection(gauged("r0", 1.6e-3))
+    page._take_inspection(gauged("nobody's", 1.6e-3))
+    assert page.store.view.history == shown
+    first = kept_run(tmp_path / "history", "r0")
+    assert first is not None
+    assert (first.outcome, first.error_code) == (BEYOND, 807)
+    assert kept_run(tmp_path / "history", "nobody's") is None
+    kept = (tmp_path / "history" / FILE).read_text().splitlines()
+    assert len(kept) == HISTORY + 2
 
 
 def test_a_refused_run_stays_refused_whatever_a_gauge_says(page: OperatorPage) -> None:
