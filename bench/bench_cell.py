@@ -215,7 +215,10 @@ def main() -> int:
     """Run alone; 1 when a figure is above what is allowed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--doors", type=int, default=DOORS)
-    entries = run(parser.parse_args().doors)
+    doors, least = parser.parse_args().doors, len(shipped_recipes())
+    if doors < least:
+        parser.error(f"--doors is {doors}, allowed are {least} and more: one of every shipped door at least")
+    entries = run(doors)
     for item in entries:
         over = ", ABOVE THE LIMIT" if exceeded(item) else ""
         print(
