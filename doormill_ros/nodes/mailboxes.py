@@ -1,45 +1,118 @@
-"""Whether the middleware still has the shared memory into which other processes put what this one is to hear.
+"""Whether this process and the others still share the memory in which they leave messages for each other.
 
-Fast DDS listens to a file in /dev/shm for each of its ports. A process that takes the listener for dead removes the
-file and makes it anew. Where the listener lives (seen on an overloaded machine, while nodes were killed and started
-again) it goes on listening to a file that nobody can write into any more: it speaks and is seen by all, and hears
-nobody, for ever. No setting of the middleware prevents that while discovery is kept to this machine.
+Fast DDS listens to a file in /dev/shm for each of its ports, and opens those of the others to speak to them. Seen where
+nodes were killed and started again:
+
+- On an overloaded machine a process takes a listener for dead, removes its file and makes it anew. Where the listener
+  lives it goes on listening to a file that nobody can write into any more: it speaks and is seen by all, and hears
+  nobody, for ever.
+- A listener that was killed between two messages, neither waiting for one nor at work on one, leaves a file that
+  passes every check of Fast DDS. Who had it open goes on writing into it, for ever, while the node that was started
+  again listens to a new file of that name: it is heard by all and does not hear them.
+
+No setting of the middleware prevents either while discovery is kept to this machine.
 """
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from pathlib import Path
 
 #: What Fast DDS calls the thread that listens to a port, and its file.
 THREAD, FILE = "dds.shm.", "/dev/shm/fastdds_port"
-REMOVED = " (deleted)"
+_REMOVED = re.compile(re.escape(FILE) + r"(\d+) \(deleted\)$", re.MULTILINE)
+_PROCESSES = Path("/proc")
 #: Lowest port of a domain (DDSI-RTPS 2.2, 9.6.1.1). Those below are shared by all domains of a machine; a process whose
 #: file there is taken away was seen to hear as before.
 LOWEST = 7400
+#: So many looks in a row a port has to be lost. A file of one who ended otherwise is given up within seconds.
+HEARD_LOOKS, SPOKEN_LOOKS = 2, 4
 
 
 def lost_mailboxes(process: str = "self") -> tuple[str, ...]:
-    """Ports of its domain whose file was taken from a process; none with another middleware or without /proc.
+    """Ports of its domain that a process listens to in vain; none with another middleware or without /proc.
 
     Args:
         process: Its number, or `self`.
     """
-    folder = Path("/proc") / process
+    heard, removed = _ports(_PROCESSES / process)
+    return tuple(sorted(heard & removed))
+
+
+def unheard_mailboxes(process: str = "self") -> tuple[str, ...]:
+    """Ports of its domain that a process writes to in vain, while another one listens to a new file of that name.
+
+    Args:
+        process: Its number, or `self`.
+    """
+    heard, removed = _ports(_PROCESSES / process)
+    return tuple(sorted((removed - heard) & _listened())) if removed - heard else ()
+
+
+class Mailboxes:
+    """Looked at again and again, tells when a process has to end, so that it can be started again.
+
+    Args:
+        process: Its number, or `self`.
+    """
+
+    def __init__(self, process: str = "self") -> None:
+        self._process = process
+        self._looks: Counter[tuple[str, str]] = Counter()
+
+    def look(self) -> str:
+        """Why it has to end; empty while there is no reason."""
+        found = {("heard", port) for port in lost_mailboxes(self._process)}
+        found |= {("spoken", port) for port in unheard_mailboxes(self._process)}
+        self._looks = Counter({one: self._looks[one] + 1 for one in found})
+        heard = self._lasting("heard", HEARD_LOOKS)
+        if heard:
+            return (
+                "This process hears nobody any more: another one took it for dead and removed its port "
+                f"{heard} in /dev/shm; it ends, so that it can be started again."
+            )
+        spoken = self._lasting("spoken", SPOKEN_LOOKS)
+        if spoken:
+            return (
+                f"A process that was started again does not hear this one, which still writes to port {spoken} in "
+                "/dev/shm of the one before; this one ends, so that it can be started again."
+            )
+        return ""
+
+    def _lasting(self, what: str, looks: int) -> str:
+        return ", ".join(
+            sorted(port for (kind, port), seen in self._looks.items() if kind == what and seen >= looks)
+        )
+
+
+def _ports(folder: Path) -> tuple[set[str], set[str]]:
+    """Those of its domain that a process listens to, and those that it has open and whose file was removed."""
     try:
         maps = (folder / "maps").read_text(encoding="utf-8", errors="replace")
-        heard = {name[len(THREAD) :] for name in _threads(folder) if name.startswith(THREAD)}
+        return _heard(folder), {port for port in _REMOVED.findall(maps) if int(port) >= LOWEST}
     except OSError:
-        return ()
-    gone = (line.rstrip() for line in maps.splitlines() if line.rstrip().endswith(REMOVED))
-    files = {line.rpartition(FILE)[2].removesuffix(REMOVED) for line in gone if FILE in line}
-    return tuple(sorted(port for port in heard & files if port.isdigit() and int(port) >= LOWEST))
+        return set(), set()
 
 
-def _threads(folder: Path) -> list[str]:
+def _listened() -> set[str]:
+    """Ports that some process of this machine listens to."""
+    found: set[str] = set()
+    for folder in _PROCESSES.iterdir():
+        if folder.name.isdigit():
+            try:
+                found |= _heard(folder)
+            except OSError:  # it ended meanwhile
+                continue
+    return found
+
+
+def _heard(folder: Path) -> set[str]:
     names = []
     for path in (folder / "task").iterdir():
         try:
             names.append((path / "comm").read_text(encoding="utf-8", errors="replace").strip())
         except OSError:  # it ended meanwhile
             continue
-    return names
+    ports = (name.removeprefix(THREAD) for name in names if name.startswith(THREAD))
+    return {port for port in ports if port.isdigit() and int(port) >= LOWEST}

@@ -20,7 +20,7 @@ from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
 from doormill_ros.errors import one_line
 from doormill_ros.interrupts import interrupt_once
-from doormill_ros.nodes.mailboxes import lost_mailboxes
+from doormill_ros.nodes.mailboxes import Mailboxes
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.nodes.unknown_parameters import unknown_nodes, unknown_parameters
@@ -70,7 +70,7 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
     except RosArgumentsError as error:
         get_logger("doormill").fatal(error.message)
         return BAD_ARGUMENTS
-    executor = SteadyExecutor(THREADS, lost=lost_mailboxes)
+    executor = SteadyExecutor(THREADS, look=Mailboxes().look)
     nodes: list[ManagedNode] = []
     try:
         for factory in factories:

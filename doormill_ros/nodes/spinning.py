@@ -38,7 +38,7 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
             again [s]; the stacks of all threads go to stderr first. Time in which the process is stopped does not
             count.
         context: Of its nodes; None for the default one.
-        lost: What the process hears no more, looked at as often; when it is twice the same the process is ended, too.
+        look: Asked a hundred times as often; when it tells a reason the process is ended, too.
     """
 
     def __init__(
@@ -46,10 +46,10 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
         threads: int,
         still: float = STILL,
         context: Context | None = None,
-        lost: Callable[[], tuple[str, ...]] = tuple,
+        look: Callable[[], str] = str,
     ) -> None:
         super().__init__(num_threads=threads, context=context)
-        self._lost = lost
+        self._look = look
         self._errors = 0
         self._last_error = -CALM
         self._turns = 0
@@ -104,7 +104,7 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
         return complete
 
     def _watch(self, still: float) -> None:
-        seen, since, lost = -1, 0.0, self._lost()
+        seen, since = -1, 0.0
         period = still / 100
         # Periods are counted, not the clock: it runs on while the process is stopped.
         while not self._ended.wait(period):
@@ -118,12 +118,8 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
                 )
                 faulthandler.dump_traceback(sys.__stderr__ or 2, all_threads=True)
                 self._give_up()
-            before, lost = lost, self._lost()
-            if lost and lost == before:
-                get_logger("doormill").fatal(
-                    "This process hears nobody any more: another one took it for dead and removed its port "
-                    f"{', '.join(lost)} in /dev/shm; it ends, so that it can be started again."
-                )
+            if reason := self._look():
+                get_logger("doormill").fatal(reason)
                 self._give_up()
 
     def _give_up(self) -> None:

@@ -1,17 +1,28 @@
-"""A process whose port in shared memory another one took away hears nobody: it ends, to be started again."""
+"""A process that hears nobody, or that one who was started again does not hear, ends, to be started again."""
 
 from __future__ import annotations
 
+import mmap
 import os
 import signal
 import subprocess
+import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from doormill_ros.nodes.mailboxes import FILE, LOWEST, THREAD, lost_mailboxes
+from doormill_ros.nodes.mailboxes import (
+    FILE,
+    LOWEST,
+    SPOKEN_LOOKS,
+    THREAD,
+    Mailboxes,
+    lost_mailboxes,
+    unheard_mailboxes,
+)
 from support.cell_processes import executable
 
 LIMIT = 120.0  # s
@@ -24,30 +35,49 @@ def ports_of(process: int) -> list[str]:
     return [port for port in ports if port.isdigit() and int(port) >= LOWEST]
 
 
-@pytest.fixture
-def node(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
-    """An active /recipe_database as a process of its own, and what it says."""
-    log = tmp_path / "log.txt"
-    command = [
-        executable("recipe_database"),
-        "--ros-args",
-        "-p",
-        f"database_url:=sqlite:///{tmp_path / 'r.sqlite'}",
-    ]
+@contextmanager
+def active(folder: Path, name: str) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
+    """An active node as a process of its own, and what it says."""
+    log = folder / f"{name}.txt"
+    command = [executable(name), "--ros-args", "-p", f"database_url:=sqlite:///{folder / 'r.sqlite'}"]
     with open(log, "wb") as said:
         process = subprocess.Popen(
-            command, stdout=said, stderr=said, env={**os.environ, "ROS_LOG_DIR": str(tmp_path / "ros")}
+            command, stdout=said, stderr=said, env={**os.environ, "ROS_LOG_DIR": str(folder / "ros")}
         )
     try:
-        deadline = time.monotonic() + LIMIT
-        while "active" not in log.read_text():
-            assert process.poll() is None, log.read_text()
-            assert time.monotonic() < deadline, log.read_text()
-            time.sleep(0.05)
+        wait_for(lambda: "active" in log.read_text(), process, log)
         yield process, log
     finally:
         process.kill()
         process.wait()
+
+
+def wait_for(condition: Callable[[], object], process: subprocess.Popen[bytes], log: Path) -> None:
+    """Wait for something, as long as a process lives."""
+    deadline = time.monotonic() + LIMIT
+    while not condition():
+        assert process.poll() is None, log.read_text()
+        assert time.monotonic() < deadline, log.read_text()
+        time.sleep(0.05)
+
+
+def forget_waiting(port: str) -> None:
+    """Let a port look as its listener leaves it that is killed between two messages.
+
+    Fast DDS keeps what its listeners do in front of its own name, 20 bytes for each of 1024: the first byte of one
+    says whether it is there (1), waits (2), or works on a message (4).
+    """
+    with open(f"{FILE}{port}", "r+b") as file, mmap.mmap(file.fileno(), 0) as memory:
+        first = memory.find(b"fastdds\0") - 1024 * 20
+        assert memory[first] in (1, 3, 5)
+        memory[first] = 1
+
+
+@pytest.fixture
+def node(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
+    """An active /recipe_database."""
+    with active(tmp_path, "recipe_database") as node:
+        yield node
 
 
 def test_a_node_that_hears_nobody_ends_and_says_why(node: tuple[subprocess.Popen[bytes], Path]) -> None:
@@ -71,5 +101,58 @@ def test_one_that_hears_ends_when_it_is_told(node: tuple[subprocess.Popen[bytes]
     assert "hears nobody any more" not in log.read_text()
 
 
+def test_a_node_that_one_started_again_does_not_hear_ends_and_says_why(
+    node: tuple[subprocess.Popen[bytes], Path], tmp_path: Path
+) -> None:
+    process, log = node
+    with active(tmp_path, "door_localizer") as (other, _):
+        (port,) = ports_of(other.pid)
+        wait_for(lambda: f"{FILE}{port}" in Path(f"/proc/{process.pid}/maps").read_text(), process, log)
+        other.kill()
+        other.wait()
+        forget_waiting(port)
+    with active(tmp_path, "door_localizer") as (other, _):
+        assert ports_of(other.pid) == [port]
+        assert unheard_mailboxes(str(process.pid)) == (port,)
+        assert process.wait(LIMIT) == 0
+        assert other.poll() is None
+    assert "does not hear this one" in log.read_text()
+    assert port in log.read_text()
+
+
+def test_a_file_of_one_who_ended_is_no_loss_while_nobody_listens_in_his_place() -> None:
+    port = LOWEST + 250 * 101 + 249  # of no domain that a test has
+    file = Path(f"{FILE}{port}")
+    file.write_bytes(bytes(4096))
+    hold = "import mmap, sys, time; f = open(sys.argv[1]); m = mmap.mmap(f.fileno(), 4096, prot=mmap.PROT_READ)\n"
+    wait = "print('there', flush=True); time.sleep(600)"
+    listen = f"open('/proc/self/comm', 'w').write('{THREAD}{port}')\n"
+    with running(hold + wait, file) as holding:
+        mailboxes = Mailboxes(str(holding.pid))
+        assert [mailboxes.look() for _ in range(9)] == [""] * 9
+        file.unlink()
+        assert [mailboxes.look() for _ in range(9)] == [""] * 9
+        with running(listen + wait):
+            assert unheard_mailboxes(str(holding.pid)) == (str(port),)
+            looks = [mailboxes.look() for _ in range(SPOKEN_LOOKS)]
+            assert looks[:-1] == [""] * (SPOKEN_LOOKS - 1)
+            assert f"port {port}" in looks[-1]
+        assert mailboxes.look() == ""
+
+
+@contextmanager
+def running(code: str, *arguments: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """A process that runs some code, once that has said something."""
+    command = [sys.executable, "-c", code, *arguments]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        try:
+            assert process.stdout is not None
+            assert process.stdout.readline()
+            yield process
+        finally:
+            process.kill()
+
+
 def test_who_cannot_be_looked_at_has_lost_nothing() -> None:
-    assert lost_mailboxes("none") == ()
+    assert lost_mailboxes("none") == unheard_mailboxes("none") == ()
+    assert Mailboxes("none").look() == ""
