@@ -62,6 +62,7 @@ def main() -> int:
         "target files that outlived their run": len(tally.left),
         "goals without a result": len(tally.without_result),
         "restarts by hand": len(tally.manual),
+        "nodes that ended so as to be heard again": len(tally.renewed),
         "nodes that died unstruck": len(tally.died),
     }
     table.add_column("what")

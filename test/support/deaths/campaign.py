@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import random
 import re
 import shutil
@@ -27,6 +28,7 @@ from doormill_ros.cell.errors import NodeDeadError
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.alive import LEASE
 from doormill_ros.nodes.goal_client import GoalClient
+from doormill_ros.nodes.mailboxes import Mailboxes
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.units import ns_to_s
 from support.cell_processes import free_port
@@ -69,6 +71,7 @@ class Tally:
     without_result: list[str] = field(default_factory=list)
     manual: list[str] = field(default_factory=list)
     died: list[str] = field(default_factory=list)
+    renewed: list[str] = field(default_factory=list)  # nodes that ended so as to be started again
     struck: set[tuple[str, bool, str]] = field(default_factory=set)  # node, killed or stopped, stage
     together: set[tuple[str, ...]] = field(default_factory=set)  # stages of the strikes that fell in one run
     named: list[float] = field(default_factory=list)  # from the strike to the refusal that names the node [s]
@@ -87,6 +90,10 @@ class Client:
         self._oracle = oracle
         self.results: list[Any] = []
         self.stage = ""
+        self._open()
+
+    def _open(self) -> None:
+        self._mailboxes = Mailboxes()
         self.context = rclpy.Context()
         rclpy.init(context=self.context)
         self.node = Node("campaign", context=self.context)
@@ -106,6 +113,15 @@ class Client:
         self._executor.shutdown(timeout_sec=2.0)
         rclpy.shutdown(context=self.context)
         self._thread.join(2.0)
+
+    def look(self) -> None:
+        """Begin anew where a node that was started again does not hear this process, as nodes do by themselves."""
+        if self._mailboxes.look():
+            self.close()
+            self.node.destroy_node()
+            del self.node, self._action, self._places, self._executor
+            gc.collect()  # what is left in cycles of references would keep the port that nobody hears
+            self._open()
 
     # Both arguments are needed: with one, rclpy does not tell when the message was sent.
     def _place(self, message: Any, info: Any) -> None:
@@ -130,7 +146,7 @@ class Client:
                 return None
             time.sleep(0.05)
         answer: list[Any] = []
-        before = len(self.results)
+        before = {result.run_id for result in self.results}  # the latest one is told again to who begins anew
 
         def accepted(future: Any) -> None:
             future.result().get_result_async().add_done_callback(lambda f: answer.append(f.result().result))
@@ -138,7 +154,7 @@ class Client:
         self._action.send_goal_async(MillDoor.Goal(door_id=door), self._feedback).add_done_callback(accepted)
         meanwhile()
         while time.monotonic() < deadline:
-            told = [r for r in self.results[before:] if r.door_id == door]
+            told = [r for r in self.results if r.door_id == door and r.run_id not in before]
             if answer or told:
                 return (answer or told)[0]
             time.sleep(0.05)
@@ -271,12 +287,14 @@ class Game:
         tally.missed = sum(run.encode() not in begun for run in self._milled)
         tally.not_ended = [run for run in self._milled if run.encode() not in ended]
         tally.died = self._supervisor.deaths_by_themselves
+        tally.renewed = self._supervisor.renewed
         tally.left = self._leftovers.found
         return tally
 
     def _goal(self, what: str, meanwhile: Callable[[], None] = lambda: None) -> Any:
         tally = self.tally
         tally.goals += 1
+        self._client.look()
         self._client.move(self._places)
         self._leftovers.sent()
         result = self._client.mill(DOORS[tally.goals % 2], RESULT_LIMIT, meanwhile)

@@ -14,6 +14,13 @@ from support.cell_processes import executable
 RESPAWN_DELAY = 0.5  # s
 LOOK = 0.05  # s
 STOP_LIMIT = 60.0  # s
+#: How the reason ends that a node gives when it hears nobody, or is not heard, and where it is looked for [characters].
+RENEWED, LAST_WORDS = "so that it can be started again.", 2000
+
+
+def is_renewed(log: str) -> bool:
+    """Whether a node that ended has said that it does so as to be started again."""
+    return RENEWED in log[-LAST_WORDS:]
 
 
 class Supervisor:
@@ -31,6 +38,7 @@ class Supervisor:
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, daemon=True)
         self.deaths_by_themselves: list[str] = []
+        self.renewed: list[str] = []  # those that said that they end so as to be started again
         self._struck: set[int] = set()
 
     def __enter__(self) -> Supervisor:
@@ -70,11 +78,15 @@ class Supervisor:
         with open(self._folder / f"{name}.log", "ab") as log:
             self._processes[name] = subprocess.Popen(command, stdout=log, stderr=log, cwd=self._folder)
 
+    def _is_renewed(self, name: str) -> bool:
+        return is_renewed((self._folder / f"{name}.log").read_text(encoding="utf-8", errors="replace"))
+
     def _watch(self) -> None:
         while not self._ended.wait(LOOK):
             for name, process in list(self._processes.items()):
                 if process.poll() is not None:
                     if process.pid not in self._struck:
-                        self.deaths_by_themselves.append(f"{name} ended with {process.returncode}")
+                        end = f"{name} ended with {process.returncode}"
+                        (self.renewed if self._is_renewed(name) else self.deaths_by_themselves).append(end)
                     time.sleep(RESPAWN_DELAY)
                     self._start(name)
