@@ -23,7 +23,7 @@ from rclpy.parameter import Parameter
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.nodes.goal_client import GoalClient
-from doormill_ros.nodes.mailboxes import lost_mailboxes
+from doormill_ros.nodes.mailboxes import lost_mailboxes, unheard_mailboxes
 
 NODES = (
     "bag_recorder",
@@ -42,6 +42,9 @@ ASK_ANEW = 20.0  # s, by a client that everybody has to discover again
 START_LIMIT = 240.0  # s; less than a test is given, so that this says what was waited for
 STOP_LIMIT = 120.0  # s
 
+#: How the reason ends that a node gives when it hears nobody, or is not heard, and where it is looked for [characters].
+RENEWED, LAST_WORDS = "so that it can be started again.", 2000
+
 
 def executable(name: str) -> str:
     """The installed executable that `ros2 run doormill_ros NAME` starts."""
@@ -50,6 +53,11 @@ def executable(name: str) -> str:
         if path.is_file():
             return str(path)
     raise FileNotFoundError(f"{name} is in no lib/doormill_ros of AMENT_PREFIX_PATH")
+
+
+def is_renewed(log: str) -> bool:
+    """Whether a node that ended has said that it does so as to be started again."""
+    return RENEWED in log[-LAST_WORDS:]
 
 
 def free_port() -> int:
@@ -73,6 +81,7 @@ class CellProcesses:
         self._names = nodes
         self._environment = {**os.environ, **(environment or {})}
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._arguments: dict[str, tuple[str, ...]] = {}
         self._parameters = {
             "bag_recorder": {"bag": folder / "bag"},
             "abb_bridge": {"address": folder / "HOME", "archive": folder / "targets", **PATIENT},
@@ -95,6 +104,7 @@ class CellProcesses:
             text = str(value).lower() if isinstance(value, bool) else str(value)
             command += ["-p", f"{key}:={text}"]
         command += arguments
+        self._arguments[name] = arguments
         with open(self.folder / f"{name}.log", "ab") as log:
             self.processes[name] = subprocess.Popen(
                 command, stdout=log, stderr=subprocess.STDOUT, env=self._environment
@@ -188,15 +198,21 @@ class CellProcesses:
     def _situation(self) -> str:
         """What may tell why nothing comes: who hears nobody, and what everybody said last."""
         deaf = {name: lost_mailboxes(str(process.pid)) for name, process in self.processes.items()}
+        unheard = {name: unheard_mailboxes(str(process.pid)) for name, process in self.processes.items()}
         said = "\n".join(f"--- {name}\n{self.log(name)[-1500:]}" for name in self.processes)
-        return f"taken from this process: {lost_mailboxes()}, from the others: {deaf}\n{said}"
+        return (
+            f"taken from this process: {lost_mailboxes()}, from the others: {deaf}; not heard is this one at "
+            f"{unheard_mailboxes()}, the others at {unheard}\n{said}"
+        )
 
     def wait(self, condition: Callable[[], Any], limit: float = START_LIMIT, pause: float = 0.02) -> Any:
         deadline = time.monotonic() + limit
         while not (value := condition()):
             assert time.monotonic() < deadline, f"waited for {limit:g} s in vain; {self._situation()}"
-            for name, process in self.processes.items():
-                assert process.poll() is None, f"{name} ended by itself: {self.log(name)}"
+            for name, process in list(self.processes.items()):
+                if process.poll() is not None:
+                    assert is_renewed(self.log(name)), f"{name} ended by itself: {self.log(name)}"
+                    self.start(name, *self._arguments[name])
             time.sleep(pause)
         return value
 

@@ -9,18 +9,11 @@ import time
 from pathlib import Path
 from typing import Any
 
-from support.cell_processes import executable
+from support.cell_processes import executable, is_renewed
 
 RESPAWN_DELAY = 0.5  # s
 LOOK = 0.05  # s
 STOP_LIMIT = 60.0  # s
-#: How the reason ends that a node gives when it hears nobody, or is not heard, and where it is looked for [characters].
-RENEWED, LAST_WORDS = "so that it can be started again.", 2000
-
-
-def is_renewed(log: str) -> bool:
-    """Whether a node that ended has said that it does so as to be started again."""
-    return RENEWED in log[-LAST_WORDS:]
 
 
 class Supervisor:
