@@ -15,6 +15,7 @@ No setting of the middleware prevents either while discovery is kept to this mac
 
 from __future__ import annotations
 
+import fcntl
 import re
 from collections import Counter
 from pathlib import Path
@@ -47,7 +48,7 @@ def unheard_mailboxes(process: str = "self") -> tuple[str, ...]:
         process: Its number, or `self`.
     """
     heard, removed = _ports(_PROCESSES / process)
-    return tuple(sorted((removed - heard) & _listened())) if removed - heard else ()
+    return tuple(sorted(filter(_is_listened, removed - heard)))
 
 
 class Mailboxes:
@@ -95,16 +96,16 @@ def _ports(folder: Path) -> tuple[set[str], set[str]]:
         return set(), set()
 
 
-def _listened() -> set[str]:
-    """Ports that some process of this machine listens to."""
-    found: set[str] = set()
-    for folder in _PROCESSES.iterdir():
-        if folder.name.isdigit():
-            try:
-                found |= _heard(folder)
-            except OSError:  # it ended meanwhile
-                continue
-    return found
+def _is_listened(port: str) -> bool:
+    """Somebody listens to a port, in another container perhaps: he has it locked."""
+    try:
+        with open(f"{FILE}{port}_el", "rb") as lock:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)  # ends with the file
+    except BlockingIOError:
+        return True
+    except OSError:  # nobody did ever
+        pass
+    return False
 
 
 def _heard(folder: Path) -> set[str]:

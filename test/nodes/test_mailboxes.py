@@ -126,18 +126,22 @@ def test_a_file_of_one_who_ended_is_no_loss_while_nobody_listens_in_his_place() 
     file.write_bytes(bytes(4096))
     hold = "import mmap, sys, time; f = open(sys.argv[1]); m = mmap.mmap(f.fileno(), 4096, prot=mmap.PROT_READ)\n"
     wait = "print('there', flush=True); time.sleep(600)"
-    listen = f"open('/proc/self/comm', 'w').write('{THREAD}{port}')\n"
+    listen = "import fcntl, sys, time; f = open(sys.argv[1]); fcntl.flock(f, fcntl.LOCK_EX)\n"
+    lock = Path(f"{FILE}{port}_el")
     with running(hold + wait, file) as holding:
         mailboxes = Mailboxes(str(holding.pid))
         assert [mailboxes.look() for _ in range(9)] == [""] * 9
         file.unlink()
         assert [mailboxes.look() for _ in range(9)] == [""] * 9
-        with running(listen + wait):
+        lock.touch()  # of one who was killed
+        assert [mailboxes.look() for _ in range(9)] == [""] * 9
+        with running(listen + wait, lock):
             assert unheard_mailboxes(str(holding.pid)) == (str(port),)
             looks = [mailboxes.look() for _ in range(SPOKEN_LOOKS)]
             assert looks[:-1] == [""] * (SPOKEN_LOOKS - 1)
             assert f"port {port}" in looks[-1]
         assert mailboxes.look() == ""
+        lock.unlink()
 
 
 @contextmanager
