@@ -19,11 +19,11 @@ import fcntl
 import re
 from collections import Counter
 from pathlib import Path
+from typing import NamedTuple
 
 #: What Fast DDS calls the thread that listens to a port, and its file.
 THREAD, FILE = "dds.shm.", "/dev/shm/fastdds_port"
 _REMOVED = re.compile(re.escape(FILE) + r"(\d+) \(deleted\)$", re.MULTILINE)
-_PROCESSES = Path("/proc")
 #: Lowest port of a domain (DDSI-RTPS 2.2, 9.6.1.1). Those below are shared by all domains of a machine; a process whose
 #: file there is taken away was seen to hear as before.
 LOWEST = 7400
@@ -31,24 +31,30 @@ LOWEST = 7400
 HEARD_LOOKS, SPOKEN_LOOKS = 2, 4
 
 
-def lost_mailboxes(process: str = "self") -> tuple[str, ...]:
-    """Ports of its domain that a process listens to in vain; none with another middleware or without /proc.
+class Lost(NamedTuple):
+    """Ports of its domain that a process listens to in vain (`heard`), and that it writes to in vain (`spoken`).
+
+    To the latter another process listens by a new file of that name.
+    """
+
+    heard: tuple[str, ...] = ()
+    spoken: tuple[str, ...] = ()
+
+
+def lost_mailboxes(process: str = "self") -> Lost:
+    """What a process has lost; nothing with another middleware or without /proc.
 
     Args:
         process: Its number, or `self`.
     """
-    heard, removed = _ports(_PROCESSES / process)
-    return tuple(sorted(heard & removed))
-
-
-def unheard_mailboxes(process: str = "self") -> tuple[str, ...]:
-    """Ports of its domain that a process writes to in vain, while another one listens to a new file of that name.
-
-    Args:
-        process: Its number, or `self`.
-    """
-    heard, removed = _ports(_PROCESSES / process)
-    return tuple(sorted(filter(_is_listened, removed - heard)))
+    folder = Path("/proc") / process
+    try:
+        maps = (folder / "maps").read_text(encoding="utf-8", errors="replace")
+        heard = _heard(folder)
+    except OSError:
+        return Lost()
+    removed = {port for port in _REMOVED.findall(maps) if int(port) >= LOWEST}
+    return Lost(tuple(sorted(heard & removed)), tuple(sorted(filter(_is_listened, removed - heard))))
 
 
 class Mailboxes:
@@ -60,40 +66,27 @@ class Mailboxes:
 
     def __init__(self, process: str = "self") -> None:
         self._process = process
-        self._looks: Counter[tuple[str, str]] = Counter()
+        self._heard: Counter[str] = Counter()
+        self._spoken: Counter[str] = Counter()
 
     def look(self) -> str:
         """Why it has to end; empty while there is no reason."""
-        found = {("heard", port) for port in lost_mailboxes(self._process)}
-        found |= {("spoken", port) for port in unheard_mailboxes(self._process)}
-        self._looks = Counter({one: self._looks[one] + 1 for one in found})
-        heard = self._lasting("heard", HEARD_LOOKS)
+        lost = lost_mailboxes(self._process)
+        self._heard = Counter({port: self._heard[port] + 1 for port in lost.heard})
+        self._spoken = Counter({port: self._spoken[port] + 1 for port in lost.spoken})
+        heard = ", ".join(port for port, looks in self._heard.items() if looks >= HEARD_LOOKS)
         if heard:
             return (
                 "This process hears nobody any more: another one took it for dead and removed its port "
                 f"{heard} in /dev/shm; it ends, so that it can be started again."
             )
-        spoken = self._lasting("spoken", SPOKEN_LOOKS)
+        spoken = ", ".join(port for port, looks in self._spoken.items() if looks >= SPOKEN_LOOKS)
         if spoken:
             return (
                 f"A process that was started again does not hear this one, which still writes to port {spoken} in "
                 "/dev/shm of the one before; this one ends, so that it can be started again."
             )
         return ""
-
-    def _lasting(self, what: str, looks: int) -> str:
-        return ", ".join(
-            sorted(port for (kind, port), seen in self._looks.items() if kind == what and seen >= looks)
-        )
-
-
-def _ports(folder: Path) -> tuple[set[str], set[str]]:
-    """Those of its domain that a process listens to, and those that it has open and whose file was removed."""
-    try:
-        maps = (folder / "maps").read_text(encoding="utf-8", errors="replace")
-        return _heard(folder), {port for port in _REMOVED.findall(maps) if int(port) >= LOWEST}
-    except OSError:
-        return set(), set()
 
 
 def _is_listened(port: str) -> bool:

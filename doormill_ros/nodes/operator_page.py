@@ -259,7 +259,8 @@ class OperatorPage(ManagedNode):
         self.store.update(lambda view: view.with_ended(ended))
         if not known:
             append_history(self._history, ended)
-            self._amend()
+            if self._found[0] == ended.run_id:
+                self._amend()
 
     def _take_verdict(self, said: ModelVerdict) -> None:
         doors = tuple(TrendDoor(d.door_id, d.run_id, d.model_version, d.largest) for d in said.doors)

@@ -21,7 +21,6 @@ from doormill_ros.nodes.mailboxes import (
     THREAD,
     Mailboxes,
     lost_mailboxes,
-    unheard_mailboxes,
 )
 from support.cell_processes import executable
 
@@ -84,9 +83,9 @@ def test_a_node_that_hears_nobody_ends_and_says_why(node: tuple[subprocess.Popen
     process, log = node
     ports = ports_of(process.pid)
     assert ports
-    assert lost_mailboxes(str(process.pid)) == ()
+    assert lost_mailboxes(str(process.pid)).heard == ()
     Path(f"{FILE}{ports[-1]}").unlink()
-    assert lost_mailboxes(str(process.pid)) == (ports[-1],)
+    assert lost_mailboxes(str(process.pid)).heard == (ports[-1],)
     assert process.wait(LIMIT) == 0
     assert "hears nobody any more" in log.read_text()
     assert ports[-1] in log.read_text()
@@ -113,7 +112,7 @@ def test_a_node_that_one_started_again_does_not_hear_ends_and_says_why(
         forget_waiting(port)
     with active(tmp_path, "door_localizer") as (other, _):
         assert ports_of(other.pid) == [port]
-        assert unheard_mailboxes(str(process.pid)) == (port,)
+        assert lost_mailboxes(str(process.pid)).spoken == (port,)
         assert process.wait(LIMIT) == 0
         assert other.poll() is None
     assert "does not hear this one" in log.read_text()
@@ -136,7 +135,7 @@ def test_a_file_of_one_who_ended_is_no_loss_while_nobody_listens_in_his_place() 
         lock.touch()  # of one who was killed
         assert [mailboxes.look() for _ in range(9)] == [""] * 9
         with running(listen + wait, lock):
-            assert unheard_mailboxes(str(holding.pid)) == (str(port),)
+            assert lost_mailboxes(str(holding.pid)).spoken == (str(port),)
             looks = [mailboxes.look() for _ in range(SPOKEN_LOOKS)]
             assert looks[:-1] == [""] * (SPOKEN_LOOKS - 1)
             assert f"port {port}" in looks[-1]
@@ -158,5 +157,5 @@ def running(code: str, *arguments: Path) -> Iterator[subprocess.Popen[bytes]]:
 
 
 def test_who_cannot_be_looked_at_has_lost_nothing() -> None:
-    assert lost_mailboxes("none") == unheard_mailboxes("none") == ()
+    assert lost_mailboxes("none") == ((), ())
     assert Mailboxes("none").look() == ""

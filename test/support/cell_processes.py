@@ -23,7 +23,7 @@ from rclpy.parameter import Parameter
 
 from doormill_interfaces.action import MillDoor
 from doormill_ros.nodes.goal_client import GoalClient
-from doormill_ros.nodes.mailboxes import lost_mailboxes, unheard_mailboxes
+from doormill_ros.nodes.mailboxes import lost_mailboxes
 
 NODES = (
     "bag_recorder",
@@ -197,13 +197,9 @@ class CellProcesses:
 
     def _situation(self) -> str:
         """What may tell why nothing comes: who hears nobody, and what everybody said last."""
-        deaf = {name: lost_mailboxes(str(process.pid)) for name, process in self.processes.items()}
-        unheard = {name: unheard_mailboxes(str(process.pid)) for name, process in self.processes.items()}
+        lost = {name: lost_mailboxes(str(process.pid)) for name, process in self.processes.items()}
         said = "\n".join(f"--- {name}\n{self.log(name)[-1500:]}" for name in self.processes)
-        return (
-            f"taken from this process: {lost_mailboxes()}, from the others: {deaf}; not heard is this one at "
-            f"{unheard_mailboxes()}, the others at {unheard}\n{said}"
-        )
+        return f"this process has lost {lost_mailboxes()}, the others {lost}\n{said}"
 
     def wait(self, condition: Callable[[], Any], limit: float = START_LIMIT, pause: float = 0.02) -> Any:
         deadline = time.monotonic() + limit
