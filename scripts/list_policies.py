@@ -21,6 +21,7 @@ from doormill_ros.localization.gige.library import Aravis
 from doormill_ros.localization.sensors.registry import SENSORS
 from doormill_ros.nodes.cell import GLOBAL, Cell, CellOptions
 from doormill_ros.nodes.composition import Composition
+from doormill_ros.nodes.door_inspections import GAUGE_PARAMETER
 from doormill_ros.nodes.folder_camera import FolderCamera
 from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.operator.token import new_token
@@ -148,9 +149,9 @@ def cell_graph(sensors: tuple[str, ...], namespace: str) -> Iterator[Graph]:
     with tempfile.TemporaryDirectory(prefix="policies-", ignore_cleanup_errors=True) as folder:
         run = RunFolder(Path(folder))
         run.prepare()
-        # With the page in a mode in which it asks for most.
+        # With page and bridge in modes in which they ask for most.
         options = CellOptions(
-            {"operator_page": {"port": 0}},
+            {"operator_page": {"port": 0}, "abb_bridge": {GAUGE_PARAMETER.name: True}},
             page=True,
             token=new_token(),
             namespace=namespace,

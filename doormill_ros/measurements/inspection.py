@@ -27,6 +27,7 @@ KEYS = ("schema", "run_id", "bag", "measured_at", "noise", "datum")
 CAMERA = "camera"  #: datum: where the recorded pose put the door
 PART = "part"  #: datum: the door itself, position and angle best fitted
 FEATURE = "feature "  #: datum: begins the name of a feature of that door
+YEARS = range(1970, 2038)  #: whose seconds fit into a stamp of ROS
 _NORMAL_TOLERANCE = 1e-3
 
 
@@ -38,7 +39,7 @@ class Inspection:
         path: The folder.
         run_id: The run that milled the door.
         bag: Its bag.
-        measured_at: When it was measured; without a zone in the file it is taken for UTC.
+        measured_at: When it was measured, in UTC; without a zone in the file it is taken for that.
         noise: Standard deviation of one deviation [m].
         datum: What the deviations are against: "camera", "part" or "feature NAME".
         feature: Name in the recipe of each of n points.
@@ -106,7 +107,9 @@ def read_inspection(folder: Path) -> Inspection:
     measured_at = _time(document.get("measured_at"))
     if measured_at is None:
         raise document.fail(
-            ("measured_at",), f"is {document.get('measured_at')!r}, allowed is a time as 2026-11-22T08:00:00Z"
+            ("measured_at",),
+            f"is {document.get('measured_at')!r}, allowed is a time as 2026-11-22T08:00:00Z of the years "
+            f"{YEARS[0]} to {YEARS[-1]}",
         )
     table = TrialTable(folder / TABLE, COLUMNS)
     surface = table.text("surface")
@@ -121,7 +124,7 @@ def read_inspection(folder: Path) -> Inspection:
         path=folder,
         run_id=str(document.get("run_id")),
         bag=folder / bag,
-        measured_at=measured_at if measured_at.tzinfo else measured_at.replace(tzinfo=UTC),
+        measured_at=measured_at,
         noise=document.number("noise", positive=True),
         datum=datum,
         feature=tuple(table.text("feature")),
@@ -135,15 +138,15 @@ def read_inspection(folder: Path) -> Inspection:
 
 
 def _time(value: object) -> datetime | None:
-    """The time that a text tells, None for a day alone and what is no time."""
-    try:
-        return (
-            datetime.fromisoformat(value)
-            if isinstance(value, str) and len(value) > len("2026-11-22")
-            else None
-        )
-    except ValueError:
+    """The time that a text tells, None for a day alone, what is no time, and a year that no message can tell."""
+    if not isinstance(value, str) or len(value) <= len("2026-11-22"):
         return None
+    try:
+        time = datetime.fromisoformat(value)
+        time = (time if time.tzinfo else time.replace(tzinfo=UTC)).astimezone(UTC)
+    except (ValueError, OverflowError):
+        return None
+    return time if time.year in YEARS else None
 
 
 def inspections_in(folder: Path) -> list[Inspection]:

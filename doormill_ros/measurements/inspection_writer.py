@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Protocol
 
@@ -76,7 +76,7 @@ def write_inspection(
         "schema": SCHEMA,
         "run_id": run_id,
         "bag": os.path.relpath(bag, folder),
-        "measured_at": f"{measured_at:%Y-%m-%dT%H:%M:%SZ}",
+        "measured_at": f"{measured_at.astimezone(UTC):%Y-%m-%dT%H:%M:%SZ}",
         "noise": f"{noise:.1e}",
         "datum": datum,
     }

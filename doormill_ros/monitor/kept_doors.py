@@ -53,6 +53,21 @@ class DoorPoints:
     deviation: FloatArray
 
 
+def points_of(inspection: Inspection) -> DoorPoints:
+    """What was measured, of an inspection that was read."""
+    return DoorPoints(
+        inspection.run_id,
+        inspection.measured_at,
+        inspection.noise,
+        inspection.datum,
+        inspection.feature,
+        np.where(inspection.wall, "wall", "floor").tolist(),
+        inspection.point,
+        inspection.normal,
+        inspection.deviation,
+    )
+
+
 @dataclass(frozen=True)
 class KeptDoor:
     """An inspected door whose run is recorded.
@@ -140,10 +155,6 @@ class KeptDoors:
             raise
         return self._join(inspection)
 
-    def hand_in(self, inspection: Inspection) -> KeptDoor:
-        """Keep an inspection that lies elsewhere; raises as `keep`."""
-        return self.keep(_points_of(inspection), inspection.bag)
-
     def take_up(self) -> list[KeptDoor]:
         """Those of the waiting inspections whose bag has come."""
         found = []
@@ -202,7 +213,7 @@ class KeptDoors:
             with self._reading:
                 self._read().pop(run_id, None)
                 shutil.rmtree(folder, ignore_errors=True)
-            points = _points_of(inspection)
+            points = points_of(inspection)
             bag = end.bag.resolve()
             write_inspection(
                 folder.resolve(),
@@ -231,20 +242,6 @@ def _kept(path: Path) -> KeptDoor:
     if not good or door.run_id != path.parent.name:
         raise ValueError(f"{path} does not describe the door of its folder")
     return door
-
-
-def _points_of(inspection: Inspection) -> DoorPoints:
-    return DoorPoints(
-        inspection.run_id,
-        inspection.measured_at,
-        inspection.noise,
-        inspection.datum,
-        inspection.feature,
-        np.where(inspection.wall, "wall", "floor").tolist(),
-        inspection.point,
-        inspection.normal,
-        inspection.deviation,
-    )
 
 
 def _check(points: DoorPoints) -> None:

@@ -15,7 +15,7 @@ from doormill_ros.models.record import StoreRecord
 from doormill_ros.models.store import ModelStore
 from doormill_ros.monitor.errors import QuestionError, UnknownRunError
 from doormill_ros.monitor.finding import UNKNOWN, DoorFinding, finding_of
-from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoor, KeptDoors
+from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoor, KeptDoors, points_of
 from doormill_ros.monitor.questioner import DoorAnswer, DoorQuestion, Questioner
 from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.monitor.stop import stop_sentence
@@ -166,8 +166,12 @@ class ModelWatch:
         self._came.append(points)
         self._wake.set()
 
-    def hand_in(self, path: Path) -> list[KeptDoor]:
+    def hand_in(self, path: Path, tell: Callable[[DoorPoints], None]) -> list[KeptDoor]:
         """Keep the inspection that a folder or its inspection.yaml is, or those in a folder.
+
+        Args:
+            path: Of the folder or the file.
+            tell: Gets each that is kept or waits.
 
         Raises:
             DataSetError: One cannot be read; then none is kept.
@@ -177,11 +181,13 @@ class ModelWatch:
         inspections = inspections_in(path.parent if path.name == DESCRIPTION else path)
         taken, unknown = [], None
         for inspection in inspections:
+            points = points_of(inspection)
             try:
                 with self._keeping:
-                    taken.append(self._kept.hand_in(inspection))
+                    taken.append(self._kept.keep(points, inspection.bag))
             except UnknownRunError as error:
                 unknown = error
+            tell(points)
         if taken:
             self._ask()
         self._changed()

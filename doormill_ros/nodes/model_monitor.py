@@ -21,6 +21,7 @@ from doormill_ros.models.store import store_folder
 from doormill_ros.monitor.kept_doors import DoorPoints
 from doormill_ros.monitor.watch import ModelWatch, WatchSettings, WatchState
 from doormill_ros.nodes import topics
+from doormill_ros.nodes.convert.inspection import inspection_message
 from doormill_ros.nodes.convert.verdict import verdict_of_model
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
@@ -68,6 +69,7 @@ class ModelMonitor(ManagedNode):
         )
         self._settled = self._settings()
         self._verdict = self.publisher(topics.MODEL_VERDICT)
+        self._inspected = self.publisher(topics.MODEL_INSPECTED)
         self._watch.start()
         self.subscribe(topics.DOOR_INSPECTION, self._take)
         self.serve(HandInInspection, "model/inspect", self._hand_in)
@@ -122,11 +124,15 @@ class ModelMonitor(ManagedNode):
         )
 
     def _hand_in(self, request: Any, response: Any) -> Any:
-        taken = self._watch.hand_in(Path(request.path))
+        taken = self._watch.hand_in(Path(request.path), self._pass_on)
         response.success = True
         response.run_ids = [door.run_id for door in taken]
         response.message = f"{len(taken)} inspections taken from {request.path}"
         return response
+
+    def _pass_on(self, points: DoorPoints) -> None:
+        told = points.run_id, points.measured_at, points.noise, points.datum
+        self._inspected.publish(inspection_message(points, *told))
 
     def _accept(self, request: Any, response: Any) -> Any:
         return self._order(request, response, self._watch.accept)

@@ -7,6 +7,7 @@ import sys
 import time
 from collections import deque
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -141,6 +142,8 @@ class OperatorPage(ManagedNode):
         self.subscribe(topics.RUN_RESULT, self._take_result)
         self.subscribe(topics.MILLED_DOOR, self._take_milled)
         self.subscribe(topics.DOOR_INSPECTION, self._take_inspection)
+        handed_in = topics.MODEL_INSPECTED
+        self.subscribe(replace(handed_in, requested=handed_in.offered), self._take_inspection)
         self.subscribe(topics.DIAGNOSTICS, self._take_diagnostics)
         self.subscribe(topics.MODEL_VERDICT, self._take_verdict)
         self.subscribe(FEEDBACK, self._take_feedback)

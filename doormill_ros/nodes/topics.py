@@ -117,6 +117,11 @@ UNCORRECTED_PATH = _topic("simulation/uncorrected_path", ExecutedPath, STATE)
 MILLED_DOOR = _topic("simulation/milled_door", MilledDoor, STATE)
 #: Several doors may be measured at once, and none shall be lost.
 DOOR_INSPECTION = _topic("door/inspection", DoorInspection, _qos(100))
+#: What was handed in as files; apart from the gauge's, as no run waits for it. Who shows ended runs asks for what was
+#: handed in before it was there, bags hold it once.
+MODEL_INSPECTED = Topic(
+    "model/inspected", DoorInspection, _qos(100, DurabilityPolicy.TRANSIENT_LOCAL), _qos(100)
+)
 MODEL_VERDICT = _topic("model/verdict", ModelVerdict, STATE)
 RUN_VERDICT = _topic("simulation/verdict", RunVerdict, STATE)
 DIAGNOSTICS = _topic("/diagnostics", DiagnosticArray, EVENT)
@@ -148,6 +153,7 @@ ALL: tuple[Topic, ...] = (
     MILLED_DOOR,
     RUN_VERDICT,
     DOOR_INSPECTION,
+    MODEL_INSPECTED,
     MODEL_VERDICT,
     DIAGNOSTICS,
 )

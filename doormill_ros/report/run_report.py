@@ -117,7 +117,7 @@ def _handed_over(result: Any) -> bool:
 
 def _inspection(record: RunRecord) -> MeasuredDoor:
     """How the door came out."""
-    milled, gauged = record.get("simulation/milled_door"), record.get("door/inspection")
+    milled, gauged = record.get("simulation/milled_door"), record.inspection
     if milled is not None:
         return inspection_of(milled)
     return MeasuredDoor() if gauged is None else gauged_of(gauged)

@@ -1,9 +1,12 @@
 """What is written is what the reader reads."""
 
-from datetime import UTC, datetime
+import re
+from datetime import UTC, datetime, timedelta, timezone
 
 import numpy as np
+import pytest
 
+from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.inspection import inspections_in, read_inspection
 from doormill_ros.measurements.inspection_writer import write_inspection
 from doormill_ros.simulation.world.gauge import GaugedPoints
@@ -42,3 +45,34 @@ def test_inspections_below_their_runs_and_by_themselves_are_found_in_the_order_o
     for name in ("b/inspection", "a", "c/inspection"):
         write_inspection(tmp_path / name, tmp_path / "bag", "run", datetime.now(UTC), 1e-5, points(4))
     assert [door.name for door in inspections_in(tmp_path)] == ["a", "b", "c"]
+
+
+@pytest.mark.parametrize("hours", [-12, 0, 5.5, 14])
+def test_the_time_is_the_same_moment_wherever_it_was_told(tmp_path, hours):
+    (tmp_path / "bag").mkdir()
+    when = datetime(2026, 11, 22, 0, 30, tzinfo=timezone(timedelta(hours=hours)))
+    write_inspection(tmp_path, tmp_path / "bag", "run", when, 1e-5, points(4))
+    assert read_inspection(tmp_path).measured_at == when
+
+
+@pytest.mark.parametrize(
+    ("text", "year"),
+    [
+        ("0001-01-01T00:00:00+14:00", None),
+        ("1969-12-31T23:59:59Z", None),
+        ("1970-01-01T00:00:00Z", 1970),
+        ("2037-12-31T23:59:59Z", 2037),
+        ("2038-01-01T00:00:00Z", None),
+        ("9999-12-31T23:59:59-12:00", None),
+    ],
+)
+def test_a_time_that_no_message_can_tell_is_refused(tmp_path, text, year):
+    (tmp_path / "bag").mkdir()
+    write_inspection(tmp_path, tmp_path / "bag", "run", datetime.now(UTC), 1e-5, points(4))
+    file = tmp_path / "inspection.yaml"
+    file.write_text(re.sub("measured_at: .*", f"measured_at: {text}", file.read_text()))
+    if year:
+        assert read_inspection(tmp_path).measured_at.year == year
+        return
+    with pytest.raises(DataSetError, match=r"inspection\.yaml: line 4.*of the years 1970 to 2037"):
+        read_inspection(tmp_path)

@@ -24,6 +24,10 @@ LIMIT = 240.0  # s, after which a test gives up
 DOORS = HINGE_DOORS[:2]
 
 
+def nobody(points):
+    """Nobody is told of what was handed in."""
+
+
 class Watched:
     """A watch in a folder, with settings that can be changed."""
 
@@ -58,7 +62,7 @@ def asked(inspected, tmp_path_factory):
     """A folder in which the two doors were questioned, and the state after that."""
     folder = tmp_path_factory.mktemp("watch")
     with Watched(folder) as watched:
-        watched.watch.hand_in(inspected)
+        watched.watch.hand_in(inspected, nobody)
         state = watched.answered()
     return folder, state
 
@@ -215,11 +219,13 @@ def test_a_broken_file_is_named_and_keeps_nothing_out_that_was_there(copied, ins
         .read_text()
         .replace("bag: ", f"bag: {inspected}/door_001/")
     )
+    told = []
     with Watched(copied) as watched:
         before = watched.watch.state()
         with pytest.raises(DataSetError, match=r"points\.csv: line 2, column"):
-            watched.watch.hand_in(broken / "inspection.yaml")
+            watched.watch.hand_in(broken / "inspection.yaml", told.append)
         assert watched.watch.state() == before
+    assert not told
 
 
 def test_a_door_that_the_diagnosis_cannot_use_is_set_aside_and_the_others_are_questioned(copied, inspected):
@@ -299,6 +305,6 @@ def test_a_verdict_that_nobody_foresaw_costs_no_later_question(copied, inspected
     with Watched(copied) as watched:
         state = watched.answered(lambda state: state.error_code and not state.asking)
         assert "nobody foresaw it" in state.message
-        watched.watch.hand_in(inspected)
+        watched.watch.hand_in(inspected, nobody)
         state = watched.answered(lambda state: len(count) == 2 and not state.asking)
     assert (state.error_code, state.finding.better) == (0, True)

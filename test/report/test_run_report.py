@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import re
 from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,6 +15,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from doormill_interfaces.msg import DoorInspection
+from doormill_ros.measurements.inspection_writer import write_inspection
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.report import run_record
 from doormill_ros.report.figures import picture_url
@@ -260,6 +262,27 @@ def test_an_inspection_is_found_by_its_run(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(run_record, "read_bag", measured_later)
     assert read_run(BAGS / "thesis_190_0deg").get("door/inspection").run_id == run
+
+
+@pytest.mark.parametrize(
+    ("own", "said"), [(True, "milled, out of tolerance"), (False, "milled, not measured")]
+)
+def test_an_inspection_beside_the_bag_is_believed(tmp_path: Path, own: bool, said: str) -> None:
+    bag = tmp_path / "bag"
+    bag.symlink_to(BAGS / "thesis_190_0deg")
+    run = read_run(bag).get("run/result").run_id
+    points = SimpleNamespace(
+        feature=["hinge_1"],
+        surface=["wall"],
+        point=np.zeros((1, 3)),
+        normal=np.eye(3)[:1],
+        deviation=[1.6e-3],
+    )
+    measured_at = datetime(2026, 11, 22, 8, tzinfo=UTC)
+    write_inspection(tmp_path / "inspection", bag, run if own else "another", measured_at, 1e-5, points)
+    record = read_run(bag)
+    del record.latest["simulation/milled_door"]
+    assert said in render_report(record)
 
 
 def test_a_door_that_nobody_measured_is_said_to_be_so() -> None:

@@ -16,15 +16,16 @@ from doormill_ros.units import s_to_ns
 
 
 def inspection_message(
-    points: MeasuredPoints, run_id: str, measured_at: datetime, noise: float
+    points: MeasuredPoints, run_id: str, measured_at: datetime, noise: float, datum: str = CAMERA
 ) -> DoorInspection:
-    """Deviations against where the recorded pose put the door, as a message.
+    """What was measured on a door, as a message.
 
     Args:
         points: What was measured.
         run_id: The run that milled the door.
         measured_at: With its zone.
         noise: Standard deviation of one deviation [m].
+        datum: What the deviations are against; by default where the recorded pose put the door.
     """
     seconds, nanoseconds = divmod(s_to_ns(measured_at.timestamp()), 1_000_000_000)
     stamp = Time(sec=seconds, nanosec=nanoseconds)
@@ -32,7 +33,7 @@ def inspection_message(
         header=Header(stamp=stamp, frame_id=DOOR_FRAME),
         run_id=run_id,
         noise=noise,
-        datum=CAMERA,
+        datum=datum,
         feature=list(points.feature),
         wall=[surface == "wall" for surface in points.surface],
         point=[Point(x=x, y=y, z=z) for x, y, z in points.point.tolist()],
