@@ -29,6 +29,7 @@ from doormill_ros.nodes.replay_driver import ReplayDriver
 from doormill_ros.nodes.sensor_localizer import SensorLocalizer
 from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.recipes.store.database import RecipeDatabase
+from doormill_ros.recording.errors import SharedRunError
 from doormill_ros.recording.replay.answer import Answer, pictureless
 from doormill_ros.recording.replay.live import LiveRun
 from doormill_ros.recording.replay.offline import LAST_REPLAYED
@@ -74,8 +75,14 @@ def replay_live(run: RecordedRun, options: LiveOptions) -> list[Answer]:
         What the nodes answered, under the stamps of the recorded pictures.
 
     Raises:
+        SharedRunError: Two robots milled the door.
         StageTimeoutError: A node does not answer.
     """
+    if run.shared:
+        raise SharedRunError(
+            f"run {run.run_id} is of two robots, nodes repeat those of one; leave out --live",
+            run_id=run.run_id,
+        )
     with tempfile.TemporaryDirectory(prefix="replay-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         home = folder / "HOME"
@@ -140,7 +147,7 @@ def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callabl
         "frames": False,
         "image_transport": run.image_transport,
     }
-    recorded = next((str(message.robot_model) for message in run.targets), "")
+    recorded = next((str(message.robot_model) for message in run.share().targets), "")
     model = options.robot_model or recorded
     chosen: tuple[tuple[Callable[..., ManagedNode], dict[str, Any]], ...] = (
         (RecipeDatabaseNode, database),

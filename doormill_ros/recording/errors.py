@@ -25,3 +25,6 @@ BadTimelineError = BagError.row("BadTimelineError", 606, "The timeline of refere
 AcceptedBagError = BagError.row(
     "AcceptedBagError", 607, "No bag is accepted yet, or one cannot be put to the accepted ones."
 )
+SharedRunError = BagError.row(
+    "SharedRunError", 608, "A run of two robots, which nodes cannot be asked to repeat."
+)

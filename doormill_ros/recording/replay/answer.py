@@ -49,7 +49,7 @@ class Answer:
     """One message of a stage.
 
     Attributes:
-        topic: Full topic name, one of STAGES.
+        topic: Full topic name, one of STAGES, below the namespace of one of two robots where it is its own.
         stamp_ns: Stamp of the picture it came from (0: from none) [ns since the epoch].
         values: Compared fields by their path in the message; lists are vectors.
         not_compared: Why the stage was not repeated and counts neither as equal nor as different; empty when
@@ -62,6 +62,11 @@ class Answer:
     not_compared: str = ""
 
     @property
+    def stage(self) -> str:
+        """Which of STAGES, whichever robot's."""
+        return stage_of(self.topic)
+
+    @property
     def accepted(self) -> bool:
         """The stage gave a result and no refusal."""
         return bool(self.values.get("accepted", True))
@@ -71,6 +76,16 @@ class Answer:
         """Code of the refusal, 0 when there was none."""
         code = self.values.get("error_code", 0)
         return code if isinstance(code, int) else 0
+
+
+def stage_of(topic: str) -> str:
+    """The stage that a topic belongs to; empty for one of none."""
+    return next((stage for stage in STAGES if topic.endswith(stage)), "")
+
+
+def of_robot(robot: str, answer: Answer) -> Answer:
+    """The answer of one of two robots, in its namespace; of the only one, named "", as it is."""
+    return replace(answer, topic=f"/{robot}{answer.topic}") if robot else answer
 
 
 def refusal(topic: str, stamp_ns: int, code: int, reason: str) -> Answer:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from doormill_ros.recording.replay.answer import MAKERS, STAGES, Answer, Value
+from doormill_ros.recording.replay.answer import MAKERS, STAGES, Answer, Value, stage_of
 from doormill_ros.recording.replay.tolerance import EXACT, distance, equal, tolerance_of
 from doormill_ros.units import ns_to_s
 
@@ -38,7 +38,7 @@ class Difference:
         when = time_text(self.stamp_ns)
         return (
             f"run {self.run_id}: {self.topic} of {when}: {self.field}: expected {_show(self.expected)}, "
-            f"found {_show(self.found)}{self._margin()}; made by {MAKERS[self.topic]}"
+            f"found {_show(self.found)}{self._margin()}; made by {MAKERS[stage_of(self.topic)]}"
         )
 
     def _margin(self) -> str:
@@ -71,7 +71,8 @@ def differences(
     run_id: str, expected: Sequence[Answer], found: Sequence[Answer], slack: float = 1.0
 ) -> Iterator[Difference]:
     """Every field that differs, stage by stage, in the order of the messages; `slack` as in `equal`."""
-    for topic in STAGES:
+    topics = {answer.topic for answer in (*expected, *found)}
+    for topic in sorted(topics, key=lambda topic: (STAGES.index(stage_of(topic)), topic)):
         wanted = {a.stamp_ns: a for a in expected if a.topic == topic}
         got = {a.stamp_ns: a for a in found if a.topic == topic}
         for stamp_ns in sorted(wanted.keys() | got.keys()):

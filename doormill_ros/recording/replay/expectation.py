@@ -15,7 +15,7 @@ import yaml
 from doormill_ros.config import read
 from doormill_ros.files import write_atomically
 from doormill_ros.recording.errors import BadExpectationError
-from doormill_ros.recording.replay.answer import STAGES, Answer
+from doormill_ros.recording.replay.answer import Answer, stage_of
 from doormill_ros.values import Exactly, Section
 
 SCHEMA = "doormill/expected/1"
@@ -51,7 +51,7 @@ def read_expectation(bag: Path) -> dict[str, list[Answer]] | None:
     return {
         run_id: [Answer(a.topic, a.stamp_ns, a.values) for a in answers]
         for run_id, answers in content.runs.items()
-        if all(a.topic in STAGES for a in answers)
+        if all(stage_of(a.topic) for a in answers)
     }
 
 

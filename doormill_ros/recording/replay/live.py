@@ -139,7 +139,7 @@ class LiveRun:
         """The target file and how the run ended."""
         run, answers = self._run, []
         end = self._cell.wait_for_result() if self._to_the_end else None
-        if run.result is not None and (run.target_files or run.result.sha256):
+        if run.handed_over(run.share()):
             # It comes on another way than the result and may be heard after it.
             text = self._cell.wait_for_target_file(self._ended_otherwise)
             if text is not None:
@@ -164,6 +164,7 @@ class LiveRun:
 
     def _target_file(self, text: str) -> Answer:
         """The file that the bridge wrote, under the recorded run's name."""
-        accepted = next(m for m in self._run.targets if m.accepted)
+        share = self._run.share()
+        accepted = next(m for m in share.targets if m.accepted)
         stamp_ns = nanoseconds_of(accepted.header.stamp)
-        return target_file_answer(stamp_ns, text.encode("ascii"), by_line=bool(self._run.target_files))
+        return target_file_answer(stamp_ns, text.encode("ascii"), by_line=bool(share.target_files))

@@ -25,11 +25,13 @@ from doormill_ros.recording.replay.answer import (
     LOCALIZATION,
     SENSED,
     STAGES,
+    TARGET_FILE,
     TARGETS,
     Answer,
     kept,
     localization_answer,
     localization_of,
+    of_robot,
     pictureless,
     refusal,
     result_answer,
@@ -38,8 +40,9 @@ from doormill_ros.recording.replay.answer import (
     target_file_answer,
     targets_answer,
 )
-from doormill_ros.recording.replay.recorded_run import RecordedRun
+from doormill_ros.recording.replay.recorded_run import ROBOTS, RecordedRun, RecordedShare, robot_of
 from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.split import FIRST
 from doormill_ros.units import ns_to_s
 
 LAST_REPLAYED = 399  #: recipe, localization and path; what the controller refuses depends on the controller
@@ -70,11 +73,8 @@ def replay_offline(run: RecordedRun, options: OfflineOptions | None = None) -> l
     found = [_localize(run, recorded_ns, message) for recorded_ns, message in run.localizations]
     doors = [_sense(run, message) for message in run.sensed]
     found += [answer for answer, _ in doors]
-    for message in run.targets:
-        answer, program = _generate(run, message, options)
-        found.append(answer)
-        if program is not None and not any(a.topic == "/abb/target_file" for a in found):
-            found.extend(_target_file(run, answer.stamp_ns, program))
+    for robot, share in sorted(run.shares.items()):
+        found += [of_robot(robot, answer) for answer in _mill(run, robot, share, options)]
     if run.result is not None:
         found.append(_result(run, found, [door for _, door in doors if door is not None]))
     return found
@@ -168,11 +168,22 @@ def _seen(run: RecordedRun, stamp_ns: int) -> SensedDoor:
     return SensedDoor(CAMERA, found.T_base_door, found.whole_covariance, found.sees)
 
 
-_setup = lru_cache(maxsize=4)(load_setup)
+_setup = lru_cache(maxsize=8)(load_setup)
+
+
+def _mill(run: RecordedRun, robot: str, share: RecordedShare, options: OfflineOptions) -> list[Answer]:
+    """Targets of a robot and the file of the first that are accepted."""
+    found: list[Answer] = []
+    for message in share.targets:
+        answer, program = _generate(run, robot, message, options)
+        found.append(answer)
+        if program is not None and not any(a.topic == TARGET_FILE for a in found):
+            found.extend(_target_file(run, share, answer.stamp_ns, program))
+    return found
 
 
 def _generate(
-    run: RecordedRun, message: Any, options: OfflineOptions
+    run: RecordedRun, robot: str, message: Any, options: OfflineOptions
 ) -> tuple[Answer, MillingProgram | None]:
     """Generate the program for the recorded pose that a recorded target list came from."""
     stamp_ns = nanoseconds_of(message.header.stamp)
@@ -181,7 +192,7 @@ def _generate(
         return refusal(TARGETS, stamp_ns, 0, "the bag holds no pose of this time"), None
     model_name = options.robot_model or message.robot_model
     try:
-        setup = _setup(options.robot, model_name)
+        setup = _setup(options.robot, model_name, ROBOTS.get(robot, ""))
         planned = plan(recipe_of(run.recipe), transform_of(pose), setup)
     except DoormillError as error:
         return refusal(TARGETS, stamp_ns, error.code, error.message), None
@@ -189,22 +200,23 @@ def _generate(
     return targets_answer(stamp_ns, program, planned.check.time, model_name), program
 
 
-def _target_file(run: RecordedRun, stamp_ns: int, program: MillingProgram) -> list[Answer]:
+def _target_file(
+    run: RecordedRun, share: RecordedShare, stamp_ns: int, program: MillingProgram
+) -> list[Answer]:
     """Render the target file, when the recorded run came so far."""
-    if run.result is None or not (run.target_files or run.result.sha256):
+    if not run.handed_over(share):
         return []
     data = render_target_file(program, run.run_id)
     # A bag without the file's content has its checksum.
-    return [target_file_answer(stamp_ns, data, by_line=bool(run.target_files))]
+    return [target_file_answer(stamp_ns, data, by_line=bool(share.target_files))]
 
 
 def _result(run: RecordedRun, found: list[Answer], doors: list[SensedDoor]) -> Answer:
     """How the run ends by what the stages answer now."""
     for topic in (LOCALIZATION, SENSED, TARGETS):
-        refused = next((a for a in found if a.topic == topic), None)
-        if refused is not None and not refused.accepted:
-            reason = refused.values["reason"]
-            return result_answer(False, refused.error_code, f"door {run.door_id}: {reason}")
+        refused = _refused(run, [a for a in found if a.stage == topic])
+        if refused is not None:
+            return result_answer(False, refused.error_code, _told(run, refused))
         if topic == SENSED:
             try:
                 check_agreement(_first_told(run, doors))
@@ -213,6 +225,26 @@ def _result(run: RecordedRun, found: list[Answer], doors: list[SensedDoor]) -> A
     if run.result.error_code <= LAST_REPLAYED:
         return result_answer(True, 0, "")
     return _as_recorded(run, f"what ended the run (code {run.result.error_code}) is no stage's answer")
+
+
+def _refused(run: RecordedRun, answers: list[Answer]) -> Answer | None:
+    """The answer of a stage that ended the run."""
+    if not run.shared:
+        return next((a for a in answers[:1] if not a.accepted), None)
+    # A robot may have asked for another picture before the other one was ready.
+    served = {a.topic for a in answers if a.accepted}
+    return next((a for a in answers if a.topic not in served), None)
+
+
+def _told(run: RecordedRun, refused: Answer) -> str:
+    """How the run's result tells of a refusal."""
+    said = f"door {run.door_id}: {refused.values['reason']}"
+    if not run.shared:
+        return said
+    # Of a door that was not found both robots tell, and the result names the one that was heard first.
+    own = ROBOTS.get(robot_of(refused.topic))
+    heard = next((name for name in ROBOTS.values() if f": {name} robot: " in run.result.message), FIRST)
+    return f"door {run.door_id}: {own or heard} robot: {said}"
 
 
 def _first_told(run: RecordedRun, doors: list[SensedDoor]) -> list[SensedDoor]:

@@ -14,12 +14,14 @@ from doormill_ros.recording.errors import EmptyBagError
 from doormill_ros.recording.replay.answer import (
     Answer,
     localization_of,
+    of_robot,
     recipe_of,
     result_answer,
     sensed_of,
     target_file_answer,
     targets_of,
 )
+from doormill_ros.toolpath.split import FIRST, SECOND
 
 RECIPE, PICTURE, CAMERA_INFO = "door/recipe", "camera/image_raw", "camera/camera_info"
 COMPRESSED = f"{PICTURE}/compressed"  #: counts where the picture itself is not in the bag
@@ -27,6 +29,26 @@ POSE, LOCALIZATION, TARGETS = "door/pose", "door/localization", "path/targets"
 READING, SENSED = "sensors/reading", "sensors/localization"
 TARGET_FILE, RUN_RESULT = "abb/target_file", "run/result"
 STATUS = "abb/status"
+#: Namespaces of two robots below the cell's, with the shares that they mill.
+ROBOTS = {"robot1": FIRST, "robot2": SECOND}
+
+
+def robot_of(topic: str) -> str:
+    """Namespace of the robot whose topic it is; empty for one of the cell's."""
+    return next((name for name in topic.split("/")[:-2] if name in ROBOTS), "")
+
+
+@dataclass
+class RecordedShare:
+    """What a robot was to mill.
+
+    Attributes:
+        targets: Target lists, accepted or refused.
+        target_files: Content of target files that were handed over.
+    """
+
+    targets: list[Any] = field(default_factory=list)
+    target_files: list[bytes] = field(default_factory=list)
 
 
 @dataclass
@@ -42,8 +64,7 @@ class RecordedRun:
         sensed: What each of several sensors found, the first one among them.
         poses: Accepted poses by stamp [ns].
         localizations: With the time at which each was recorded [ns].
-        targets: Target lists, accepted or refused.
-        target_files: Content of target files that were handed over.
+        shares: By robot, as `ROBOTS` has them, or "" for the only one.
         result: How the run ended; None when the recording stopped before.
         serialized: Pictures, camera infos and readings as recorded (CDR), by topic and stamp [ns].
         begun_ns: When the recipe was recorded [ns].
@@ -59,8 +80,7 @@ class RecordedRun:
     sensed: list[Any] = field(default_factory=list)
     poses: dict[int, Any] = field(default_factory=dict)
     localizations: list[tuple[int, Any]] = field(default_factory=list)
-    targets: list[Any] = field(default_factory=list)
-    target_files: list[bytes] = field(default_factory=list)
+    shares: dict[str, RecordedShare] = field(default_factory=dict)
     result: Any = None
     serialized: dict[tuple[str, int], bytes] = field(default_factory=dict)
     begun_ns: int = 0
@@ -71,6 +91,15 @@ class RecordedRun:
     def door_id(self) -> str:
         """Door of the run."""
         return str((self.recipe or self.result).door_id)
+
+    @property
+    def shared(self) -> bool:
+        """Two robots milled the door, or one of the two all of it."""
+        return any(self.shares)
+
+    def share(self, robot: str = "") -> RecordedShare:
+        """What a robot was to mill, by default the only one."""
+        return self.shares.setdefault(robot, RecordedShare())
 
     @property
     def image_transport(self) -> str:
@@ -99,14 +128,26 @@ class RecordedRun:
         found = [] if self.recipe is None else [recipe_of(self.recipe)]
         found += [localization_of(message) for _, message in self.localizations]
         found += [sensed_of(message) for message in self.sensed]
-        found += [targets_of(message) for message in self.targets]
-        accepted = [m for m in self.targets if m.accepted]
-        if accepted and self.result is not None and (self.target_files or self.result.sha256):
-            data = self.target_files[-1] if self.target_files else b""
-            stamp_ns = nanoseconds_of(accepted[0].header.stamp)
-            found.append(target_file_answer(stamp_ns, data, "" if data else self.result.sha256))
+        for robot, share in sorted(self.shares.items()):
+            found += [of_robot(robot, answer) for answer in self._answers_of(share)]
         if self.result is not None:
             found.append(result_answer(self.result.success, self.result.error_code, self.result.message))
+        return found
+
+    def handed_over(self, share: RecordedShare) -> bool:
+        """Whether the run came so far that the robot of a share got a target file."""
+        # The result tells one checksum, that of the only robot or of the first one's.
+        return self.result is not None and bool(
+            share.target_files or (self.result.sha256 and not self.shared)
+        )
+
+    def _answers_of(self, share: RecordedShare) -> list[Answer]:
+        found = [targets_of(message) for message in share.targets]
+        accepted = [m for m in share.targets if m.accepted]
+        if accepted and self.handed_over(share):
+            data = share.target_files[-1] if share.target_files else b""
+            stamp_ns = nanoseconds_of(accepted[0].header.stamp)
+            found.append(target_file_answer(stamp_ns, data, "" if data else self.result.sha256))
         return found
 
 
@@ -187,11 +228,12 @@ class _Collector:
             run.poses.setdefault(nanoseconds_of(item.message.header.stamp), item.message.pose.pose)
 
     def targets(self, item: BagMessage) -> None:
-        self._run(item.message.run_id).targets.append(item.message)
+        self._run(item.message.run_id).share(robot_of(item.topic)).targets.append(item.message)
 
     def target_file(self, item: BagMessage) -> None:
         if self._in_hand is not None and item.message.data:
-            self._in_hand.target_files.append(item.message.data.encode("ascii", errors="replace"))
+            share = self._in_hand.share(robot_of(item.topic))
+            share.target_files.append(item.message.data.encode("ascii", errors="replace"))
 
     def status(self, item: BagMessage) -> None:
         # Level and state in one message: two topics may be recorded in another order than they were sent.

@@ -73,8 +73,8 @@ def replay_bag(
         wanted = [a for a in recorded if a.topic == RECIPE] + [
             a for a in written.get(run.run_id, recorded) if a.topic != RECIPE
         ]
-        expected = [a for a in wanted if a.topic in topics]
-        found = [a for a in replayer(run) if a.topic in topics]
+        expected = [a for a in wanted if a.stage in topics]
+        found = [a for a in replayer(run) if a.stage in topics]
         outcome.answers[run.run_id] = found
         outcome.found.extend(differences(run.run_id, expected, found, slack))
     return outcome
