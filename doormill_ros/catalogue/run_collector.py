@@ -14,7 +14,7 @@ from doormill_ros.catalogue.run import NO_VERSION, CataloguedRun
 from doormill_ros.errors import one_line
 from doormill_ros.messages.from_message import nanoseconds_of
 from doormill_ros.recipes.stored import STAMP
-from doormill_ros.recording.replay.recorded_run import LOCALIZATION, RECIPE, RUN_RESULT, TARGETS
+from doormill_ros.recording.run_topics import LOCALIZATION, RECIPE, RUN_RESULT, TARGETS
 
 TOPICS = (RECIPE, LOCALIZATION, TARGETS, RUN_RESULT)  #: that tell of a run, without the cell's namespace
 SOFTWARE, CELL = "software", "cell"  #: keys of what the recorder says of itself in metadata.yaml

@@ -15,10 +15,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.frames import from_xyzw
-from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.errors import BadCameraInfo
-from doormill_ros.messages.picture import LARGEST, SMALLEST
-from doormill_ros.messages.sensor_window import in_window
+from doormill_ros.localization.sensors.sensed_door import SensedDoor
 from doormill_ros.recipes.documents import parse_json
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.chain import JOINTS
@@ -29,10 +26,6 @@ from doormill_ros.units import ns_to_s
 
 FARTHEST = 100.0  # m that a door may be away
 UNIT = 1e-3  # by which the length of a quaternion may differ from 1
-#: Names of the lens model with k1, k2, p1, p2, k3; the second one has more, which have to be zero.
-BROWN = ("plumb_bob", "rational_polynomial")
-MOST_DISTORTION = 10.0
-FOCAL = (0.1, 50.0)  # of the picture's longer side
 #: Numbers of doormill_interfaces/Motion.kind.
 KINDS = (MotionKind.JOINT, MotionKind.LINEAR, MotionKind.CIRCULAR, MotionKind.ABSOLUTE, *RACK_KINDS)
 
@@ -97,61 +90,6 @@ def twist_of(message: Any) -> FloatArray:
     return np.array([v.x, v.y, v.z, w.x, w.y, w.z])
 
 
-def camera_of(message: Any, mounted: CameraModel) -> CameraModel:
-    """The mounted camera with the intrinsics of a sensor_msgs/CameraInfo, as the pictures with it have them.
-
-    Raises:
-        BadCameraInfo: No calibration, one of another lens model than Brown's, or one that no camera has; a part of the
-            sensor that it has not.
-    """
-    _require_size(message)
-    k = np.array(message.k, dtype=float).reshape(3, 3)
-    _require_matrix(k, message)
-    distortion = np.zeros(5)
-    distortion[: min(5, len(message.d))] = message.d[:5]
-    model, beyond = message.distortion_model, np.asarray(message.d[5:], dtype=float)
-    lensless = model == "" and not np.any(message.d)
-    if (model not in BROWN and not lensless) or beyond.any():
-        raise BadCameraInfo(
-            f"the camera info has distortion model {model!r} with {len(message.d)} coefficients, allowed is "
-            f"{BROWN[0]} with five; calibrate the camera with that model"
-        )
-    if not np.abs(distortion).max() <= MOST_DISTORTION:
-        raise BadCameraInfo(
-            f"the camera info has distortion coefficients up to {np.abs(distortion).max():g}, allowed are "
-            f"{MOST_DISTORTION:g}; calibrate the camera again"
-        )
-    k, size = in_window(k, message)
-    return mounted.with_intrinsics(k, distortion, size)
-
-
-def _require_size(message: Any) -> None:
-    sizes = (int(message.width), int(message.height))
-    if not all(SMALLEST <= size <= LARGEST for size in sizes):
-        raise BadCameraInfo(
-            f"the camera info is for {sizes[0]} x {sizes[1]} px, allowed are {SMALLEST} to {LARGEST} px; check the "
-            "camera's driver",
-            size=sizes,
-        )
-
-
-def _require_matrix(k: FloatArray, message: Any) -> None:
-    if not k.any():
-        raise BadCameraInfo(
-            "the camera info holds no calibration: K is zero; calibrate the camera and let its driver send that"
-        )
-    size = np.array([message.width, message.height], dtype=float)
-    focal, centre = np.array([k[0, 0], k[1, 1]]), k[:2, 2]
-    whole = np.isfinite(k).all() and np.array_equal(k[[1, 2, 2, 2], [0, 0, 1, 2]], [0.0, 0.0, 0.0, 1.0])
-    near, far = FOCAL[0] * size.max(), FOCAL[1] * size.max()
-    focused = whole and bool(((focal >= near) & (focal <= far)).all()) and abs(k[0, 1]) <= 0.1 * focal[0]
-    if not focused or not bool(((centre >= 0) & (centre <= size)).all()):
-        raise BadCameraInfo(
-            f"the camera info has K = {[float(f'{v:.6g}') for v in k.ravel()]}, allowed are focal lengths of "
-            f"{near:g} to {far:g} px and a centre inside the picture; calibrate the camera again"
-        )
-
-
 def recipe_of(message: Any) -> Recipe:
     """The recipe of a doormill_interfaces/DoorRecipe, checked again.
 
@@ -168,6 +106,20 @@ def _wrench_end(motion: Any) -> FloatArray | None:
         return None
     values = wrench_of(end)
     return None if np.array_equal(values, wrench_of(motion.wrench)) else values
+
+
+def sensed_door_of(message: Any) -> SensedDoor:
+    """Where a sensor has the door, from an accepted doormill_interfaces/SensorLocalization.
+
+    Raises:
+        DoorPoseError: Its pose is none.
+    """
+    return SensedDoor(
+        sensor=str(message.sensor),
+        T_base_door=door_pose_of(message.pose.pose),
+        covariance=np.array(message.pose.covariance, dtype=float).reshape(6, 6),
+        sees=tuple(bool(seen) for seen in message.sees),
+    )
 
 
 def inspection_of(message: Any) -> MeasuredDoor:

@@ -1,4 +1,4 @@
-"""Messages of door sensors, read into what the domain computes with; as `from_message`, without ROS."""
+"""Readings of door sensors, read into what the domain computes with; as `from_message`, without ROS."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization.sensors.errors import BadReading
-from doormill_ros.localization.sensors.sensed_door import SensedDoor
 from doormill_ros.localization.sensors.sensor import ReadingKind
-from doormill_ros.messages.from_message import door_pose_of, positions_of
+from doormill_ros.messages.from_message import positions_of
 from doormill_ros.messages.picture import picture_of
 
 #: The list of a doormill_interfaces/SensorReading that holds a reading of each kind.
@@ -53,17 +52,3 @@ def reading_of(message: Any, takes: ReadingKind) -> ByteArray | FloatArray | dic
             "into header.frame_id"
         )
     return {name: picture_of(picture) for name, picture in zip(names, message.pictures, strict=True)}
-
-
-def sensed_door_of(message: Any) -> SensedDoor:
-    """Where a sensor has the door, from an accepted doormill_interfaces/SensorLocalization.
-
-    Raises:
-        DoorPoseError: Its pose is none.
-    """
-    return SensedDoor(
-        sensor=str(message.sensor),
-        T_base_door=door_pose_of(message.pose.pose),
-        covariance=np.array(message.pose.covariance, dtype=float).reshape(6, 6),
-        sees=tuple(bool(seen) for seen in message.sees),
-    )

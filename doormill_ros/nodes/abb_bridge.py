@@ -25,6 +25,7 @@ from doormill_ros.cell.errors import NodeDoubledError
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.readiness import SHARES
 from doormill_ros.cell.run import LOCALIZATION
+from doormill_ros.localization.sensors.agreement import rehearse_agreement
 from doormill_ros.messages.from_message import program_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.alive import LEASE
@@ -157,7 +158,8 @@ class AbbBridge(ManagedNode):
         ExpectDoorServer(self, self.handshake.expect_door, self._group)
         self.subscribe(topics.PATH_TARGETS, self._take_targets)
         self.subscribe(topics.DOOR_LOCALIZATION, self._take_localization)
-        if len(sensors) > 1:
+        self._several = len(sensors) > 1
+        if self._several:
             self.subscribe(topics.SENSOR_LOCALIZATION, self._take_sensor)
         # In a group of its own: an order that waits for the controller must not keep it from being taken.
         look_round = self.create_timer(0.1, self.guarded(self._look_round), callback_group=self._apart)
@@ -165,8 +167,10 @@ class AbbBridge(ManagedNode):
         self.every(0.5, self._watch)
 
     def rehearse(self) -> None:
-        """Read a program from its message, render its file and check that."""
+        """Read a program from its message, render its file and check that; with several sensors, let two agree."""
         rehearse(program_of(program_into(TargetArray(), PROGRAM)))
+        if self._several:
+            rehearse_agreement()
 
     def stop(self) -> None:
         """Give up the run in hand; the handshake lowers ready and removes the file."""

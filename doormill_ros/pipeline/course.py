@@ -16,7 +16,7 @@ from doormill_ros.cell.readiness import SHARES
 from doormill_ros.cell.run import LOCALIZATION, Run, StageLimits
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.sensors.agreement import check_agreement
-from doormill_ros.messages.sensing import sensed_door_of
+from doormill_ros.messages.from_message import sensed_door_of
 from doormill_ros.pipeline.inspection_stage import await_inspection
 from doormill_ros.pipeline.partners import Attendance, Handover, Inspector, Recipes, Targets
 from doormill_ros.pipeline.recipe_stage import fetch_recipe

@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import BadCameraInfo
+from doormill_ros.messages.camera_info import camera_of
 from doormill_ros.messages.from_message import (
-    camera_of,
     door_pose_of,
     nanoseconds_of,
     recipe_of,

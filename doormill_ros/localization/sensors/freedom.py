@@ -13,7 +13,7 @@ from doormill_ros.cell.layout import CellLayout
 from doormill_ros.config import read
 from doormill_ros.frames import twist_between
 from doormill_ros.localization.sensors.errors import BadSensorFile, PoseOutOfRange
-from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM
+from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.resources import resource
 from doormill_ros.units import m_to_mm, rad_to_deg

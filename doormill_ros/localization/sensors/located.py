@@ -15,7 +15,8 @@ from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.repeatability import Repeatability, repeatability
 from doormill_ros.localization.result import Localization
 from doormill_ros.localization.sensors.readings import Reading
-from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM, DoorSensor
+from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM
+from doormill_ros.localization.sensors.sensor import DoorSensor
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.recipes.door import DoorSize
 

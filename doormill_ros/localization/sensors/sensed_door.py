@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
 
+DEGREES_OF_FREEDOM = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
+
 
 @dataclass(frozen=True, eq=False)
 class SensedDoor:

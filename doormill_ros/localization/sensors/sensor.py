@@ -11,6 +11,7 @@ from scipy.special import chdtri
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout
+from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.values import NotNegative, Section
 
@@ -18,7 +19,6 @@ from doormill_ros.values import NotNegative, Section
 ReadingKind = Literal["picture", "pictures", "distances", "points"]
 #: Probability of a chi-square so large by chance at which readings count as contradicting each other.
 CONTRADICTION = 1.0e-6
-DEGREES_OF_FREEDOM = ("x", "y", "z", "rotation x", "rotation y", "rotation z")
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,10 +14,8 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.frames import quaternion_xyzw
 from doormill_ros.localization.gige.errors import NoPictureInTime
-from doormill_ros.localization.sensors.sensed_door import SensedDoor
-from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM
-from doormill_ros.messages.from_message import nanoseconds_of, program_of, transform_of
-from doormill_ros.messages.sensing import sensed_door_of
+from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM, SensedDoor
+from doormill_ros.messages.from_message import nanoseconds_of, program_of, sensed_door_of, transform_of
 from doormill_ros.toolpath.program import MillingProgram, Motion, Target
 
 Value = bool | int | str | float | list[float]

@@ -16,7 +16,8 @@ from doormill_ros.localization.sensors.errors import SensorsDisagree
 from doormill_ros.localization.sensors.registry import SENSORS, registered
 from doormill_ros.localization.sensors.sensed_door import SensedDoor
 from doormill_ros.localization.sensors.sensor import DoorSensor
-from doormill_ros.messages.from_message import camera_of, nanoseconds_of, recipe_of, transform_of
+from doormill_ros.messages.camera_info import camera_of
+from doormill_ros.messages.from_message import nanoseconds_of, recipe_of, transform_of
 from doormill_ros.pipeline.look import look
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.pipeline.sense import sense
@@ -40,7 +41,8 @@ from doormill_ros.recording.replay.answer import (
     target_file_answer,
     targets_answer,
 )
-from doormill_ros.recording.replay.recorded_run import ROBOTS, RecordedRun, RecordedShare, robot_of
+from doormill_ros.recording.replay.recorded_run import RecordedRun, RecordedShare
+from doormill_ros.recording.run_topics import ROBOTS, robot_of
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.split import FIRST
 from doormill_ros.units import ns_to_s

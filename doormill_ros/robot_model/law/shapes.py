@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from doormill_ros.arrays import FloatArray
 
@@ -38,6 +37,9 @@ class Shape:
 
 def _curve(x: FloatArray, knots: Numbers) -> list[FloatArray]:
     """Cardinal natural splines: a weight is the value of the curve at its knot."""
+    # Here, as it is half of the start of a path generator, whose model seldom has a curve.
+    from scipy.interpolate import CubicSpline
+
     spline = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")(x)
     return list(np.moveaxis(spline, -1, 0))
 

@@ -6,7 +6,7 @@ import pytest
 from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.frames import check_transform
 from doormill_ros.localization.sensors.registry import SENSORS
-from doormill_ros.localization.sensors.sensor import DEGREES_OF_FREEDOM
+from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM
 from doormill_ros.recipes.door import DoorSize
 from doormill_ros.simulation.picture.picture import render_picture
 from doormill_ros.simulation.picture.scene import PictureScene
