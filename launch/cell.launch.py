@@ -142,6 +142,7 @@ def cell_node(name, both=False):
     chosen = {name: LaunchConfiguration(name) for name in ("autostart", "use_sim_time")}
     folders = {
         "abb_bridge": {"address": in_out("controller", "HOME"), "archive": in_out("targets")},
+        "door_shares": {"note": in_out("targets")},
         "bag_recorder": {"folder": in_out("bags")},
         "path_generator": {"models": in_out("models")},
         "model_monitor": {

@@ -34,7 +34,7 @@ class RunNote:
             raise RunNoteError(
                 f"{self._path} cannot be written ({error.strerror or error}); without it a restarted bridge would not "
                 "know which door was in hand, so none is begun: check folder, rights and disk, or choose another "
-                "with the parameter archive of /abb_bridge",
+                "with the parameter archive of /abb_bridge, note of /door_shares",
                 path=str(self._path),
             ) from error
 

@@ -116,6 +116,7 @@ class CellOptions:
         chosen: dict[str, dict[str, Any]] = {
             "bag_recorder": {"bag": folder.bag},
             "abb_bridge": {"address": folder.controller, "archive": folder.targets},
+            "door_shares": {"note": folder.targets},
             "controller_simulator": {"home": folder.controller, "gauged": self.page},
             "operator_page": {"history": folder.root, "audit": folder.audit, "robots": self.robots},
             "path_generator": {"models": folder.models},

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from dataclasses import fields
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +17,10 @@ from std_msgs.msg import Bool
 from doormill_interfaces.action import MillDoor
 from doormill_interfaces.msg import DoorRecipe, RunResult
 from doormill_ros.cell.clock import Clock
-from doormill_ros.cell.errors import CellBusyError, NodeInactiveError
+from doormill_ros.cell.errors import CellBusyError, NodeInactiveError, RunCutOffError
 from doormill_ros.cell.readiness import SHARES
 from doormill_ros.cell.run import Run, RunDesk, StageLimits
+from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.action_server import MillDoorActionServer
@@ -41,6 +44,9 @@ class DoorShares(ManagedNode):
 
     PARAMETERS = (
         GAUGE_PARAMETER,
+        NodeParameter(
+            "note", "out/targets", "folder that keeps a note of the run in hand, for after a restart"
+        ),
         *(
             NodeParameter(
                 f"limit.{field.name}",
@@ -57,6 +63,7 @@ class DoorShares(ManagedNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(SHARES, **kwargs)
         self._group = ReentrantCallbackGroup()
+        self._note: RunNote | None = None
         self._desk = RunDesk(Clock(wall=lambda: ns_to_s(self.get_clock().now().nanoseconds)))
         self._result = self.create_publisher(
             topics.RUN_RESULT.type, topics.RUN_RESULT.name, topics.RUN_RESULT.offered
@@ -75,6 +82,19 @@ class DoorShares(ManagedNode):
         self.keep(lambda recipes: recipes.close(), self._recipes)
         self._inspections = DoorInspections(self, self._notify, self.value(GAUGE_PARAMETER.name))
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
+        note = self._note = RunNote(Path(self.value("note")))
+        cut_off = note.read()
+        if cut_off is not None:
+            self._end_what_was_cut_off(RunEnd(*cut_off))
+
+    def _end_what_was_cut_off(self, end: RunEnd) -> None:
+        """Tell how the run ended that a former process of this node had in hand."""
+        end.refuse(
+            RunCutOffError.code,
+            f"/{SHARES} ended in the middle of the run and was started again; see that both robots stand still, look "
+            "at the door, start again",
+        )
+        self._tell(end)
 
     def stop(self) -> None:
         """Give up the run in hand; the robots do so with their shares."""
@@ -126,10 +146,11 @@ class DoorShares(ManagedNode):
             goal.publish_feedback(MillDoor.Feedback(stage=stage, progress=progress))
 
         try:
-            if not self.active:
+            if not self.active or self._note is None:
                 raise NodeInactiveError(
                     f"/{SHARES} is not active; activate it (ros2 lifecycle set /{SHARES} activate)"
                 )
+            self._note.write(run.run_id, run.door_id)
             limits = StageLimits(**{f.name: self.value(f"limit.{f.name}") for f in fields(StageLimits)})
             workers = partial(self._workers, run.run_id)
             return SharedCourse(
@@ -142,13 +163,20 @@ class DoorShares(ManagedNode):
             return end
 
     def _finish(self, end: RunEnd, goal: Any) -> MillDoor.Result:
-        """Tell everybody how the run ended."""
+        self._tell(end)
+        return self._server.end(goal, end)
+
+    def _tell(self, end: RunEnd) -> None:
+        """Tell everybody how a run ended; the note stays where nobody can be told any more."""
+        if not self.context.ok():
+            return
         message = run_end_into(end, RunResult)
         message.header.stamp = self.get_clock().now().to_msg()
-        if self.context.ok():
-            self._result.publish(message)
+        self._result.publish(message)
+        if self._note is not None:
+            with suppress(OSError):  # it is told again after a restart, that is all
+                self._note.clear()
         self.report(OK if end.success else WARN, end.message, error_code=end.error_code)
-        return self._server.end(goal, end)
 
 
 def main() -> int:

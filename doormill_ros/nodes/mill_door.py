@@ -119,8 +119,8 @@ class MillDoorServer:
             end.mill_unseen(found or MeasuredDoor())
         else:
             end.refuse(MillingFaultError.code, outcome.reason)
-        self._tell(end)
-        self._clear_note()
+        if self._tell(end):
+            self._clear_note()
 
     def _clear_note(self) -> None:
         if self._note is not None:  # a bridge that was never configured has none
@@ -196,7 +196,8 @@ class MillDoorServer:
         except DoormillError as error:
             end.refuse(error.code, error.message)
         except Exception as error:
-            self._node.get_logger().error(f"run {run.run_id} ended by {type(error).__name__}: {error}")
+            if self._node.context.ok():  # else it is the way out that it met
+                self._node.get_logger().error(f"run {run.run_id} ended by {type(error).__name__}: {error}")
             end.refuse(DoormillError.code, f"{type(error).__name__}: {error}; see the bridge's log")
         try:
             return self._finish(end, goal)
@@ -213,23 +214,28 @@ class MillDoorServer:
         return StageLimits(**{name: self._node.value(f"limit.{name}") for name in names})
 
     def _finish(self, end: RunEnd, goal: Any) -> MillDoor.Result:
-        """Tell everybody how the run ended."""
+        """Tell everybody how the run ended; the note stays where nobody could be told."""
         if not end.milled:
             self._give_up(end.message)
-        if not self._server.silent:
-            self._tell(end)
-        with suppress(OSError):  # it is told again after a restart, that is all
-            self._clear_note()
+        if self._server.silent or self._tell(end):
+            with suppress(OSError):  # it is told again after a restart, that is all
+                self._clear_note()
         return self._server.end(goal, end)
 
-    def _tell(self, end: RunEnd) -> None:
+    def _tell(self, end: RunEnd) -> bool:
+        """Tell everybody how a run ended; False where that is left to the next process, as this one is ending."""
+        log = self._node.get_logger()
+        if not self._node.context.ok():
+            log.info(
+                f"door {end.door_id}: this bridge ends in the middle of run {end.run_id}; the next one tells of it"
+            )
+            return False
         message = run_end_into(end, RunResult)
         message.header.stamp = self._node.get_clock().now().to_msg()
-        if self._node.context.ok():
-            self._result.publish(message)
-        log = self._node.get_logger()
+        self._result.publish(message)
         # rclpy ties a severity to the line that logs.
         if end.success:
             log.info(end.message)
         else:
             log.warning(end.message)
+        return True
