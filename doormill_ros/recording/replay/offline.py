@@ -235,7 +235,14 @@ def _refused(run: RecordedRun, answers: list[Answer]) -> Answer | None:
         return next((a for a in answers[:1] if not a.accepted), None)
     # A robot may have asked for another picture before the other one was ready.
     served = {a.topic for a in answers if a.accepted}
-    return next((a for a in answers if a.topic not in served), None)
+    refused = [a for a in answers if a.topic not in served]
+    named = (a for a in refused if ROBOTS.get(robot_of(a.topic)) == _named(run))
+    return next(named, refused[0] if refused else None)
+
+
+def _named(run: RecordedRun) -> str:
+    """Which of two robots a run's result names: where both refuse a door, the one that was heard first."""
+    return next((name for name in ROBOTS.values() if f": {name} robot: " in run.result.message), FIRST)
 
 
 def _told(run: RecordedRun, refused: Answer) -> str:
@@ -243,10 +250,7 @@ def _told(run: RecordedRun, refused: Answer) -> str:
     said = f"door {run.door_id}: {refused.values['reason']}"
     if not run.shared:
         return said
-    # Of a door that was not found both robots tell, and the result names the one that was heard first.
-    own = ROBOTS.get(robot_of(refused.topic))
-    heard = next((name for name in ROBOTS.values() if f": {name} robot: " in run.result.message), FIRST)
-    return f"door {run.door_id}: {own or heard} robot: {said}"
+    return f"door {run.door_id}: {ROBOTS.get(robot_of(refused.topic)) or _named(run)} robot: {said}"
 
 
 def _first_told(run: RecordedRun, doors: list[SensedDoor]) -> list[SensedDoor]:
