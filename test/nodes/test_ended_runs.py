@@ -1,4 +1,4 @@
-"""No run is left without a result by who served it and ends in the middle, whether it was killed or told to end."""
+"""No run is left without a result by a bridge that ends in the middle of it, whether it was killed or told to end."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ import pytest
 from doormill_interfaces.action import MillDoor
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import NodeDeadError, RunCutOffError
-from doormill_ros.cell.readiness import SHARES
-from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.goal_client import GoalClient
 from support.cell_processes import START_LIMIT, CellProcesses
@@ -67,28 +65,3 @@ def test_the_next_one_tells_how_the_run_ended(
     # The bridge hears of the others a moment later than this process.
     result = cell.wait(lambda: (ended := cell.mill(DOOR)[0]).error_code != NodeDeadError.code and ended)
     assert result.success, result.message
-
-
-@pytest.fixture(scope="module")
-def shares(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcesses]:
-    """The node that shares doors among two robots, of which none is there, so that it waits."""
-    folder = tmp_path_factory.mktemp("shares")
-    with CellProcesses(folder, {SHARES: {"note": folder}}, ["recipe_database", SHARES]) as running:
-        running.wait_until_active(SHARES)
-        yield running
-
-
-@ENDS
-def test_who_shares_a_door_among_two_robots_tells_it_too(shares: CellProcesses, how: signal.Signals) -> None:
-    results, note = shares.subscribe(topics.RUN_RESULT), RunNote(shares.folder)
-    goal = GoalClient(shares.node, MillDoor, "mill_door")
-    assert goal.wait_for_server(START_LIMIT)
-    goal.send_goal_async(MillDoor.Goal(door_id=DOOR))
-    run, door = shares.wait(note.read)
-    shares.stop(SHARES, how)
-    shares.start(SHARES)
-    ended = shares.wait(lambda: next((m for m in results if m.run_id == run), None))
-    assert (ended.door_id, ended.error_code) == (door, RunCutOffError.code) == (DOOR, RunCutOffError.code)
-    assert "both robots" in ended.message
-    assert shares.wait(lambda: note.read() is None)
-    shares.wait_until_active(SHARES)
