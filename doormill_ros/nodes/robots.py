@@ -7,6 +7,7 @@ from typing import Any
 
 from doormill_ros.cell.readiness import SHARES
 from doormill_ros.nodes import topics
+from doormill_ros.recording.run_topics import SHARE_OF
 from doormill_ros.toolpath.split import FIRST, SECOND
 
 ROBOTS = (FIRST, SECOND)  #: in the order in which they mill
@@ -25,7 +26,7 @@ _OF_THE_CELL = (
 
 def in_robot(name: str) -> str:
     """Namespace of a robot's nodes below the cell's: robot1 or robot2."""
-    return f"robot{ROBOTS.index(name) + 1}"
+    return next(place for place, share in SHARE_OF.items() if share == name)
 
 
 def robot_remappings(name: str, cell: str = "", finders: tuple[str, ...] = ()) -> list[tuple[str, str]]:

@@ -11,9 +11,9 @@ READING, SENSED = "sensors/reading", "sensors/localization"
 TARGET_FILE, RUN_RESULT = "abb/target_file", "run/result"
 STATUS = "abb/status"
 #: Namespaces of two robots below the cell's, with the shares that they mill.
-ROBOTS = {"robot1": FIRST, "robot2": SECOND}
+SHARE_OF = {"robot1": FIRST, "robot2": SECOND}
 
 
 def robot_of(topic: str) -> str:
     """Namespace of the robot whose topic it is; empty for one of the cell's."""
-    return next((name for name in topic.split("/")[:-2] if name in ROBOTS), "")
+    return next((name for name in topic.split("/")[:-2] if name in SHARE_OF), "")

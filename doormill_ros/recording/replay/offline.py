@@ -42,7 +42,7 @@ from doormill_ros.recording.replay.answer import (
     targets_answer,
 )
 from doormill_ros.recording.replay.recorded_run import RecordedRun, RecordedShare
-from doormill_ros.recording.run_topics import ROBOTS, robot_of
+from doormill_ros.recording.run_topics import SHARE_OF, robot_of
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.split import FIRST
 from doormill_ros.units import ns_to_s
@@ -194,7 +194,7 @@ def _generate(
         return refusal(TARGETS, stamp_ns, 0, "the bag holds no pose of this time"), None
     model_name = options.robot_model or message.robot_model
     try:
-        setup = _setup(options.robot, model_name, ROBOTS.get(robot, ""))
+        setup = _setup(options.robot, model_name, SHARE_OF.get(robot, ""))
         planned = plan(recipe_of(run.recipe), transform_of(pose), setup)
     except DoormillError as error:
         return refusal(TARGETS, stamp_ns, error.code, error.message), None
@@ -236,13 +236,13 @@ def _refused(run: RecordedRun, answers: list[Answer]) -> Answer | None:
     # A robot may have asked for another picture before the other one was ready.
     served = {a.topic for a in answers if a.accepted}
     refused = [a for a in answers if a.topic not in served]
-    named = (a for a in refused if ROBOTS.get(robot_of(a.topic)) == _named(run))
+    named = (a for a in refused if SHARE_OF.get(robot_of(a.topic)) == _named(run))
     return next(named, refused[0] if refused else None)
 
 
 def _named(run: RecordedRun) -> str:
     """Which of two robots a run's result names: where both refuse a door, the one that was heard first."""
-    return next((name for name in ROBOTS.values() if f": {name} robot: " in run.result.message), FIRST)
+    return next((name for name in SHARE_OF.values() if f": {name} robot: " in run.result.message), FIRST)
 
 
 def _told(run: RecordedRun, refused: Answer) -> str:
@@ -250,7 +250,7 @@ def _told(run: RecordedRun, refused: Answer) -> str:
     said = f"door {run.door_id}: {refused.values['reason']}"
     if not run.shared:
         return said
-    return f"door {run.door_id}: {ROBOTS.get(robot_of(refused.topic)) or _named(run)} robot: {said}"
+    return f"door {run.door_id}: {SHARE_OF.get(robot_of(refused.topic)) or _named(run)} robot: {said}"
 
 
 def _first_told(run: RecordedRun, doors: list[SensedDoor]) -> list[SensedDoor]:

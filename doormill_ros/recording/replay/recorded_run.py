@@ -64,7 +64,7 @@ class RecordedRun:
         sensed: What each of several sensors found, the first one among them.
         poses: Accepted poses by stamp [ns].
         localizations: With the time at which each was recorded [ns].
-        shares: By robot, as `ROBOTS` has them, or "" for the only one.
+        shares: By robot, as `SHARE_OF` has them, or "" for the only one.
         result: How the run ended; None when the recording stopped before.
         serialized: Pictures, camera infos and readings as recorded (CDR), by topic and stamp [ns].
         begun_ns: When the recipe was recorded [ns].

@@ -24,7 +24,7 @@ from doormill_ros.recording.replay.expectation import read_expectation, write_ex
 from doormill_ros.recording.replay.offline import replay_offline
 from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
 from doormill_ros.recording.replay.replay import replay_bag
-from doormill_ros.recording.run_topics import ROBOTS, robot_of
+from doormill_ros.recording.run_topics import SHARE_OF, robot_of
 from support.source_tree import ROOT
 
 SOURCE = ROOT / "bags" / "standard_door"
@@ -37,7 +37,7 @@ def told(run: RecordedRun) -> Iterator[Message]:
     """What both robots tell of a run that was recorded of one, by topic."""
     ((_, localization),) = run.localizations
     T_base_door = transform_of(localization.pose.pose)
-    for robot, share in ROBOTS.items():
+    for robot, share in SHARE_OF.items():
         setup = load_setup(share=share)
         planned = plan(recipe_of(run.recipe), T_base_door, setup)
         message = TargetArray(
@@ -74,7 +74,7 @@ def shared(
 
 
 def test_robots_are_called_as_their_namespaces() -> None:
-    assert {in_robot(share): share for share in ("first", "second")} == ROBOTS
+    assert [in_robot(share) for share in ("first", "second")] == ["robot1", "robot2"] == list(SHARE_OF)
     for topic, robot in (
         ("/robot1/path/targets", "robot1"),
         ("/cell1/robot2/abb/target_file", "robot2"),
@@ -89,7 +89,7 @@ def test_robots_are_called_as_their_namespaces() -> None:
 def test_each_share_is_compared_with_its_own(tmp_path: Path) -> None:
     outcome = replay_bag(shared(tmp_path / "bag"))
     assert outcome.found == []
-    for robot in ROBOTS:
+    for robot in SHARE_OF:
         assert outcome.counts[f"/{robot}{TARGETS}"] == outcome.counts[f"/{robot}{TARGET_FILE}"] == 1
     assert TARGETS not in outcome.counts
     write_expectation(tmp_path / "bag", outcome.answers)
@@ -104,13 +104,13 @@ def test_a_share_of_the_other_robot_differs(tmp_path: Path) -> None:
         return [(other.get(topic[:7], topic[:7]) + topic[7:], message) for topic, message in found]
 
     found = replay_bag(shared(tmp_path / "bag", swapped)).found
-    for robot in ROBOTS:
+    for robot in SHARE_OF:
         assert any(one.topic == f"/{robot}{TARGETS}" and "joint_positions" in one.field for one in found)
         assert any(one.topic == f"/{robot}{TARGET_FILE}" for one in found)
     assert "made by path and correction" in str(next(one for one in found if TARGETS in one.topic))
 
 
-@pytest.mark.parametrize(("robot", "share"), ROBOTS.items())
+@pytest.mark.parametrize(("robot", "share"), SHARE_OF.items())
 def test_what_one_robot_refuses_ends_the_run_in_its_name(tmp_path: Path, robot: str, share: str) -> None:
     """Nothing refuses this door today, so the replay has to say that it differs, and from what."""
     reason = "hinge_1: it is out of reach"
