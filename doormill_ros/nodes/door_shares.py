@@ -168,7 +168,7 @@ class DoorShares(ManagedNode):
 
     def _tell(self, end: RunEnd) -> None:
         """Tell everybody how a run ended; the note stays where nobody can be told any more."""
-        if not self.context.ok():
+        if not self.heard:
             return
         message = run_end_into(end, RunResult)
         message.header.stamp = self.get_clock().now().to_msg()

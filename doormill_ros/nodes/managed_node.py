@@ -33,6 +33,7 @@ class ManagedNode(ReportingNode):
         super().__init__(name, **kwargs)
         self.active = False
         self.configured = False
+        self._leaving = False
         alive = alive_topic(name)
         self.create_publisher(alive.type, alive.name, alive.offered)
         self._carried: set[Any] = set()  # types of its messages
@@ -71,6 +72,18 @@ class ManagedNode(ReportingNode):
     def settled(self) -> bool:
         """See the base class."""
         return self.configured
+
+    @property
+    def heard(self) -> bool:
+        """Whether what it tells surely reaches somebody; what does not is left to the next process.
+
+        On the way out the context goes whenever rclpy's own thread comes to it, perhaps in the middle of a message.
+        """
+        return not self._leaving and bool(self.context.ok())
+
+    def leave(self) -> None:
+        """The process ends; `close` follows."""
+        self._leaving = True
 
     # What a node does in each transition; subclasses override these.
 

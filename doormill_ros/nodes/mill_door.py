@@ -196,7 +196,7 @@ class MillDoorServer:
         except DoormillError as error:
             end.refuse(error.code, error.message)
         except Exception as error:
-            if self._node.context.ok():  # else it is the way out that it met
+            if self._node.heard:  # else it is the way out that it met
                 self._node.get_logger().error(f"run {run.run_id} ended by {type(error).__name__}: {error}")
             end.refuse(DoormillError.code, f"{type(error).__name__}: {error}; see the bridge's log")
         try:
@@ -225,7 +225,7 @@ class MillDoorServer:
     def _tell(self, end: RunEnd) -> bool:
         """Tell everybody how a run ended; False where that is left to the next process, as this one is ending."""
         log = self._node.get_logger()
-        if not self._node.context.ok():
+        if not self._node.heard:
             log.info(
                 f"door {end.door_id}: this bridge ends in the middle of run {end.run_id}; the next one tells of it"
             )

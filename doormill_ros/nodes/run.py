@@ -96,6 +96,8 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
             ignore_signals()
         except KeyboardInterrupt:
             ignore_signals()
+        for node in nodes:
+            node.leave()
         shut_down(nodes, executor, STOP_LIMIT)
         rclpy.try_shutdown()
     return 0
