@@ -113,6 +113,7 @@ class _Afternoon:
     def sum_up(self) -> None:
         """What oracle, page and folder say when the last door is done."""
         tally, cell = self.tally, self.cell
+        cell.oracle.close()
         tally.wrong = cell.oracle.faults()
         tally.seen, tally.places = len(cell.oracle.starts), cell.oracle.places()
         begun = b"\n".join(start.data for start in cell.oracle.starts)

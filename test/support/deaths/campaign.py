@@ -280,6 +280,7 @@ class Game:
     def end(self, oracle: Oracle) -> Tally:
         """What came of all of it."""
         tally = self.tally
+        oracle.close()
         begun = b"\n".join(start.data for start in oracle.starts)
         ended = b"\n".join(oracle.named)
         tally.wrong = oracle.faults()

@@ -12,19 +12,20 @@ request of its own before it takes anything.
 
 from __future__ import annotations
 
-import os
+import base64
+import json
+import subprocess
+import sys
 import threading
-import time
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
 
-LOOK = 0.001  # s
-FIRST = -15  #: niceness of the thread that looks
+LOOKOUT = Path(__file__).with_name("lookout.py")
 NEVER = float("-inf")
 #: Between the targets of two good files of a door, seen from the door [m]: the pose is found to 0.1 mm, and the
 #: correction differs with the robot's posture. Doors of the campaign stand up to 8 mm and 0.03 rad apart.
@@ -92,16 +93,38 @@ class Oracle:
         self.starts: list[Start] = []
         #: What the controller named as milled to its end; stands for as long as no other run was.
         self.named: set[bytes] = set()
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._watch, daemon=True)
 
     def __enter__(self) -> Oracle:
+        self._lookout = subprocess.Popen(
+            [sys.executable, "-I", str(LOOKOUT), str(self._home)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert self._lookout.stdout is not None
+        self._lookout.stdout.readline()  # it looks
+        self._thread = threading.Thread(target=self._hear, args=(self._lookout.stdout,), daemon=True)
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._ended.set()
+        self.close()
+
+    def close(self) -> None:
+        """Look no more; all that was seen is told."""
+        assert self._lookout.stdin is not None
+        self._lookout.stdin.close()
         self._thread.join()
+        assert self._lookout.wait() == 0, "the lookout ended before it was told to"
+
+    def _hear(self, lines: IO[str]) -> None:
+        for line in lines:
+            seen = json.loads(line)
+            if "named" in seen:
+                self.named.add(base64.b64decode(seen["named"]))
+            else:
+                asked = NEVER if seen["asked"] is None else seen["asked"]
+                self.starts.append(Start(base64.b64decode(seen["start"]), asked))
 
     def placed(self, placed: Placed) -> None:
         """A door stands in the clamp."""
@@ -135,42 +158,3 @@ class Oracle:
             return f"milled {found} by {len(seen)} targets instead of {len(good)}; in the clamp: {stood}"
         off = float(np.linalg.norm(seen - good, axis=1).max())
         return f"milled {found} {1000.0 * off:.2f} mm off; in the clamp: {stood}" if off > PLACE else ""
-
-    def _read(self, path: Path) -> bytes:
-        try:
-            return path.read_bytes()
-        except OSError:
-            return b""
-
-    def _is_high(self, signal: Path) -> bool:
-        return self._read(signal).strip() == b"1"
-
-    def _asked(self) -> float:
-        """When the program wrote the number of its request, by the machine's own clock; -inf for never."""
-        try:
-            return (self._home / "Hei2.req").stat().st_mtime
-        except OSError:
-            return NEVER
-
-    def _watch(self) -> None:
-        with suppress(PermissionError):  # without the right to it, it may look too late on a machine at work
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), FIRST)
-        ready, busy, target = (
-            self._home / "io" / "doPathReady",
-            self._home / "io" / "doPathBusy",
-            self._home / "Hei2.txt",
-        )
-        was_busy, kept = True, Start(b"", NEVER)
-        while not self._ended.is_set():
-            # Ready was high before the file was read and after it, for one request: no write of the PC was met halfway.
-            if self._is_high(ready):
-                asked, data = self._asked(), self._read(target)
-                if data and self._is_high(ready) and self._asked() == asked:
-                    kept = Start(data, asked)
-            self.named.add(self._read(self._home / "Hei2.end"))
-            is_busy = self._is_high(busy)
-            if is_busy and not was_busy:
-                self.starts.append(kept)
-                kept = Start(b"", NEVER)
-            was_busy = is_busy
-            time.sleep(LOOK)
