@@ -208,6 +208,6 @@ def judged(diagnosis: DoorDiagnosis, hidden: tuple[Hidden, ...]) -> Judged:
 
 def _steps_near(diagnosis: DoorDiagnosis, cause, one: Hidden) -> bool:
     times = [door.time for door in diagnosis.problem.doors]
-    if cause.course.kind not in ("begins", "changes"):
+    if cause.course.kind not in ("begins", "changes", "drifts and changes"):
         return False
     return abs(times.index(cause.course.at) - one.from_door) <= NEAR

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from doormill_ros.diagnosis.core.fit import fit
-from doormill_ros.diagnosis.parts.course import ALWAYS, CHANGES, DRIFTS, InTime
+from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 
 STEP, DRIFT = "step", "drift"
@@ -40,34 +40,23 @@ class Change:
 
 
 def changes_of(diagnosis: DoorDiagnosis) -> list[Change]:
-    """Every named cause that changed, in the order of the doors."""
-    found = []
+    """Every step and drift of a named cause, in the order of the doors."""
+    found, times = [], [door.time for door in diagnosis.problem.doors]
     for finding in diagnosis.findings:
-        cause, doors = finding.cause, diagnosis.problem.doors
+        cause = finding.cause
         course = cause.course
-        if course.kind == ALWAYS and cause.effect.lasting:
-            continue
-        effect, theta = cause.effect, diagnosis.extended.theta[diagnosis.extended.part(cause)]
-        parts = theta.reshape(course.sizes, -1)
-        nothing = np.zeros(effect.size)
-        first, last = nothing, parts[-1]
-        if course.kind == CHANGES:
-            first = parts[0]
-        if course.kind == DRIFTS:
-            first, last = parts[0], parts[0] + parts[1]
-        drifts = course.kind == DRIFTS or not effect.lasting
-        door = 0 if drifts else [one.time for one in doors].index(course.at)
-        found.append(
-            Change(
-                cause.name,
-                cause.where,
-                DRIFT if drifts else STEP,
-                door,
-                (0, 0) if drifts else _between(diagnosis, cause, door),
-                {} if first is nothing else _told(cause, diagnosis, first),
-                _told(cause, diagnosis, last),
+        theta = diagnosis.extended.theta[diagnosis.extended.part(cause)].reshape(course.sizes, -1)
+        told = {suffix: _told(cause, diagnosis, part) for suffix, part in course.told(theta).items()}
+        if course.steps:
+            door = times.index(course.at)
+            between = _between(diagnosis, cause, door)
+            found.append(
+                Change(cause.name, cause.where, STEP, door, between, told.get("before", {}), told[""])
             )
-        )
+        if course.drifts or not cause.effect.lasting:
+            found.append(
+                Change(cause.name, cause.where, DRIFT, 0, (0, 0), told.get("at_first", {}), told[""])
+            )
     return sorted(found, key=lambda change: change.door)
 
 

@@ -1,4 +1,7 @@
-"""How the size of an effect goes over the doors of a shift: always the same, from one door on another, or drifting."""
+"""How the size of an effect goes over the doors of a shift: always the same, from one door on another, or drifting.
+
+Both together only where something wears while something else changes: a mill and the wood that it cuts, say.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.robot_model.candidate import Candidate, CauseParameter
 
-ALWAYS, BEGINS, CHANGES, DRIFTS = "", "begins", "changes", "drifts"
+ALWAYS, BEGINS, CHANGES, DRIFTS, WEARS_AND_CHANGES = "", "begins", "changes", "drifts", "drifts and changes"
 
 
 @dataclass(frozen=True)
@@ -19,32 +22,74 @@ class SizeCourse:
     """The size of an effect over time.
 
     Attributes:
-        kind: ALWAYS, BEGINS (nothing before `at`), CHANGES (another size before `at`) or DRIFTS (linearly).
-        at: From when on [s since the epoch]; of a drift, its begin.
-        end: Of a drift.
+        kind: ALWAYS, BEGINS (nothing before `at`), CHANGES (another size before `at`), DRIFTS (linearly) or
+            WEARS_AND_CHANGES (1 + size grows by a share in proportion to time, and by another from `at` on).
+        at: From when on [s since the epoch].
+        begin, end: Of a drift [s since the epoch].
         words: For the variant of a cause: "from door_014".
     """
 
     kind: str = ALWAYS
     at: float = 0.0
+    begin: float = 0.0
     end: float = 1.0
     words: str = ""
 
     def weights(self, time: FloatArray) -> FloatArray:
-        """Of each of the course's sizes at times of shape (n,), shape (n, 1) or (n, 2)."""
-        after = (time >= self.at).astype(float)
+        """Of each of the course's sizes at times of shape (n,), shape (n, sizes); of shares to first order."""
+        after, always = (time >= self.at).astype(float), np.ones(len(time))
         if self.kind == ALWAYS:
-            return np.ones((len(time), 1))
+            return always[:, None]
         if self.kind == BEGINS:
             return after[:, None]
         if self.kind == CHANGES:
             return np.column_stack([1.0 - after, after])
-        return np.column_stack([np.ones(len(time)), (time - self.at) / (self.end - self.at)])
+        late = (time - self.begin) / (self.end - self.begin)
+        if self.kind == DRIFTS:
+            return np.column_stack([always, late])
+        return np.column_stack([always, late, after])
+
+    def size(self, theta: FloatArray, time: FloatArray) -> FloatArray:
+        """Theta of the effect at times of shape (n,), shape (n, p).
+
+        Args:
+            theta: One for each of the course's sizes, shape (sizes, p).
+            time: When [s since the epoch].
+        """
+        weights = self.weights(time)
+        if self.kind != WEARS_AND_CHANGES:
+            return weights @ theta
+        factor: FloatArray = np.prod(1.0 + weights[:, :, None] * theta, axis=1)
+        return factor - 1.0
+
+    @property
+    def drifts(self) -> bool:
+        """Whether part of it is a drift."""
+        return self.kind in (DRIFTS, WEARS_AND_CHANGES)
+
+    @property
+    def steps(self) -> bool:
+        """Whether there is another size from `at` on."""
+        return self.kind in (BEGINS, CHANGES, WEARS_AND_CHANGES)
 
     @property
     def sizes(self) -> int:
         """How many there are."""
-        return 1 if self.kind in (ALWAYS, BEGINS) else 2
+        return {ALWAYS: 1, BEGINS: 1, CHANGES: 2, DRIFTS: 2, WEARS_AND_CHANGES: 3}[self.kind]
+
+    def told(self, theta: FloatArray) -> dict[str, FloatArray]:
+        """Theta of the effect at doors of note, shape (p,) each, by the suffix of its name; the last doors first.
+
+        Args:
+            theta: One for each size, shape (sizes, p).
+        """
+        at = {"": self.end}
+        if self.kind in (CHANGES, WEARS_AND_CHANGES):
+            at["before"] = np.nextafter(self.at, -np.inf)
+        if self.drifts:
+            at["at_first"] = self.begin
+        sizes = self.size(theta, np.array(list(at.values())))
+        return dict(zip(at, sizes, strict=True))
 
 
 class InTime(Candidate[CutCase]):
@@ -63,14 +108,13 @@ class InTime(Candidate[CutCase]):
         times = self.course.sizes
         self.scale = np.tile(effect.scale, times)
         self.lower, self.upper = np.tile(effect.lower, times), np.tile(effect.upper, times)
-        if self.course.kind == DRIFTS:
+        if self.course.kind == DRIFTS:  # the second size is a difference
             self.lower = np.concatenate([effect.lower, -effect.upper])
-        self.parameters = effect.parameters
-        if times == 2:
-            suffix = "before" if self.course.kind == CHANGES else "at_first"
-            self.parameters += tuple(
-                CauseParameter(f"{p.name}_{suffix}", p.unit, p.low, p.high, p.size) for p in effect.parameters
-            )
+        self.parameters = tuple(
+            CauseParameter("_".join(filter(None, (p.name, suffix))), p.unit, p.low, p.high, p.size)
+            for suffix in self.course.told(np.zeros((times, effect.size)))
+            for p in effect.parameters
+        )
 
     def pattern(self) -> str:
         """What it leaves."""
@@ -82,7 +126,7 @@ class InTime(Candidate[CutCase]):
 
     def rows(self, theta: FloatArray, time: FloatArray) -> FloatArray:
         """The effect's theta for each point, shape (n, p)."""
-        return self.course.weights(time) @ theta.reshape(self.course.sizes, -1)
+        return self.course.size(theta.reshape(self.course.sizes, -1), time)
 
     def derivative(self, case: CutCase) -> FloatArray:
         """What each number moves the points along their normals, shape (n, sizes p) [m]; not for forces."""
@@ -90,10 +134,6 @@ class InTime(Candidate[CutCase]):
         return (weights[:, :, None] * columns[:, None]).reshape(len(columns), -1)
 
     def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
-        """For the last doors, then before or at first."""
-        parts = theta.reshape(self.course.sizes, -1)
-        if self.course.kind == CHANGES:
-            parts = parts[::-1]
-        if self.course.kind == DRIFTS:
-            parts = np.array([parts[0] + parts[1], parts[0]])
-        return np.concatenate([self.effect.values(part, case) for part in parts])
+        """For the last doors, then before the step, then at first."""
+        parts = self.course.told(theta.reshape(self.course.sizes, -1))
+        return np.concatenate([self.effect.values(part, case) for part in parts.values()])

@@ -33,8 +33,9 @@ from doormill_ros.robot.description import load_robot
 
 METHOD = """Where the tool cut, the bag knows posture, last motions and process wrench, and where the tool had been
 sent: the deviation of a surface less that is the tool's displacement along its normal. Every effect of the library was
-fitted alone and in combination, always of one size, beginning at a door, changing at one, or drifting, and scored on
-features or stretches left out of its fit. What a door's place could make counts no more than that place is known."""
+fitted alone and in combination, always of one size, beginning at a door, changing at one, or drifting (a force drifting
+and changing, too), and scored on features or stretches left out of its fit. What a door's place could make counts no
+more than that place is known."""
 
 
 #: That noise leaves as much where nothing hides behind the places of the doors.

@@ -14,7 +14,15 @@ from doormill_ros.diagnosis.core.diagnosis import Diagnosis
 from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds, split
 from doormill_ros.diagnosis.core.wording import METRES
 from doormill_ros.diagnosis.parts.case import CutCase
-from doormill_ros.diagnosis.parts.course import ALWAYS, BEGINS, CHANGES, DRIFTS, InTime, SizeCourse
+from doormill_ros.diagnosis.parts.course import (
+    ALWAYS,
+    BEGINS,
+    CHANGES,
+    DRIFTS,
+    WEARS_AND_CHANGES,
+    InTime,
+    SizeCourse,
+)
 from doormill_ros.diagnosis.parts.cut_points import CutPoints
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.registry import effects
@@ -209,19 +217,25 @@ class DoorProblem(Examined[InTime]):
         found = [SizeCourse()]
         if len(self.doors) < DOORS_OVER_TIME or times[-1] <= times[0]:
             return found
+        over = times[0], times[-1]
         for step in self.steps:
-            for kind, word in ((BEGINS, "from"), (CHANGES, "changed from")):
-                found.append(SizeCourse(kind, times[step], words=f"{word} {self.doors[step].name} on"))
-        return [*found, SizeCourse(DRIFTS, times[0], times[-1], "drifting")]
+            for kind, word in (
+                (BEGINS, "from"),
+                (CHANGES, "changed from"),
+                (WEARS_AND_CHANGES, "drifting, changed from"),
+            ):
+                found.append(SizeCourse(kind, times[step], *over, words=f"{word} {self.doors[step].name} on"))
+        return [*found, SizeCourse(DRIFTS, times[0], *over, words="drifting")]
 
     def candidates(self) -> list[InTime]:
-        """Every effect with every course."""
+        """Every effect with every course that it may have."""
         courses = self.courses()
         return [
             InTime(effect, course)
             for effect in self.effects()
             for course in courses
-            if course.kind == ALWAYS or (effect.lasting and effect.named)
+            if course.kind == ALWAYS
+            or (effect.lasting and effect.named and (effect.wears or course.kind != WEARS_AND_CHANGES))
         ]
 
     def _moved(self, members: Sequence[InTime], theta: FloatArray) -> tuple[FloatArray, CutCase]:

@@ -61,6 +61,24 @@ def test_wear_is_a_drift_and_no_step(tmp_path):
     assert change["after"]["factor"] == pytest.approx(1.0 + 8 * 0.04, abs=0.03)
 
 
+def test_a_force_that_steps_while_the_mill_wears_is_one_cause_with_both_and_nothing_else(tmp_path):
+    wear = {"wear_per_door": 0.04}
+    world = {"force": wear, "change": [{"from_door": 5, "force": {"factor": 1.3, **wear}}]}
+    diagnosis = diagnosed(tmp_path, world, TURNS)
+    found = judged(diagnosis, (Hidden("process_force", "tool", 5),))
+    assert (found.verdict, found.missed, found.wrong, found.late) == ("explained", (), (), ())
+    drift, step = document(diagnosis, tmp_path)["changes"]
+    assert [(one["what"], one["kind"]) for one in (drift, step)] == [
+        ("process_force", "drift"),
+        ("process_force", "step"),
+    ]
+    assert step["from_door"] == "door_005"
+    # One slope stands for 0.04 a door before the step and 1.3 times that after it.
+    assert drift["before"]["factor"] == pytest.approx(1.0, abs=0.05)
+    assert step["before"]["factor"] == pytest.approx(1.0 + 5 * 0.04, abs=0.08)
+    assert step["after"]["factor"] == pytest.approx(1.3 * (1.0 + 8 * 0.04), abs=0.05)
+
+
 def test_another_recipe_is_no_change(tmp_path):
     doors = (HINGE_DOORS[0],) * 4 + (HINGE_DOORS[1],) * 4
     diagnosis = diagnosed(tmp_path, {"robot": GAP}, doors)

@@ -19,10 +19,12 @@ class Effect(Candidate[CutCase]):
     Attributes:
         of_force: Whether theta is what is added to the factor on the wrench (first) and to its angle [rad] (second).
         lasting: Whether its size may also change from door to door; else its course is its own.
+        wears: Whether it may drift and change at a door, too; for factors on the wrench.
     """
 
     of_force = False
     lasting = True
+    wears = False
 
     def columns(self, case: CutCase) -> FloatArray:
         """Points along their normals for theta = 1, shape (n, p) [m]."""

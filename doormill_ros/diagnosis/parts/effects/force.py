@@ -23,6 +23,7 @@ class ForceScale(_OnWrench):
     """The true wrench is the assumed one times 1 + theta, at the tool or while it mills one kind of feature."""
 
     name = "process_force"
+    wears = True  # a mill gets blunt whatever wood it meets, and may be changed
     parameters = (CauseParameter("factor", "1", 0.0, 10.0),)
 
     def __init__(self, where: str) -> None:
