@@ -15,6 +15,7 @@ from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.nodes.cell import Cell, CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
+from doormill_ros.recording.replay.replay import replay_bag
 from doormill_ros.report.run_report import write_report
 from support.cell_processes import free_port
 
@@ -65,6 +66,12 @@ def test_two_robots_mill_a_door_and_the_second_begins_when_the_first_is_home(tmp
     (result,) = found["/run/result"]
     assert (result.run_id, result.success) == (summary.run_id, True)
     assert json.loads((tmp_path / "summary.json").read_text())["success"]
+    replayed = replay_bag(tmp_path / "bag")
+    assert replayed.found == []
+    for number in (1, 2):
+        targets = f"/robot{number}/path/targets"
+        assert replayed.counts[targets] == len(found[targets])
+        assert replayed.counts[f"/robot{number}/abb/target_file"] == 1
 
 
 def test_the_summary_of_one_robot_tells_what_two_would_need(tmp_path: Path) -> None:

@@ -23,7 +23,8 @@ from doormill_ros.nodes.gige_camera import GigeCamera
 from doormill_ros.nodes.live_replay import LiveOptions, repeats_the_end, replay_live
 from doormill_ros.recording.replay.answer import LOCALIZATION, RECIPE, RESULT
 from doormill_ros.recording.replay.offline import replay_offline
-from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
+from doormill_ros.recording.replay.recorded_run import RecordedRun
+from doormill_ros.recording.replay.run_reader import read_runs
 from support.source_tree import ROOT
 
 NEVER = 600.0  # s

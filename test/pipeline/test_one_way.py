@@ -19,7 +19,8 @@ from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.pipeline.preview import preview
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.recipe import ClampPlacement
-from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
+from doormill_ros.recording.replay.recorded_run import RecordedRun
+from doormill_ros.recording.replay.run_reader import read_runs
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.toolpath.errors import DoorPoseError
 from support.source_tree import PACKAGE, ROOT, SOURCES, imports_of

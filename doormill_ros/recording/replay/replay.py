@@ -10,7 +10,8 @@ from doormill_ros.recording.replay.answer import RECIPE, Answer
 from doormill_ros.recording.replay.compare import Difference, differences
 from doormill_ros.recording.replay.expectation import read_expectation
 from doormill_ros.recording.replay.offline import OFFLINE_STAGES, replay_offline
-from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
+from doormill_ros.recording.replay.recorded_run import RecordedRun
+from doormill_ros.recording.replay.run_reader import read_runs
 
 Replayer = Callable[[RecordedRun], Sequence[Answer]]
 

@@ -10,7 +10,7 @@ from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.parts.recorded_cut import recorded_cut
 from doormill_ros.frames import apply, inverse
 from doormill_ros.measurements.inspection import COLUMNS, read_inspection
-from doormill_ros.recording.replay.recorded_run import read_runs
+from doormill_ros.recording.replay.run_reader import read_runs
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.simulation.controller.executed_path import ExecutedPath

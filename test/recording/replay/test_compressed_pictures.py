@@ -16,8 +16,9 @@ from sensor_msgs.msg import CompressedImage, Image
 from doormill_ros.nodes.live_replay import LiveOptions, replay_live
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.bag_writer import BagWriter
-from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
+from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.recording.replay.replay import replay_bag
+from doormill_ros.recording.replay.run_reader import read_runs
 from support.source_tree import ROOT
 
 RAW = "/camera/image_raw"

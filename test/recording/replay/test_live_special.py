@@ -9,7 +9,8 @@ from doormill_ros.localization.errors import StalePicture
 from doormill_ros.nodes.live_replay import LiveOptions, repeats_the_end, replay_live
 from doormill_ros.recording.replay.answer import LOCALIZATION, RECIPE, RESULT, TARGET_FILE, TARGETS
 from doormill_ros.recording.replay.offline import replay_offline
-from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
+from doormill_ros.recording.replay.recorded_run import RecordedRun
+from doormill_ros.recording.replay.run_reader import read_runs
 from support.source_tree import ROOT
 
 FAST = LiveOptions(rate=math.inf)

@@ -22,8 +22,9 @@ from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.errors import SharedRunError
 from doormill_ros.recording.replay.expectation import read_expectation, write_expectation
 from doormill_ros.recording.replay.offline import replay_offline
-from doormill_ros.recording.replay.recorded_run import RecordedRun, read_runs
+from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.recording.replay.replay import replay_bag
+from doormill_ros.recording.replay.run_reader import read_runs
 from doormill_ros.recording.run_topics import SHARE_OF, robot_of
 from support.source_tree import ROOT
 

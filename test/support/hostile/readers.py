@@ -35,7 +35,7 @@ from doormill_ros.recipes.exchange.files import read_file, write_file
 from doormill_ros.recipes.exchange.thesis_text import format_thesis_text
 from doormill_ros.recipes.exchange.xlsx_file import format_xlsx
 from doormill_ros.recording.bag_reader import read_bag
-from doormill_ros.recording.replay.recorded_run import read_runs
+from doormill_ros.recording.replay.run_reader import read_runs
 from doormill_ros.robot import description
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
