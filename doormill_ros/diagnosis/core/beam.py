@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import Generic
@@ -25,6 +26,7 @@ PATTERN_PENALTY = 2.0
 EQUAL = 10.0
 _SCREEN = 10  #: candidates that are fitted in full after the linear preview
 _PAIRS = 8  #: pairs of candidates that are
+_EXCHANGED = 4  #: pairs that are fitted in the place of two members
 
 
 class BeamSearch(Search[C, Fit[C]], Generic[C]):
@@ -142,6 +144,33 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
             one, two = self.candidates[i], self.candidates[j]
             if may_join(found.members, one) and may_join((*found.members, one), two):
                 yield one, two, float(gain)
+
+    def swapped(self, best: Fit[C]) -> Fit[C]:
+        """With the best causes in every place, and in two at once: of two wrong names each holds up the other."""
+        best = super().swapped(best)
+        for _ in range(self.swaps):
+            better = self._two_exchanged(best)
+            if better is None:
+                break
+            best = super().swapped(better)
+        return best
+
+    def _two_exchanged(self, best: Fit[C]) -> Fit[C] | None:
+        """The best model with two others in the place of two members; None where none is better."""
+        found: list[Fit[C]] = []
+        for leaving in itertools.combinations(best.members, 2):
+            rest = self.without(best, *leaving)
+            keys = {cause.identity for cause in leaving}
+            tried = 0
+            for one, two, gain in self.pairs(rest):
+                if tried == _EXCHANGED or rest.held_out_score - gain > best.held_out_score:
+                    break
+                # With one of them in its place again it is an exchange of one, which was tried.
+                if not keys & {one.identity, two.identity}:
+                    tried += 1
+                    found.append(self.add(self.add(rest, one), two))
+        better = self.ranked([best, *found])[0]
+        return None if better is best else better
 
     def earns(self, smaller: Fit[C], larger: Fit[C]) -> bool:
         """Whether the held-out score falls by more than chance makes it."""

@@ -15,10 +15,15 @@ from doormill_ros.diagnosis.core.stability import beaten
 #: Fall of the score with one more number that chance reaches once in ten sets.
 LEANING = 2.7
 _NEAR = 40.0  #: score within which a model is worth another look at its kinked numbers
+_DIFFERS = (
+    0.1  #: share of what models are told apart by from which on a trial counts as one where they differ
+)
 _TRIED = 6  #: pairs of causes that are fitted in place of one
 
 
-def equals(search: BeamSearch[C], best: Fit[C], cause: C, structure: bool) -> list[Double[C, Fit[C]]]:
+def equals(
+    search: BeamSearch[C], best: Fit[C], cause: C, structure: bool, resolution: float = 0.0
+) -> list[Double[C, Fit[C]]]:
     """Causes that do as well in the place of one member; the best first.
 
     Args:
@@ -26,6 +31,7 @@ def equals(search: BeamSearch[C], best: Fit[C], cause: C, structure: bool) -> li
         best: The best of them.
         cause: One of its members.
         structure: Whether something remains unexplained; small differences then mean little.
+        resolution: Root mean square of residuals by which two models have to differ [unit of the problem].
     """
     good = best.weights > 0.0
     remains = structure or not all(member.named for member in best.members)
@@ -41,7 +47,7 @@ def equals(search: BeamSearch[C], best: Fit[C], cause: C, structure: bool) -> li
             nested = not (leans or _instead(search, best, model, other))
         if other.named and model.held_out_score < best.held_out_score + limit + _NEAR:
             model = search.polished(model)
-        close = model.held_out_score < best.held_out_score + limit
+        close = model.held_out_score < best.held_out_score + limit or _alike(best, model, resolution)
         as_good = close or (remains and not beaten(search.problem, best, model))
         if other.named and other.key != cause.key and not nested and as_good:
             found.setdefault(other.key, (other, model))
@@ -51,6 +57,13 @@ def equals(search: BeamSearch[C], best: Fit[C], cause: C, structure: bool) -> li
                 found.setdefault(other.key, (other, model))
     total = search.total(best)
     return [_double(other, model, search.total(model) - total) for other, model in found.values()]
+
+
+def _alike(best: Fit[C], model: Fit[C], resolution: float) -> bool:
+    """Whether two models predict the same, as far as the data are good for, where they differ at all."""
+    apart = np.linalg.norm(model.prediction.residual - best.prediction.residual, axis=1)
+    apart = apart[apart > _DIFFERS * resolution]
+    return resolution > 0.0 and (not len(apart) or float(np.sqrt(np.mean(apart**2))) < resolution)
 
 
 def _double(cause: C, model: Fit[C], behind: float) -> Double[C, Fit[C]]:

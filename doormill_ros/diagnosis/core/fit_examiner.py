@@ -67,7 +67,7 @@ class FitExaminer(Examiner[C, Fit[C]], Generic[C]):
     def checks(self, best: Fit[C], cause: C, remains: bool) -> Sequence[Check]:
         """The same in all parts of the data; where something remains also a part of its own that no shape explains."""
         strict = remains or not all(_believable(best, member) for member in best.members)
-        sizes = self._sizes(best, cause, strict)
+        sizes = [*self.problem.objections(best.members, best.theta, cause), *self._sizes(best, cause, strict)]
         if not _believable(best, cause):
             return [*sizes, Check(True, _OTHERS)]
         if not strict:
@@ -138,7 +138,7 @@ class FitExaminer(Examiner[C, Fit[C]], Generic[C]):
 
     def doubles(self, asked: Fit[C], cause: C) -> Sequence[Double[C, Fit[C]]]:
         """Causes, and pairs of them, whose models are equally good."""
-        return equals(self.models, asked, cause, self.remains(asked))
+        return equals(self.models, asked, cause, self.remains(asked), self.problem.resolution)
 
 
 def _believable(best: Fit[C], cause: C) -> bool:

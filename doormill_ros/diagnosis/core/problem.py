@@ -9,6 +9,7 @@ from typing import Any, Protocol, Self, TypeVar
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
+from doormill_ros.diagnosis.core.margin import Check
 from doormill_ros.diagnosis.core.wording import METRES, Unit
 from doormill_ros.robot_model.candidate import Candidate
 
@@ -80,7 +81,14 @@ class Problem(Protocol[_C]):
 
 
 class Examined(Problem[C], Protocol[C]):
-    """A problem of which a whole diagnosis can be made."""
+    """A problem of which a whole diagnosis can be made.
+
+    Attributes:
+        resolution: Root mean square of residuals by which models have to differ to be told apart, however many trials
+            there are; 0 where nothing but noise stands against it.
+    """
+
+    resolution: float = 0.0
 
     def candidates(self) -> list[C]:
         """Everything that may be wrong, and the patterns that may not be named."""
@@ -96,6 +104,10 @@ class Examined(Problem[C], Protocol[C]):
 
     def turning(self, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:
         """What trials marked gross, shape (n,), point along most, and the chance that slips would as much."""
+
+    def objections(self, members: Sequence[C], theta: FloatArray, cause: C) -> Sequence[Check]:
+        """What the data have to say against one member of a model beside all that holds for any; theta (p,)."""
+        return ()
 
     def labels(self) -> IntArray:
         """Numbers of the trials as the data give them, shape (n,)."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis
+from doormill_ros.diagnosis.core.margin import Check
 from doormill_ros.diagnosis.core.problem import Prediction, make_folds, split
 from doormill_ros.diagnosis.core.wording import METRES
 from doormill_ros.diagnosis.loading.hidden_states import (
@@ -51,6 +52,7 @@ class LoadingProblem:
     """
 
     unit = METRES
+    resolution = 0.0
 
     def __init__(
         self,
@@ -109,6 +111,12 @@ class LoadingProblem:
     def groupings(self) -> Sequence[IntArray]:
         """Configurations and reflectors, shape (n,) each."""
         return self.configuration, np.unique(self.data.reflector, return_inverse=True)[1]
+
+    def objections(
+        self, members: Sequence[ElasticCause], theta: FloatArray, cause: ElasticCause
+    ) -> Sequence[Check]:
+        """Nothing beside all that holds for any kind of data."""
+        return ()
 
     def turning(self, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:
         """The joint that trials marked gross, shape (n,), point along most, and its chance; none along one sight."""

@@ -13,9 +13,10 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.diagnosis.parts.cut_points import CutPoints
+from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.model import usable
 from doormill_ros.diagnosis.parts.placement import free_columns
-from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, GaugedDoor
+from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.standing import standing_of
 from doormill_ros.errors import DoormillError
 from doormill_ros.robot.description import Robot

@@ -18,12 +18,13 @@ from doormill_ros.diagnosis.core.wording import Words
 from doormill_ros.diagnosis.parts.changes import change_sentences, changes_document, changes_of
 from doormill_ros.diagnosis.parts.charts import charts_of
 from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.in_use import in_use_document
 from doormill_ros.diagnosis.parts.matching import matched_points
 from doormill_ros.diagnosis.parts.model import door_model_document, usable
 from doormill_ros.diagnosis.parts.next_door import PLACES, next_steps, places_of
 from doormill_ros.diagnosis.parts.next_step import next_document, next_sentence
-from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem, GaugedDoor
+from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
 from doormill_ros.diagnosis.parts.steps import possible_steps
 from doormill_ros.localization.camera import load_camera

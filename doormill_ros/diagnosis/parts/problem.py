@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core.diagnosis import Diagnosis
+from doormill_ros.diagnosis.core.margin import Check, Margin
 from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds, split
 from doormill_ros.diagnosis.core.wording import METRES
 from doormill_ros.diagnosis.parts.case import CutCase
@@ -26,6 +26,7 @@ from doormill_ros.diagnosis.parts.course import (
 from doormill_ros.diagnosis.parts.cut_points import CutPoints
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.registry import effects
+from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.matching import cut_case
 from doormill_ros.diagnosis.parts.placement import (
     DoorPlaces,
@@ -48,37 +49,6 @@ FACE, FLANK = 5e-6, 2e-6
 _STEP = 1e-4  #: of theta, to derive what a force does
 
 
-@dataclass(frozen=True, eq=False)
-class GaugedDoor:
-    """One inspected door.
-
-    Attributes:
-        name: Of the inspection.
-        run_id: Of the run that milled it.
-        recipe: What it is.
-        time: When it was measured [s since the epoch].
-        points: Measured, and matched with the run.
-        noise: Standard deviation of a deviation [m].
-        placing: Covariance of y, z and rotation of its pose, shape (3, 3); None where it is not known where it stood.
-        corner: Origin of the door, base frame, shape (3,) [m].
-        eye: Where the camera stood, base frame, shape (3,) [m].
-        largest: How far its worst measured point is off, matched or not [m].
-        robot_model: Robot or model.yaml that its path was corrected with; "" for the robot's joint springs.
-    """
-
-    name: str
-    run_id: str
-    recipe: str
-    time: float
-    points: CutPoints
-    noise: float
-    placing: FloatArray | None
-    corner: FloatArray
-    eye: FloatArray
-    largest: float = 0.0
-    robot_model: str = ""
-
-
 class DoorProblem(Examined[InTime]):
     """Deviations of all doors along their normals.
 
@@ -93,6 +63,7 @@ class DoorProblem(Examined[InTime]):
 
     unit = METRES
     components = 1
+    resolution = FLANK
 
     def __init__(self, doors: Sequence[GaugedDoor], robot: Robot, T_flange_tool: FloatArray) -> None:
         """Work out loads and geometry, and what the places of the doors can make.
@@ -312,6 +283,31 @@ class DoorProblem(Examined[InTime]):
         for kind in np.unique(self.points.kind):
             cuts[f"kind {kind}"] = self.points.kind == kind
         return {name: half for name, half in cuts.items() if 0.1 <= half.mean() <= 0.9}
+
+    def objections(self, members: Sequence[InTime], theta: FloatArray, cause: InTime) -> Sequence[Check]:
+        """That it moves the points by less than the mill that cut them is known to: anything could be that small."""
+        without, at = theta.copy(), 0
+        for member in members:
+            if member is cause:
+                without[at : at + member.size] = 0.0
+            at += member.size
+        moves = self._moved(members, theta)[0] - self._moved(members, without)[0]
+        acts = moves != 0.0
+        size = float(np.sqrt(np.mean(moves[acts] ** 2))) if acts.any() else 0.0
+        return [
+            Check(
+                size <= self.resolution,
+                f"it moves the points by {1e6 * size:.1f} um, and the mill is known to {1e6 * self.resolution:.0f} um",
+                (
+                    Margin(
+                        f"{cause!r} moves the points by multiples of what the mill is known to",
+                        size / self.resolution,
+                        1.0,
+                        "share",
+                    ),
+                ),
+            )
+        ]
 
     def groupings(self) -> Sequence[IntArray]:
         """What is left out together, and doors; shape (n,)."""

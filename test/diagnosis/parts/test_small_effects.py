@@ -1,0 +1,52 @@
+"""An effect that moves the points by less than the mill is known to has no name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from doormill_ros.diagnosis.parts.kind import Inspections
+from doormill_ros.diagnosis.parts.problem import FLANK, DoorProblem
+from support.gauged_shift import HINGE_DOORS, gauged_shift
+from support.shift_worlds import diagnosed, draw_shift, inspected, judged
+
+
+@pytest.fixture(scope="module")
+def problem(tmp_path_factory: pytest.TempPathFactory) -> DoorProblem:
+    """Of two doors in a world as assumed."""
+    return Inspections().problem(
+        inspected(gauged_shift(tmp_path_factory.mktemp("doors"), {"seed": 1}, HINGE_DOORS[:2], 1))
+    )
+
+
+@pytest.mark.parametrize("joint", [1, 2, 3])
+def test_a_spring_is_named_from_what_the_mill_is_known_to_on(problem: DoorProblem, joint: int) -> None:
+    spring, force = (
+        next(one for one in problem.candidates() if one.key == key)
+        for key in (("joint_stiffness", f"joint {joint}"), ("process_force", "tool"))
+    )
+    unit = problem.derivative_alone(spring)[:, 0] * problem.noise
+    per = float(np.sqrt(np.mean(unit[unit != 0.0] ** 2)))
+    for share, refused in ((0.95, True), (1.05, False)):
+        theta = np.array([share * FLANK / per])
+        [check] = problem.objections([spring], theta, spring)
+        assert check.fails == refused
+        assert check.margins[0].value == pytest.approx(share)
+        # Beside another force the same spring gives way by as much more.
+        [check] = problem.objections([force, spring], np.concatenate([[0.5], theta]), spring)
+        assert check.margins[0].value == pytest.approx(1.5 * share, rel=1e-6)
+    [check] = problem.objections([force, spring], np.array([0.5, 0.0]), spring)
+    assert check.fails
+    assert "0.0 um" in check.against
+
+
+def test_a_spring_off_by_a_hundredth_is_no_cause_beside_a_weight_that_nobody_told(tmp_path: Path) -> None:
+    # What a weight of 20 kg bends to second order looks like a spring that is off by 1 %.
+    drawn = draw_shift(8020)
+    diagnosis = diagnosed(tmp_path / "shift", drawn, 8020)
+    found = judged(diagnosis, drawn.hidden)
+    assert (found.missed, found.wrong, found.late) == ((), (), ())
+    refused = {cause.key: against for cause, against in diagnosis.examination.refused}
+    assert "the mill is known to 2 um" in refused["joint_stiffness", "joint 2"]
