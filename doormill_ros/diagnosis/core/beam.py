@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
-from typing import Generic
+from typing import ClassVar, Generic
 
 import numpy as np
 
@@ -26,7 +26,6 @@ PATTERN_PENALTY = 2.0
 EQUAL = 10.0
 _SCREEN = 10  #: candidates that are fitted in full after the linear preview
 _PAIRS = 8  #: pairs of candidates that are
-_EXCHANGED = 4  #: pairs that are fitted in the place of two members
 
 
 class BeamSearch(Search[C, Fit[C]], Generic[C]):
@@ -36,10 +35,12 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
         problem: The set.
         candidates: Causes and patterns that may enter.
         fits: Fitted models by the identities of their members.
+        two_at_once: Pairs that are fitted in the place of two members at most.
     """
 
     largest = swaps = 4
     beam = 5
+    two_at_once: ClassVar[int] = 4
 
     def __init__(
         self,
@@ -158,12 +159,12 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
     def _two_exchanged(self, best: Fit[C]) -> Fit[C] | None:
         """The best model with two others in the place of two members; None where none is better."""
         found: list[Fit[C]] = []
-        for leaving in itertools.combinations(best.members, 2):
+        for leaving in itertools.combinations(best.members, 2) if self.two_at_once else ():
             rest = self.without(best, *leaving)
             keys = {cause.identity for cause in leaving}
             tried = 0
             for one, two, gain in self.pairs(rest):
-                if tried == _EXCHANGED or rest.held_out_score - gain > best.held_out_score:
+                if tried == self.two_at_once or rest.held_out_score - gain > best.held_out_score:
                     break
                 # With one of them in its place again it is an exchange of one, which was tried.
                 if not keys & {one.identity, two.identity}:

@@ -31,6 +31,7 @@ class LawSearch(BeamSearch[C], Generic[C]):
     """A model of established causes, which stay, and of terms, which have to earn their place."""
 
     largest, beam = 7, 2
+    two_at_once = 0  # pairs of thousands of terms are too many to look at
 
     def __init__(
         self,
