@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import ClassVar, Generic
@@ -146,32 +145,19 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
             if may_join(found.members, one) and may_join((*found.members, one), two):
                 yield one, two, float(gain)
 
-    def swapped(self, best: Fit[C]) -> Fit[C]:
-        """With the best causes in every place, and in two at once: of two wrong names each holds up the other."""
-        best = super().swapped(best)
-        for _ in range(self.swaps):
-            better = self._two_exchanged(best)
-            if better is None:
-                break
-            best = super().swapped(better)
-        return best
-
-    def _two_exchanged(self, best: Fit[C]) -> Fit[C] | None:
-        """The best model with two others in the place of two members; None where none is better."""
+    def two_instead(self, model: Fit[C], one: C, other: C) -> list[Fit[C]]:
+        """The most promising pairs of other candidates in the place of two members."""
+        if not self.two_at_once:
+            return []
         found: list[Fit[C]] = []
-        for leaving in itertools.combinations(best.members, 2) if self.two_at_once else ():
-            rest = self.without(best, *leaving)
-            keys = {cause.identity for cause in leaving}
-            tried = 0
-            for one, two, gain in self.pairs(rest):
-                if tried == self.two_at_once or rest.held_out_score - gain > best.held_out_score:
-                    break
-                # With one of them in its place again it is an exchange of one, which was tried.
-                if not keys & {one.identity, two.identity}:
-                    tried += 1
-                    found.append(self.add(self.add(rest, one), two))
-        better = self.ranked([best, *found])[0]
-        return None if better is best else better
+        rest, keys = self.without(model, one, other), {one.identity, other.identity}
+        for first, second, gain in self.pairs(rest):
+            if len(found) == self.two_at_once or rest.held_out_score - gain > model.held_out_score:
+                break
+            # With one of the two in its place again it is an exchange of one.
+            if not keys & {first.identity, second.identity}:
+                found.append(self.add(self.add(rest, first), second))
+        return found
 
     def earns(self, smaller: Fit[C], larger: Fit[C]) -> bool:
         """Whether the held-out score falls by more than chance makes it."""

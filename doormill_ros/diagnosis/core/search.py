@@ -6,7 +6,8 @@ How models are fitted and compared is the business of a kind of fit, see `beam` 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import combinations
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from doormill_ros.diagnosis.core.ranking import ranked
@@ -148,16 +149,30 @@ class Search(ABC, Generic[K, M]):
         return best
 
     def swapped(self, best: M) -> M:
-        """Put another cause for a member where that is better: the order in which they came must not matter."""
+        """Put another cause for a member where that is better: the order in which they came must not matter.
+
+        Two members give way to two others at once where no single one does: of two wrong causes each can hold up the
+        other.
+        """
         for _ in range(self.swaps):
-            for cause in best.members:
-                first = self.ranked([best, *(model for _, model in self.rivals(best, cause))])[0]
+            for others in self._exchanged(best):
+                first = self.ranked([best, *others])[0]
                 if first is not best and self.better(first, best):
                     best = self.settled(first)
                     break
             else:
                 return best
         return best
+
+    def _exchanged(self, best: M) -> Iterator[list[M]]:
+        for cause in best.members:
+            yield [model for _, model in self.rivals(best, cause)]
+        for one, other in combinations(best.members, 2):
+            yield list(self.two_instead(best, one, other))
+
+    def two_instead(self, model: M, one: K, other: K) -> Sequence[M]:
+        """Models with two other causes in the place of two members; none where no kind of fit looks for them."""
+        return ()
 
     def finished(self, best: M) -> M:
         """A model that was found, less what it can do without, with the best causes in every place."""

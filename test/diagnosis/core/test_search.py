@@ -103,6 +103,26 @@ def test_a_better_letter_takes_the_place_of_one_that_came_first():
     assert found.text == "bc", "a is the best alone and stands in no best pair"
 
 
+def test_two_give_way_to_two_that_no_single_exchange_leads_to():
+    class Two(Letters):
+        largest = 2
+
+        def two_instead(self, model, one, other):
+            rest = self.without(model, one, other)
+            others = [letter for letter in self.letters if letter not in (*rest.members, one, other)]
+            return [Word((*rest.members, *pair)) for pair in combinations(others, 2)]
+
+    # "de" is the best pair by far, and with one of its letters beside one of the others it is worth nothing.
+    together = {"de": 70.0}
+    assert Letters.two_instead(Letters(), Word(()), None, None) == ()
+    assert Two(together).run().text == "de"
+
+    class One(Two):
+        two_instead = Letters.two_instead
+
+    assert One(together).run().text == "ab"
+
+
 def test_from_everything_the_useless_leave_half_at_a_time():
     search = Letters(everything=True)
     assert search.run().text == "abc"
