@@ -14,8 +14,9 @@ from doormill_ros.abb.errors import TargetFileWriteError
 from doormill_ros.abb.target_file.target_file import write_target_file
 from doormill_ros.cell.errors import RunNoteError
 from doormill_ros.cell.run_in_hand import NOTE, RunNote
-from support.deaths.campaign import named_after, play
+from support.deaths.campaign import play
 from support.deaths.leftovers import Leftovers
+from support.deaths.naming import Lives, named_after
 from support.deaths.oracle import Oracle, Place, Placed
 from support.deaths.strikes import NODES, PAIRS, STAGES, Strike, deal
 
@@ -69,15 +70,26 @@ def test_a_node_is_named_so_long_after_the_strike_that_killed_it() -> None:
         (Strike("path_generator", False, "pose", 0.0, 3.0), 11.0),
         (Strike("cell_simulator", True, "pose", 0.0, 0.0), 12.0),
     ]
-    assert named_after(path, fallen, 12.75) == [1.75]
-    assert named_after(camera, fallen, 13.5) == [1.5]
-    assert named_after("door x: /abb_bridge is dead: it", fallen, 13.0) == []
-    assert named_after(path, fallen[:1], 12.0) == []
-    assert named_after(path, [], 12.0) == []
+    now = [0.0]
+    lives = Lives(lambda: now[0])
+    assert named_after(path, fallen, 12.75, lives) == [1.75]
+    assert named_after(camera, fallen, 13.5, lives) == [1.5]
+    assert named_after("door x: /abb_bridge is dead: it", fallen, 13.0, lives) == []
+    assert named_after(path, fallen[:1], 12.0, lives) == []
+    assert named_after(path, [], 12.0, lives) == []
     # A bridge that was stopped meanwhile can name it once it goes on.
     held = [*fallen, (Strike("abb_bridge", False, "pose", 0.0, 1.5), 11.5)]
-    assert named_after(path, held, 13.25) == [0.25]
-    assert named_after(path, held, 12.75) == [1.75]
+    assert named_after(path, held, 13.25, lives) == [0.25]
+    assert named_after(path, held, 12.75, lives) == [1.75]
+    # One that was started again before it was given up was never dead; the strike after that killed it.
+    twice = [(Strike("path_generator", True, "pose", 0.0, 0.0), when) for when in (20.0, 22.5)]
+    assert named_after(path, twice, 24.25, lives) == [4.25]
+    for now[0], alive in ((19.0, 1), (21.2, 0), (21.75, 1)):
+        lives.count("path_generator", alive)
+    assert named_after(path, twice, 24.25, lives) == [4.25], "too late"
+    now[0] = 21.5
+    lives.count("path_generator", 1)
+    assert named_after(path, twice, 24.25, lives) == [1.75]
 
 
 def test_a_file_that_outlives_its_run_is_seen_when_the_next_result_comes(tmp_path: Path) -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import gc
 import random
-import re
 import shutil
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,13 +25,13 @@ from rclpy.parameter import Parameter
 from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.errors import NodeDeadError
 from doormill_ros.nodes import topics
-from doormill_ros.nodes.alive import LEASE
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.nodes.mailboxes import Mailboxes
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.units import ns_to_s
 from support.cell_processes import free_port
 from support.deaths.leftovers import Leftovers
+from support.deaths.naming import Lives, named_after
 from support.deaths.oracle import Oracle, Place, Placed, targets_of
 from support.deaths.strikes import NODES, STAGES, Round, Strike
 from support.deaths.supervisor import Supervisor
@@ -53,8 +52,7 @@ PLACEMENT = "/simulation/door_placement"
 UP_LIMIT = 300.0  # s in which the cell mills again by itself
 TIME_SCALE = 40.0
 LONG = 60.0  # s until a door is milled again, of which one wants to know why
-#: Nodes that one executable runs.
-HOSTED = {"cell_simulator": ("camera_simulator", "sensor_simulator", "controller_simulator")}
+NAMED = 2.0  # s after which a refusal names the node that died
 #: How far off the doors stand; each of them at a place of its own [m, m, rad].
 SCATTER = {"offset_y": 0.008, "offset_z": 0.008, "offset_rotation": 0.03}
 
@@ -75,6 +73,7 @@ class Tally:
     struck: set[tuple[str, bool, str]] = field(default_factory=set)  # node, killed or stopped, stage
     together: set[tuple[str, ...]] = field(default_factory=set)  # stages of the strikes that fell in one run
     named: list[float] = field(default_factory=list)  # from the strike to the refusal that names the node [s]
+    late: list[str] = field(default_factory=list)  # those that came too late
     again: list[float] = field(default_factory=list)  # from the first strike to the next milled door [s]
     not_ended: list[str] = field(default_factory=list)  # told as milled, and no robot ended
     seen: int = 0  # times the oracle saw the robot begin
@@ -90,6 +89,7 @@ class Client:
         self._oracle = oracle
         self.results: list[Any] = []
         self.stage = ""
+        self.lives = Lives()
         self._open()
 
     def _open(self) -> None:
@@ -102,6 +102,7 @@ class Client:
             (topics.RUN_RESULT, self.results.append),
         ):
             self.node.create_subscription(topic.type, topic.name, callback, topic.requested)
+        self.lives.listen(self.node)
         self._action = GoalClient(self.node, MillDoor, "mill_door")
         self._places = self.node.create_client(SetParameters, "camera_simulator/set_parameters")
         self._executor = SingleThreadedExecutor(context=self.context)
@@ -216,29 +217,6 @@ def running(folder: Path) -> Iterator[tuple[Supervisor, Oracle, Client]]:
             client.close()
 
 
-def named_after(message: str, fallen: Sequence[tuple[Strike, float]], now: float) -> list[float]:
-    """How long after the strike that did it a refusal named the node [s]; none where that fell on an earlier goal.
-
-    While the bridge is stopped itself there is nobody to name it: that time does not count.
-
-    Args:
-        message: Of the refusal.
-        fallen: Strikes that fell while the goal was in hand, and when.
-        now: When its result came, by the same clock.
-    """
-    named = re.search(r"/(\w+) is dead", message)
-    died = [
-        when
-        for strike, when in fallen
-        # One that was stopped for less than a node may be silent for was never dead.
-        if named
-        and named[1] in HOSTED.get(strike.node, (strike.node,))
-        and (strike.kill or strike.stopped > LEASE)
-    ]
-    resumed = [when + s.stopped for s, when in fallen if s.node == "abb_bridge" and not s.kill]
-    return [now - max([min(died), *(when for when in resumed if when <= now)])] if died else []
-
-
 class Game:
     """Goals and strikes in one cell, and what came of them."""
 
@@ -310,7 +288,9 @@ class Game:
             tally.refused[result.error_code] = tally.refused.get(result.error_code, 0) + 1
             if result.error_code == NodeDeadError.code:
                 fallen = [(strike, when) for strike, goal, when in self._fallen if goal == tally.goals]
-                tally.named += named_after(result.message, fallen, time.monotonic())
+                after = named_after(result.message, fallen, time.monotonic(), self._client.lives)
+                tally.named += after
+                tally.late += [f"{result.message}: {s:.1f} s after {fallen}" for s in after if s > NAMED]
         return result
 
     def _hit(self, strikes: Round) -> None:
