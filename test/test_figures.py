@@ -89,7 +89,6 @@ def test_there_are_many() -> None:
 BOUNDS_MISSED = {
     "bench_conditions": "no picture shows that a door is 0.3 mm thicker, and waves of some lengths are refused",
     "calibration_campaign": "kept before runs said how they ended",
-    "deaths": "its oracle looked too late at two starts, from a thread; it has a process of its own since",
     "loop_worlds": "kept before runs said how they ended; force and gap together miss their bound",
 }
 
