@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
+from itertools import islice
 from typing import ClassVar, Generic
 
 import numpy as np
@@ -130,12 +131,15 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
         freedom = self.problem.components * len(self.problem)
         if best.held_out_score < freedom + 3.0 * np.sqrt(2.0 * freedom):
             return []  # nothing is left for a pair to gain
-        grown: list[Fit[C]] = []
+        pairs = islice(self.promising(found, best), _PAIRS)
+        return [self.add(self.add(found, one), two) for one, two in pairs]
+
+    def promising(self, found: Fit[C], best: Fit[C], doubt: float = 2.0) -> Iterator[tuple[C, C]]:
+        """Pairs that may bring a model as low as another; `doubt` is the factor that the first order is left."""
         for one, two, gain in self.pairs(found):
-            if len(grown) == _PAIRS or found.held_out_score - 2.0 * gain > best.held_out_score:
+            if found.held_out_score - doubt * gain > best.held_out_score:
                 break
-            grown.append(self.add(self.add(found, one), two))
-        return grown
+            yield one, two
 
     def pairs(self, found: Fit[C]) -> Iterator[tuple[C, C, float]]:
         """Pairs that may join a model and by how much, to first order; the most promising first."""
@@ -149,15 +153,12 @@ class BeamSearch(Search[C, Fit[C]], Generic[C]):
         """The most promising pairs of other candidates in the place of two members."""
         if not self.two_at_once:
             return []
-        found: list[Fit[C]] = []
-        rest, keys = self.without(model, one, other), {one.identity, other.identity}
-        for first, second, gain in self.pairs(rest):
-            if len(found) == self.two_at_once or rest.held_out_score - gain > model.held_out_score:
-                break
-            # With one of the two in its place again it is an exchange of one.
-            if not keys & {first.identity, second.identity}:
-                found.append(self.add(self.add(rest, first), second))
-        return found
+        rest, left = self.without(model, one, other), {one.identity, other.identity}
+        # With one of the two in its place again it is an exchange of one.
+        pairs = (
+            pair for pair in self.promising(rest, model, doubt=1.0) if not left & {c.identity for c in pair}
+        )
+        return [self.add(self.add(rest, first), second) for first, second in islice(pairs, self.two_at_once)]
 
     def earns(self, smaller: Fit[C], larger: Fit[C]) -> bool:
         """Whether the held-out score falls by more than chance makes it."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import numpy as np
 
 from doormill_ros.diagnosis.core.beam import EQUAL, BeamSearch
@@ -15,9 +17,7 @@ from doormill_ros.diagnosis.core.stability import beaten
 #: Fall of the score with one more number that chance reaches once in ten sets.
 LEANING = 2.7
 _NEAR = 40.0  #: score within which a model is worth another look at its kinked numbers
-_DIFFERS = (
-    0.1  #: share of what models are told apart by from which on a trial counts as one where they differ
-)
+_DIFFERS = 0.1  #: share of the resolution from which on two models differ at a trial
 _TRIED = 6  #: pairs of causes that are fitted in place of one
 
 
@@ -61,9 +61,11 @@ def equals(
 
 def _alike(best: Fit[C], model: Fit[C], resolution: float) -> bool:
     """Whether two models predict the same, as far as the data are good for, where they differ at all."""
+    if resolution == 0.0:
+        return False
     apart = np.linalg.norm(model.prediction.residual - best.prediction.residual, axis=1)
     apart = apart[apart > _DIFFERS * resolution]
-    return resolution > 0.0 and (not len(apart) or float(np.sqrt(np.mean(apart**2))) < resolution)
+    return not len(apart) or float(np.sqrt(np.mean(apart**2))) < resolution
 
 
 def _double(cause: C, model: Fit[C], behind: float) -> Double[C, Fit[C]]:
@@ -90,13 +92,10 @@ def _pairs_with_fewer_numbers(search: BeamSearch[C], best: Fit[C], cause: C) -> 
     if cause.size < 3:
         return []
     rest = search.without(best, cause)
-    equal, tried = [], 0
-    for one, two, gain in search.pairs(rest):
-        if tried == _TRIED or rest.held_out_score - 2.0 * gain > best.held_out_score:
-            break
-        if one.named and two.named and one.size + two.size < cause.size:
-            tried += 1
-            model = search.add(search.add(rest, one), two)
-            if search.total(model) < search.total(best):
-                equal.append(model)
-    return equal
+    smaller = (
+        (one, two)
+        for one, two in search.promising(rest, best)
+        if one.named and two.named and one.size + two.size < cause.size
+    )
+    models = [search.add(search.add(rest, one), two) for one, two in islice(smaller, _TRIED)]
+    return [model for model in models if search.total(model) < search.total(best)]

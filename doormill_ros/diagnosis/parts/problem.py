@@ -286,11 +286,9 @@ class DoorProblem(Examined[InTime]):
 
     def objections(self, members: Sequence[InTime], theta: FloatArray, cause: InTime) -> Sequence[Check]:
         """That it moves the points by less than the mill that cut them is known to: anything could be that small."""
-        without, at = theta.copy(), 0
-        for member in members:
-            if member is cause:
-                without[at : at + member.size] = 0.0
-            at += member.size
+        without = np.concatenate(
+            [np.zeros_like(part) if member is cause else part for member, part in split(members, theta)]
+        )
         moves = self._moved(members, theta)[0] - self._moved(members, without)[0]
         acts = moves != 0.0
         size = float(np.sqrt(np.mean(moves[acts] ** 2))) if acts.any() else 0.0

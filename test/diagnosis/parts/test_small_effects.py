@@ -43,7 +43,7 @@ def test_a_spring_is_named_from_what_the_mill_is_known_to_on(problem: DoorProble
 
 
 def test_a_spring_off_by_a_hundredth_is_no_cause_beside_a_weight_that_nobody_told(tmp_path: Path) -> None:
-    # What a weight of 20 kg bends to second order looks like a spring that is off by 1 %.
+    # What a weight of 22 kg bends to second order looks like a spring that is off by 1 %.
     drawn = draw_shift(8020)
     diagnosis = diagnosed(tmp_path / "shift", drawn, 8020)
     found = judged(diagnosis, drawn.hidden)
