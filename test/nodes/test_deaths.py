@@ -90,6 +90,11 @@ def test_a_node_is_named_so_long_after_the_strike_that_killed_it() -> None:
     now[0] = 21.5
     lives.count("path_generator", 1)
     assert named_after(path, twice, 24.25, lives) == [1.75]
+    # A predecessor that is given up only now does not bring back the one that was struck.
+    again = [(Strike("path_generator", True, "pose", 0.0, 0.0), when) for when in (30.0, 31.15)]
+    for now[0], alive in ((31.1, 2), (31.2, 1), (32.35, 0)):
+        lives.count("path_generator", alive)
+    assert named_after(path, again, 33.0, lives) == [pytest.approx(1.85)]
 
 
 def test_a_file_that_outlives_its_run_is_seen_when_the_next_result_comes(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ class Lives:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._alive: dict[str, list[float]] = {}
+        self._counted: dict[str, list[tuple[float, int]]] = {}
 
     def listen(self, node: Node) -> None:
         """Hear the nodes of the cell by a node of one's own."""
@@ -43,12 +43,13 @@ class Lives:
 
     def count(self, name: str, alive: int) -> None:
         """So many nodes of a name are alive now."""
-        if alive:
-            self._alive.setdefault(name, []).append(self._clock())
+        self._counted.setdefault(name, []).append((self._clock(), alive))
 
     def back(self, name: str, when: float) -> bool:
         """A node that was struck then [s] was there again before it had to be given up."""
-        return any(when < at <= when + LEASE + GRACE for at in self._alive.get(name, ()))
+        counted = self._counted.get(name, ())
+        _, alive = max((one for one in counted if when < one[0] <= when + LEASE + GRACE), default=(when, 0))
+        return alive > 0
 
 
 def named_after(
