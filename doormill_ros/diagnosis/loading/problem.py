@@ -115,7 +115,7 @@ class LoadingProblem:
     def objections(
         self, members: Sequence[ElasticCause], theta: FloatArray, cause: ElasticCause
     ) -> Sequence[Check]:
-        """Nothing beside all that holds for any kind of data."""
+        """As `Examined.objections`: nothing beside all that holds for any kind of data."""
         return ()
 
     def turning(self, residual: FloatArray, gross: BoolArray) -> tuple[str, float]:

@@ -36,6 +36,7 @@ from doormill_ros.diagnosis.parts.placement import (
     seen_columns,
 )
 from doormill_ros.robot.description import Robot
+from doormill_ros.units import m_to_um
 
 STRETCH = 0.02  #: points of one stretch of wall of this length are left out together [m]
 FEW = 3  #: doors from which on whole features are left out together instead
@@ -292,14 +293,15 @@ class DoorProblem(Examined[InTime]):
         moves = self._moved(members, theta)[0] - self._moved(members, without)[0]
         acts = moves != 0.0
         size = float(np.sqrt(np.mean(moves[acts] ** 2))) if acts.any() else 0.0
+        known = self.resolution
         return [
             Check(
-                size <= self.resolution,
-                f"it moves the points by {1e6 * size:.1f} um, and the mill is known to {1e6 * self.resolution:.0f} um",
+                size <= known,
+                f"it moves the points by {m_to_um(size):.1f} um, and the mill is known to {m_to_um(known):.0f} um",
                 (
                     Margin(
                         f"{cause!r} moves the points by multiples of what the mill is known to",
-                        size / self.resolution,
+                        size / known,
                         1.0,
                         "share",
                     ),
