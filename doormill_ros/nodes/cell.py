@@ -42,6 +42,9 @@ from doormill_ros.nodes.shared_door_judge import SharedDoorJudge
 from doormill_ros.operator.token import Keys
 from doormill_ros.simulation.robot_cell import RobotCell
 
+#: Longest wait for each stage [s]: its devices are played by the processor that also has to answer them.
+PATIENCE = 60.0
+_PATIENT = {f"limit.{stage}": PATIENCE for stage in ("recipe", "picture", "targets", "request", "ready")}
 THREADS = 6  #: and as many again for each further robot: every goal in hand keeps one
 #: Topics of one name for a whole network; a cell in a namespace has its own.
 GLOBAL = ("tf", "tf_static", "diagnostics")
@@ -115,8 +118,8 @@ class CellOptions:
         """ROS arguments that put everything the nodes write into the run's folder; leaves their parameters there."""
         chosen: dict[str, dict[str, Any]] = {
             "bag_recorder": {"bag": folder.bag},
-            "abb_bridge": {"address": folder.controller, "archive": folder.targets},
-            "door_shares": {"note": folder.targets},
+            "abb_bridge": {"address": folder.controller, "archive": folder.targets, **_PATIENT},
+            "door_shares": {"note": folder.targets, **_PATIENT},
             "controller_simulator": {"home": folder.controller, "gauged": self.page},
             "operator_page": {"history": folder.root, "audit": folder.audit, "robots": self.robots},
             "path_generator": {"models": folder.models},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorRecipe, SensorReading
 from doormill_ros.cell.errors import StageTimeoutError
 from doormill_ros.cell.layout import CAMERA
+from doormill_ros.cell.run import StageLimits
 from doormill_ros.cell.run_folder import RunFolder
 from doormill_ros.cell.summary import RunSummary
 from doormill_ros.localization.sensors.errors import BadReading, BeamMissed, SensorsDisagree
@@ -24,9 +26,10 @@ from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.replay import replay_bag
 from doormill_ros.simulation.sensors.registry import SIMULATED
 from doormill_ros.units import DEG, MM
-from support.cell_processes import NODES, PATIENT, CellProcesses
+from support.cell_processes import NODES, CellProcesses
 
 DOOR = "thesis_190_0deg"
+LATE = 12.0  # s, longer than a run of separate nodes waits for a picture
 #: Three standard deviations of y, z and rotation by docs/sensors.md; of the probe what its arm's scatter leaves.
 NEAR = {
     "axis_vision": np.array([0.03 * MM, 0.03 * MM, 0.016 * DEG]),
@@ -38,7 +41,7 @@ WIDE = {"touch_probe": "standard_door"}
 
 
 def options(*sensors: str, **parameters: dict[str, Any]) -> CellOptions:
-    return CellOptions({"abb_bridge": dict(PATIENT), **parameters}, sensors=sensors)
+    return CellOptions(parameters, sensors=sensors)
 
 
 def bag_of(summary: RunSummary) -> dict[str, list[Any]]:
@@ -47,6 +50,22 @@ def bag_of(summary: RunSummary) -> dict[str, list[Any]]:
     for item in read_bag(Path(summary.bag)):
         found.setdefault(item.topic.lstrip("/"), []).append(item.message)
     return found
+
+
+def test_a_simulated_sensor_that_is_slow_is_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A busy machine draws its pictures late; that turns no good door into a refused one."""
+    true = SIMULATED["photoelectric"]
+
+    def late(*door: Any) -> Any:
+        time.sleep(LATE)
+        return true(*door)
+
+    monkeypatch.setitem(SIMULATED, "photoelectric", late)
+    summary = run_once(DOOR, tmp_path, options("photoelectric"))
+    assert summary.success, summary.message
+    assert summary.times.request_to_ready > StageLimits().picture
 
 
 @pytest.mark.parametrize("sensor", sorted(SIMULATED))
@@ -153,9 +172,9 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Cell, Dr
     """A cell beside whose camera the beams' driver is the test's own."""
     folder = RunFolder(tmp_path_factory.mktemp("hostile"))
     folder.prepare()
-    limits = {**PATIENT, "limit.picture": 5.0}
     chosen = CellOptions(
-        {"abb_bridge": limits, "sensor_simulator": {"sensors": CAMERA}}, sensors=("photoelectric",)
+        {"abb_bridge": {"limit.picture": 5.0}, "sensor_simulator": {"sensors": CAMERA}},
+        sensors=("photoelectric",),
     )
     with Cell(folder, chosen) as cell:
         yield cell, Driver(cell)

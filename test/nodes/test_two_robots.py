@@ -20,9 +20,6 @@ from doormill_ros.report.run_report import write_report
 from support.cell_processes import free_port
 
 DOOR = "standard_door"
-#: A loaded machine must not turn a good door into a refused one.
-LONG = {f"limit.{stage}": 60.0 for stage in ("recipe", "picture", "targets", "request", "ready")}
-PATIENT: dict[str, dict[str, Any]] = {"abb_bridge": LONG, "door_shares": LONG}
 
 
 def heard(folder: Path) -> dict[str, list[Any]]:
@@ -39,7 +36,7 @@ def states(found: dict[str, list[Any]], robot: str) -> list[str]:
 
 
 def test_two_robots_mill_a_door_and_the_second_begins_when_the_first_is_home(tmp_path: Path) -> None:
-    summary = run_once(DOOR, tmp_path, CellOptions(PATIENT, robots=2))
+    summary = run_once(DOOR, tmp_path, CellOptions(robots=2))
     assert summary.success, summary.message
     assert summary.measured
     assert summary.feature_error.corrected_max < summary.feature_error.tolerance
@@ -75,7 +72,7 @@ def test_two_robots_mill_a_door_and_the_second_begins_when_the_first_is_home(tmp
 
 
 def test_the_summary_of_one_robot_tells_what_two_would_need(tmp_path: Path) -> None:
-    summary = run_once(DOOR, tmp_path, CellOptions(PATIENT))
+    summary = run_once(DOOR, tmp_path, CellOptions())
     assert summary.success, summary.message
     told = json.loads((tmp_path / "summary.json").read_text())["cycle"]
     assert told["two"] < told["allowed"] < told["one"]
@@ -84,7 +81,7 @@ def test_the_summary_of_one_robot_tells_what_two_would_need(tmp_path: Path) -> N
 
 
 def test_without_the_bridge_of_one_robot_nothing_is_milled(tmp_path: Path) -> None:
-    missing = {**PATIENT, "robot2/abb_bridge": {"autostart": False}}
+    missing = {"robot2/abb_bridge": {"autostart": False}}
     summary = run_once(DOOR, tmp_path, CellOptions(missing, robots=2))
     assert (summary.success, summary.error_code) == (False, NodeInactiveError.code)
     assert "second robot" in summary.message
@@ -93,7 +90,7 @@ def test_without_the_bridge_of_one_robot_nothing_is_milled(tmp_path: Path) -> No
 
 
 def test_a_first_robot_that_stops_with_a_fault_keeps_the_second_one_still(tmp_path: Path) -> None:
-    faulty = {**PATIENT, "robot1/controller_simulator": {"spindle_works": False}}
+    faulty = {"robot1/controller_simulator": {"spindle_works": False}}
     summary = run_once(DOOR, tmp_path, CellOptions(faulty, robots=2))
     assert (summary.success, summary.error_code) == (False, 491)
     assert "first robot" in summary.message
@@ -105,7 +102,7 @@ def test_a_first_robot_that_stops_with_a_fault_keeps_the_second_one_still(tmp_pa
 
 def test_the_page_tells_of_both_robots_and_of_the_door_they_milled(tmp_path: Path) -> None:
     port = free_port()
-    chosen = CellOptions({**PATIENT, "operator_page": {"port": port}}, page=True, robots=2)
+    chosen = CellOptions({"operator_page": {"port": port}}, page=True, robots=2)
     folder = RunFolder(tmp_path)
     folder.prepare()
     with (
