@@ -21,7 +21,7 @@ from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.simulation.world.door_truth import DoorTruth
 from doormill_ros.simulation.world.world_file import load_world
 from support.gauged_shift import HINGE_DOORS, gauged_shift
-from support.milled_worlds import RUN_ID, MilledFile
+from support.milled_worlds import RUN_ID, MilledFile, believed_wrenches
 from support.shift_worlds import inspected
 
 TURNS = tuple(itertools.islice(itertools.cycle(HINGE_DOORS), 9))
@@ -79,9 +79,9 @@ def milled(
     recipe = replace(load_recipe(name), program=program)
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
     planned = plan(recipe, T_base_door, setup).program
-    believed = np.array([motion.wrench for motion in planned.motions])
     dh, tool = setup.robot.dh, setup.layout.T_flange_tool
-    file = MilledFile(render_target_file(planned, RUN_ID).decode("ascii"), believed, dh, tool)
+    text = render_target_file(planned, RUN_ID).decode("ascii")
+    file = MilledFile(text, believed_wrenches(planned), dh, tool)
     commanded = replace(file.path, wrench=file.believed)
     truth = DoorTruth(load_world(world), 12, dh, tool)
     stands = truth.T_base_door(T_base_door)

@@ -170,6 +170,19 @@ TOLD = {
 }
 
 
+def believed_wrenches(program) -> np.ndarray:
+    """Wrench that a program's maker believed in where each motion begins and ends, shape (m, 2, 6) [N, N m]."""
+    return np.array([[motion.wrench, motion.last_wrench] for motion in program.motions])
+
+
+def shares(motion: np.ndarray) -> np.ndarray:
+    """How much of its motion lies behind each sample, 0..1, where samples of one motion are equally far apart."""
+    place = np.arange(len(motion))
+    first = np.searchsorted(motion, motion, side="left")
+    last = np.searchsorted(motion, motion, side="right") - 1
+    return (place - first) / np.maximum(last - first, 1)
+
+
 class MilledFile:
     """A target file as an ideal controller runs it, ready to be bent by any world."""
 
@@ -178,13 +191,16 @@ class MilledFile:
 
         Args:
             text: The target file.
-            believed: Wrench of each motion of the file, base axes, shape (m, 6) [N, N m].
+            believed: Wrench where each motion of the file begins and ends, base axes, shape (m, 2, 6) [N, N m]; it
+                goes evenly from the one to the other.
             dh: Denavit-Hartenberg table of the robot, shape (6, 4).
             T_flange_tool: Tool centre point in the flange, shape (4, 4).
         """
         self.dh, self.T_flange_tool = dh, T_flange_tool
         self.path = run_file_ideally(read_file(text), TruthRobot(dh), T_flange_tool)
-        self.believed = np.where(self.path.cutting[:, None], believed[self.path.motion], 0.0)
+        first, last = np.swapaxes(believed[self.path.motion], 0, 1)
+        force = first + shares(self.path.motion)[:, None] * (last - first)
+        self.believed = np.where(self.path.cutting[:, None], force, 0.0)
         self.keep = np.char.str_len(self.path.feature) > 0
 
     def milled(self, world: World) -> ExecutedPath:
@@ -243,7 +259,7 @@ class MilledFile:
 
 def both_files(program, dh, T_flange_tool) -> tuple[MilledFile, ...]:
     """The program's target file, and the same file without its corrections."""
-    believed = np.array([motion.wrench for motion in program.motions])
+    believed = believed_wrenches(program)
     plain = tuple(replace(t, T_base_tool_corrected=t.T_base_tool_nominal) for t in program.targets)
     return tuple(
         MilledFile(render_target_file(p, RUN_ID).decode("ascii"), believed, dh, T_flange_tool)
