@@ -26,7 +26,7 @@ from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.replay import replay_bag
 from doormill_ros.simulation.sensors.registry import SIMULATED
 from doormill_ros.units import DEG, MM
-from support.cell_processes import NODES, CellProcesses
+from support.cell_processes import NODES, PATIENT, CellProcesses
 
 DOOR = "thesis_190_0deg"
 LATE = 12.0  # s, longer than a run of separate nodes waits for a picture
@@ -41,7 +41,7 @@ WIDE = {"touch_probe": "standard_door"}
 
 
 def options(*sensors: str, **parameters: dict[str, Any]) -> CellOptions:
-    return CellOptions(parameters, sensors=sensors)
+    return CellOptions({"abb_bridge": dict(PATIENT), **parameters}, sensors=sensors)
 
 
 def bag_of(summary: RunSummary) -> dict[str, list[Any]]:
@@ -63,7 +63,9 @@ def test_a_simulated_sensor_that_is_slow_is_waited_for(
         return true(*door)
 
     monkeypatch.setitem(SIMULATED, "photoelectric", late)
-    summary = run_once(DOOR, tmp_path, options("photoelectric"))
+    alive = {"limit.sign_of_life": PATIENT["limit.sign_of_life"]}
+    chosen = CellOptions({"abb_bridge": alive}, sensors=("photoelectric",))
+    summary = run_once(DOOR, tmp_path, chosen)
     assert summary.success, summary.message
     assert summary.times.request_to_ready > StageLimits().picture
 
@@ -172,8 +174,9 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Cell, Dr
     """A cell beside whose camera the beams' driver is the test's own."""
     folder = RunFolder(tmp_path_factory.mktemp("hostile"))
     folder.prepare()
+    limits = {**PATIENT, "limit.picture": 5.0}
     chosen = CellOptions(
-        {"abb_bridge": {"limit.picture": 5.0}, "sensor_simulator": {"sensors": CAMERA}},
+        {"abb_bridge": limits, "sensor_simulator": {"sensors": CAMERA}},
         sensors=("photoelectric",),
     )
     with Cell(folder, chosen) as cell:
