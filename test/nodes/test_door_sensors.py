@@ -176,8 +176,7 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Cell, Dr
     folder.prepare()
     limits = {**PATIENT, "limit.picture": 5.0}
     chosen = CellOptions(
-        {"abb_bridge": limits, "sensor_simulator": {"sensors": CAMERA}},
-        sensors=("photoelectric",),
+        {"abb_bridge": limits, "sensor_simulator": {"sensors": CAMERA}}, sensors=("photoelectric",)
     )
     with Cell(folder, chosen) as cell:
         yield cell, Driver(cell)
