@@ -45,6 +45,8 @@ from doormill_ros.simulation.robot_cell import RobotCell
 #: Longest wait for each stage [s]: its devices are played by the processor that also has to answer them.
 PATIENCE = 60.0
 _PATIENT = {f"limit.{stage}": PATIENCE for stage in ("recipe", "picture", "targets", "request", "ready")}
+#: Longest silence of a node [s]: one that shares its interpreter with all others dies with them, or not at all.
+SILENCE = 30.0
 THREADS = 6  #: and as many again for each further robot: every goal in hand keeps one
 #: Topics of one name for a whole network; a cell in a namespace has its own.
 GLOBAL = ("tf", "tf_static", "diagnostics")
@@ -118,7 +120,12 @@ class CellOptions:
         """ROS arguments that put everything the nodes write into the run's folder; leaves their parameters there."""
         chosen: dict[str, dict[str, Any]] = {
             "bag_recorder": {"bag": folder.bag},
-            "abb_bridge": {"address": folder.controller, "archive": folder.targets, **_PATIENT},
+            "abb_bridge": {
+                "address": folder.controller,
+                "archive": folder.targets,
+                "limit.sign_of_life": SILENCE,
+                **_PATIENT,
+            },
             "door_shares": {"note": folder.targets, **_PATIENT},
             "controller_simulator": {"home": folder.controller, "gauged": self.page},
             "operator_page": {"history": folder.root, "audit": folder.audit, "robots": self.robots},

@@ -83,18 +83,31 @@ def gauged_shift(
     file = folder / "world.yaml"
     file.write_text(yaml.safe_dump({"schema": "doormill/world/1", **world}), encoding="utf-8")
     shift, layout, rng = load_world(file), load_layout(), np.random.default_rng([seed, 16])
-    dh, eye = load_robot(layout.robot).dh, load_camera().position
+    dh = load_robot(layout.robot).dh
     for number, name in enumerate(doors):
         run, truth = commanded(name), DoorTruth(shift, number, dh, layout.T_flange_tool)
-        y, z, angle = rng.normal(0.0, scatter)
-        moved, turned = truth.camera_moved
-        about = transform(translation=eye - [0.0, run.recipe.width / 2.0, 0.0])
-        camera = transform(turned)
-        seen = transform(translation=[0.0, moved[1] + y, moved[2] + z]) @ about @ camera @ inverse(about)
-        corner = transform(rotation_from_vector(np.array([angle, 0.0, 0.0])))
-        T_base_door = truth.T_base_door(seen @ run.T_base_door @ corner)
+        T_base_door = stood(truth, run.recipe, run.T_base_door, rng.normal(0.0, scatter))
         executed = truth.executed(run.recipe, T_base_door, run.path)
         points = gauge(run.recipe, T_base_door, executed, truth.drawn(GAUGE))
         at = BEGAN + timedelta(seconds=(number + 1) * TAKT)
         write_inspection(folder / f"door_{number:03d}", run.bag, run.run_id, at, NOISE, points)
     return folder
+
+
+def stood(truth: DoorTruth, recipe: Recipe, believed: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """T_base_door while it is milled, shape (4, 4).
+
+    Args:
+        truth: Of the door: its camera and its clamp.
+        recipe: The door.
+        believed: Where a localizer that trusts its camera put it, shape (4, 4).
+        off: What that localization scattered by: along y and z [m], and its angle [rad].
+    """
+    y, z, angle = off
+    moved, turned = truth.camera_moved
+    about = transform(translation=load_camera().position - [0.0, recipe.width / 2.0, 0.0])
+    seen = (
+        transform(translation=[0.0, moved[1] + y, moved[2] + z]) @ about @ transform(turned) @ inverse(about)
+    )
+    corner = transform(rotation_from_vector(np.array([angle, 0.0, 0.0])))
+    return truth.T_base_door(seen @ believed @ corner)
