@@ -219,6 +219,8 @@ class _Edge:
                 k += 1
         elif k and self._framed(other):
             raise self.doubt(0, k)
+        elif rest and self._turns_round(k, other):
+            raise self.doubt(k, k + 1)
         return self.lines[k]
 
     def _flush(self, k: int, other: _Edge) -> bool:
@@ -267,6 +269,17 @@ class _Edge:
                 wide = two._width(j) / one._width(k - 1)
                 if abs(mine - its) < _CROSSED and _TWIN < wide < 1.0 / _TWIN:
                     raise one.doubt(k - 1, k)
+
+    def _turns_round(self, k: int, other: _Edge) -> bool:
+        """Whether strip k, hardly brighter or darker than the background, goes round the corner as a band would.
+
+        It ends beyond the other edge by its own width: there its twin ends, which is too faint to be seen.
+        """
+        strip = self.strips[k]
+        if strip.end is None or not np.isfinite(strip.end) or not self.like_background(strip):
+            return False
+        beyond = other.lines[other.first].at(strip.middle) - strip.end
+        return abs(strip.level - self.back) > _LEAST and abs(beyond - self._width(k)) < _TOGETHER
 
     def _width(self, k: int) -> float:
         """Of a strip at the corner [m]."""

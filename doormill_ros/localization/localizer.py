@@ -9,11 +9,13 @@ from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.coarse import search, search_bands
+from doormill_ros.localization.crossing import check_crossing
 from doormill_ros.localization.drift import Drift, drift_in
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import CornerFit, fit_corner
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
+from doormill_ros.localization.sharpness import check_sharpness
 from doormill_ros.localization.straightness import check_straight
 from doormill_ros.localization.tracing import Trace, trace_edges
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView, face_view
@@ -55,10 +57,14 @@ def localize(
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit)
     checks.check_square(fit, {edge: trace.streaks for edge, trace in traces.items()}, settings)
-    offset = DoorOffset(*(float(v) for v in fit.pose))
-    checks.check_range(offset, layout.limits)
     along = np.linspace(0.0, 1.0, 9)
     drawn = {edge: view.pixels(view.line(edge, fit.pose, view.length(edge) * along)) for edge in traces}
+    blurs = {edge: trace.spread.blur for edge, trace in traces.items()}
+    check_sharpness(blurs, fit, drawn, settings)
+    if all(trace.plain for trace in traces.values()):
+        check_crossing(picture, view, fit.pose, min(blurs.values()))
+    offset = DoorOffset(*(float(v) for v in fit.pose))
+    checks.check_range(offset, layout.limits)
     check_straight({edge: trace.line for edge, trace in traces.items()}, drawn, settings)
     # A better picture cannot help against a wrong thickness or mounting: only the picture's own part is judged.
     checks.check_certainty(fit.covariance, traces[HINGE].line, traces[BOTTOM].line, settings)

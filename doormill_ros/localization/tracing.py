@@ -39,12 +39,14 @@ class Trace:
         spread: Its blur.
         line: The line through its points, on the plane of the face.
         streaks: Standard deviation of the streaks beside it, as a share of the step.
+        plain: Whether one step is all that was seen, and no rim.
     """
 
     profiles: Profiles
     spread: Spread
     line: LineFit
     streaks: float
+    plain: bool
 
 
 def _line(view: FaceView, profiles: Profiles, pose: FloatArray, rounds: int) -> LineFit:
@@ -185,7 +187,7 @@ def _trace(
             line = line.moved(-border.shift * view.pixel, (border.deviation * view.pixel) ** 2)
         pushed = push(beside.face, beside.rows, beside.weights, beside.spread.blur, read.profiles.step)
         line = line.pushed(pushed.place * view.pixel**2, pushed.slope)
-        out[edge] = Trace(read.profiles, border.spread, line, read.streaks)
+        out[edge] = Trace(read.profiles, border.spread, line, read.streaks, not border.shift)
     return out
 
 
