@@ -40,7 +40,7 @@ def play(bench: str, rest: list[str], output: IO[str]) -> tuple[int, bool]:
 def main(arguments: list[str]) -> int:
     """Run, print, keep; the bench's exit status, and nothing is kept of one that broke off."""
     bench, *rest = arguments
-    changed = git("status", "--porcelain", "--untracked-files=no")
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!bench/results")
     commit = git("rev-parse", "HEAD") + (" and changes that were not committed" if changed else "")
     begun = datetime.now(UTC)
     with tempfile.TemporaryFile("w+", encoding="utf-8") as output:

@@ -14,7 +14,7 @@ from doormill_ros.localization.fit import CornerFit
 from doormill_ros.localization.settings import LocalizerSettings
 from doormill_ros.units import rad_to_deg
 
-_APART = (
+APART = (
     1.6  #: an edge softer than the other by that factor is none; of edges that were true the largest was 1.46
 )
 _UNLIKE = 1.12  #: from that factor on an angle between the lines has to be that of a well made door
@@ -41,9 +41,9 @@ def check_sharpness(
     """
     softer, sharper = sorted(blurs, key=lambda name: -blurs[name])
     times = blurs[softer] / max(blurs[sharper], _FINEST)
-    if times > _APART:
+    if times > APART:
         raise WrongEdge(
-            f"the {softer} edge is {times:.1f} times as soft as the {sharper} edge, allowed are {_APART:g}, as one "
+            f"the {softer} edge is {times:.1f} times as soft as the {sharper} edge, allowed are {APART:g}, as one "
             "lens sees both: what was read there is more than one step; clean the edge or change the light",
             edge=softer,
             marks=((softer, drawn[softer]),),
