@@ -60,9 +60,8 @@ def _read(picture: ByteArray, view: FaceView, pose: FloatArray) -> FloatArray:
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     places = np.stack([pose[0] + cos * u - sin * v, pose[1] + sin * u + cos * v], axis=-1)
     at = view.pixels(places).astype(np.float32)
-    return cv2.remap(
-        picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-    ).astype(float)
+    grey = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(grey, dtype=float)
 
 
 def _darkest(grey: FloatArray, blur: float) -> tuple[float, float, float, float]:
