@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.finding import Finding
 from doormill_ros.diagnosis.core.fit import fit
 from doormill_ros.diagnosis.core.verdict import UNEXPLAINED
 from doormill_ros.diagnosis.parts.course import InTime
@@ -18,7 +20,7 @@ from doormill_ros.robot_model.extended_model import SizedCause, model_document
 
 
 def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:
-    """Causes that bend the robot, as they are at the last door, and what no correction undoes, in words.
+    """Causes that bend the robot, as they will be at the next door, and what no correction undoes, in words.
 
     One that another would explain as well keeps no standard deviation: which of them it is, is the larger doubt.
     """
@@ -35,8 +37,21 @@ def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:
             continue
         size = sum(parameter.size for parameter in known.parameters)
         std = None if finding.confusable else np.array(finding.std[:size])
-        found.append(SizedCause(known, np.array(finding.values[:size]), std))
+        found.append(SizedCause(known, _at_next_door(diagnosis, finding)[:size], std))
     return found, others
+
+
+def _at_next_door(diagnosis: DoorDiagnosis, finding: Finding[InTime]) -> FloatArray:
+    """Parameters in a row: those of the last doors, and of a drift what one door more makes of them."""
+    cause, doors = finding.cause, diagnosis.problem.doors
+    course = cause.course
+    if not course.drifts or len(doors) < 2:
+        return np.array(finding.values)
+    theta = diagnosis.extended.theta[diagnosis.extended.part(cause)].reshape(course.sizes, -1)
+    next_time = course.end + (course.end - course.begin) / (len(doors) - 1)
+    next_theta = course.size(theta, np.array([next_time]))[0]
+    low, high = cause.effect.lower, cause.effect.upper
+    return cause.effect.values(np.clip(next_theta, low, high), diagnosis.problem.case)
 
 
 def measured_force(diagnosis: DoorDiagnosis) -> MeasuredForce | None:
