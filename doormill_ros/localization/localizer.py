@@ -60,10 +60,7 @@ def localize(
     along = np.linspace(0.0, 1.0, 9)
     drawn = {edge: view.pixels(view.line(edge, fit.pose, view.length(edge) * along)) for edge in traces}
     blurs = {edge: trace.spread.blur for edge, trace in traces.items()}
-    # A camera may send more pixels as one along one axis than along the other: one lens is as sharp in angles.
-    across = {HINGE: view.camera.k[0, 0], BOTTOM: view.camera.k[1, 1]}
-    mean = 0.5 * sum(across.values())
-    check_sharpness({e: float(blur * mean / across[e]) for e, blur in blurs.items()}, fit, drawn, settings)
+    check_sharpness(blurs, view, fit, drawn, settings)
     if all(trace.plain for trace in traces.values()):
         check_crossing(picture, view, fit.pose, min(blurs.values()))
     offset = DoorOffset(*(float(v) for v in fit.pose))

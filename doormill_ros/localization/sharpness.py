@@ -12,6 +12,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.fit import CornerFit
 from doormill_ros.localization.settings import LocalizerSettings
+from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.units import rad_to_deg
 
 APART = (
@@ -24,6 +25,7 @@ _FINEST = 0.3  #: blurs below that are not told apart [px]
 
 def check_sharpness(
     blurs: Mapping[str, float],
+    view: FaceView,
     fit: CornerFit,
     drawn: Mapping[str, FloatArray],
     settings: LocalizerSettings,
@@ -32,6 +34,7 @@ def check_sharpness(
 
     Args:
         blurs: Standard deviation of the point spread of each edge [px].
+        view: The camera before the face.
         fit: The corner.
         drawn: Pixels along each edge, shape (n, 2), for the overlay.
         settings: Limits of refusal.
@@ -39,6 +42,10 @@ def check_sharpness(
     Raises:
         WrongEdge: They are not, or they are a little unlike and not square either.
     """
+    # A camera may send more pixels as one along one axis than along the other: one lens is as sharp in angles.
+    across = {HINGE: view.camera.k[0, 0], BOTTOM: view.camera.k[1, 1]}
+    mean = 0.5 * sum(across.values())
+    blurs = {edge: float(blur * mean / across[edge]) for edge, blur in blurs.items()}
     softer, sharper = sorted(blurs, key=lambda name: -blurs[name])
     times = blurs[softer] / max(blurs[sharper], _FINEST)
     if times > APART:

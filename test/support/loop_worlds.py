@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.diagnosis.parts.kind import Inspections
 from doormill_ros.diagnosis.parts.model import door_model_document
@@ -21,7 +20,7 @@ from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.simulation.world.door_truth import DoorTruth
 from doormill_ros.simulation.world.world_file import load_world
 from support.gauged_shift import HINGE_DOORS, gauged_shift
-from support.milled_worlds import RUN_ID, MilledFile, believed_wrenches
+from support.milled_worlds import commanded
 from support.shift_worlds import inspected
 
 TURNS = tuple(itertools.islice(itertools.cycle(HINGE_DOORS), 9))
@@ -80,12 +79,9 @@ def milled(
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
     planned = plan(recipe, T_base_door, setup).program
     dh, tool = setup.robot.dh, setup.layout.T_flange_tool
-    text = render_target_file(planned, RUN_ID).decode("ascii")
-    file = MilledFile(text, believed_wrenches(planned), dh, tool)
-    commanded = replace(file.path, wrench=file.believed)
     truth = DoorTruth(load_world(world), 12, dh, tool)
     stands = truth.T_base_door(T_base_door)
-    part = inspect(recipe, stands, truth.executed(recipe, stands, commanded))
+    part = inspect(recipe, stands, truth.executed(recipe, stands, commanded(planned, dh, tool)))
     # Without the deepest layer: where the floor is too high it lies in the wood, and has no wall.
     off = np.concatenate([np.ravel(feature.by_depth[:-1]) for feature in part.features])
     return float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()), planned.expected_error

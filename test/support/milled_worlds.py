@@ -257,6 +257,13 @@ class MilledFile:
         return T
 
 
+def commanded(program, dh: np.ndarray, T_flange_tool: np.ndarray) -> ExecutedPath:
+    """What an ideal controller commands by a program's target file, with the wrenches that its maker believed in."""
+    text = render_target_file(program, RUN_ID).decode("ascii")
+    file = MilledFile(text, believed_wrenches(program), dh, T_flange_tool)
+    return replace(file.path, wrench=file.believed)
+
+
 def both_files(program, dh, T_flange_tool) -> tuple[MilledFile, ...]:
     """The program's target file, and the same file without its corrections."""
     believed = believed_wrenches(program)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import yaml
 
-from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.diagnosis.parts.model import door_model_document
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
@@ -20,13 +18,13 @@ from doormill_ros.simulation.world.door_truth import GAUGE, DoorTruth
 from doormill_ros.simulation.world.gauge import gauge
 from doormill_ros.simulation.world.world_file import ShiftWorld, load_world
 from doormill_ros.toolpath.errors import PathError
-from support.gauged_shift import HINGE_DOORS, SCATTER, stood
-from support.milled_worlds import RUN_ID, MilledFile, believed_wrenches
+from support.gauged_shift import SCATTER, stood
+from support.loop_worlds import TURNS
+from support.milled_worlds import commanded
 from support.shift_worlds import DrawnShift, diagnosed
 
 #: Times what gauge, localization and program leave where everything is as assumed, that the loop may leave.
 LEFT = 1.5
-DOORS = 9  #: of the shift that teaches that all is as assumed
 #: The next doors of a shift: door and place, in no bag of the repository.
 NEXT = (
     ("thesis_190_0deg", DoorOffset(0.004, -0.003, 0.004)),
@@ -83,7 +81,7 @@ def loop_worth(
 
 def untroubled(folder: Path) -> MillingSetup:
     """The setup that a shift leaves in which everything was as assumed, gauged in a folder."""
-    nothing = DrawnShift({"seed": 0}, (), tuple(itertools.islice(itertools.cycle(HINGE_DOORS), DOORS)))
+    nothing = DrawnShift({"seed": 0}, (), TURNS)
     return setup_with(folder / "model.yaml", diagnosed(folder, nothing, 0))
 
 
@@ -112,11 +110,9 @@ def walls(setup: MillingSetup, world: ShiftWorld, number: int, seed: int) -> flo
             planned = plan(recipe, believed, setup).program
         except PathError:
             return float("nan")
-        text = render_target_file(planned, RUN_ID).decode("ascii")
-        file = MilledFile(text, believed_wrenches(planned), dh, tool)
         truth = DoorTruth(world, number + later, dh, tool)
         T_base_door = stood(truth, recipe, believed, scatter)
-        executed = truth.executed(recipe, T_base_door, replace(file.path, wrench=file.believed))
+        executed = truth.executed(recipe, T_base_door, commanded(planned, dh, tool))
         points = gauge(recipe, T_base_door, executed, truth.drawn(GAUGE))
         off.append(points.deviation[np.array(points.surface) == "wall"])
     return float(np.sqrt(np.mean(np.concatenate(off) ** 2)))

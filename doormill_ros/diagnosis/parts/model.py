@@ -45,7 +45,7 @@ def _at_next_door(diagnosis: DoorDiagnosis, finding: Finding[InTime]) -> FloatAr
     """Parameters in a row: those of the last doors, and of a drift what one door more makes of them."""
     cause, doors = finding.cause, diagnosis.problem.doors
     course = cause.course
-    if not course.drifts or len(doors) < 2:
+    if not course.drifts:
         return np.array(finding.values)
     theta = diagnosis.extended.theta[diagnosis.extended.part(cause)].reshape(course.sizes, -1)
     next_time = course.end + (course.end - course.begin) / (len(doors) - 1)
