@@ -19,7 +19,7 @@ from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, 
 from doormill_ros.abb.link_errors import MillingFaultError
 from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
-from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
+from doormill_ros.abb.transports.registry import ANSWER, TRANSPORTS, TransportOptions, open_transport
 from doormill_ros.cell.door_sensors import chosen_sensors
 from doormill_ros.cell.errors import NodeDoubledError
 from doormill_ros.cell.layout import load_layout
@@ -91,6 +91,13 @@ class AbbBridge(ManagedNode):
             0.1,
             600.0,
             live=True,
+        ),
+        NodeParameter(
+            "limit.answer",
+            ANSWER,
+            "longest wait for one answer of the controller or its folder [s]",
+            0.1,
+            600.0,
         ),
         NodeParameter(
             "limit.read", 60.0, "longest wait for the robot to read and check the file [s]", 1.0, 3600.0
@@ -217,7 +224,10 @@ class AbbBridge(ManagedNode):
     def _transport_options(self) -> TransportOptions:
         certificate = self.value("certificate")
         return TransportOptions(
-            self.value("address"), Path(certificate) if certificate else None, self.value("insecure")
+            self.value("address"),
+            Path(certificate) if certificate else None,
+            self.value("insecure"),
+            self.value("limit.answer"),
         )
 
     def _give_up(self, reason: str) -> None:

@@ -45,7 +45,7 @@ from doormill_ros.simulation.robot_cell import RobotCell
 #: Longest wait for each stage [s]: its devices are played by the processor that also has to answer them.
 PATIENCE = 60.0
 _PATIENT = {f"limit.{stage}": PATIENCE for stage in ("recipe", "picture", "targets", "request", "ready")}
-#: Longest silence of a node [s]: one that shares its interpreter with all others dies with them, or not at all.
+#: Longest silence of a node or a folder [s]: who shares an interpreter with all others dies with them, or not at all.
 SILENCE = 30.0
 THREADS = 6  #: and as many again for each further robot: every goal in hand keeps one
 #: Topics of one name for a whole network; a cell in a namespace has its own.
@@ -124,6 +124,7 @@ class CellOptions:
                 "address": folder.controller,
                 "archive": folder.targets,
                 "limit.sign_of_life": SILENCE,
+                "limit.answer": SILENCE,
                 **_PATIENT,
             },
             "door_shares": {"note": folder.targets, **_PATIENT},

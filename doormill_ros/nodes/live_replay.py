@@ -133,7 +133,7 @@ def repeats_the_end(run: RecordedRun) -> bool:
 def _nodes(run: RecordedRun, options: LiveOptions, folder: Path) -> list[Callable[[], Any]]:
     waited = WAITED.search(run.result.message) if run.result is not None else None
     stages = ("recipe", "picture", "targets", "request", "ready")
-    limits = {f"limit.{stage}": PATIENCE for stage in stages}
+    limits = {f"limit.{stage}": PATIENCE for stage in (*stages, "answer")}
     if waited is not None and not run.pictures:
         limits["limit.picture"] = float(waited[1])
     sensors = {SENSORS_PARAMETER.name: ",".join(run.sensors)}

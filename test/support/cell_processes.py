@@ -36,7 +36,7 @@ NODES = (
 MANAGED = (*NODES[:-1], "camera_simulator", "controller_simulator")
 #: A loaded machine must not turn a good door into a refused one.
 PATIENT = {f"limit.{stage}": 120.0 for stage in ("recipe", "picture", "targets", "request", "ready", "read")}
-PATIENT["limit.sign_of_life"] = 30.0
+PATIENT |= {"limit.sign_of_life": 30.0, "limit.answer": 30.0}
 ASK_AGAIN = 5.0  # s
 ASK_ANEW = 20.0  # s, by a client that everybody has to discover again
 START_LIMIT = 240.0  # s; less than a test is given, so that this says what was waited for

@@ -5,11 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from doormill_ros.abb.credentials import load_credentials
 from doormill_ros.abb.link_errors import UnknownTransportError
 from doormill_ros.abb.transport import Transport
 from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
+
+if TYPE_CHECKING:
+    from doormill_ros.abb.transports.rws_http import LinkTimeouts
+
+
+#: Longest wait for one answer of a controller [s], unless somebody knows that it is slower.
+ANSWER = 4.0
 
 
 @dataclass(frozen=True)
@@ -20,11 +28,13 @@ class TransportOptions:
         address: HOME of a simulated controller, URL of Robot Web Services.
         certificate: PEM file with the controller's certificate, for https.
         insecure: Trust any certificate instead.
+        answer: Longest wait for one answer [s].
     """
 
     address: str
     certificate: Path | None = None
     insecure: bool = False
+    answer: float = ANSWER
 
 
 def _rws1(options: TransportOptions) -> Transport:
@@ -32,19 +42,29 @@ def _rws1(options: TransportOptions) -> Transport:
         connect_rws1,  # late: its libraries take a fifth of the bridge's start
     )
 
-    return connect_rws1(options.address, load_credentials())
+    return connect_rws1(options.address, load_credentials(), timeouts=_timeouts(options))
 
 
 def _rws2(options: TransportOptions) -> Transport:
     from doormill_ros.abb.transports.rws import connect_rws2  # late, as above
 
     return connect_rws2(
-        options.address, load_credentials(), certificate=options.certificate, insecure=options.insecure
+        options.address,
+        load_credentials(),
+        certificate=options.certificate,
+        insecure=options.insecure,
+        timeouts=_timeouts(options),
     )
 
 
+def _timeouts(options: TransportOptions) -> LinkTimeouts:
+    from doormill_ros.abb.transports.rws_http import LinkTimeouts  # late, as above
+
+    return LinkTimeouts.within(options.answer)
+
+
 TRANSPORTS: dict[str, Callable[[TransportOptions], Transport]] = {
-    "simulated_folder": lambda o: SimulatedFolderTransport(o.address),
+    "simulated_folder": lambda o: SimulatedFolderTransport(o.address, o.answer),
     "rws1": _rws1,
     "rws2": _rws2,
 }

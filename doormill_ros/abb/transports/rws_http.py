@@ -53,6 +53,11 @@ class LinkTimeouts:
     write: float = 2.0
     total: float = 4.0
 
+    @classmethod
+    def within(cls, total: float) -> LinkTimeouts:
+        """Limits of an operation that may take `total` [s], and half of that in any of its phases."""
+        return cls(total / 2, total / 2, total / 2, total)
+
 
 class RwsHttp:
     """Sends requests one after the other within one session; safe to use from several threads."""
