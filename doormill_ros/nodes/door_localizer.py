@@ -42,6 +42,8 @@ from doormill_ros.pipeline.look import look
 from doormill_ros.robot.urdf import LinkPose
 from doormill_ros.units import ns_to_s
 
+LOOK_PERIOD = 0.25  # s between looks at how long a picture has waited for its camera_info
+
 Picture: TypeAlias = Image | CompressedImage
 
 
@@ -95,7 +97,7 @@ class DoorLocalizer(ManagedNode):
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.CAMERA_INFO, self._take_camera_info)
         self.subscribe(topics.PICTURES[self.value("image_transport")], self._take_picture)
-        self.every(0.05, self._give_up_waiting)
+        self.every(LOOK_PERIOD, self._give_up_waiting)
 
     def start(self) -> None:
         """Say so where there is nothing to do."""

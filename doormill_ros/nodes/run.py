@@ -108,6 +108,8 @@ def shut_down(nodes: Sequence[ManagedNode], executor: SteadyExecutor | None, tim
 
     Also when the context is already gone.
     """
+    if executor is not None:
+        executor.expect_closing()
     for node in nodes:
         node.close()
     # Its thread for signals wakes the executor through a guard condition that it holds no lock on.

@@ -53,6 +53,7 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
         self._errors = 0
         self._last_error = -CALM
         self._turns = 0
+        self._closing = False
         self._ended = threading.Event()
         threading.Thread(target=self._watch, args=(still,), name="turns", daemon=True).start()
 
@@ -76,13 +77,18 @@ class SteadyExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has 
             self._last_error = now
             if self._errors >= MANY:
                 raise
-            get_logger("doormill").warning(
-                f"{error!r}: the executor goes on; whatever was destroyed meanwhile is lost, nothing else"
-            )
+            if not self._closing:
+                get_logger("doormill").warning(
+                    f"{error!r}: the executor goes on; whatever was destroyed meanwhile is lost, nothing else"
+                )
         except RuntimeError:
             # The pool takes nothing more once it is shut down; what was ready in that moment is not called.
             if not self._ended.is_set():
                 raise
+
+    def expect_closing(self) -> None:
+        """From here on nodes are taken apart under it: what is gone meanwhile is worth no word."""
+        self._closing = True
 
     def shutdown(self, *args: object, **kwargs: object) -> bool:
         """See the base class; what raised in a callback and was not told by `spin` is told here."""

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from doormill_ros.files import write_atomically
+from doormill_ros.yaml_text import text_of
 
 VERSION = 9
 INFORMATION = "rosbag2_bagfile_information"  #: the one key of the document
@@ -94,4 +93,4 @@ class BagRecord:
 
     def write(self, folder: Path) -> None:
         """Replace metadata.yaml at once, so that a reader never sees half of it."""
-        write_atomically(folder / "metadata.yaml", yaml.safe_dump(self.document(), sort_keys=False))
+        write_atomically(folder / "metadata.yaml", text_of(self.document()))

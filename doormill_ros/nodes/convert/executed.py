@@ -11,7 +11,7 @@ from doormill_interfaces.msg import ExecutedPath as ExecutedPathMessage
 from doormill_interfaces.msg import Touch as TouchMessage
 from doormill_ros.arrays import FloatArray
 from doormill_ros.messages.from_message import transform_of, transforms_of, wrench_of
-from doormill_ros.nodes.convert.geometry import pose_message, wrench_message
+from doormill_ros.nodes.convert.geometry import pose_messages, wrench_message
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.errors import RunMessageError
@@ -30,8 +30,8 @@ def executed_message(path: ExecutedPath, header: Header, placement: DoorPlacemen
         run_id=placement.run_id,
         door_id=placement.door_id,
         time=path.time.tolist(),
-        actual=[pose_message(T) for T in path.T_base_tool],
-        commanded=[pose_message(T) for T in path.T_base_tool_commanded],
+        actual=pose_messages(path.T_base_tool),
+        commanded=pose_messages(path.T_base_tool_commanded),
         joint_positions=path.q.ravel().tolist(),
         motion=path.motion.tolist(),
         cutting=path.cutting.tolist(),

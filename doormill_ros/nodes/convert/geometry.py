@@ -20,13 +20,23 @@ def pose_message(T_a_b: FloatArray) -> Pose:
     return Pose(position=Point(x=px, y=py, z=pz), orientation=Quaternion(x=x, y=y, z=z, w=w))
 
 
-def pose_values(T_a_b: Sequence[FloatArray]) -> list[list[float]]:
+def pose_values(T_a_b: Sequence[FloatArray] | FloatArray) -> list[list[float]]:
     """x, y, z, qx, qy, qz, qw of each of many poses, shape (4, 4) each, for `fill_pose`."""
     if len(T_a_b) == 0:
         return []
     stacked = np.array(T_a_b, dtype=float)
     values: list[list[float]] = np.hstack([stacked[:, :3, 3], quaternion_xyzw(stacked)]).tolist()
     return values
+
+
+def pose_messages(T_a_b: FloatArray) -> list[Pose]:
+    """Poses of b in a from many T_a_b, shape (n, 4, 4): all turned to quaternions at once."""
+    poses = []
+    for values in pose_values(T_a_b):
+        pose = Pose()
+        fill_pose(pose, values)
+        poses.append(pose)
+    return poses
 
 
 def fill_pose(message: Pose, values: list[float]) -> None:

@@ -10,17 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import yaml
-
 from doormill_ros.config import read
 from doormill_ros.files import write_atomically
 from doormill_ros.recording.errors import BadExpectationError
 from doormill_ros.recording.replay.answer import Answer, stage_of
 from doormill_ros.values import Exactly, Section
+from doormill_ros.yaml_text import text_of
 
 SCHEMA = "doormill/expected/1"
 FILE = "expected.yaml"
-_Dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 Answers = Mapping[str, Sequence[Answer]]  # by run id
 
@@ -63,5 +61,5 @@ def write_expectation(bag: Path, answers: Answers) -> Path:
     }
     path = bag / FILE
     document = {"schema": SCHEMA, "runs": runs}
-    write_atomically(path, yaml.dump(document, Dumper=_Dumper, sort_keys=False, width=4096))
+    write_atomically(path, text_of(document, width=4096))
     return path

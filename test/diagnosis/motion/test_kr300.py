@@ -15,6 +15,7 @@ KR300 = Path(__file__).parents[2] / "data" / "kr300"
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory):
+    """What `diagnose --data test/data/kr300/A --check test/data/kr300/B --out` leaves, as the page has it."""
     folder = tmp_path_factory.mktemp("kr300")
     arguments = ["--data", str(KR300 / "A"), "--check", str(KR300 / "B"), "--out", str(folder), "--quiet"]
     assert main(arguments) == 0
