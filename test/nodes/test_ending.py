@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 import rclpy
-from rclpy.executors import MultiThreadedExecutor
 from rclpy.signals import SignalHandlerOptions, get_current_signal_handlers_options
 
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.run import shut_down
+from doormill_ros.nodes.spinning import SteadyExecutor
 
 LIMIT = 120.0  # s
 
@@ -39,7 +39,7 @@ sys.exit(run_nodes(Signalled, arguments=["signalled"]))
 """
 
 
-class WatchedExecutor(MultiThreadedExecutor):  # type: ignore[misc]  # rclpy has no types
+class WatchedExecutor(SteadyExecutor):
     """Notes which signals could still wake it when it is shut down."""
 
     waking: SignalHandlerOptions | None = None
@@ -54,7 +54,7 @@ def test_no_signal_wakes_an_executor_that_is_being_destroyed() -> None:
     """Rclpy's thread for signals would read what is destroyed, and the process die of it."""
     rclpy.init()
     try:
-        node, executor = ManagedNode("watched"), WatchedExecutor(num_threads=2)
+        node, executor = ManagedNode("watched"), WatchedExecutor(2)
         executor.add_node(node)
         assert get_current_signal_handlers_options() == SignalHandlerOptions.ALL
         shut_down([node], executor, 1.0)
