@@ -12,7 +12,6 @@ from io import BufferedWriter
 from pathlib import Path
 from typing import Any
 
-import yaml
 from mcap.writer import CompressionType, Writer
 
 from doormill_ros.recording.errors import BagExistsError
@@ -20,6 +19,7 @@ from doormill_ros.recording.mcap_scan import scan
 from doormill_ros.recording.metadata import BagRecord, FileRecord, TopicRecord
 from doormill_ros.recording.repeats import RECORD, LatchedMemory, repeats_record
 from doormill_ros.recording.schema import Schema, load_schema
+from doormill_ros.yaml_text import text_of
 
 CHUNK_SIZE = 1 << 20  # bytes
 FLUSH_PERIOD = 0.25  # s; what a kill can cost at most
@@ -187,7 +187,7 @@ class BagWriter:
         self.record.write(self.folder)
 
     def _close_file(self) -> None:
-        document = yaml.safe_dump(self.record.document(), sort_keys=False)
+        document = text_of(self.record.document())
         self._writer.add_metadata("rosbag2", {"serialized_metadata": document})
         self._writer.finish()
         self._stream.close()
@@ -201,7 +201,7 @@ class BagWriter:
             "cdr",
             schema_id,
             {
-                "offered_qos_profiles": yaml.safe_dump(topic.qos_profiles, sort_keys=False),
+                "offered_qos_profiles": text_of(topic.qos_profiles),
                 "topic_type_hash": schema.type_hash,
             },
         )

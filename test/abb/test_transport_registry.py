@@ -9,10 +9,13 @@ import pytest
 
 import doormill_ros
 from doormill_ros.abb import signals
+from doormill_ros.abb.credentials import PASSWORD_VARIABLE, USER_VARIABLE
 from doormill_ros.abb.handshake.handshake import Handshake
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.abb.link_errors import UnknownTransportError
-from doormill_ros.abb.transports.registry import TRANSPORTS, TransportOptions, open_transport
+from doormill_ros.abb.transports.registry import ANSWER, TRANSPORTS, TransportOptions, open_transport
+from doormill_ros.abb.transports.rws_http import LinkTimeouts
+from doormill_ros.abb.transports.simulated_folder import SimulatedFolderTransport
 from support.memory_transport import MemoryTransport
 
 PACKAGE = Path(doormill_ros.__file__).parent
@@ -39,6 +42,26 @@ def test_one_line_makes_a_transport_usable_by_name(monkeypatch: pytest.MonkeyPat
     assert transport.read_file(signals.TARGET_FILE) == FILE
     with pytest.raises(UnknownTransportError, match="allowed are simulated_folder, rws1, rws2, memory"):
         open_transport("carrier", options)
+
+
+def test_who_says_how_long_an_answer_takes_is_waited_for_so_long(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Limits reach the folder and the web services; nothing here waits for them to pass."""
+    folder = open_transport("simulated_folder", TransportOptions(str(tmp_path), answer=77.0))
+    assert isinstance(folder, SimulatedFolderTransport)
+    assert folder._timeout == 77.0
+    folder.close()
+    monkeypatch.setenv(USER_VARIABLE, "mill")
+    monkeypatch.setenv(PASSWORD_VARIABLE, "turns")
+    for name, address in (("rws1", "http://127.0.0.1:1"), ("rws2", "https://127.0.0.1:1")):
+        link = open_transport(name, TransportOptions(address, insecure=True, answer=77.0))
+        assert link.in_doubt_time == 77.0
+        link.close()
+
+
+def test_an_answer_takes_over_the_web_services_what_it_did() -> None:
+    assert LinkTimeouts.within(ANSWER) == LinkTimeouts()
 
 
 def test_the_former_name_of_the_folder_is_refused_with_the_new_one() -> None:
