@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
 import rclpy
@@ -13,6 +14,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.timer import Timer
 
+from doormill_ros.nodes import spinning
 from doormill_ros.nodes.spinning import SteadyExecutor
 
 LIMIT = 30.0  # s
@@ -98,6 +100,24 @@ def test_the_other_callbacks_go_on(context) -> None:
     assert not thread.is_alive()
 
 
+@pytest.mark.parametrize("closing", [False, True])
+def test_what_is_destroyed_is_told_unless_its_own_nodes_are_taken_apart(
+    context, monkeypatch: pytest.MonkeyPatch, closing: bool
+) -> None:
+    said: list[str] = []
+    logger = SimpleNamespace(warning=said.append, error=said.append)
+    monkeypatch.setattr(spinning, "get_logger", lambda name: logger)
+    executor, node = SteadyExecutor(2), Destroying()
+    if closing:
+        executor.expect_closing()
+    thread, errors = spun(executor, node)
+    assert node.told.wait(LIMIT), f"{node.counted} calls"
+    executor.shutdown()
+    thread.join(LIMIT)
+    assert errors == []
+    assert bool([line for line in said if "the executor goes on" in line]) is not closing
+
+
 class Broken(Node):
     """Raises whenever it is looked at."""
 
@@ -163,6 +183,7 @@ STANDING = """
 import threading
 import rclpy
 from rclpy.node import Node
+from doormill_ros.nodes import spinning
 from doormill_ros.nodes.spinning import SteadyExecutor
 
 def waits_for_ever():
