@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from nav_msgs.msg import Path
 from rclpy.serialization import deserialize_message, serialize_message
 from scipy.spatial.transform import Rotation
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
-from doormill_interfaces.msg import TargetArray
+from doormill_interfaces.msg import DoorPlacement, TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.messages.from_message import program_of, transform_of
+from doormill_ros.nodes.convert.executed import executed_message, executed_of
 from doormill_ros.nodes.convert.geometry import path_message
 from doormill_ros.nodes.convert.markers import body_markers, program_markers
 from doormill_ros.nodes.convert.program import program_into
@@ -23,6 +24,7 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.robot.description import load_robot
+from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.toolpath.program import MillingProgram, Motion, MotionKind, Target
 from doormill_ros.toolpath.settings import load_settings
 
@@ -63,7 +65,7 @@ def program() -> MillingProgram:
     return MillingProgram("door", 3, targets, motions)
 
 
-def over_the_wire(message: TargetArray | Path) -> TargetArray | Path:
+def over_the_wire(message: Any) -> Any:
     return deserialize_message(serialize_message(message), type(message))
 
 
@@ -192,3 +194,26 @@ def test_a_path_goes_through_the_poses(program: MillingProgram) -> None:
         assert np.array_equal([p.x, p.y, p.z], T[:3, 3])
         assert np.abs(Rotation.from_quat([q.x, q.y, q.z, q.w]).as_matrix() - T[:3, :3]).max() < 1e-14
     assert over_the_wire(path_message(header, [])).poses == []
+
+
+def test_an_executed_path_comes_back_as_it_was() -> None:
+    rng = np.random.default_rng(8)
+    n = 9
+    path = ExecutedPath(
+        time=np.sort(rng.uniform(0.0, 80.0, n)),
+        T_base_tool=np.array([pose(rng) for _ in range(n)]),
+        T_base_tool_commanded=np.array([pose(rng) for _ in range(n)]),
+        q=rng.normal(size=(n, 6)),
+        motion=np.arange(n) // 2,
+        cutting=np.arange(n) % 3 == 0,
+        feature=np.array(["", "hinge_1", "lock_case"] * 3),
+        wrench=rng.normal(size=(n, 6)),
+        tool=np.array(["", "mill_12", "mill_20"] * 3),
+    )
+    message = over_the_wire(executed_message(path, Header(), DoorPlacement(run_id="run", door_id="door")))
+    assert (message.run_id, message.door_id) == ("run", "door")
+    back = executed_of(message)
+    for name in ("motion", "cutting", "feature", "tool"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(path, name))
+    for name in ("time", "T_base_tool", "T_base_tool_commanded", "q", "wrench"):
+        np.testing.assert_allclose(getattr(back, name), getattr(path, name), rtol=0.0, atol=1e-12)
