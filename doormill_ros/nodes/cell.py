@@ -47,7 +47,6 @@ PATIENCE = 60.0
 _PATIENT = {f"limit.{stage}": PATIENCE for stage in ("recipe", "picture", "targets", "request", "ready")}
 #: Longest silence of a node or a folder [s]: who shares an interpreter with all others dies with them, or not at all.
 SILENCE = 30.0
-THREADS = 6  #: and as many again for each further robot: every goal in hand keeps one
 #: Topics of one name for a whole network; a cell in a namespace has its own.
 GLOBAL = ("tf", "tf_static", "diagnostics")
 
@@ -178,9 +177,7 @@ class Cell:
         ]
         if options.page:
             nodes += [ModelMonitor, partial(OperatorPage, options.token)]
-        self._composition = Composition(
-            options.arguments(folder), nodes, CellDriver, THREADS * options.robots
-        )
+        self._composition = Composition(options.arguments(folder), nodes, CellDriver)
 
     def __enter__(self) -> Cell:
         self._composition.__enter__()

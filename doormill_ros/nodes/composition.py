@@ -1,4 +1,4 @@
-"""Several nodes in this process, spun by one executor."""
+"""Several nodes in this process, each with an executor of its own."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from doormill_ros.interrupts import is_terminated_in_order
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import ignore_signals, init, shut_down
+from doormill_ros.nodes.run import THREADS, ignore_signals, init, shut_down
 from doormill_ros.nodes.spinning import SteadyExecutor
 
 STOP_LIMIT = 2.0  # s
@@ -30,11 +30,13 @@ class Composition(Generic[Driver]):
     When it is left, nothing of the nodes stays: what they had latched would reach the next composition
     of this process.
 
+    Each node has the executor that it has in a process of its own. One for all would make its whole wait set anew,
+    a few hundred entities of a cell, whenever any node has something to do.
+
     Args:
         arguments: Program name and ROS arguments.
         managed: Make the managed nodes, in the order in which they are brought up.
         beside: Makes the node that drives them.
-        threads: Of the executor.
 
     Attributes:
         nodes: The managed nodes.
@@ -48,16 +50,14 @@ class Composition(Generic[Driver]):
         arguments: Sequence[str],
         managed: Sequence[Callable[[], ManagedNode]],
         beside: Callable[[], Driver],
-        threads: int,
     ) -> None:
         self._arguments = arguments
         self._managed = managed
         self._beside = beside
-        self._threads = threads
         self.nodes: list[ManagedNode] = []
         self._all: list[Node] = []
-        self._executor: SteadyExecutor | None = None
-        self._thread: threading.Thread | None = None
+        self._executors: list[SteadyExecutor] = []
+        self._spinning: list[threading.Thread] = []
 
     def __enter__(self) -> Composition[Driver]:
         # Where this thread hears of signals, the context is left to the nodes that are still to be closed.
@@ -82,11 +82,13 @@ class Composition(Generic[Driver]):
             self._all.append(self.nodes[-1])
         self.driver = self._beside()
         self._all.append(self.driver)
-        executor = self._executor = SteadyExecutor(self._threads)
         for node in self._all:
+            executor = SteadyExecutor(THREADS)
             executor.add_node(node)
-        self._thread = threading.Thread(target=_spin, args=(executor,), name="executor", daemon=True)
-        self._thread.start()
+            self._executors.append(executor)
+            name = f"executor of {node.get_name()}"
+            self._spinning.append(threading.Thread(target=_spin, args=(executor,), name=name, daemon=True))
+            self._spinning[-1].start()
         for node in self.nodes:
             node.bring_up()
 
@@ -95,9 +97,9 @@ class Composition(Generic[Driver]):
             self._close()
 
     def _close(self) -> None:
-        shut_down(self.nodes, self._executor, STOP_LIMIT)
-        if self._thread is not None:
-            self._thread.join(STOP_LIMIT)
+        shut_down(self.nodes, self._executors, STOP_LIMIT)
+        for thread in self._spinning:
+            thread.join(STOP_LIMIT)
         for node in reversed(self._all):
             # After an interrupt the context is gone and took everything along.
             with suppress(Exception):

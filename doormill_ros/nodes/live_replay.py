@@ -43,7 +43,6 @@ from doormill_ros.simulation.recorded_controller import (
 
 #: Targets follow from a pose found anew, whose own tolerance is that of a lever of some metres.
 SLACK = 50.0
-THREADS = 6
 PATIENCE = 120.0  # s, for stages that answered in the recorded run
 WAITED = re.compile(r"\(waited ([\d.]+) s\)")
 
@@ -91,9 +90,7 @@ def replay_live(run: RecordedRun, options: LiveOptions) -> list[Answer]:
         arguments = ["replay", "--ros-args", "-r", f"__ns:=/replay_{os.getpid()}"]
         nodes = _nodes(run, options, folder)
         with (
-            Composition(
-                arguments, nodes, partial(ReplayDriver, run.image_transport, run.sensors), THREADS
-            ) as cell,
+            Composition(arguments, nodes, partial(ReplayDriver, run.image_transport, run.sensors)) as cell,
             RecordedController(home, events, options.rate, _reason_of_fault(run)) as controller,
         ):
             live = LiveRun(run, cell.driver, options.rate, repeats_the_end(run))

@@ -26,7 +26,7 @@ from doormill_ros.nodes.spinning import SteadyExecutor
 from doormill_ros.nodes.unknown_parameters import unknown_nodes, unknown_parameters
 from doormill_ros.resources import resource
 
-THREADS = 4
+THREADS = 4  #: of a node's executor
 STOP_LIMIT = 1.0  # s
 BAD_ARGUMENTS = 2  #: exit status after which nobody starts the node again
 _PLACE_IN_RCL = re.compile(r",? at /\S+:\d+")
@@ -98,24 +98,24 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
             ignore_signals()
         for node in nodes:
             node.leave()
-        shut_down(nodes, executor, STOP_LIMIT)
+        shut_down(nodes, [executor], STOP_LIMIT)
         rclpy.try_shutdown()
     return 0
 
 
-def shut_down(nodes: Sequence[ManagedNode], executor: SteadyExecutor | None, timeout: float) -> None:
-    """Let each node close its files and drop its signals, then end the executor's threads.
+def shut_down(nodes: Sequence[ManagedNode], executors: Sequence[SteadyExecutor], timeout: float) -> None:
+    """Let each node close its files and drop its signals, then end the executors' threads.
 
     Also when the context is already gone.
     """
-    if executor is not None:
+    for executor in executors:
         executor.expect_closing()
     for node in nodes:
         node.close()
-    # Its thread for signals wakes the executor through a guard condition that it holds no lock on.
+    # Its thread for signals wakes an executor through a guard condition that it holds no lock on.
     # Destroyed meanwhile, that is a segmentation fault: the thread has to end first.
     uninstall_signal_handlers()
-    if executor is not None:
+    for executor in executors:
         executor.shutdown(timeout_sec=timeout)
 
 

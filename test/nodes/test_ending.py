@@ -57,7 +57,7 @@ def test_no_signal_wakes_an_executor_that_is_being_destroyed() -> None:
         node, executor = ManagedNode("watched"), WatchedExecutor(2)
         executor.add_node(node)
         assert get_current_signal_handlers_options() == SignalHandlerOptions.ALL
-        shut_down([node], executor, 1.0)
+        shut_down([node], [executor], 1.0)
         node.destroy_node()
     finally:
         rclpy.try_shutdown()
@@ -97,7 +97,7 @@ if sys.argv[1] == "run_nodes":
     run_nodes(Asking, arguments=["asking"])
 else:
     for _ in range(2):
-        with Composition(["composed"], [Asking], lambda: Node("beside"), 2):
+        with Composition(["composed"], [Asking], lambda: Node("beside")):
             print(installed().name)
 print(installed().name)
 """
@@ -133,7 +133,7 @@ class Signalled(ManagedNode):
 # Python has this handler only where the process was not started with SIGINT ignored, as in the background.
 before = signal.default_int_handler
 signal.signal(signal.SIGINT, before)
-with Composition(["composed"], [Signalled], lambda: Node("beside"), 2):
+with Composition(["composed"], [Signalled], lambda: Node("beside")):
     pass
 print(signal.getsignal(signal.SIGINT) is before)
 """

@@ -397,7 +397,9 @@ def test_orders_are_answered_in_the_readers_language(guarded: Any) -> None:
         expect(answer).to_have_text(texts["answer.accept"].format(version=3), timeout=LIMIT)
         guarded.store.update(lambda view: view.with_model(view_of(FOUND[1], (6e-4, 5e-4, 0, 99, 3e-4))))
         # The page orders the version that it shows: until the new one has come, that is 3.
-        expect(page.locator("#accept")).to_have_text(texts["accept.version"].format(version=99), timeout=LIMIT)
+        expect(page.locator("#accept")).to_have_text(
+            texts["accept.version"].format(version=99), timeout=LIMIT
+        )
         page.locator("#accept").click()
         expect(answer).to_contain_text(texts["error.831"], timeout=LIMIT)
         expect(answer).to_contain_text("version 99 of the model was never proposed")
