@@ -34,6 +34,9 @@ FAR = 0.05  #: pairs that cannot come this close beside the clearance are left o
 #: The limits of axis 5 hold a bare flange off the forearm. What hangs on it is held against those of the forearm's
 #: bodies that do not come this close to the wrist centre [m].
 FOREARM, WRIST_ROOM = 4, 0.25
+#: A mill of at most this radius is a capsule, which goes by as much beyond the tip. A wider one is a box about it:
+#: it would not get near the face [m].
+SLIM = 0.0125
 
 
 @dataclass(frozen=True)
@@ -241,6 +244,11 @@ def _on_joint(
 
 @functools.lru_cache(maxsize=8)  # it is made for every door, and what it works out of itself stays with it
 def _mill_body(layout: CellLayout, mill: Mill) -> Body:
+    if mill.radius > SLIM:
+        size = np.array([2.0 * mill.radius, 2.0 * mill.radius, mill.reach])
+        middle = np.array([0.0, 0.0, -0.5 * mill.reach])
+        body = Body(name=MILL, shape="box", size=size, position=middle, rotation=np.zeros(3))
+        return body.mapped(layout.T_flange_tool)
     tip = layout.T_flange_tool[:3, 3]
     back = tip - mill.reach * layout.T_flange_tool[:3, 2]
     return Body(name=MILL, shape="capsule", radius=mill.radius, start=back, end=tip)

@@ -50,7 +50,8 @@ def check_geometry(size: DoorSize, mass: float, features: Sequence[Feature]) -> 
         path = f"features.{index}"
         _check_outline(feature, path)
         _check_forces(feature, path)
-        _check_tool(feature, feature.cut_depth(size), path)
+        _check_tool(feature, feature.tip_depth(size, feature.halved), path)
+        _check_allowance(feature, path)
         _check_wood(size, feature, path)
     prisms = {feature.id: prism(feature, size) for feature in features}
     for index, feature in enumerate(features):
@@ -127,10 +128,25 @@ def _check_tool(feature: Feature, depth: float, path: str) -> None:
         raise ToolTooShort(
             f"{path}.tool",
             f"found {tool.name!r}, which cuts {m_to_mm(tool.cutting_length):g} mm deep, allowed is at least "
-            f"{m_to_mm(depth):g} mm, the depth of the feature",
+            f"{m_to_mm(depth):g} mm: so far its tip goes",
             found=tool.cutting_length,
         )
     _check_speeds(feature, path)
+
+
+def _check_allowance(feature: Feature, path: str) -> None:
+    """One pass along the wall has to take all that the clearing left, in sharp corners too.
+
+    There the two contours are sqrt(2) times as far apart as along the sides.
+    """
+    allowance, radius = feature.passes.finish_allowance, feature.tool.radius
+    if allowance > radius + ROUNDING:
+        raise OutOfRange(
+            f"{path}.passes.finish_allowance_mm",
+            f"found {m_to_mm(allowance):g} mm, allowed are at most {m_to_mm(radius):g} mm, the radius of "
+            f"{feature.tool.name!r}: wood would be left between the finishing pass and the others",
+            found=allowance,
+        )
 
 
 def _check_speeds(feature: Feature, path: str) -> None:

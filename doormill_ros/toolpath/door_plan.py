@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
@@ -115,8 +116,9 @@ def _planned(
 
 def _at_one_speed(cuts: list[Step], before: float, item: Operation, settings: PathSettings) -> list[Step]:
     """The steps at the spindle speed of the feature before [rad/s] if it is hardly another one: no stop for that."""
-    own = cuts[0].spindle_speed
-    allowed = before <= item.feature.tool.max_spindle_speed
+    own, tool = cuts[0].spindle_speed, item.feature.tool
+    chip = item.feature.cutting.chip(tool) * own / before  # the feed stays
+    allowed = before <= tool.max_spindle_speed and chip <= (tool.max_chip_load or math.inf)
     if not allowed or abs(own - before) >= settings.cycle.same_spindle * before:
         return cuts
     return [step.changed(spindle_speed=before) for step in cuts]

@@ -15,10 +15,11 @@ from doormill_ros.recipes.door import R_FEATURE_TOOL, DoorSize, Side
 from doormill_ros.recipes.features.base import Feature
 from doormill_ros.recipes.outline import Segment
 from doormill_ros.toolpath.curve import Curve, Line, arc_about
+from doormill_ros.toolpath.errors import ToolFitError
+from doormill_ros.units import m_to_mm
 
-BREAKTHROUGH = 0.001  #: how far the tool comes out behind a through hole [m]
-OVERLAP = 0.001  #: how far two half holes from either side overlap [m]
 LONG = 0.99  #: of the longest straight piece of a contour: others as long will do, too
+ROUNDING = 1e-9  #: m; the grid of a recipe is 1 nm
 TINY = 1e-7  #: outline segments shorter than this are left out [m]
 _NORMAL = np.array([0.0, 0.0, 1.0])
 _OTHER_SIDE = {Side.FRONT: Side.REAR, Side.REAR: Side.FRONT}
@@ -85,17 +86,22 @@ def operation(feature: Feature, door: DoorSize, half: bool = False, far_side: bo
         door: Size of the door.
         half: Mill a through hole half-way only, because another robot mills the other half.
         far_side: Enter a through hole from the side opposite to the recipe's.
+
+    Raises:
+        ToolFitError: The tool cuts one half of a hole, and is to mill all of it.
     """
     T_door_feature, side = feature.T_door_feature(door), feature.side
-    depth = feature.cut_depth(door)
     if far_side:
         # Half a turn about the feature's y axis at the exit of the hole.
-        turn = transform(np.diag([-1.0, 1.0, -1.0]), np.array([0.0, 0.0, depth]))
+        turn = transform(np.diag([-1.0, 1.0, -1.0]), np.array([0.0, 0.0, feature.cut_depth(door)]))
         T_door_feature, side = T_door_feature @ turn, _OTHER_SIDE[side]
-    if half:
-        depth = depth / 2.0 + OVERLAP
-    elif feature.through:
-        depth += min(BREAKTHROUGH, max(0.0, feature.tool.cutting_length - depth))
+    depth, tool = feature.tip_depth(door, half), feature.tool
+    if feature.through and depth > tool.cutting_length + ROUNDING:
+        raise ToolFitError(
+            f"{feature.id}: {tool.name} cuts {m_to_mm(tool.cutting_length):g} mm deep, allowed for all of the hole "
+            f"are at least {m_to_mm(depth):g} mm; choose a longer tool, or let a second robot mill the other half",
+            feature=feature.id,
+        )
     return Operation(feature, side, depth, T_door_feature)
 
 

@@ -198,8 +198,8 @@ class _Pocket(CutWriter):
         radius = min(LEAD_RADIUS * self.radius, LEAD_ROOM * (self.half - inset))
         straight = (max(shape.width, shape.length) - 2.0 * shape.radius) / 2.0
         if shape.radius < radius:
-            # Both must end before the corner.
-            radius = min(radius, LEAD_ROOM * straight)
+            # Both must end before the corner, and the pass run past its start by what a motion needs.
+            radius = min(radius, LEAD_ROOM * straight - SMALLEST_CHORD)
         return radius if radius >= SHORTEST_LEAD else None
 
     def _close(self, pieces: list[tuple[Curve, str]], inset: float) -> Curve:

@@ -72,7 +72,8 @@ def route(
     """
     check_holder(operations, settings.approach, layout.clearance)
     check_far_side(operations, recipe.size, layout.boards)
-    world = door_world(recipe, T_base_door, layout, robot, settings)
+    widest = max((item.feature.tool.radius for item in operations), default=0.0)
+    world = door_world(recipe, T_base_door, widest, layout, robot, settings)
     choice = _Choice()
     while True:
         plan = door_plan(recipe, operations, settings, choice.retreats, choice.free)
@@ -94,10 +95,18 @@ def route(
 
 
 def door_world(
-    recipe: Recipe, T_base_door: FloatArray, layout: CellLayout, robot: Robot, settings: PathSettings
+    recipe: Recipe,
+    T_base_door: FloatArray,
+    widest: float,
+    layout: CellLayout,
+    robot: Robot,
+    settings: PathSettings,
 ) -> World:
-    """Robot, cell and a door that stands at T_base_door, shape (4, 4), with the widest mill in the spindle."""
-    mill = Mill(settings.approach.nose, settings.approach.mill_radius)
+    """Robot, cell and a door that stands at T_base_door, shape (4, 4), with a mill in the spindle.
+
+    Its radius is that of the widest one there may be [m], and at least what the settings say.
+    """
+    mill = Mill(settings.approach.nose, max(widest, settings.approach.mill_radius))
     size = np.array([recipe.thickness, recipe.width, recipe.height])
     return World(robot, layout, mill, PlacedDoor(size, T_base_door))
 

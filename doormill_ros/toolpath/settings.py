@@ -29,7 +29,7 @@ class Approach(Section):
         rapid_speed: Speed in the air in front of a feature [m/s].
         plunge_speed: Speed of the way down to the wood [m/s].
         nose: How far the mill reaches out of the spindle or its holder [m].
-        mill_radius: Of the widest mill [m].
+        mill_radius: Of a mill, at least; what must not touch is as wide as the widest that the door takes [m].
     """
 
     clearance: Positive

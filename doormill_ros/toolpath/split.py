@@ -47,7 +47,7 @@ def split(recipe: Recipe, T_base_door: FloatArray, settings: PathSettings) -> tu
     second: list[Operation] = []
     for feature in recipe.features:
         near, far = (first, second) if feature.side in _FACED else (second, first)
-        half = feature.through and getattr(feature, "from_both_sides", False)
+        half = feature.halved
         near.append(operation(feature, recipe.size, half=half))
         if half:
             far.append(operation(feature, recipe.size, half=True, far_side=True))

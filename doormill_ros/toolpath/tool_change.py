@@ -107,8 +107,10 @@ class RackWays:
         """Robot, door and cell while a tool is in the spindle, by its name."""
         if carried not in self._worlds:
             about = beside_rack(self.layout, self.robot, self.settings, self.recipe.tools, carried)
+            tool = self.recipe.tools.get(carried)
+            widest = 0.0 if tool is None else tool.radius
             self._worlds[carried] = door_world(
-                self.recipe, self.T_base_door, about, self.robot, self.settings
+                self.recipe, self.T_base_door, widest, about, self.robot, self.settings
             )
         return self._worlds[carried]
 

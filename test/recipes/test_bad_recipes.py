@@ -149,6 +149,7 @@ BAD = [
     ),
     ({"features.0.passes.depth_step_mm": 0}, e.OutOfRange, None),
     ({"features.0.passes.finish_allowance_mm": -0.1}, e.OutOfRange, None),
+    ({"tools.mill_16.diameter_mm": 8, "features.0.passes.finish_allowance_mm": 4.1}, e.OutOfRange, None),
     ({"features.0.wrench_n_nm": GONE}, e.MissingField, None),
     ({"features.0.wrench_n_nm": [1, 2, 3, 4, 5, 6]}, e.WrongType, None),
     ({"features.0.wrench_n_nm": {"left_line": [0] * 6}}, e.MissingField, "features.0.wrench_n_nm.top_turn"),
@@ -176,6 +177,7 @@ BAD = [
     ({"features.4.diameter_mm": 16.5}, e.ToolTooWide, "features.4.tool"),
     ({"features.2.depth_mm": 100.1}, e.ToolTooShort, "features.2.tool"),
     ({"tools.mill_16.cutting_length_mm": 39}, e.ToolTooShort, "features.2.tool"),
+    ({"thickness_mm": 100, "tools.mill_16.cutting_length_mm": 100.9}, e.ToolTooShort, "features.4.tool"),
     # features that leave the wood
     ({"features.0.backset_mm": 16.9}, e.LeavesWood, None),
     ({"features.0.backset_mm": 790}, e.LeavesWood, None),
@@ -271,7 +273,7 @@ def test_what_is_no_document_at_all(whole):
 GOOD = [
     {"height_mm": 3000, "mass_kg": 40},
     {"width_mm": 1350, "mass_kg": 40},
-    {"thickness_mm": 100, "mass_kg": 40},
+    {"thickness_mm": 100, "mass_kg": 40, "tools.mill_16.cutting_length_mm": 101},
     {"features.0.backset_mm": 17},
     {"features.0.height_mm": 62},
     {"features.0.width_mm": 17},

@@ -9,7 +9,9 @@ import pytest
 from doormill_ros.robot_model.extended_model import load_compliance_model
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.toolpath.door_checks import check_door, text_table
+from doormill_ros.toolpath.door_plan import door_plan
 from doormill_ros.toolpath.drawing import draw_program, save_png
+from doormill_ros.toolpath.operation import operation
 from doormill_ros.toolpath.program import MotionKind
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
@@ -227,3 +229,20 @@ def test_exaggeration_is_of_the_correction_alone(cell, standard):
             end = getattr(program.targets[motion.target], pose)[:3, 3]
             assert feature == motion.feature
             assert T_base_door[:3, :3] @ points[-1] + T_base_door[:3, 3] == pytest.approx(end, abs=1e-9)
+
+
+def test_speeds_that_hardly_differ_become_one_unless_the_chip_gets_too_thick(cell):
+    """At 2 % fewer turns and the same feed the chip is 2 % thicker."""
+    recipe = cell.recipe("standard_door")
+    first, second = recipe.feature("hinge_1"), recipe.feature("hinge_2")
+    slow = replace(first, cutting=replace(first.cutting, spindle_speed=0.985 * second.cutting.spindle_speed))
+    chip = second.cutting.chip(second.tool)
+    found = []
+    for limit in (1.01 * chip, 1.02 * chip):
+        tool = replace(second.tool, max_chip_load=limit)
+        features = (replace(slow, tool=tool), replace(second, tool=tool))
+        plan = door_plan(
+            replace(recipe, features=features), [operation(f, recipe.size) for f in features], load_settings()
+        )
+        found.append({s.spindle_speed for s in plan.steps if s.cutting and s.feature == second.id})
+    assert found == [{second.cutting.spindle_speed}, {slow.cutting.spindle_speed}]

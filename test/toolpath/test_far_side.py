@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.cell.backing import Board
 from doormill_ros.recipes.door import Side
-from doormill_ros.toolpath.errors import UnbackedHoleError
+from doormill_ros.toolpath.errors import ToolFitError, UnbackedHoleError
 from doormill_ros.toolpath.far_side import check_far_side
 from doormill_ros.toolpath.operation import operation
 from doormill_ros.toolpath.settings import load_settings
@@ -78,3 +78,18 @@ def test_a_left_hung_door_has_its_board_where_its_lock_edge_stands(cell):
     low = replace(BOARD, height=np.array([1.05, 3.0]))
     with pytest.raises(UnbackedHoleError, match="1000 mm above the lower end"):
         check_far_side([operation(hole, recipe.size)], recipe.size, [low])
+
+
+def test_the_tip_comes_out_behind_the_wood_whatever_the_tool_is_long():
+    deep = [
+        operation(replace(HOLE, tool=replace(HOLE.tool, cutting_length=length)), DOOR.size).depth
+        for length in (0.041, 0.060)
+    ]
+    assert deep == pytest.approx([0.041, 0.041])
+
+
+def test_a_tool_for_half_a_hole_mills_no_whole_one():
+    short = replace(HOLE, tool=replace(HOLE.tool, cutting_length=0.030), from_both_sides=True)
+    assert operation(short, DOOR.size, half=True).depth == pytest.approx(0.021)
+    with pytest.raises(ToolFitError, match=r"cuts 30 mm deep, .* at least 41 mm; choose a longer tool"):
+        operation(short, DOOR.size)

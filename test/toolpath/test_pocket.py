@@ -93,6 +93,26 @@ def test_every_pocket_is_cleared_and_nothing_beyond(width, ratio, roundness, too
     assert swept.difference(outline.buffer(2e-5)).area < 1e-10
 
 
+@pytest.mark.parametrize(
+    ("diameter", "width", "length", "corner"),
+    [
+        (12e-3, 13e-3, 13.01e-3, 6.01e-3),
+        (10e-3, 11e-3, 11e-3, 5.01e-3),
+        (8e-3, 9e-3, 9e-3, 4e-3),
+        (40e-3, 41e-3, 41e-3, 20e-3),
+    ],
+)
+def test_the_way_out_of_a_small_pocket_leaves_its_wall_alone(diameter, width, length, corner):
+    """Where the straight is hardly longer than lead-in and lead-out the mill turns away before its end."""
+    feature = leaf(width, length, corner, diameter, passes=Passes(5e-3, 1e-3))
+    op, steps = planned(feature)
+    points = [in_feature(op, step.curve.points(np.linspace(0, 1, 80))) for step in steps]
+    ways = [shapely.LineString(p[:, :2]) for p in points if p[:, 2].min() > 4e-3 - 1e-9]
+    swept = shapely.union_all(shapely.buffer(ways, diameter / 2, quad_segs=64))
+    beyond = swept.difference(feature.outline().polygon(chord_error=1e-7).buffer(1e-5))
+    assert beyond.area < 1e-10
+
+
 @pytest.mark.parametrize("direction", list(Direction))
 @pytest.mark.parametrize("name", ["hinge_1", "lock_case", "handle_hole"])
 def test_climb_milling_keeps_the_wood_on_the_right_of_the_travel(name, direction):

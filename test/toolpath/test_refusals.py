@@ -10,7 +10,9 @@ import yaml
 
 from doormill_ros.abb.target_file import trailer as target_trailer
 from doormill_ros.collision.world import Mill, PlacedDoor, World
+from doormill_ros.frames import transform
 from doormill_ros.recipes.cutting import Cutting
+from doormill_ros.recipes.features.hinge_pocket import LeafHinge
 from doormill_ros.resources import resource
 from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.description import load_robot
@@ -248,11 +250,31 @@ def test_a_way_through_the_wood(cell, recipe):
     assert found.value.data["found"] < found.value.data["allowed"] == pytest.approx(0.012)
 
 
-def test_a_mill_thicker_than_the_way_in_front_of_the_face(cell, recipe):
+def test_a_mill_longer_than_the_way_in_front_of_the_face(cell, recipe):
     T = cell.T_base_door(recipe)
     plan, path = routed(cell, recipe, T)
-    with pytest.raises(errors.AirMoveError, match="mill and door pass at 5 mm"):
-        check_air(plan.steps, path, world_of(cell, recipe, T, mill=Mill(0.05, 0.025)))
+    longer = transform(np.eye(3), np.array([0.0, 0.0, 0.019]))
+    long = replace(cell.layout, T_flange_tool=cell.layout.T_flange_tool @ longer)
+    for mill, found in ((Mill(0.05, 0.01), 1), (Mill(0.05, 0.025), 11)):
+        with pytest.raises(errors.AirMoveError, match=f"mill and door pass at {found} mm"):
+            check_air(plan.steps, path, world_of(cell, recipe, T, mill=mill, layout=long))
+
+
+@pytest.mark.parametrize("diameter", [0.040, 0.060])
+def test_a_wide_mill_needs_the_room_of_a_wide_mill(cell, recipe, diameter):
+    """A leaf 2 mm above the lower end of a thick door: its wall is at the same place for every mill."""
+    hinge = recipe.feature("hinge_1")
+    shared = {k: getattr(hinge, k) for k in ("id", "side", "passes", "wrench_table", "wrench_point")}
+    low = LeafHinge(
+        **shared, height=0.052, backset=0.095, width=0.07, length=0.1, depth=0.008, corner_radius=0.03,
+        tool=replace(hinge.tool, diameter=diameter, cutting_length=0.06),
+        cutting=Cutting(spindle_speed=400.0, feed=0.03),
+    )  # fmt: skip
+    door = replace(recipe, width=0.19, thickness=0.06, features=(low,))
+    with pytest.raises(errors.BodyContactError, match=r"hinge_1: .*mill and clamp sill pass at [\d.]+ mm"):
+        routed(cell, door, cell.T_base_door(door, z=-0.01))
+    high = replace(door, features=(replace(low, height=1.0),))
+    routed(cell, high, cell.T_base_door(high, z=-0.01))
 
 
 def obstacle(name, position, size):

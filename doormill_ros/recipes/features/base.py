@@ -29,6 +29,8 @@ from doormill_ros.values import Section
 
 PLUNGE = "plunge"  #: segment name of the way into the wood along the tool axis
 CLEARING = "clearing"  #: segment name of cuts that do not touch the outline
+BREAKTHROUGH = 0.001  #: how far the tool comes out behind a through hole [m]
+OVERLAP = 0.001  #: how far two half holes from either side overlap [m]
 
 
 class HeightFrom(str, Choice):
@@ -127,6 +129,18 @@ class Feature(Section):
     def through(self) -> bool:
         """True when the feature comes out on the other side."""
         return False
+
+    @property
+    def halved(self) -> bool:
+        """True when each of two robots mills half of it, where there are two."""
+        return False
+
+    def tip_depth(self, door: DoorSize, half: bool = False) -> float:
+        """How far the tip of the tool goes below the surface that it enters [m]; `half`: for one half of two."""
+        depth = self.cut_depth(door)
+        if half:
+            return depth / 2.0 + OVERLAP
+        return depth + BREAKTHROUGH if self.through else depth
 
     def outline(self, inset: float = 0.0, corner: float = 0.0) -> Outline:
         """The contour in the feature's xy plane, in climb order.

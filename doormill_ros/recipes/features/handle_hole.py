@@ -51,6 +51,11 @@ class HandleHole(Feature):
         """See the base class."""
         return True
 
+    @property
+    def halved(self) -> bool:
+        """See the base class."""
+        return self.from_both_sides
+
     def across(self, door: DoorSize) -> float:
         """See the base class."""
         return door.width - self.backset
