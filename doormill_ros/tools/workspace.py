@@ -28,7 +28,7 @@ from doormill_ros.workspace.advice import (
     sample_doors,
     second_at,
 )
-from doormill_ros.workspace.doors import DoorRange, thesis_box
+from doormill_ros.workspace.doors import LARGEST, DoorRange, thesis_box
 from doormill_ros.workspace.grid import THESIS_STEP, thesis_grid
 from doormill_ros.workspace.maps import WRENCH_SCRIPT, WRENCH_TEXT, Maps, compute_maps, save_maps
 from doormill_ros.workspace.pictures import draw_conditioning, draw_influence, draw_region, draw_stiffness
@@ -59,6 +59,10 @@ def main(argv: list[str] | None = None) -> int:
             height=arguments.height * MM,
             hinge_end=arguments.hinge_end * MM,
         )
+        if not abs(arguments.clamp_height * MM) <= LARGEST:
+            raise ValueError(
+                f"--clamp-height is {arguments.clamp_height:g} mm, allowed are {-LARGEST / MM:g} to {LARGEST / MM:g}"
+            )
         grids = [thesis_grid(robot, arguments.step, along) for along in (False, True)]
         arguments.out.mkdir(parents=True, exist_ok=True)
     except (DoormillError, ValueError, OSError) as error:

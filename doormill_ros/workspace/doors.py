@@ -9,6 +9,9 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 
 
+LARGEST = 10.0  #: m, of any door, and of any place of its lower edge
+
+
 @dataclass(frozen=True)
 class DoorRange:
     """Smallest and largest door, hinge edges free to both sides of the centre line [m].
@@ -29,13 +32,15 @@ class DoorRange:
         """Refuse ranges that run backwards.
 
         Raises:
-            ValueError: A range is reversed, negative or empty.
+            ValueError: A range is reversed, negative or empty, or of doors that no robot mills.
         """
         for name, (low, high) in (("thickness", self.thickness), ("width", self.width)):
-            if not 0.0 <= low <= high or high == 0.0:
+            if not 0.0 <= low <= high <= LARGEST or high == 0.0:
                 raise ValueError(
-                    f"door {name} runs from {low} to {high} m, allowed is 0 <= smallest <= largest"
+                    f"door {name} runs from {low} to {high} m, allowed is 0 <= smallest <= largest <= {LARGEST:g} m"
                 )
+        if not self.height <= LARGEST:
+            raise ValueError(f"doors are up to {self.height} m high, allowed are {LARGEST:g} m")
         if not 0.0 <= self.hinge_end < self.height / 2:
             raise ValueError(
                 f"hinges start {self.hinge_end} m from the ends of a door {self.height} m high, "

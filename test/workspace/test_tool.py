@@ -35,6 +35,10 @@ def test_everything_is_written(tmp_path, capsys):
         (["--robot", "irb1"], "no robot 'irb1'"),
         (["--step", "-1"], "grid step"),
         (["--width", "500", "200"], "door width"),
+        (["--width", "190", "1e6"], "largest <= 10 m"),
+        (["--height", "nan"], "doors are up to nan m high"),
+        (["--clamp-height", "nan"], "--clamp-height is nan mm"),
+        (["--clamp-height", "1e9"], "--clamp-height is 1e+09 mm, allowed are -10000 to 10000"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(tmp_path, capsys, arguments, says):
