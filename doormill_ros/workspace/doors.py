@@ -8,7 +8,6 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 
-
 LARGEST = 10.0  #: m, of any door, and of any place of its lower edge
 
 
