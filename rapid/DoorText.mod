@@ -1,6 +1,6 @@
 MODULE DoorText
     ! Every text the operator sees, and the questions. Letters are ASCII: RobotWare 6 and 7 read others differently.
-    ! At most 46 characters each: the event log's title holds no more.
+    ! At most 46 characters each: the event log's title holds no more. Of AskNumber at most 40, beside its keys.
 
     CONST num ENGLISH:=1;
     CONST num GERMAN:=2;
@@ -76,8 +76,10 @@ MODULE DoorText
     CONST num TXT_TOOL_LENGTH:=66;
     CONST num TXT_OTHER_TOOL:=67;
     CONST num TXT_ASK_TOOL:=68;
+    CONST num TXT_MEASURE_TOOL:=69;
+    CONST num TXT_ASK_LENGTH:=70;
 
-    LOCAL CONST num TEXTS:=68;
+    LOCAL CONST num TEXTS:=70;
     LOCAL CONST num LANGUAGES:=3;
     LOCAL CONST string TABLE{TEXTS,LANGUAGES}:=[
         ["Door milling",
@@ -283,7 +285,13 @@ MODULE DoorText
         "Et annet verktoey er i spindelen."],
         ["Put tool 1 in, the others into the rack.",
         "Werkzeug 1 einsetzen, andere ins Magazin.",
-        "Sett inn verktoey 1, andre i magasinet."]];
+        "Sett inn verktoey 1, andre i magasinet."],
+        ["Tool 1: measure from the spindle's nose.",
+        "Werkzeug 1 ab der Spindelnase messen.",
+        "Maal verktoey 1 fra spindelnesen."],
+        ["How far does it stand out [mm]?",
+        "Wie weit steht es heraus [mm]?",
+        "Hvor langt stikker det ut [mm]?"]];
 
     FUNC string Text(num number)
         IF language<1 OR language>LANGUAGES THEN
@@ -321,5 +329,15 @@ MODULE DoorText
             buttons{2}:=Text(second);
         ENDIF
         RETURN UIMessageBox(\Header:=Text(TXT_HEADER)\MsgArray:=lines\BtnArray:=buttons\Icon:=iconWarning);
+    ENDFUNC
+
+    FUNC num AskNumber(num reason,num question)
+        ! The number that was typed. The caller looks whether it can be: with limits the box has no way out but a number
+        ! within them, be it true or not. Without an initial value it offers 0 or nothing, so 0 must not be an answer.
+        VAR string lines{2};
+
+        lines{1}:=Text(reason);
+        lines{2}:=Text(question);
+        RETURN UINumEntry(\Header:=Text(TXT_HEADER)\MsgArray:=lines\Icon:=iconWarning);
     ENDFUNC
 ENDMODULE

@@ -3,7 +3,7 @@ MODULE DoorTool
     !
     ! Each begins and ends with the robot in front of the place, where the file's ways lead; in between nobody knows a
     ! way home but back along the spindle's axis, so that what stops there is jogged out by hand. A door begins and
-    ! ends with the tool of the first place. RestoreTool asks for it after a door that ended otherwise.
+    ! ends with the tool of the first place, and measured. RestoreTool asks for both after a door that ended otherwise.
 
     CONST num MAX_PLACES:=8;
     ! Places of this cell, and how far the spindle goes into one along its axis [mm] (rack in config/cell.yaml).
@@ -34,6 +34,8 @@ MODULE DoorTool
     CONST num TOOL_UNKNOWN:=-1;
     ! Place of the tool in the spindle.
     PERS num toolPlace:=1;
+    ! Its length was measured, and toolMill holds it.
+    PERS bool toolMeasured:=TRUE;
     ! Between the front of a place and its seat.
     PERS bool atRack:=FALSE;
 
@@ -139,6 +141,7 @@ MODULE DoorTool
         VAR bool late;
 
         front:=CRobT(\Tool:=toolMill\WObj:=wobjDoor);
+        toolMeasured:=FALSE;
         OpenDrawbar;
         MoveL RelTool(front,0,0,RACK_DEPTH),SPEED_RACK,fine,toolMill\WObj:=wobjDoor;
         toolPlace:=TOOL_UNKNOWN;
@@ -167,11 +170,21 @@ MODULE DoorTool
         MoveL front,SPEED_RACK,fine,toolMill\WObj:=wobjDoor;
         WaitRob\InPos;
         LeaveRack;
-        IF Abs(off)>LENGTH_LIMIT THEN
+        IF NOT KeepLength(place,toolLengths{place}+off) THEN
             EndDoor TXT_TOOL_LENGTH,NumToStr(toolLengths{place}+off,2);
         ENDIF
-        toolMill.tframe.trans.z:=NOSE+toolLengths{place}+off;
     ENDPROC
+
+    LOCAL FUNC bool KeepLength(num place,num length)
+        ! Whether the tool in the spindle may be that of the place.
+        IF Abs(length-toolLengths{place})>LENGTH_LIMIT THEN
+            toolPlace:=TOOL_UNKNOWN;
+            RETURN FALSE;
+        ENDIF
+        toolMill.tframe.trans.z:=NOSE+length;
+        toolMeasured:=TRUE;
+        RETURN TRUE;
+    ENDFUNC
 
     LOCAL PROC OpenDrawbar()
         VAR bool late;
@@ -194,16 +207,32 @@ MODULE DoorTool
     ENDPROC
 
     PROC RestoreTool()
-        ! Returns with the tool of the first place in the spindle; after a door that ended early people put it there.
+        ! Returns with the tool of the first place in the spindle and its length known; after a door that ended early
+        ! people put it there and measure it: no way of the file leads to the gauge before the first cut.
         VAR num answer;
 
         atRack:=FALSE;
-        WHILE toolPlace<>CELL_TOOL DO
-            answer:=Ask(TXT_OTHER_TOOL,TXT_ASK_TOOL,TXT_OK,0);
-            IF diToolClamped=1 THEN
-                toolPlace:=CELL_TOOL;
-                toolMill.tframe.trans.z:=NOSE+toolLengths{CELL_TOOL};
+        WHILE toolPlace<>CELL_TOOL OR NOT toolMeasured DO
+            IF toolPlace=CELL_TOOL THEN
+                MeasuredByHand;
+            ELSE
+                answer:=Ask(TXT_OTHER_TOOL,TXT_ASK_TOOL,TXT_OK,0);
+                IF diToolClamped=1 THEN
+                    toolMeasured:=FALSE;
+                    toolPlace:=CELL_TOOL;
+                ENDIF
             ENDIF
         ENDWHILE
+    ENDPROC
+
+    LOCAL PROC MeasuredByHand()
+        VAR num length;
+
+        length:=AskNumber(TXT_MEASURE_TOOL,TXT_ASK_LENGTH);
+        IF diToolClamped=0 THEN
+            toolPlace:=TOOL_UNKNOWN;
+        ELSEIF NOT KeepLength(CELL_TOOL,length) THEN
+            Report TXT_TOOL_LENGTH,NumToStr(length,2);
+        ENDIF
     ENDPROC
 ENDMODULE

@@ -28,8 +28,8 @@ from doormill_ros.units import m_to_mm, rad_to_deg
 from doormill_ros.values import Name, Section
 
 NOT_CONNECTED = 9e9  #: RAPID's mark of an external axis that is not there
-#: PERS that say which tool is in the spindle.
-_OF_THE_TOOLS = ("doortool.toolplace", "doortool.atrack", "doorcell.toolmill")
+#: PERS that say which tool is in the spindle, and how long it is.
+_OF_THE_TOOLS = ("doortool.toolplace", "doortool.toolmeasured", "doortool.atrack", "doorcell.toolmill")
 SPEED_OF_OTHERS = (500.0, 5000.0, 1000.0)  #: reorientation and external axes of the predefined speeds
 
 
@@ -169,10 +169,11 @@ class RobotCell:
     def _hand_over(self, old: VirtualController, new: VirtualController) -> None:
         """What stays from door to door: PERS, the event log, and which tool is where.
 
-        After a door that ended in the middle of a tool change people have put the tools back.
+        After a door that ended in the middle of a tool change people have put the tools back
+        and measured the one in the spindle.
         """
         kept = dict(old.program.persistent_data())
-        if old.program.read("toolPlace") != new.program.read("toolPlace"):
+        if any(old.program.read(name) != new.program.read(name) for name in ("toolPlace", "toolMeasured")):
             fresh = new.program.persistent_data()
             kept |= {name: fresh[name] for name in _OF_THE_TOOLS if name in fresh}
         else:

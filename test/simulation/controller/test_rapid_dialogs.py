@@ -48,6 +48,45 @@ def test_dialogs_that_are_functions(say, choose, call, button, result):
     assert say(f"TPWrite ValToStr({call});", DATA + LIST) == [result]
 
 
+@pytest.mark.parametrize(
+    ("limits", "typed", "result"),
+    [
+        ("", "120.25", "120.25"),
+        ("", "-3", "-3"),
+        ("", "OK", "0"),
+        ("\\InitValue:=5", "OK", "5"),
+        ("\\InitValue:=5\\MinValue:=1\\MaxValue:=10\\AsInteger", "10", "10"),
+    ],
+)
+def test_a_number_is_what_was_typed_or_stood_there(say, machine, choose, limits, typed, result):
+    choose(typed)
+    call = f'UINumEntry(\\Header:="H"\\MsgArray:=own{limits})'
+    assert say(f"TPWrite ValToStr({call});", DATA) == [result]
+    (dialog,) = machine.pendant_unit.dialogs
+    assert (dialog.header, dialog.lines, dialog.buttons) == ("H", ("Again", "Home"), (("OK", 1.0),))
+
+
+@pytest.mark.parametrize(
+    ("limits", "typed", "words"),
+    [
+        ("\\MaxValue:=10", "10.5", "does not take '10.5', allowed are numbers from any to 10"),
+        ("\\MinValue:=-1", "-2", "allowed are numbers from -1 to any"),
+        ("\\AsInteger", "1.5", "allowed are whole numbers"),
+        ("", "Maybe", "does not take 'Maybe'"),
+    ],
+)
+def test_a_number_beyond_the_limits_cannot_be_confirmed(load, choose, limits, typed, words):
+    choose(typed)
+    with pytest.raises(SignalError, match=words):
+        load(DATA, f'r:=UINumEntry(\\Message:="?"{limits});').run()
+
+
+@pytest.mark.parametrize(("initial", "result"), [("", "0"), ("\\InitValue:=5", "5")])
+def test_a_question_for_a_number_that_is_broken_off_gives_what_stood_there(say, initial, result):
+    body = f'TPWrite ValToStr(UINumEntry(\\Message:="?"{initial}\\MaxTime:=1\\BreakFlag:=f));'
+    assert say(f"{body} TPWrite ValToStr(f=ERR_TP_MAXTIME);", DATA) == [result, "TRUE"]
+
+
 def test_function_keys(say, machine, choose):
     choose("Skip")
     assert say('TPReadFK r,"Next?",stEmpty,"Mill",stEmpty,"Skip",stEmpty; TPWrite ValToStr(r);', DATA) == [
@@ -94,6 +133,11 @@ def test_a_trap_runs_while_a_question_is_open(say, machine, choose):
         (f'UIMsgBox "{"l" * 56}";', "ERR_STRTOOLNG: UIMsgBox: line of 56"),
         ('UIMsgBox "?"\\Buttons:=9;', "ERR_UI_BUTTONS"),
         ('UIMsgBox "?"\\Icon:=9;', "ERR_UI_ICON"),
+        ('r:=UINumEntry(\\Message:="?"\\MinValue:=2\\MaxValue:=1);', "ERR_UI_MAXMIN"),
+        ('r:=UINumEntry(\\Message:="?"\\InitValue:=3\\MaxValue:=2);', "ERR_UI_INITVALUE"),
+        ('r:=UINumEntry(\\Message:="?"\\MinValue:=119.5\\MaxValue:=120.5);', "ERR_UI_INITVALUE"),
+        ('r:=UINumEntry(\\Message:="?"\\InitValue:=1.5\\AsInteger);', "ERR_UI_NOTINT"),
+        (f'r:=UINumEntry(\\Message:="{"l" * 41}");', "ERR_STRTOOLNG: UINumEntry: line of 41"),
         ('UIMsgBox "?"\\Buttons:=btnNone;', "would never end"),
         ('TPReadFK r,"?",stEmpty,stEmpty,stEmpty,stEmpty,stEmpty;', "would never end"),
     ],

@@ -13,7 +13,7 @@ from doormill_ros.simulation.controller.rapid.parser import parse_module
 
 #: Characters: of an event's title, which is the shortest of all places; a line of a message box holds 55, a string 80.
 TITLE = 46
-HEADER, BUTTON = 40, 15
+HEADER, BUTTON, ENTRY_LINE = 40, 15, 40
 LANGUAGES = ("English", "German", "Norwegian")
 MODULE = parse_module(resource("rapid/DoorText.mod").read_text(), "DoorText.mod")
 DATA = {node.name: node for node in MODULE.data}
@@ -45,6 +45,14 @@ def test_a_text_is_whole_in_every_language(name):
 def test_buttons_and_the_header_fit_into_their_places(name):
     allowed = HEADER if name == "TXT_HEADER" else BUTTON
     assert max(map(len, TABLE[NUMBERS[name] - 1])) <= allowed
+
+
+def test_the_lines_of_a_question_for_a_number_leave_room_for_its_keys():
+    calls = re.findall(r"AskNumber\((TXT_\w+),(TXT_\w+)\)", resource("rapid/DoorTool.mod").read_text())
+    assert calls
+    assert (
+        max(len(text) for call in calls for name in call for text in TABLE[NUMBERS[name] - 1]) <= ENTRY_LINE
+    )
 
 
 def test_every_text_is_used():

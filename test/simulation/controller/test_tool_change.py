@@ -9,6 +9,7 @@ from doormill_ros.abb import signals
 from doormill_ros.abb.target_file.checksum import checksum
 from doormill_ros.abb.target_file.target_file import read_target_file, render_target_file
 from doormill_ros.pipeline.plan import load_setup, plan
+from doormill_ros.simulation.controller.cell import DOOR_CLAMPED
 from doormill_ros.simulation.controller.process import module_process
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.judge import judge
@@ -19,6 +20,7 @@ from support.two_tools import two_tool_door
 
 HOME = [0.0, -40.0, 30.0, 0.0, 10.0, 0.0]
 OTHER_TOOL = ("Another tool is in the spindle.", "Put tool 1 in, the others into the rack.")
+LENGTH = ("Tool 1: measure from the spindle's nose.", "How far does it stand out [mm]?")
 
 
 @pytest.fixture(scope="module")
@@ -143,11 +145,14 @@ def led_home(robot, by_hand):
         if dialog.lines == OTHER_TOOL:
             robot.cell.rack.hold(0)
             robot.cell.show_drawbar()
-        return dialog.buttons[0][0]
+        return "120" if dialog.lines == LENGTH else dialog.buttons[0][0]
 
     robot.teach_pendant.operator = operator
     robot._on_time = lambda c: (
-        c.program.read("toolPlace") == 1.0 and not c.program.read("doorInHand") and c.stop()
+        c.program.read("toolPlace") == 1.0
+        and c.program.read("toolMeasured")
+        and not c.program.read("doorInHand")
+        and c.stop()
     )
     with pytest.raises(Exception, match="stopped from outside"):
         robot.run(reset=False)
@@ -155,6 +160,7 @@ def led_home(robot, by_hand):
     assert second[0] == ("Jog it clear of the door and run MoveHome." if by_hand else "Retract and go home?")
     assert np.allclose(np.degrees(robot.q), HOME, atol=1e-3)
     assert robot.program.read("toolMill")[1][0][2] == 250.0
+    assert asked[-2:] == [OTHER_TOOL, LENGTH]
     if robot.cell.rack.carried != "":
         assert robot.cell.rack.carried == "rack_mill_16"
 
@@ -173,6 +179,109 @@ def test_a_tool_that_stands_out_a_little_further_mills_as_deep(made, started):
     hinge = inspect(recipe, T_base_door, robot.executed_path()).feature("hinge_1")
     assert np.abs(hinge.floor).max() < 5e-5
     assert robot.program.read("toolMill")[1][0][2] == pytest.approx(250.0, abs=1e-3)  # the first tool's again
+
+
+def put_in(robot, *tries):
+    """Somebody puts tool 1 in once for each pair of what it stands out further [mm] and what he then types."""
+    asked, left = [], list(tries)
+
+    def operator(dialog):
+        asked.append(dialog.lines)
+        if dialog.lines == OTHER_TOOL:
+            robot.cell.rack.faults.longer["rack_mill_16"] = left[0][0] * 1e-3
+        return left.pop(0)[1] if dialog.lines == LENGTH else dialog.buttons[0][0]
+
+    robot.program.write("toolPlace", "-1")
+    robot.teach_pendant.operator = operator
+    robot.run()
+    assert not left
+    assert robot.pendant_lines[-1] == "Door is milled."
+    return asked
+
+
+def lock_case_floor(made, robot):
+    recipe, T_base_door, _ = made
+    return inspect(recipe, T_base_door, robot.executed_path()).feature("lock_case").floor
+
+
+@pytest.mark.parametrize("longer", [-0.3, 0.0, 0.3])
+def test_a_tool_that_was_put_in_by_hand_mills_as_deep_as_it_was_measured_for(made, started, longer):
+    robot = started()
+    assert put_in(robot, (longer, f"{120 + longer}")) == [OTHER_TOOL, LENGTH]
+    assert np.abs(lock_case_floor(made, robot)).max() < 5e-5
+
+
+@pytest.mark.parametrize("typed", ["123", "117", "OK", "120.51", "-120"])
+def test_a_tool_of_another_length_that_was_put_in_by_hand_is_asked_for_again(made, started, typed):
+    robot = started()
+    assert put_in(robot, (3.0, typed), (0.1, "120.1")) == [OTHER_TOOL, LENGTH] * 2
+    length = "0" if typed == "OK" else typed
+    told = robot.pendant_lines.index("The tool has another length [mm]:")
+    assert float(robot.pendant_lines[told + 1]) == float(length)
+    assert np.abs(lock_case_floor(made, robot)).max() < 5e-5
+
+
+def test_a_tool_that_falls_while_it_is_measured_is_asked_for_again(made, started):
+    robot = started()
+    fallen = []
+
+    def operator(dialog):
+        if dialog.lines == LENGTH:
+            fallen.append(not fallen)
+            robot.cell.rack.hold(None if fallen[-1] else 0)
+            robot.cell.show_drawbar()
+            return "120"
+        if dialog.lines == OTHER_TOOL:
+            robot.cell.rack.hold(0)
+            robot.cell.show_drawbar()
+        return dialog.buttons[0][0]
+
+    robot.program.write("toolPlace", "-1")
+    robot.teach_pendant.operator = operator
+    robot.run()
+    assert fallen == [True, False]
+    assert [dialog.lines for dialog in robot.teach_pendant.dialogs] == [OTHER_TOOL, LENGTH] * 2
+
+
+def test_the_first_tool_that_the_gauge_refuses_is_no_measured_one(started):
+    robot = started()
+    robot.cell.rack.faults.longer["rack_mill_16"] = 0.9e-3
+    robot.run()
+    assert (robot.home / signals.REFUSED_FILE).read_text().startswith("1\nThe tool has another length [mm]:")
+    led_home(robot, by_hand=False)
+
+
+def test_the_first_tool_that_was_taken_and_not_measured_is_measured_by_hand(started):
+    """The door is taken out of the clamp while the robot goes from the place to the gauge."""
+    robot = started()
+    changed = []
+
+    def watch(c):
+        place = c.program.read("toolPlace")
+        if place == 2.0 and not changed:
+            changed.append(place)
+        if changed == [2.0] and place == 1.0 and not c.program.read("atRack"):
+            changed.append(place)
+            c.cell.set_input(DOOR_CLAMPED, 0.0)
+
+    robot._on_time = watch
+    robot.run()
+    assert robot.program.read("toolPlace") == 1.0
+    asked = []
+
+    def operator(dialog):
+        asked.append(dialog.lines)
+        return "120.2" if dialog.lines == LENGTH else dialog.buttons[0][0]
+
+    robot.teach_pendant.operator = operator
+    robot._on_time = lambda c: (
+        c.program.read("toolMeasured") and not c.program.read("doorInHand") and c.stop()
+    )
+    with pytest.raises(Exception, match="stopped from outside"):
+        robot.run(reset=False)
+    assert asked[-1] == LENGTH
+    assert OTHER_TOOL not in asked
+    assert robot.program.read("toolMill")[1][0][2] == pytest.approx(250.2, abs=1e-3)
 
 
 @pytest.mark.parametrize("what", ["stop", "fail_power"])

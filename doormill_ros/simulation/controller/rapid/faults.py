@@ -41,6 +41,9 @@ ERROR_NUMBERS: dict[str, int] = {
             "ERR_TP_PERSBOOLBREAK",
             "ERR_UI_BUTTONS",
             "ERR_UI_ICON",
+            "ERR_UI_INITVALUE",
+            "ERR_UI_MAXMIN",
+            "ERR_UI_NOTINT",
             "ERR_UNKINO",
             "ERR_WAIT_MAXTIME",
         )

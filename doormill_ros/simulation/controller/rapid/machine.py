@@ -40,16 +40,41 @@ class Move:
 
 
 @dataclass(frozen=True)
+class NumberField:
+    """Where the operator types a number.
+
+    Attributes:
+        initial: What stands in it at the beginning.
+        least: The smallest number that can be confirmed, None for any.
+        largest: The largest one.
+        integer: Whether whole numbers alone can be confirmed.
+    """
+
+    initial: float = 0.0
+    least: float | None = None
+    largest: float | None = None
+    integer: bool = False
+
+    def takes(self, number: float) -> bool:
+        """Whether a number can be confirmed."""
+        within = (self.least is None or number >= self.least) and (
+            self.largest is None or number <= self.largest
+        )
+        return within and (not self.integer or number.is_integer())
+
+
+@dataclass(frozen=True)
 class Dialog:
     """A question on the pendant.
 
     Attributes:
-        kind: "UIMsgBox", "UIMessageBox", "UIListView" or "TPReadFK".
+        kind: "UIMsgBox", "UIMessageBox", "UIListView", "UINumEntry" or "TPReadFK".
         header: Its title.
         lines: Its text.
         buttons: What can be pressed: the text, and the number that stands for it.
         items: Of a list, the texts to choose from.
         chosen: Number of the item that is marked at the beginning, 0 for none.
+        field: Where a number is typed, None in a question for none.
     """
 
     kind: str
@@ -58,14 +83,16 @@ class Dialog:
     buttons: tuple[tuple[str, float], ...]
     items: tuple[str, ...] = ()
     chosen: int = 0
+    field: NumberField | None = None
 
 
 @dataclass(frozen=True)
 class DialogAnswer:
-    """What the operator chose: the number of a button, and of a list's item, 0 for none."""
+    """What the operator chose: the number of a button, and of a list's item, 0 for none; the number he typed."""
 
     button: float
     item: int = 0
+    typed: float = 0.0
 
 
 class Attendant(Protocol):

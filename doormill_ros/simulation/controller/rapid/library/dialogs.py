@@ -1,4 +1,4 @@
-"""Questions on the pendant: message boxes, lists and function keys.
+"""Questions on the pendant: message boxes, lists, numbers and function keys.
 
 Names of instructions, arguments, predefined data and errors: keyword lists of RAPID, github.com
 KnoP/rapid-for-vim. Numbers of buttons and results, and the widths of the texts are [?].
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from doormill_ros.simulation.controller.rapid.context import Context
 from doormill_ros.simulation.controller.rapid.faults import ERROR_NUMBERS, RapidFault, RapidStop
 from doormill_ros.simulation.controller.rapid.library.predefined import predefined
-from doormill_ros.simulation.controller.rapid.machine import Dialog, DialogAnswer
+from doormill_ros.simulation.controller.rapid.machine import Dialog, DialogAnswer, NumberField
 from doormill_ros.simulation.controller.rapid.scope import Reference
 from doormill_ros.simulation.controller.rapid.types import Value
 
@@ -29,6 +29,8 @@ BUTTONS: dict[float, tuple[tuple[str, float], ...]] = {
 #: Characters that are shown of a header, a line of text, a button and a list's item.
 HEADER, LINE, BUTTON, ITEM = 40, 55, 42, 75
 _LINES = 11
+#: The keys of a question for a number take the room beside its text.
+ENTRY_LINE, _ENTRY_LINES = 40, 9
 _LIST_LINES = 512
 
 _BREAKS = (
@@ -96,15 +98,17 @@ def _ask(context: Context, dialog: Dialog, breaks: _Breaks) -> DialogAnswer | No
     return None
 
 
-def _texts(what: str, header: str | None, lines: list[str]) -> tuple[str, tuple[str, ...]]:
+def _texts(
+    what: str, header: str | None, lines: list[str], width: int = LINE, most: int = _LINES
+) -> tuple[str, tuple[str, ...]]:
     """Header and lines, when the pendant has room for them."""
     if header is not None and len(header) > HEADER:
         raise RapidFault("ERR_STRTOOLNG", f"{what}: header of {len(header)} characters, allowed are {HEADER}")
     for line in lines:
-        if len(line) > LINE:
-            raise RapidFault("ERR_STRTOOLNG", f"{what}: line of {len(line)} characters, allowed are {LINE}")
-    if len(lines) > _LINES:
-        raise RapidFault("ERR_ARGVALERR", f"{what}: {len(lines)} lines, allowed are {_LINES}")
+        if len(line) > width:
+            raise RapidFault("ERR_STRTOOLNG", f"{what}: line of {len(line)} characters, allowed are {width}")
+    if len(lines) > most:
+        raise RapidFault("ERR_ARGVALERR", f"{what}: {len(lines)} lines, allowed are {most}")
     return header or "", tuple(lines)
 
 
@@ -200,6 +204,46 @@ def ui_list_view(
     if result is not None:
         result[0][result[1]] = answer.button if answer is not None else 0.0
     return float(answer.item if answer is not None else default or 0.0)
+
+
+def _number_field(
+    initial: float | None, least: float | None, largest: float | None, integer: bool
+) -> NumberField:
+    """The field of a question for a number, when its limits and what stands in it agree.
+
+    Without an initial value 0 stands in it, and has to be within the limits too: the harsher reading [?].
+    """
+    field = NumberField(initial or 0.0, least, largest, integer)
+    if least is not None and largest is not None and least > largest:
+        raise RapidFault("ERR_UI_MAXMIN", f"UINumEntry: \\MinValue {least:g} above \\MaxValue {largest:g}")
+    given = (field.initial, *(limit for limit in (least, largest) if limit is not None))
+    if integer and not all(number.is_integer() for number in given):
+        raise RapidFault("ERR_UI_NOTINT", f"UINumEntry: {given} with \\AsInteger, allowed are whole numbers")
+    if not field.takes(field.initial):
+        raise RapidFault("ERR_UI_INITVALUE", f"UINumEntry: \\InitValue {field.initial:g} beyond the limits")
+    return field
+
+
+@predefined(
+    "FUNC num UINumEntry(\\string Header \\string Message | string MsgArray{*} \\switch Wrap \\icondata Icon "
+    f"\\num InitValue \\num MinValue \\num MaxValue \\switch AsInteger {_BREAKS})"
+)
+def ui_num_entry(
+    context: Context,
+    header: str | None,
+    message: str | None,
+    several: list[str] | None,
+    _wrap: bool,
+    icon: float | None,
+    *arguments: Value,
+) -> float:
+    """Ask for a number; gives the one that was confirmed, or InitValue when it was broken off."""
+    (initial, least, largest, integer), breaks = arguments[:4], arguments[4:]
+    _check_icon("UINumEntry", icon)
+    shown, lines = _texts("UINumEntry", header, several or [message or ""], ENTRY_LINE, _ENTRY_LINES)
+    field = _number_field(initial, least, largest, integer)
+    answer = _ask(context, Dialog("UINumEntry", shown, lines, BUTTONS[0.0], field=field), _Breaks(*breaks))
+    return answer.typed if answer is not None else field.initial
 
 
 @predefined(
