@@ -24,7 +24,8 @@ class JointFit:
         delay: At which the joint is seen; the skew of a member is about it [s].
         x: Shared coefficients of each member.
         own: Coefficients of each member that belong to a recording, by recording.
-        residual, held_out: Fitted, and predicted without the block, shape (n,) [rad].
+        residual, held_out: Fitted, and predicted without the block, shape (n,) [rad]; 0 where the delay asks for what
+            was not recorded.
         std: Standard deviations of x, by member, from the scatter of the blocks.
         own_std: The same of `own`.
     """
