@@ -125,6 +125,25 @@ def check_same_joints(first: MotionSet, other: MotionSet) -> None:
             )
 
 
+def check_same_noise(first: MotionSet, other: MotionSet) -> None:
+    """Recordings diagnosed together are weighed by one noise.
+
+    Raises:
+        SetMixError: They state another, or only one of them states any.
+    """
+    if first.noise != other.noise:
+        raise SetMixError(
+            f"{other.path / 'set.yaml'}: line 1, column 1: noise is {_told(other)}, but {_told(first)} in "
+            f"{first.path}; sets diagnosed together need the same, others can be checked"
+        )
+
+
+def _told(data: MotionSet) -> str:
+    names = ("link", "motor", "torque")
+    stated = [f"{n} {v:g}" for n, v in zip(names, data.noise, strict=True) if v is not None]
+    return ", ".join(stated) or "not stated"
+
+
 def _joints(document: SetDocument) -> tuple[int, ...]:
     joints = document.get("joints")
     whole = isinstance(joints, list) and all(type(joint) is int for joint in joints)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
+from doormill_ros.diagnosis.motion.kind import Motions
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.motion_set import read_motion_set
 from support.motion_world import Recording, record
@@ -35,6 +36,20 @@ def test_missing_samples_leave_gaps_in_time(tmp_path):
     assert len(data) < 751
     assert steps.max() > 1.5
     assert np.allclose(steps, np.round(steps), atol=1e-6)
+
+
+@pytest.mark.parametrize("other", [{"noise": (4.0e-5, 1.0e-6, 5.0)}, {"stated": False}])
+def test_recordings_of_other_noise_are_checked_but_not_diagnosed_together(folder, tmp_path, other):
+    first = read_motion_set(folder)
+    second = read_motion_set(record(tmp_path / "other", Recording(seconds=3.0, **other), seed=2))
+    Motions().check_together([first, first], [second])
+    for sets in ([first, second], [second, first]):
+        with pytest.raises(
+            DataSetError, match=r"set\.yaml: line 1, column 1: noise is .*sets diagnosed"
+        ) as raised:
+            Motions().check_together(sets, [])
+        assert raised.value.code == 504
+        assert "\n" not in raised.value.message
 
 
 def _times(folder, times, decimals):
