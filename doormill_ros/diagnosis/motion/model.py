@@ -44,6 +44,12 @@ class JointFit:
         """How many numbers were fitted besides the offsets."""
         return sum(len(part) for part in self.x) + sum(len(one) for part in self.own for one in part)
 
+    @property
+    def late(self) -> float:
+        """By how much the link encoder is late, negative where it is early [s]."""
+        index = self.of(TimeSkew)
+        return self.delay + (0.0 if index is None else float(self.x[index][0]))
+
     def of(self, kind: type[MotionCause]) -> int | None:
         """Index of the member of a kind, if there is one."""
         return next((i for i, cause in enumerate(self.members) if isinstance(cause, kind)), None)
@@ -66,13 +72,11 @@ def coefficients(found: JointFit, index: int) -> FloatArray:
 
 def model_of(found: JointFit, motion: JointMotion) -> JointModel:
     """The model that a fit leaves for the joint of a recording."""
-    index = found.of(TimeSkew)
-    delay = found.delay + (0.0 if index is None else float(found.x[index][0]))
     kept = [i for i, cause in enumerate(found.members) if not isinstance(cause, TimeSkew)]
     return JointModel(
         motion.joint,
         motion.stiffness,
-        delay,
+        found.late,
         tuple(found.members[i] for i in kept),
         tuple(coefficients(found, i) for i in kept),
     )
