@@ -8,18 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
-from doormill_ros.errors import DataSetError
-from doormill_ros.measurements.errors import MotionTableError, SetMixError
+from doormill_ros.measurements.errors import SetMixError
+from doormill_ros.measurements.sample_times import even_times
 from doormill_ros.measurements.set_document import SetDocument
 from doormill_ros.measurements.trial_table import TrialTable
 from doormill_ros.robot_model.motion.view import JointMotion
 
 SCHEMA = "doormill/motion-set/1"
 JOINTS = 6
-#: Shortest recording of use [samples].
-SHORTEST = 200
-#: Share of a sample's time by which a sample may be early or late, and of all samples that may be missing.
-JITTER, MISSING = 0.1, 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +26,7 @@ class MotionSet:
         path: Folder the set was read from.
         robot: Name of the robot.
         source: Where the data come from.
-        rate: Samples per second.
+        rate: Samples per second, as stated; the recorder's own clock may differ a little.
         joints: Numbers of the joints with a link encoder.
         motions: What was recorded of each of them.
         line: Line of each sample in samples.csv, shape (n,).
@@ -66,7 +62,7 @@ def read_motion_set(folder: Path) -> MotionSet:
         DataFileError: A file is missing or is no text.
         SetDescriptionError: set.yaml lacks a key or holds a value not allowed.
         TrialTableError: samples.csv lacks a column or holds what is no number.
-        MotionTableError: Its times do not fit the rate, or it is too short.
+        MotionTableError: Its times are uneven or do not fit the rate, or it is too short.
     """
     document = SetDocument(folder / "set.yaml")
     if document.get("schema") != SCHEMA:
@@ -82,8 +78,7 @@ def read_motion_set(folder: Path) -> MotionSet:
     own = [name for kind in ("m", "l", "tau") for name in (f"{kind}{joint}" for joint in joints)]
     commanded = [f"r{joint}" for joint in range(1, JOINTS + 1)]
     table = TrialTable(folder / "samples.csv", ["t", *own, *commanded])
-    time = table.numbers("t")
-    _check_time(table, time, rate)
+    time = even_times(table, table.numbers("t"), rate)
     values = {name: table.numbers(name) for name in own}
     for array in (time, *values.values()):
         array.setflags(write=False)
@@ -130,6 +125,25 @@ def check_same_joints(first: MotionSet, other: MotionSet) -> None:
             )
 
 
+def check_same_noise(first: MotionSet, other: MotionSet) -> None:
+    """Recordings diagnosed together are weighed by one noise.
+
+    Raises:
+        SetMixError: They state another, or only one of them states any.
+    """
+    if first.noise != other.noise:
+        raise SetMixError(
+            f"{other.path / 'set.yaml'}: line 1, column 1: noise is {_told(other)}, but {_told(first)} in "
+            f"{first.path}; sets diagnosed together need the same, others can be checked"
+        )
+
+
+def _told(data: MotionSet) -> str:
+    names = ("link", "motor", "torque")
+    stated = [f"{n} {v:g}" for n, v in zip(names, data.noise, strict=True) if v is not None]
+    return ", ".join(stated) or "not stated"
+
+
 def _joints(document: SetDocument) -> tuple[int, ...]:
     joints = document.get("joints")
     whole = isinstance(joints, list) and all(type(joint) is int for joint in joints)
@@ -157,42 +171,3 @@ def _noise(document: SetDocument) -> tuple[float | None, float | None, float | N
         for name in ("link", "motor", "torque")
     )
     return link, motor, torque
-
-
-def _check_time(table: TrialTable, time: FloatArray, rate: float) -> None:
-    """Samples lie on a grid of the rate; a few may be missing."""
-    if len(time) < SHORTEST:
-        raise _fail(table, len(time) - 1, f"ends after {len(time)} samples, allowed are {SHORTEST} or more")
-    steps = np.diff(time)
-    for index in np.flatnonzero(steps <= 0.0):
-        raise _fail(
-            table, int(index) + 1, f"{time[index + 1]:g} follows {time[index]:g}, times have to ascend"
-        )
-    usual = float(np.median(steps))
-    if abs(usual * rate - 1.0) > JITTER:
-        raise _fail(
-            table, 1, f"samples are {usual:g} s apart, a rate of {rate:g} needs {1.0 / rate:g}; correct rate"
-        )
-    place = (time - time[0]) * rate
-    off = np.abs(place - np.round(place))
-    for index in np.flatnonzero(off > JITTER):
-        raise _fail(
-            table,
-            int(index),
-            f"{time[index]:g} lies {off[index] / rate:.2g} s beside the grid of {1.0 / rate:g} s, allowed are times "
-            "of one rate; sample the recording evenly",
-        )
-    missing = 1.0 - len(time) / (round(float(place[-1])) + 1)
-    if missing > MISSING:
-        raise _fail(
-            table,
-            len(time) - 1,
-            f"{100 * missing:.0f} % of the samples are missing, allowed are {100 * MISSING:.0f}",
-        )
-
-
-def _fail(table: TrialTable, index: int, problem: str) -> DataSetError:
-    line = table.lines[index]
-    return MotionTableError(
-        f"{table.path}: line {line}, column t: {problem}", path=str(table.path), line=line, column="t"
-    )

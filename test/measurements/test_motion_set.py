@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
+from doormill_ros.diagnosis.motion.kind import Motions
 from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.motion_set import read_motion_set
 from support.motion_world import Recording, record
@@ -35,6 +36,66 @@ def test_missing_samples_leave_gaps_in_time(tmp_path):
     assert len(data) < 751
     assert steps.max() > 1.5
     assert np.allclose(steps, np.round(steps), atol=1e-6)
+
+
+@pytest.mark.parametrize("other", [{"noise": (4.0e-5, 1.0e-6, 5.0)}, {"stated": False}])
+def test_recordings_of_other_noise_are_checked_but_not_diagnosed_together(folder, tmp_path, other):
+    first = read_motion_set(folder)
+    second = read_motion_set(record(tmp_path / "other", Recording(seconds=3.0, **other), seed=2))
+    Motions().check_together([first, first], [second])
+    for sets in ([first, second], [second, first]):
+        with pytest.raises(
+            DataSetError, match=r"set\.yaml: line 1, column 1: noise is .*sets diagnosed"
+        ) as raised:
+            Motions().check_together(sets, [])
+        assert raised.value.code == 504
+        assert "\n" not in raised.value.message
+
+
+def _times(folder, times, decimals):
+    def change(lines):
+        for i, time in enumerate(times, start=1):
+            lines[i] = ",".join([f"{time:.{decimals}f}", *lines[i].split(",")[1:]])
+
+    _rows(folder, change)
+
+
+@pytest.mark.parametrize(
+    ("stated", "true", "decimals"),
+    [(250.0, 250.0 * 1.0001, 6), (250.0, 250.0 * 1.004, 6), (248.0, 1.0 / 0.004032, 6)]
+    + [(rate, rate, 3) for rate in (400.0, 300.0, 240.0)],
+)
+@pytest.mark.parametrize("missing", [(), (40, 41, 300)])
+def test_even_samples_are_read_whatever_clock_and_decimals_they_were_written_by(
+    folder, stated, true, decimals, missing
+):
+    _edit(folder, lambda one: one.update(rate=stated))
+    places = np.delete(np.arange(751 + len(missing)), list(missing))
+    _times(folder, 5.0 + places / true, decimals)
+    time = read_motion_set(folder).motions[0].time
+    # Times rounded to a part of a step are those of the grid again, but for its fit.
+    assert np.abs((time - time.mean()) * true - (places - places.mean())).max() < 0.02
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        lambda i: 0.3 * np.sin(0.7 * i),
+        lambda i: np.where(i < 375, 0.0, 0.5),
+        lambda i: 2.0 * (i / 750.0) ** 2,
+        lambda i: np.where(i == 400, 0.2, 0.0),
+        lambda i: np.random.default_rng(3).normal(0.0, 0.1, len(i)),
+    ],
+)
+@pytest.mark.parametrize("decimals", [4, 6])
+def test_uneven_samples_are_refused(folder, shape, decimals):
+    places = np.arange(751.0)
+    _times(folder, (places + shape(places)) / 250.0, decimals)
+    with pytest.raises(
+        DataSetError, match=r"beside the grid of 0\.00[34].* s that fits all times best"
+    ) as raised:
+        read_motion_set(folder)
+    assert raised.value.code == 513
 
 
 def test_lists_of_all_six_joints_are_taken_by_number(folder):

@@ -90,7 +90,9 @@ class MotionQuestion(Question[MotionCause, MotionFit]):
         )
         if not agreed:
             return MotionFit(tuple(fits))
-        progress(f"the link encoders are late together by {s_to_ms(skew):.3f} ms")
+        progress(
+            f"the link encoders are {'late' if skew > 0.0 else 'early'} together by {s_to_ms(abs(skew)):.3f} ms"
+        )
         self._searches = [JointSearch(*one, skew, False, progress) for one in every]
         again = [
             search.run([search.fit(_without_speed(fit))])
@@ -226,7 +228,7 @@ def _asked_skew(problem: JointProblem, fit: JointFit) -> tuple[float, float]:
     """Skew of a joint whose model holds none, and its standard deviation [s]."""
     found = problem.settled((*_without_speed(fit), TimeSkew(problem.where)), fit.delay)
     index = len(found.members) - 1
-    return found.delay + float(found.x[index][0]), float(found.std[index][0])
+    return found.late, float(found.std[index][0])
 
 
 def _without_speed(fit: JointFit) -> list[MotionCause]:

@@ -126,10 +126,14 @@ class JointExaminer(Examiner[MotionCause, JointFit]):
             behind = self.behind(asked, fit)
             if other.named and other.key != cause.key and behind < EQUAL:
                 found.setdefault(other.key, Double(other, max(behind, 0.0), model=fit))
+        # A lone encoder that is read early is like damping but for the acceleration's share, which no recording shows.
+        alike: MotionCause | None = None
         if isinstance(cause, JointDamping):
-            # A lone encoder that is read early: the same but for the acceleration's share, which no recording shows.
-            early = TimeSkew(cause.where)
-            found.setdefault(early.key, Double(early, 0.0))
+            alike = TimeSkew(cause.where)
+        elif isinstance(cause, TimeSkew) and asked.late < 0.0:
+            alike = JointDamping(cause.where)
+        if alike is not None:
+            found.setdefault(alike.key, Double(alike, 0.0))
         return tuple(found.values())
 
 

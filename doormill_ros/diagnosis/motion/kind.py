@@ -20,7 +20,13 @@ from doormill_ros.diagnosis.motion.account import (
 )
 from doormill_ros.diagnosis.motion.diagnosis import MotionDiagnosis, diagnose_motions
 from doormill_ros.diagnosis.motion.laws import model_with_laws, with_laws
-from doormill_ros.measurements.motion_set import SCHEMA, MotionSet, check_same_joints, read_motion_set
+from doormill_ros.measurements.motion_set import (
+    SCHEMA,
+    MotionSet,
+    check_same_joints,
+    check_same_noise,
+    read_motion_set,
+)
 from doormill_ros.pages.page import Block, Charts, PageSection, Paragraphs, Table
 from doormill_ros.robot_model.motion.model import model_document
 from doormill_ros.units import UM
@@ -31,7 +37,9 @@ recording is cut into twenty contiguous blocks, every tenth is predicted by a fi
 named if that improves by far more than what is left has at the frequencies of the cause, in most blocks, by a
 twentieth at least, and if no shape without a name does clearly better in its place; with several recordings also if
 those left out as a whole do not lose by it. Standard deviations come from the scatter of whole blocks, because
-neighbouring samples repeat each other. A recording that is only checked gives nothing but its own constants."""
+neighbouring samples repeat each other. A lone encoder that is read early looks like damping, and is called so as long as
+the motor gave the torque for it; early encoders that agree, or are earlier, have a negative skew. A recording that is
+only checked gives nothing but its own constants."""
 
 
 class Motions(Kind[MotionSet, MotionDiagnosis]):
@@ -48,9 +56,11 @@ class Motions(Kind[MotionSet, MotionDiagnosis]):
         return [read_motion_set(folder)]
 
     def check_together(self, sets: Sequence[MotionSet], others: Sequence[MotionSet]) -> None:
-        """One robot, the same joints and springs."""
+        """One robot, the same joints and springs; one noise of those that are diagnosed."""
         for other in (*sets[1:], *others):
             check_same_joints(sets[0], other)
+        for other in sets[1:]:
+            check_same_noise(sets[0], other)
 
     def diagnose(self, sets: Sequence[MotionSet], progress: Progress) -> MotionDiagnosis:
         """Find the causes of each joint, what all link encoders have in common, and laws for what no cause names."""

@@ -44,7 +44,8 @@ def with_laws(
 def _searched(finding: JointFinding, companies: Companies, progress: Callable[[str], None]) -> Searched:
     """Laws for what the causes of a joint leave."""
     extended = finding.extended
-    problem, base = remainder(finding.problem, extended.members, extended.delay, companies)
+    rows = finding.problem.counted(extended.delay)
+    problem, base = remainder(finding.problem, extended.members, extended.delay, companies, rows)
     return searched(problem, base, dictionary(problem.case), progress)
 
 

@@ -24,7 +24,8 @@ class JointFit:
         delay: At which the joint is seen; the skew of a member is about it [s].
         x: Shared coefficients of each member.
         own: Coefficients of each member that belong to a recording, by recording.
-        residual, held_out: Fitted, and predicted without the block, shape (n,) [rad].
+        residual, held_out: Fitted, and predicted without the block, shape (n,) [rad]; 0 where the delay asks for what
+            was not recorded.
         std: Standard deviations of x, by member, from the scatter of the blocks.
         own_std: The same of `own`.
     """
@@ -42,6 +43,12 @@ class JointFit:
     def numbers(self) -> int:
         """How many numbers were fitted besides the offsets."""
         return sum(len(part) for part in self.x) + sum(len(one) for part in self.own for one in part)
+
+    @property
+    def late(self) -> float:
+        """By how much the link encoder is late, negative where it is early [s]."""
+        index = self.of(TimeSkew)
+        return self.delay + (0.0 if index is None else float(self.x[index][0]))
 
     def of(self, kind: type[MotionCause]) -> int | None:
         """Index of the member of a kind, if there is one."""
@@ -65,13 +72,11 @@ def coefficients(found: JointFit, index: int) -> FloatArray:
 
 def model_of(found: JointFit, motion: JointMotion) -> JointModel:
     """The model that a fit leaves for the joint of a recording."""
-    index = found.of(TimeSkew)
-    delay = found.delay + (0.0 if index is None else float(found.x[index][0]))
     kept = [i for i, cause in enumerate(found.members) if not isinstance(cause, TimeSkew)]
     return JointModel(
         motion.joint,
         motion.stiffness,
-        delay,
+        found.late,
         tuple(found.members[i] for i in kept),
         tuple(coefficients(found, i) for i in kept),
     )

@@ -93,9 +93,9 @@ def _behind(
     extended = finding.extended
     rest = [other for other in extended.members if other is not cause]
     delay = finding.search.delay if isinstance(cause, TimeSkew) else extended.delay
-    problem, base = remainder(finding.problem, rest, delay, companies)
-    effect = _effect(finding, cause)[finding.problem.counted]
-    offsets = finding.problem.design([], delay)[finding.problem.counted]
+    rows = finding.problem.counted(extended.delay)
+    problem, base = remainder(finding.problem, rest, delay, companies, rows)
+    effect, offsets = _effect(finding, cause)[rows], finding.problem.design([], delay)[rows]
     terms = [
         term
         for term in dictionary(problem.case)

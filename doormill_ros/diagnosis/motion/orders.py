@@ -88,13 +88,14 @@ def _refined(problem: JointProblem, found: JointFit, peak: float, width: float) 
         fall = 0.0
         for i, seen in enumerate(problem.seen(found.delay)):
             rows = problem.recording == i
+            kept = problem.kept[rows] & seen.recorded
             wave = (
                 np.column_stack(
                     [MotionPeriodicError(problem.where, float(order)).wave(seen), np.ones(rows.sum())]
                 )
-                * problem.kept[rows][:, None]
+                * kept[:, None]
             )
-            own = found.residual[rows] * problem.kept[rows]
+            own = found.residual[rows] * kept
             right = wave.T @ own
             fall += float(right @ np.linalg.solve(wave.T @ wave + 1e-9 * np.eye(3), right))
         falls.append(fall)

@@ -88,10 +88,13 @@ class JointProblem:
         """Samples that are no slips of the reading, shape (n,)."""
         return np.concatenate([no_slips(motion) for motion in self.motions])
 
-    @cached_property
-    def counted(self) -> IntArray:
+    def recorded(self, delay: float) -> BoolArray:
+        """Samples that a delay [s] does not carry beyond the ends of their recording, shape (n,)."""
+        return np.concatenate([one.recorded for one in self.seen(delay)])
+
+    def counted(self, delay: float) -> IntArray:
         """Samples that a search over laws looks at, shape (m,): the others repeat them."""
-        rows = np.flatnonzero(self.kept)
+        rows = np.flatnonzero(self.kept & self.recorded(delay))
         return rows[:: -(-len(rows) // SAMPLES)]
 
     @cached_property
@@ -139,7 +142,8 @@ class JointProblem:
         """Least squares, with every fold also predicted by the others."""
         members = tuple(members)
         X, y = self.design(members, delay), self.target(delay)
-        weight = self.kept.astype(float)
+        recorded = self.recorded(delay)
+        weight = (self.kept & recorded).astype(float)
         size = np.sqrt(np.einsum("np,np,n->p", X, X, weight))
         size = np.where(size > 0.0, size, 1.0)
         A = X / size * weight[:, None]
@@ -166,6 +170,7 @@ class JointProblem:
         pulls = np.zeros((BLOCKS * len(self.motions), len(g)))
         np.add.at(pulls, self.block, A * (residual * weight)[:, None])
         std = scatter_of(pulls, inverse) / size
+        residual, held_out = residual * recorded, held_out * recorded
         return self.unpacked(members, delay, solution / size, std, residual, held_out)
 
     def unpacked(
@@ -257,7 +262,8 @@ class JointProblem:
 
     def rmse(self, errors: FloatArray) -> float:
         """Root mean square of the samples that count, of shape (n,) [rad]."""
-        return float(np.sqrt(self.cost(errors) / max(int(self.kept.sum()), 1)))
+        # What lies beyond the ends of a recording is exactly 0.
+        return float(np.sqrt(self.cost(errors) / max(int(np.count_nonzero(errors[self.kept])), 1)))
 
     def unit(self, errors: FloatArray, shape: FloatArray) -> float:
         """Squared error that chance gives a shape, at least the noise's square.

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from doormill_ros.arrays import IntArray
 from doormill_ros.diagnosis.core.wording import RADIANS
 from doormill_ros.diagnosis.law.linear import Established, LinearProblem, established
 from doormill_ros.diagnosis.motion.problem import JointProblem
@@ -18,7 +19,11 @@ Companies = Sequence[Sequence[JointMotion]]
 
 
 def remainder(
-    problem: JointProblem, members: Sequence[MotionCause], delay: float, companies: Companies
+    problem: JointProblem,
+    members: Sequence[MotionCause],
+    delay: float,
+    companies: Companies,
+    rows: IntArray,
 ) -> tuple[LinearProblem, Established]:
     """What is left to explain beside some causes of a joint, which stay.
 
@@ -27,6 +32,7 @@ def remainder(
         members: The causes.
         delay: At which the joint is seen [s].
         companies: All joints of each recording.
+        rows: Samples that count, shape (m,).
     """
     rides = tuple(
         ride_of(motion, company, delay) for motion, company in zip(problem.motions, companies, strict=True)
@@ -35,5 +41,4 @@ def remainder(
     columns = problem.design(members, delay)[:, None, :]
     base = established(columns, sigma, np.full(columns.shape[2], np.inf))
     target = problem.target(delay)[:, None]
-    rows = problem.counted
     return LinearProblem(target, sigma, rides, problem.block, problem.floor, RADIANS, rows), base

@@ -98,7 +98,8 @@ class JointSearch(Search[MotionCause, JointFit]):
     def gain(self, before: JointFit, after: JointFit) -> Gain:
         """How much better a model is than another, by the errors of the better one."""
         problem = self.problem
-        fall = problem.by_block(before.held_out) - problem.by_block(after.held_out)
+        both = problem.recorded(before.delay) & problem.recorded(after.delay)
+        fall = problem.by_block(before.held_out * both) - problem.by_block(after.held_out * both)
         score = float(fall.sum()) / problem.unit(after.held_out, before.residual - after.residual)
         score -= NUMBER * (after.numbers - before.numbers)
         share = float(fall.sum()) / max(problem.cost(after.held_out), 1e-300)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.robot_model.errors import MotionModelError
 from doormill_ros.robot_model.model_file import read_model
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
@@ -44,7 +44,7 @@ class JointModel:
     def residual(
         self, motion: JointMotion, own: bool = True, company: Sequence[JointMotion] = ()
     ) -> FloatArray:
-        """Measured less predicted link minus motor angle of a recording, shape (n,) [rad].
+        """Measured less predicted link minus motor angle of a recording, shape (n,) [rad]; 0 beyond its ends.
 
         Laws act on what was recorded of the other joints in `company`, with their means where that is missing.
 
@@ -61,16 +61,19 @@ class JointModel:
             left = left - term.effect(rides)[:, 0] @ term.from_values(weights, rides)
         if own:
             for cause, x in zip(self.causes, self.x, strict=True):
-                left = left - _own_part(left, cause.own_columns(seen), float(np.abs(x[0])), not cause.phased)
-        return np.asarray(left - left.mean(), dtype=float)
+                columns = cause.own_columns(seen)
+                left = left - _own_part(left, columns, seen.recorded, float(np.abs(x[0])), not cause.phased)
+        return np.where(seen.recorded, left - left[seen.recorded].mean(), 0.0)
 
 
-def _own_part(left: FloatArray, columns: FloatArray, size: float, at_most: bool) -> FloatArray:
-    """What a recording's own coefficients of a size (or at most of it) explain, shape (n,)."""
+def _own_part(
+    left: FloatArray, columns: FloatArray, rows: BoolArray, size: float, at_most: bool
+) -> FloatArray:
+    """What a recording's own coefficients of a size (or at most of it), fitted to some rows, explain, shape (n,)."""
     if not columns.shape[1]:
         return np.zeros(len(left))
-    centred = columns - columns.mean(axis=0)
-    own = np.linalg.lstsq(centred, left - left.mean(), rcond=1e-9)[0]
+    centred = columns - columns[rows].mean(axis=0)
+    own = np.linalg.lstsq(centred[rows], left[rows] - left[rows].mean(), rcond=1e-9)[0]
     length = float(np.linalg.norm(own))
     if length > 0.0 and (length > size or not at_most):
         own = own * size / length

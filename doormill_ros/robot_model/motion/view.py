@@ -59,6 +59,7 @@ class SeenMotion:
         delay: How much earlier [s].
         motor, speed, acceleration: Of the motor's angle, shape (n,) [rad], [rad / s], [rad / s^2].
         torque: Shape (n,) [N m].
+        recorded: Samples of which the recording holds the moment that is seen, shape (n,); others have its end.
     """
 
     motion: JointMotion
@@ -67,6 +68,7 @@ class SeenMotion:
     speed: FloatArray
     acceleration: FloatArray
     torque: FloatArray
+    recorded: BoolArray
 
     def __len__(self) -> int:
         return len(self.motor)
@@ -100,7 +102,9 @@ class SeenMotion:
 
 @lru_cache(maxsize=256)
 def _seen(motion: JointMotion, delay: float) -> SeenMotion:
-    time = np.clip(motion.time - delay, motion.time[0], motion.time[-1])
+    asked = motion.time - delay
+    # A cubic carried on beyond its ends multiplies noise: a joint that moved there says nothing of these samples.
+    time = np.clip(asked, motion.time[0], motion.time[-1])
     half = _SMOOTHED / 2.0
     before, after = (np.clip(time + side, motion.time[0], motion.time[-1]) for side in (-half, half))
     here = motion.path(time)
@@ -108,7 +112,8 @@ def _seen(motion: JointMotion, delay: float) -> SeenMotion:
     speed = (late - early) / np.maximum(after - before, 1e-9)
     edge = (after - time < half) | (time - before < half)
     acceleration = np.where(edge, 0.0, (late - 2.0 * here + early) / half**2)
-    return SeenMotion(motion, delay, here, speed, acceleration, np.interp(time, motion.time, motion.torque))
+    torque = np.interp(time, motion.time, motion.torque)
+    return SeenMotion(motion, delay, here, speed, acceleration, torque, time == asked)
 
 
 @lru_cache(maxsize=1024)

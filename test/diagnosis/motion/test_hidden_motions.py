@@ -43,6 +43,42 @@ def test_one_effect_is_named_where_it_is_and_sized(tmp_path, seed, effect, joint
         assert entry["value"] == pytest.approx(truth[key], abs=max(5.0 * entry["std"], 0.1 * abs(truth[key])))
 
 
+@pytest.mark.parametrize("late", [2.9e-3, 40e-3])
+def test_late_encoders_explain_a_recording_that_begins_in_motion(tmp_path, late):
+    hidden = Recording()
+    for joint in (1, 2, 3):
+        hidden = hidden.with_gear(joint, late=late)
+    table = record(tmp_path / "set", hidden, seed=1) / "samples.csv"
+    lines = table.read_text().splitlines()
+    table.write_text("\n".join([lines[0], *lines[500:]]) + "\n")
+    data = read_motion_set(table.parent)
+    assert all(abs(motion.motor[5] - motion.motor[0]) > 2e-3 for motion in data.motions)
+    diagnosis = diagnose_motions([data])
+    (entry,) = named_causes(diagnosis)
+    assert (diagnosis.verdict, entry.cause, entry.where) == ("explained", "time_skew", "link encoders")
+    assert entry.parameters["skew"]["value"] == pytest.approx(late, abs=1e-5)
+    assert diagnosis.holdout_rmse[1] < 1.02 * diagnosis.noise_floor
+    for finding, motion in zip(diagnosis.joints, data.motions, strict=True):
+        left = diagnosis.model.of(motion.joint).residual(motion)
+        assert np.std(left) < 1.05 * finding.problem.floor
+
+
+@pytest.mark.parametrize(("joints", "where"), [((1, 2, 3), "link encoders"), ((2,), "joint 2")])
+@pytest.mark.parametrize("early", [1e-3, 25e-3])
+def test_encoders_that_are_read_early_by_more_than_damping_can_be_have_a_negative_skew(
+    tmp_path, joints, where, early
+):
+    hidden = Recording()
+    for joint in joints:
+        hidden = hidden.with_gear(joint, late=-early)
+    diagnosis = diagnose_motions([read_motion_set(record(tmp_path / "set", hidden, seed=4))])
+    (entry,) = named_causes(diagnosis)
+    assert (diagnosis.verdict, entry.cause, entry.where) == ("explained", "time_skew", where)
+    assert entry.parameters["skew"]["value"] == pytest.approx(-early, abs=2e-5)
+    confusable = [] if len(joints) > 1 else ["joint_damping"]
+    assert [double.cause.name for double in entry.doubles] == confusable
+
+
 def test_play_is_named_and_sized_though_the_link_flies_through_it(tmp_path):
     diagnosis, named, truth = diagnosed(tmp_path, 8, ("joint_backlash", 1, 6.0))
     assert list(named) == [("joint_backlash", "joint 1")]

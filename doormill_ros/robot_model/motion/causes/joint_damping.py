@@ -11,6 +11,15 @@ from doormill_ros.robot_model.motion.causes.cause import MotionCause
 from doormill_ros.robot_model.motion.view import SeenMotion
 
 
+def largest_damping(motions: Sequence[SeenMotion]) -> float:
+    """Damping that takes all torque of some recordings [N m s / rad]."""
+    speed, torque = (
+        float(np.sqrt(np.mean(np.concatenate([getattr(seen, name) for seen in motions]) ** 2)))
+        for name in ("speed", "torque")
+    )
+    return torque / max(speed, 1e-12)
+
+
 class JointDamping(MotionCause):
     """x is the damping over the stiffness [s]."""
 
@@ -22,11 +31,7 @@ class JointDamping(MotionCause):
 
     def allowed(self, x: FloatArray, stiffness: float, motions: Sequence[SeenMotion]) -> bool:
         """The motor gave the torque that it takes."""
-        speed, torque = (
-            np.sqrt(np.mean(np.concatenate([getattr(seen, name) for seen in motions]) ** 2))
-            for name in ("speed", "torque")
-        )
-        return bool(0.0 < float(x[0]) * stiffness * speed < torque)
+        return 0.0 < float(x[0]) * stiffness < largest_damping(motions)
 
     def values(self, x: FloatArray, stiffness: float) -> dict[str, tuple[float, str]]:
         """Torque by speed."""

@@ -1,4 +1,4 @@
-"""The link encoder is read later than the motor's."""
+"""The link encoder is read later than the motor's, or earlier."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot_model.motion.causes.cause import MotionCause
+from doormill_ros.robot_model.motion.causes.joint_damping import largest_damping
 from doormill_ros.robot_model.motion.view import SeenMotion
 
 _LARGEST = 0.1  #: s
@@ -22,8 +23,9 @@ class TimeSkew(MotionCause):
         return -seen.speed[:, None]
 
     def allowed(self, x: FloatArray, stiffness: float, motions: Sequence[SeenMotion]) -> bool:
-        """Late by less than a tenth of a second; a lone encoder that is early looks like damping, which is likelier."""
-        return 0.0 < float(x[0]) + motions[0].delay < _LARGEST
+        """Less than a tenth of a second; early only by more than damping, which looks alike and is likelier."""
+        skew = float(x[0]) + motions[0].delay
+        return 0.0 < skew < _LARGEST or largest_damping(motions) <= -skew * stiffness < _LARGEST * stiffness
 
     def values(self, x: FloatArray, stiffness: float) -> dict[str, tuple[float, str]]:
         """Skew, positive when the link encoder is late; x holds all of it."""
