@@ -168,14 +168,9 @@ def indistinguishable(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
             "imitated_by": "target on flange",
         },
     ]
-    layout = diagnosis.extended.problem.layout
     share = distinct_share(diagnosis.extended.fitted)
-    for index, cause in enumerate(layout.causes):
-        names = [
-            c.name
-            for c, part in zip(cause.coefficients, share[layout.part(index)], strict=True)
-            if part < IMITATED
-        ]
+    for cause, part in diagnosis.extended.parts:
+        names = [c.name for c, own in zip(cause.coefficients, share[part], strict=True) if own < IMITATED]
         if names and cause.of_robot:
             found.append(
                 {"cause": cause.name, "where": cause.where, "parameters": names, "imitated_by": "placement"}

@@ -10,7 +10,7 @@ import numpy as np
 from doormill_ros.diagnosis.pose.coverage import BINS, bin_of, covered
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fit import deviation
-from doormill_ros.diagnosis.pose.laws import model_with_laws
+from doormill_ros.diagnosis.pose.laws import model_with_laws, placements_with_laws
 from doormill_ros.diagnosis.pose.model import figures
 from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
@@ -52,12 +52,13 @@ def check_set(diagnosis: PoseDiagnosis, other: PoseSet, checked: Sequence[PoseSe
         models["characterised"] = model_with_laws(diagnosis)
     for name, model in models.items():
         problem = (diagnosis.baseline if model is None else diagnosis.extended).problem
+        placements = placements_with_laws(diagnosis) if name == "characterised" else problem.placements
 
         def modelled(one: PoseSet, model: PoseModel | None = model) -> np.ndarray:
             return frames(one.view.transforms) if model is None else model.frames(one.view)
 
         placement: Placement = (
-            problem.placements[mine]
+            placements[mine]
             if known
             else place_together([_marked(modelled(one), one) for one in company], problem.sigma)
         )

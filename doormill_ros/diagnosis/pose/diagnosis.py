@@ -136,8 +136,10 @@ class PoseDiagnosis(Judgement[PoseCause, SeriesFit]):
 
     @property
     def rejected(self) -> list[Score]:
-        """Scores of the others."""
-        return [self.question.scores[id(cause)] for cause in self.question.gone]
+        """Scores of the others; what was taken back after it had helped has the reason of that."""
+        taken_back = {id(cause): why for cause, why in self.examination.refused}
+        scores = [self.question.scores[id(cause)] for cause in self.question.gone]
+        return [replace(one, status=taken_back.get(id(one.cause), one.status)) for one in scores]
 
     @property
     def gross(self) -> list[BoolArray]:
@@ -157,16 +159,16 @@ class PoseDiagnosis(Judgement[PoseCause, SeriesFit]):
     @cached_property
     def std(self) -> FloatArray:
         """Standard deviation of every coefficient of the extended fit, shape (m,)."""
-        return standard_deviations(self.extended.fitted)
+        return standard_deviations(self.extended)
 
     @property
     def model(self) -> PoseModel:
         """What holds for the robot itself."""
         problem = self.extended.problem
-        layout, data = problem.layout, problem.sets[0]
-        chosen = [i for i, cause in enumerate(layout.causes) if cause.of_robot]
-        x = np.concatenate([np.zeros(0)] + [problem.x[layout.part(i)] for i in chosen])
-        causes = tuple(layout.causes[i] for i in chosen)
+        data = problem.sets[0]
+        chosen = [(cause, part) for cause, part in self.extended.parts if cause.of_robot]
+        x = np.concatenate([np.zeros(0), *(problem.x[part] for _, part in chosen)])
+        causes = tuple(cause for cause, _ in chosen)
         return PoseModel(data.robot, data.dh, problem.views[0].links, causes, x)
 
 

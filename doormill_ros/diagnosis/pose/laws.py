@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.beam import ENTRY
 from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.fit import Fit, fit
@@ -21,7 +21,7 @@ from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fit import BLOCKS
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.chain import derivatives
+from doormill_ros.robot_model.pose.chain import Placement, derivatives
 from doormill_ros.robot_model.pose.law.dictionary import dictionary
 from doormill_ros.robot_model.pose.law.term import PoseTerm, Sight
 from doormill_ros.robot_model.pose.model import PoseModel
@@ -118,7 +118,7 @@ def _remainder(
     reach = np.concatenate(
         [np.sqrt(model.solution.variance[:causes]), np.full(problem.size - causes, np.inf)]
     )
-    used = np.concatenate([ids, np.arange(causes, problem.size)])
+    used = _used(problem, ids)
     columns = np.concatenate([_columns(problem, i, step, part) for i, part in enumerate(D)])[:, :, used]
     block = [i * BLOCKS + np.arange(len(one)) * BLOCKS // len(one) for i, one in enumerate(problem.sets)]
     remainder = PositionProblem(
@@ -138,14 +138,7 @@ def model_with_laws(diagnosis: PoseDiagnosis) -> PoseModel:
     found, model = diagnosis.laws, diagnosis.model
     if found is None:
         return model
-    problem, members = diagnosis.extended.problem, diagnosis.extended.members
-    layout = problem.layout
-    step = np.zeros(layout.size)
-    ids = diagnosis.extended.ids(members).astype(int)
-    base, *_ = found.fit.members
-    step[ids] = found.weights(base)[: len(ids)]
-    at = [np.arange(layout.size)[layout.part(layout.causes.index(cause))] for cause in model.causes]
-    x = model.x + np.concatenate([np.zeros(0), *(step[part] for part in at)])
+    x = _beside(diagnosis, found).x[diagnosis.extended.ids(model.causes).astype(int)]
     terms = [term for law in found.laws for term in law.terms if term.lasts]
     return replace(model, x=x, laws=tuple((term, found.weights(term)) for term in terms))
 
@@ -157,3 +150,23 @@ def _columns(problem: PoseProblem, series: int, step: int, D: FloatArray) -> Flo
         found[:, :, ids] += D[:, direction, :, None] * basis[::step, None, :]
     found[:, :, problem.placement_ids(series)] = np.swapaxes(D[:, problem.free[series]], 1, 2)
     return found
+
+
+def placements_with_laws(diagnosis: PoseDiagnosis) -> list[Placement]:
+    """Placement of every series, fitted anew beside the laws as well."""
+    found, problem = diagnosis.laws, diagnosis.extended.problem
+    return (problem if found is None else _beside(diagnosis, found)).placements
+
+
+def _beside(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> PoseProblem:
+    """The extended fit with all its numbers as they are beside the laws."""
+    fit, problem = diagnosis.extended, diagnosis.extended.problem
+    x = np.concatenate([problem.x, np.zeros(problem.size - problem.layout.size)])
+    base, *_ = found.fit.members
+    x[_used(problem, fit.ids(fit.members))] += found.weights(base)
+    return problem.at(x)
+
+
+def _used(problem: PoseProblem, ids: IntArray) -> IntArray:
+    """Coefficients of some causes, shape (k,), and all placements'."""
+    return np.concatenate([ids.astype(int), np.arange(problem.layout.size, problem.size)])

@@ -161,9 +161,8 @@ def plan_next(diagnosis: PoseDiagnosis, poses: NextPoses | None) -> str:
 
 def _weakest(diagnosis: PoseDiagnosis) -> str:
     """The established cause whose main coefficient is known least for its size."""
-    layout = diagnosis.extended.problem.layout
     found = []
-    for index, cause in enumerate(layout.causes):
-        x, std = diagnosis.extended.problem.x[layout.part(index)], diagnosis.std[layout.part(index)]
+    for cause, part in diagnosis.extended.parts:
+        x, std = diagnosis.extended.problem.x[part], diagnosis.std[part]
         found.append((float(np.max(np.abs(x) / np.maximum(std, 1e-30))), repr(cause).replace("_", " ")))
     return min(found)[1] if found else ""

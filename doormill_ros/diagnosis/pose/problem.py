@@ -7,6 +7,7 @@ later fits, cross-validations and comparisons of causes need: sums of products o
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 
 import numpy as np
 
@@ -87,6 +88,13 @@ class PoseProblem:
                 self.placements[series] = self.placements[series].moved(twist[:6], twist[6:])
             else:
                 self.placements[series] = self.placements[own]
+
+    def at(self, x: FloatArray) -> PoseProblem:
+        """The same with the coefficients and steps of the placements of a solution, shape (size,)."""
+        other = copy(self)
+        other.x, other.placements = x[: self.layout.size].copy(), list(self.placements)
+        other.move(x)
+        return other
 
     def frames(self, series: int, x: FloatArray | None = None, rows: IntArray | None = None) -> FloatArray:
         """Displaced frames of a series or some rows of it, shape (n, J + 1, 4, 4)."""
