@@ -45,6 +45,22 @@ def check_together(sets: Sequence[PoseSet]) -> None:
                 )
 
 
+def check_names(sets: Sequence[PoseSet]) -> None:
+    """What befell one series alone is told, and fitted, by its name.
+
+    Raises:
+        SetMixError: Two have the same.
+    """
+    known: dict[str, PoseSet] = {}
+    for data in sets:
+        other = known.setdefault(data.name, data)
+        if other is not data:
+            raise SetMixError(
+                f"{data.path / 'set.yaml'}: line 1, column 1: the folder is called {data.name} as {other.path} is; "
+                "sets diagnosed together are told apart by that name: rename one of the folders"
+            )
+
+
 class PoseQuestion(Question[PoseCause, SeriesFit]):
     """Several series of one robot, each with a placement of its own.
 
@@ -60,9 +76,10 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
         """Keep series that question the same model.
 
         Raises:
-            SetMixError: They do not.
+            SetMixError: They do not, or two have one name.
         """
         check_together(sets)
+        check_names(sets)
         self.sets = tuple(sets)
         self.noise_floor = float(np.sqrt(3.0) * max(data.noise[0] for data in sets))
         self.scores: dict[int, Score] = {}
