@@ -85,7 +85,7 @@ def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str,
     value = diagnosis.extended.problem.x[layout.part(index)]
     std = diagnosis.std[layout.part(index)]
     coefficients = score.cause.coefficients
-    named = {
+    named: dict[str, dict[str, Any]] = {
         c.name: {"value": float(v), "std": float(s), "unit": c.unit}
         for c, v, s in zip(coefficients, value, std, strict=True)
     }

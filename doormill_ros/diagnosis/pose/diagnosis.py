@@ -16,6 +16,7 @@ from doormill_ros.diagnosis.core.verdict import MAIN_PART
 from doormill_ros.diagnosis.pose.examination import PoseExaminer
 from doormill_ros.diagnosis.pose.fit import deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.model import Errors, SeriesFit, rmse, standard_deviations
+from doormill_ros.diagnosis.pose.noise import common_noise, evened
 from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import Score
 from doormill_ros.diagnosis.pose.validation import by_block
@@ -81,7 +82,7 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
         check_together(sets)
         check_names(sets)
         self.sets = tuple(sets)
-        self.noise_floor = float(np.sqrt(3.0) * max(data.noise[0] for data in sets))
+        self.noise_floor = float(np.sqrt(3.0) * common_noise(sets)[0])
         self.scores: dict[int, Score] = {}
         self.gone: list[PoseCause] = []
 
@@ -104,23 +105,25 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
         """Nothing named: gross errors are those that the nominal model does not explain either."""
         baseline = examination.baseline
         kept = [
-            good | (deviation(error, baseline.problem.sigma, data.oriented) <= GROSS)
-            for good, error, data in zip(examination.kept, baseline.errors.train, self.sets, strict=True)
+            good | (deviation(error, sigma, data.oriented) <= GROSS)
+            for good, error, sigma, data in zip(
+                examination.kept, baseline.errors.train, baseline.problem.sigmas, self.sets, strict=True
+            )
         ]
         self.gone = [*examination.named, *self.gone]
         return replace(examination.withdrawn(), kept=kept)
 
     def train_rmse(self, model: SeriesFit, kept: Sequence[BoolArray]) -> float:
-        """Length of the position error of fitted rows, marks of shape (n,) for each series [m]."""
-        return rmse(model.errors.train, kept)
+        """Length of the position error of fitted rows at the common noise, marks of shape (n,) for each series [m]."""
+        return rmse(evened(self.sets, model.errors.train), kept)
 
     def holdout_rmse(self, model: SeriesFit, kept: Sequence[BoolArray]) -> float:
         """The same of blocks left out, marks of shape (n,) for each series [m]."""
-        return rmse(model.errors.blocks, kept)
+        return rmse(evened(self.sets, model.errors.blocks), kept)
 
     def holdout_squares(self, model: SeriesFit, kept: Sequence[BoolArray]) -> FloatArray:
         """The same by block of every series, shape (blocks,)."""
-        pairs = zip(model.errors.blocks, kept, strict=True)
+        pairs = zip(evened(self.sets, model.errors.blocks), kept, strict=True)
         return np.concatenate(by_block([np.sum(e[:, :3] ** 2, axis=1) * good for e, good in pairs]))
 
 

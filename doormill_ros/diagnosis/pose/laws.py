@@ -19,6 +19,7 @@ from doormill_ros.diagnosis.law.linear import Established, LinearProblem, establ
 from doormill_ros.diagnosis.law.remainder import searched
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fit import BLOCKS
+from doormill_ros.diagnosis.pose.noise import common_noise, evening
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import Placement, derivatives
@@ -102,7 +103,7 @@ def _needless(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> list[
 def _remainder(
     diagnosis: PoseDiagnosis, without: Sequence[PoseCause] = ()
 ) -> tuple[PositionProblem, Established]:
-    """What is left to explain, and what the established causes less some say of it."""
+    """What is left to explain, and what the established causes less some say of it, both at the common noise."""
     model, problem = diagnosis.extended, diagnosis.extended.problem
     members = [cause for cause in model.members if cause not in without]
     count = len(problem.sets)
@@ -111,9 +112,13 @@ def _remainder(
     ids = model.ids(members).astype(int)
     x = np.zeros(problem.layout.size)
     x[ids] = problem.x[ids]
-    D = [derivatives(problem.frames(i, x)[::step], problem.placements[i])[:, :, :axes] for i in range(count)]
+    even = [factor[:axes] for factor in evening(problem.sets)]
+    D = [
+        even[i] * derivatives(problem.frames(i, x)[::step], problem.placements[i])[:, :, :axes]
+        for i in range(count)
+    ]
     sight = Sight(tuple(view.every(step) for view in problem.views), tuple(D))
-    sigma = np.repeat(np.max([one.noise for one in problem.sets], axis=0), 3)[:axes]
+    sigma = np.repeat(common_noise(problem.sets), 3)[:axes]
     causes = problem.layout.size
     reach = np.concatenate(
         [np.sqrt(model.solution.variance[:causes]), np.full(problem.size - causes, np.inf)]
@@ -122,7 +127,7 @@ def _remainder(
     columns = np.concatenate([_columns(problem, i, step, part) for i, part in enumerate(D)])[:, :, used]
     block = [i * BLOCKS + np.arange(len(one)) * BLOCKS // len(one) for i, one in enumerate(problem.sets)]
     remainder = PositionProblem(
-        np.concatenate([problem.residual(i, x)[::step, :axes] for i in range(count)]),
+        np.concatenate([even[i] * problem.residual(i, x)[::step, :axes] for i in range(count)]),
         sigma,
         sight,
         np.concatenate([one[::step] for one in block]),

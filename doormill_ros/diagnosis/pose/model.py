@@ -12,7 +12,8 @@ from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core import verdict
 from doormill_ros.diagnosis.core.held_out import scatter_of
 from doormill_ros.diagnosis.core.ridge import Solution, add_up, without
-from doormill_ros.diagnosis.pose.fit import Fitted, noise_of
+from doormill_ros.diagnosis.pose.fit import Fitted
+from doormill_ros.diagnosis.pose.noise import left_over
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.measurements.pose_set import PoseSet
@@ -50,7 +51,7 @@ class SeriesFit:
             return whole
         rest = whole.at(self.solution.x)
         errors = [rest.residual(i) for i in range(len(rest.sets))]
-        rest.sigma = noise_of(errors, rest.weights, rest.sets)
+        rest.sigmas = left_over(rest.sets, errors)
         return rest
 
     @cached_property

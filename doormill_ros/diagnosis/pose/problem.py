@@ -34,7 +34,7 @@ class PoseProblem:
         layout: The causes.
         x: Current coefficients, shape (m,).
         placements: Current placement of every series.
-        sigma: Current standard deviation per axis, position [m] and rotation [rad].
+        sigmas: Current standard deviation per axis of every series, position [m] and rotation [rad].
         weights: Of the rows of every series, 0 for gross errors.
         owner: Index of the first series with the same placement, of every series.
         free: Directions of its placement, of every series; a point on the flange where nobody measured orientation.
@@ -52,7 +52,7 @@ class PoseProblem:
         self.bases = [design(view, self.layout) for view in self.views]
         self.x = np.zeros(self.layout.size)
         self.placements = list(placements)
-        self.sigma = (1e-4, 2e-4)
+        self.sigmas = [(1e-4, 2e-4)] * len(self.sets)
         self.weights = [np.ones(len(one)) for one in sets]
         self.share = 1.0
         self.owner = placement_owners(self.sets)
@@ -77,7 +77,7 @@ class PoseProblem:
 
     def scale(self, series: int) -> FloatArray:
         """One over the standard deviation of every component of a series' residual, shape (6,)."""
-        return per_axis(self.sigma, self.sets[series].oriented)
+        return per_axis(self.sigmas[series], self.sets[series].oriented)
 
     def move(self, step: FloatArray) -> None:
         """Shift every placement by its part of a solution of all unknowns, shape (size,)."""
