@@ -214,6 +214,11 @@ def _remarks(diagnosis: PoseDiagnosis) -> list[str]:
             "Positions alone were measured: the target is a point, its orientation on the flange is not determined, "
             "and nothing is said about rotations."
         )
+    if len({data.noise[0] for data in diagnosis.sets}) > 1:
+        lines.append(
+            "The sets state different noise: each row counts by its own, and gain and laws are told at the noise that "
+            "the sets have in common; every other error is as measured."
+        )
     if len(diagnosis.sets) == 1:
         lines.append("With a single series nothing shows whether a cause holds beyond it.")
     return lines
