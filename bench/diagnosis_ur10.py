@@ -112,7 +112,7 @@ def plain_model(sets: Sequence[PoseSet]) -> tuple[PoseModel, tuple[float, float]
     sag = (JointSag(f"joint {k}") for k in range(2, 6))
     problem = fit_causes(sets, [*causes, *sag], place_nominally(sets)).problem
     model = PoseModel(sets[0].robot, sets[0].dh, problem.views[0].links, problem.layout.causes, problem.x)
-    return model, problem.sigma
+    return model, problem.sigmas[0]
 
 
 def placed_error(
@@ -134,7 +134,7 @@ def without_series(
         others = [other for other in sets if other is not data]
         found = diagnose_poses(others)
         redone.named.append(named(found))
-        redone.errors[data.name] = placed_error(found.model, found.extended.problem.sigma, data, rows)
+        redone.errors[data.name] = placed_error(found.model, found.extended.problem.sigmas[0], data, rows)
         plain.errors[data.name] = placed_error(*plain_model(others), data, rows)
         outside[data.name] = check_set(found, data)["outside_coverage"]
         say(f"without {data.name}")

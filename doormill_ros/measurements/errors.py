@@ -9,7 +9,11 @@ _row = DataSetError.row
 DataFileError = _row("DataFileError", 501, "A file of a set is missing, cannot be opened or is no text.")
 SetDescriptionError = _row("SetDescriptionError", 502, "set.yaml lacks a key or holds a value not allowed.")
 TrialTableError = _row("TrialTableError", 503, "A table of measured rows has a column or cell of no use.")
-SetMixError = _row("SetMixError", 504, "Sets given together describe different robots, models or noise.")
+SetMixError = _row(
+    "SetMixError",
+    504,
+    "Sets given together describe different robots, models or noise, or have the same name.",
+)
 PoseTableError = _row("PoseTableError", 510, "poses.csv has a column or cell that cannot be used.")
 PosePlacementError = _row(
     "PosePlacementError", 511, "The rows do not tell base-in-tracker and target-in-flange."

@@ -13,6 +13,7 @@ from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.model import distinct_share, rmse
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
+from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
 
@@ -64,6 +65,19 @@ def causes_of(diagnosis: PoseDiagnosis) -> list[NamedCause]:
     return found
 
 
+def sides_of_gaps(causes: Sequence[NamedCause]) -> list[str]:
+    """On every joint that has one, to which side it opens: the gap itself is a size."""
+    said = {
+        "short": "stops half its gap short of the recorded angle, as play behind the encoder does.",
+        "beyond": "goes half its gap beyond the recorded angle, which play behind the encoder does not do.",
+    }
+    return [
+        f"{one.where.capitalize()} {said[one.parameters['gap']['side']]}"
+        for one in causes
+        if one.cause == PoseBacklash.name
+    ]
+
+
 def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str, Any]]:
     """Value, standard deviation and unit by name."""
     layout = diagnosis.extended.problem.layout
@@ -71,7 +85,7 @@ def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str,
     value = diagnosis.extended.problem.x[layout.part(index)]
     std = diagnosis.std[layout.part(index)]
     coefficients = score.cause.coefficients
-    named = {
+    named: dict[str, dict[str, Any]] = {
         c.name: {"value": float(v), "std": float(s), "unit": c.unit}
         for c, v, s in zip(coefficients, value, std, strict=True)
     }
@@ -96,6 +110,9 @@ def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str,
                 "unit": "s",
             }
         return steps
+    if isinstance(score.cause, PoseBacklash):
+        gap = named["gap"]
+        return {"gap": {**gap, "value": abs(gap["value"]), "side": PoseBacklash.side(gap["value"])}}
     if isinstance(score.cause, JointWaves):
         return _amplitudes(named, [c.name for c in coefficients], score.cause.orders)
     return named
@@ -168,14 +185,9 @@ def indistinguishable(diagnosis: PoseDiagnosis) -> list[dict[str, Any]]:
             "imitated_by": "target on flange",
         },
     ]
-    layout = diagnosis.extended.problem.layout
     share = distinct_share(diagnosis.extended.fitted)
-    for index, cause in enumerate(layout.causes):
-        names = [
-            c.name
-            for c, part in zip(cause.coefficients, share[layout.part(index)], strict=True)
-            if part < IMITATED
-        ]
+    for cause, part in diagnosis.extended.parts:
+        names = [c.name for c, own in zip(cause.coefficients, share[part], strict=True) if own < IMITATED]
         if names and cause.of_robot:
             found.append(
                 {"cause": cause.name, "where": cause.where, "parameters": names, "imitated_by": "placement"}

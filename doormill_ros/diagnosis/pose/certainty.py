@@ -58,7 +58,7 @@ def certainties(
             if len(rows):
                 variance.append(validation.variance(split, series, rows))
                 miss.append(error[rows, :3])
-        spread = np.concatenate(variance) + problem.sigma[0] ** 2
+        spread = np.concatenate(variance) + problem.sigmas[series][0] ** 2
         off = np.concatenate(miss)
         within = float(np.mean(np.abs(off) <= NORMAL_95 * np.sqrt(spread)))
         found.append(Certainty(data.name, np.sqrt(spread.sum(axis=1)), np.linalg.norm(off, axis=1), within))

@@ -10,8 +10,9 @@ import numpy as np
 from doormill_ros.diagnosis.pose.coverage import BINS, bin_of, covered
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fit import deviation
-from doormill_ros.diagnosis.pose.laws import model_with_laws
+from doormill_ros.diagnosis.pose.laws import model_with_laws, placements_with_laws
 from doormill_ros.diagnosis.pose.model import figures
+from doormill_ros.diagnosis.pose.noise import expected
 from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.chain import Placement, frames, residual
@@ -45,23 +46,25 @@ def check_set(diagnosis: PoseDiagnosis, other: PoseSet, checked: Sequence[PoseSe
     rest = np.ones(len(other), dtype=bool) if known else ~other.placement
     rest = rest if rest.any() else np.ones(len(other), dtype=bool)
     marked = np.zeros(len(other), dtype=bool) if known else other.placement
-    sigma = diagnosis.extended.problem.sigma
     errors = {}
     models: dict[str, PoseModel | None] = {"baseline": None, "extended": diagnosis.model}
     if diagnosis.laws is not None:
         models["characterised"] = model_with_laws(diagnosis)
     for name, model in models.items():
         problem = (diagnosis.baseline if model is None else diagnosis.extended).problem
+        sigma = expected(other, problem.sets, problem.sigmas)
+        placements = placements_with_laws(diagnosis) if name == "characterised" else problem.placements
 
         def modelled(one: PoseSet, model: PoseModel | None = model) -> np.ndarray:
             return frames(one.view.transforms) if model is None else model.frames(one.view)
 
         placement: Placement = (
-            problem.placements[mine]
+            placements[mine]
             if known
-            else place_together([_marked(modelled(one), one) for one in company], problem.sigma)
+            else place_together([_marked(modelled(one), one) for one in company], sigma)
         )
         errors[name] = residual(modelled(other), placement, other.position, other.rotation)
+    sigma = expected(other, diagnosis.sets, diagnosis.extended.problem.sigmas)
     size = deviation(errors["extended"], sigma, other.oriented)
     scale = max(1.0, float(np.median(size)))
     gross = rest & (size > _GROSS * scale)

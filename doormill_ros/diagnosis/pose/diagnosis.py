@@ -16,6 +16,7 @@ from doormill_ros.diagnosis.core.verdict import MAIN_PART
 from doormill_ros.diagnosis.pose.examination import PoseExaminer
 from doormill_ros.diagnosis.pose.fit import deviation, fit_causes, place_nominally
 from doormill_ros.diagnosis.pose.model import Errors, SeriesFit, rmse, standard_deviations
+from doormill_ros.diagnosis.pose.noise import common_noise, evened
 from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import Score
 from doormill_ros.diagnosis.pose.validation import by_block
@@ -45,6 +46,22 @@ def check_together(sets: Sequence[PoseSet]) -> None:
                 )
 
 
+def check_names(sets: Sequence[PoseSet]) -> None:
+    """What befell one series alone is told, and fitted, by its name.
+
+    Raises:
+        SetMixError: Two have the same.
+    """
+    known: dict[str, PoseSet] = {}
+    for data in sets:
+        other = known.setdefault(data.name, data)
+        if other is not data:
+            raise SetMixError(
+                f"{data.path / 'set.yaml'}: line 1, column 1: the folder is called {data.name} as {other.path} is; "
+                "sets diagnosed together are told apart by that name: rename one of the folders"
+            )
+
+
 class PoseQuestion(Question[PoseCause, SeriesFit]):
     """Several series of one robot, each with a placement of its own.
 
@@ -60,11 +77,12 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
         """Keep series that question the same model.
 
         Raises:
-            SetMixError: They do not.
+            SetMixError: They do not, or two have one name.
         """
         check_together(sets)
+        check_names(sets)
         self.sets = tuple(sets)
-        self.noise_floor = float(np.sqrt(3.0) * max(data.noise[0] for data in sets))
+        self.noise_floor = float(np.sqrt(3.0) * common_noise(sets)[0])
         self.scores: dict[int, Score] = {}
         self.gone: list[PoseCause] = []
 
@@ -87,23 +105,25 @@ class PoseQuestion(Question[PoseCause, SeriesFit]):
         """Nothing named: gross errors are those that the nominal model does not explain either."""
         baseline = examination.baseline
         kept = [
-            good | (deviation(error, baseline.problem.sigma, data.oriented) <= GROSS)
-            for good, error, data in zip(examination.kept, baseline.errors.train, self.sets, strict=True)
+            good | (deviation(error, sigma, data.oriented) <= GROSS)
+            for good, error, sigma, data in zip(
+                examination.kept, baseline.errors.train, baseline.problem.sigmas, self.sets, strict=True
+            )
         ]
         self.gone = [*examination.named, *self.gone]
         return replace(examination.withdrawn(), kept=kept)
 
     def train_rmse(self, model: SeriesFit, kept: Sequence[BoolArray]) -> float:
-        """Length of the position error of fitted rows, marks of shape (n,) for each series [m]."""
-        return rmse(model.errors.train, kept)
+        """Length of the position error of fitted rows at the common noise, marks of shape (n,) for each series [m]."""
+        return rmse(evened(self.sets, model.errors.train), kept)
 
     def holdout_rmse(self, model: SeriesFit, kept: Sequence[BoolArray]) -> float:
         """The same of blocks left out, marks of shape (n,) for each series [m]."""
-        return rmse(model.errors.blocks, kept)
+        return rmse(evened(self.sets, model.errors.blocks), kept)
 
     def holdout_squares(self, model: SeriesFit, kept: Sequence[BoolArray]) -> FloatArray:
         """The same by block of every series, shape (blocks,)."""
-        pairs = zip(model.errors.blocks, kept, strict=True)
+        pairs = zip(evened(self.sets, model.errors.blocks), kept, strict=True)
         return np.concatenate(by_block([np.sum(e[:, :3] ** 2, axis=1) * good for e, good in pairs]))
 
 
@@ -136,8 +156,10 @@ class PoseDiagnosis(Judgement[PoseCause, SeriesFit]):
 
     @property
     def rejected(self) -> list[Score]:
-        """Scores of the others."""
-        return [self.question.scores[id(cause)] for cause in self.question.gone]
+        """Scores of the others; what was taken back after it had helped has the reason of that."""
+        taken_back = {id(cause): why for cause, why in self.examination.refused}
+        scores = [self.question.scores[id(cause)] for cause in self.question.gone]
+        return [replace(one, status=taken_back.get(id(one.cause), one.status)) for one in scores]
 
     @property
     def gross(self) -> list[BoolArray]:
@@ -157,16 +179,16 @@ class PoseDiagnosis(Judgement[PoseCause, SeriesFit]):
     @cached_property
     def std(self) -> FloatArray:
         """Standard deviation of every coefficient of the extended fit, shape (m,)."""
-        return standard_deviations(self.extended.fitted)
+        return standard_deviations(self.extended)
 
     @property
     def model(self) -> PoseModel:
         """What holds for the robot itself."""
         problem = self.extended.problem
-        layout, data = problem.layout, problem.sets[0]
-        chosen = [i for i, cause in enumerate(layout.causes) if cause.of_robot]
-        x = np.concatenate([np.zeros(0)] + [problem.x[layout.part(i)] for i in chosen])
-        causes = tuple(layout.causes[i] for i in chosen)
+        data = problem.sets[0]
+        chosen = [(cause, part) for cause, part in self.extended.parts if cause.of_robot]
+        x = np.concatenate([np.zeros(0), *(problem.x[part] for _, part in chosen)])
+        causes = tuple(cause for cause, _ in chosen)
         return PoseModel(data.robot, data.dh, problem.views[0].links, causes, x)
 
 

@@ -11,6 +11,7 @@ from doormill_ros.diagnosis.core.ridge import leans
 from doormill_ros.diagnosis.core.verdict import AT_NOISE
 from doormill_ros.diagnosis.pose.fit import Fitted
 from doormill_ros.diagnosis.pose.model import SeriesFit, rmse
+from doormill_ros.diagnosis.pose.noise import evened
 from doormill_ros.diagnosis.pose.search import PoseSearch
 from doormill_ros.diagnosis.pose.selection import SURE
 from doormill_ros.diagnosis.pose.validation import Validation
@@ -41,7 +42,7 @@ class PoseExaminer(Examiner[PoseCause, SeriesFit]):
 
     def noise(self, model: SeriesFit) -> Sequence[Check]:
         """The error of blocks left out over the noise."""
-        left = rmse(model.errors.blocks, self.kept) / self.noise_floor
+        left = rmse(evened(model.problem.sets, model.errors.blocks), self.kept) / self.noise_floor
         name = "extended" if model.members else "nominal"
         margin = Margin(f"the {name} model is at the noise, which leaves a share", left, AT_NOISE, "share")
         return [Check(left > AT_NOISE, margins=(margin,))]

@@ -9,12 +9,13 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.ridge import Block, Solution, add_up, learn
+from doormill_ros.diagnosis.pose.noise import left_over
 from doormill_ros.diagnosis.pose.placement import Seen, place_together
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
 from doormill_ros.robot_model.pose.chain import Placement, frames, per_axis
-from doormill_ros.statistics import GROSS_SHARE, median_length
+from doormill_ros.statistics import GROSS_SHARE
 from doormill_ros.units import m_to_um
 
 #: Contiguous blocks of a series, the units of cross-validation.
@@ -79,7 +80,7 @@ def fit_causes(
     problem = PoseProblem(sets, causes, placements)
     if start is not None:
         problem.weights = [weight.copy() for weight in start.problem.weights]
-        problem.sigma = start.problem.sigma
+        problem.sigmas = list(start.problem.sigmas)
         problem.share = start.problem.share
     rows = [contiguous(len(data)) for data in sets]
     solution: Solution | None = None
@@ -92,14 +93,13 @@ def fit_causes(
         problem.share = independent_share(blocks, solution, problem.share)
         _move(problem, solution)
         errors = [problem.residual(series) for series in range(len(sets))]
-        problem.sigma = noise_of(errors, problem.weights, sets)
+        problem.sigmas = left_over(sets, errors)
         problem.weights = [
-            weigh(error, problem.sigma, one.oriented) for error, one in zip(errors, sets, strict=True)
+            weigh(error, sigma, one.oriented)
+            for error, sigma, one in zip(errors, problem.sigmas, sets, strict=True)
         ]
-        turned = f" and {m_to_um(problem.sigma[1]):.0f} urad" if any(one.oriented for one in sets) else ""
         progress(
-            f"pass {turn + 1} of {passes}: {problem.layout.size} coefficients, "
-            f"{m_to_um(problem.sigma[0]):.0f} um{turned} per axis left"
+            f"pass {turn + 1} of {passes}: {problem.layout.size} coefficients, {_told(problem)} per axis left"
         )
     blocks = problem.blocks(rows)
     H, g = add_up(blocks, problem.size)
@@ -127,23 +127,20 @@ def independent_share(blocks: Sequence[Block], solution: Solution, share: float)
     return float(np.clip(1.0 / max(np.mean(excess), 1e-12), LEAST_SHARE, 1.0))
 
 
+def _told(problem: PoseProblem) -> str:
+    """What is left, of series of different noise one after the other."""
+    pairs = zip(problem.sigmas, problem.sets, strict=True)
+    return ", ".join(
+        dict.fromkeys(
+            f"{m_to_um(sigma[0]):.0f} um" + (f" and {m_to_um(sigma[1]):.0f} urad" if data.oriented else "")
+            for sigma, data in pairs
+        )
+    )
+
+
 def _move(problem: PoseProblem, solution: Solution) -> None:
     problem.x = solution.x[: problem.layout.size].copy()
     problem.move(solution.x)
-
-
-def noise_of(
-    errors: Sequence[FloatArray], weights: Sequence[FloatArray], sets: Sequence[PoseSet]
-) -> tuple[float, float]:
-    """Standard deviation per axis of errors, shape (n, 6), position [m] and rotation [rad]; at least the tracker's."""
-    floor = np.array([data.noise for data in sets]).min(axis=0)
-    found = [float(low) for low in floor]
-    turned = [error[:, 3:] for error, data in zip(errors, sets, strict=True) if data.oriented]
-    for axis, parts in enumerate(([error[:, :3] for error in errors], turned)):
-        if parts:
-            length = float(np.median(np.linalg.norm(np.concatenate(parts), axis=1)))
-            found[axis] = max(length / median_length(3), found[axis])
-    return found[0], found[1]
 
 
 def deviation(error: FloatArray, sigma: tuple[float, float], oriented: bool) -> FloatArray:

@@ -18,11 +18,12 @@ from doormill_ros.diagnosis.pose.causes import (
     indistinguishable,
     not_determined,
     rejected_entry,
+    sides_of_gaps,
 )
 from doormill_ros.diagnosis.pose.certainty import certainty_section
 from doormill_ros.diagnosis.pose.check import check_set
 from doormill_ros.diagnosis.pose.coverage import coverage
-from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, check_together, diagnose_poses
+from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis, check_names, check_together, diagnose_poses
 from doormill_ros.diagnosis.pose.evidence import (
     candidates_blocks,
     closing,
@@ -62,8 +63,9 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
         return [read_pose_set(folder)]
 
     def check_together(self, sets: Sequence[PoseSet], others: Sequence[PoseSet]) -> None:
-        """One robot, one nominal table, and every placement that a set names."""
+        """One robot, one nominal table, a name for each, and every placement that a set names."""
         check_together([*sets, *others])
+        check_names(sets)
         placement_owners(sets)
         placement_owners([*sets, *others])
 
@@ -111,7 +113,7 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
                 for data, bad in zip(diagnosis.sets, diagnosis.gross, strict=True)
                 for row in data.row[bad]
             ],
-            remarks=_remarks(diagnosis),
+            remarks=[*_remarks(diagnosis), *sides_of_gaps(causes)],
             next_measurement=plan_next(diagnosis, poses),
             checks=checks,
             sections=sections,
@@ -211,6 +213,11 @@ def _remarks(diagnosis: PoseDiagnosis) -> list[str]:
         lines.append(
             "Positions alone were measured: the target is a point, its orientation on the flange is not determined, "
             "and nothing is said about rotations."
+        )
+    if len({data.noise[0] for data in diagnosis.sets}) > 1:
+        lines.append(
+            "The sets state different noise: each row counts by its own, and gain and laws are told at the noise that "
+            "the sets have in common; every other error is as measured."
         )
     if len(diagnosis.sets) == 1:
         lines.append("With a single series nothing shows whether a cause holds beyond it.")

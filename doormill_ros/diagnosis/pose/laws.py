@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.diagnosis.core.beam import ENTRY
 from doormill_ros.diagnosis.core.characterised import Characterised
 from doormill_ros.diagnosis.core.fit import Fit, fit
@@ -19,9 +19,10 @@ from doormill_ros.diagnosis.law.linear import Established, LinearProblem, establ
 from doormill_ros.diagnosis.law.remainder import searched
 from doormill_ros.diagnosis.pose.diagnosis import PoseDiagnosis
 from doormill_ros.diagnosis.pose.fit import BLOCKS
+from doormill_ros.diagnosis.pose.noise import common_noise, evening
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.robot_model.pose.causes.cause import PoseCause
-from doormill_ros.robot_model.pose.chain import derivatives
+from doormill_ros.robot_model.pose.chain import Placement, derivatives
 from doormill_ros.robot_model.pose.law.dictionary import dictionary
 from doormill_ros.robot_model.pose.law.term import PoseTerm, Sight
 from doormill_ros.robot_model.pose.model import PoseModel
@@ -102,7 +103,7 @@ def _needless(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> list[
 def _remainder(
     diagnosis: PoseDiagnosis, without: Sequence[PoseCause] = ()
 ) -> tuple[PositionProblem, Established]:
-    """What is left to explain, and what the established causes less some say of it."""
+    """What is left to explain, and what the established causes less some say of it, both at the common noise."""
     model, problem = diagnosis.extended, diagnosis.extended.problem
     members = [cause for cause in model.members if cause not in without]
     count = len(problem.sets)
@@ -111,18 +112,22 @@ def _remainder(
     ids = model.ids(members).astype(int)
     x = np.zeros(problem.layout.size)
     x[ids] = problem.x[ids]
-    D = [derivatives(problem.frames(i, x)[::step], problem.placements[i])[:, :, :axes] for i in range(count)]
+    even = [factor[:axes] for factor in evening(problem.sets)]
+    D = [
+        even[i] * derivatives(problem.frames(i, x)[::step], problem.placements[i])[:, :, :axes]
+        for i in range(count)
+    ]
     sight = Sight(tuple(view.every(step) for view in problem.views), tuple(D))
-    sigma = np.repeat(np.max([one.noise for one in problem.sets], axis=0), 3)[:axes]
+    sigma = np.repeat(common_noise(problem.sets), 3)[:axes]
     causes = problem.layout.size
     reach = np.concatenate(
         [np.sqrt(model.solution.variance[:causes]), np.full(problem.size - causes, np.inf)]
     )
-    used = np.concatenate([ids, np.arange(causes, problem.size)])
+    used = _used(problem, ids)
     columns = np.concatenate([_columns(problem, i, step, part) for i, part in enumerate(D)])[:, :, used]
     block = [i * BLOCKS + np.arange(len(one)) * BLOCKS // len(one) for i, one in enumerate(problem.sets)]
     remainder = PositionProblem(
-        np.concatenate([problem.residual(i, x)[::step, :axes] for i in range(count)]),
+        np.concatenate([even[i] * problem.residual(i, x)[::step, :axes] for i in range(count)]),
         sigma,
         sight,
         np.concatenate([one[::step] for one in block]),
@@ -138,14 +143,7 @@ def model_with_laws(diagnosis: PoseDiagnosis) -> PoseModel:
     found, model = diagnosis.laws, diagnosis.model
     if found is None:
         return model
-    problem, members = diagnosis.extended.problem, diagnosis.extended.members
-    layout = problem.layout
-    step = np.zeros(layout.size)
-    ids = diagnosis.extended.ids(members).astype(int)
-    base, *_ = found.fit.members
-    step[ids] = found.weights(base)[: len(ids)]
-    at = [np.arange(layout.size)[layout.part(layout.causes.index(cause))] for cause in model.causes]
-    x = model.x + np.concatenate([np.zeros(0), *(step[part] for part in at)])
+    x = _beside(diagnosis, found).x[diagnosis.extended.ids(model.causes).astype(int)]
     terms = [term for law in found.laws for term in law.terms if term.lasts]
     return replace(model, x=x, laws=tuple((term, found.weights(term)) for term in terms))
 
@@ -157,3 +155,23 @@ def _columns(problem: PoseProblem, series: int, step: int, D: FloatArray) -> Flo
         found[:, :, ids] += D[:, direction, :, None] * basis[::step, None, :]
     found[:, :, problem.placement_ids(series)] = np.swapaxes(D[:, problem.free[series]], 1, 2)
     return found
+
+
+def placements_with_laws(diagnosis: PoseDiagnosis) -> list[Placement]:
+    """Placement of every series, fitted anew beside the laws as well."""
+    found, problem = diagnosis.laws, diagnosis.extended.problem
+    return (problem if found is None else _beside(diagnosis, found)).placements
+
+
+def _beside(diagnosis: PoseDiagnosis, found: Characterised[PoseTerm]) -> PoseProblem:
+    """The extended fit with all its numbers as they are beside the laws."""
+    fit, problem = diagnosis.extended, diagnosis.extended.problem
+    x = np.concatenate([problem.x, np.zeros(problem.size - problem.layout.size)])
+    base, *_ = found.fit.members
+    x[_used(problem, fit.ids(fit.members))] += found.weights(base)
+    return problem.at(x)
+
+
+def _used(problem: PoseProblem, ids: IntArray) -> IntArray:
+    """Coefficients of some causes, shape (k,), and all placements'."""
+    return np.concatenate([ids.astype(int), np.arange(problem.layout.size, problem.size)])

@@ -11,8 +11,9 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core import verdict
 from doormill_ros.diagnosis.core.held_out import scatter_of
-from doormill_ros.diagnosis.core.ridge import Solution, add_up
+from doormill_ros.diagnosis.core.ridge import Solution, add_up, without
 from doormill_ros.diagnosis.pose.fit import Fitted
+from doormill_ros.diagnosis.pose.noise import left_over
 from doormill_ros.diagnosis.pose.problem import PoseProblem
 from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.measurements.pose_set import PoseSet
@@ -42,19 +43,33 @@ class SeriesFit:
     fitted: Fitted
     validation: Validation
 
-    @property
+    @cached_property
     def problem(self) -> PoseProblem:
-        """Series, causes, coefficients, placements and weights."""
-        return self.fitted.problem
+        """Series, causes, coefficients, placements and weights; the causes that left do not act."""
+        whole = self.fitted.problem
+        if len(self.members) == len(whole.layout.causes):
+            return whole
+        rest = whole.at(self.solution.x)
+        errors = [rest.residual(i) for i in range(len(rest.sets))]
+        rest.sigmas = left_over(rest.sets, errors)
+        return rest
+
+    @cached_property
+    def solution(self) -> Solution:
+        """Coefficients with covariance and learnt sizes; those of causes that left held at zero."""
+        causes = self.fitted.problem.layout.causes
+        return without(self.fitted.solution, self.ids([one for one in causes if one not in self.members]))
 
     @property
-    def solution(self) -> Solution:
-        """Coefficients with covariance and learnt sizes."""
-        return self.fitted.solution
+    def parts(self) -> list[tuple[PoseCause, slice]]:
+        """Its causes, each with where its coefficients are."""
+        layout = self.fitted.problem.layout
+        places = ((cause, layout.part(index)) for index, cause in enumerate(layout.causes))
+        return [(cause, part) for cause, part in places if cause in self.members]
 
     def ids(self, causes: Sequence[PoseCause]) -> IntArray:
         """Coefficients of some causes, shape (k,)."""
-        layout = self.problem.layout
+        layout = self.fitted.problem.layout
         every = np.arange(layout.size)
         return np.concatenate([every[:0], *(every[layout.part(layout.causes.index(c))] for c in causes)])
 
@@ -91,16 +106,16 @@ def figures(
     )
 
 
-def standard_deviations(fitted: Fitted) -> FloatArray:
+def standard_deviations(fit: SeriesFit) -> FloatArray:
     """Of every coefficient: of the fit, or from the scatter of the blocks where that is larger, shape (m,)."""
-    size, solution = fitted.problem.size, fitted.solution
+    size, solution = fit.problem.size, fit.solution
     pull = []
-    for block in fitted.blocks:
+    for block in fit.fitted.blocks:
         one = np.zeros(size)
         one[block.ids] = block.g - block.H @ solution.x[block.ids]
         pull.append(one)
     scatter = scatter_of(np.array(pull), solution.covariance)
-    m = fitted.problem.layout.size
+    m = fit.problem.layout.size
     result: FloatArray = np.maximum(np.sqrt(np.diag(solution.covariance)), scatter)[:m]
     return result
 

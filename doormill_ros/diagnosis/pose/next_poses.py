@@ -57,7 +57,7 @@ def propose(diagnosis: PoseDiagnosis, seed: int = 0) -> NextPoses | None:
     A = effect_on_pose(diagnosis, q) * problem.scale(len(problem.sets) - 1)[:, None]
     flat = A.reshape(-1, A.shape[2])
     spread = flat @ C @ flat.T  # covariance of all predicted poses, (6 n, 6 n)
-    before = _position_error(spread, problem.sigma[0])
+    before = _position_error(spread, problem.sigmas[-1][0])
     chosen, told = [], []
     for _ in range(min(PROPOSED, len(q))):
         own = np.array([spread[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] for i in range(len(q))])
@@ -67,7 +67,7 @@ def propose(diagnosis: PoseDiagnosis, seed: int = 0) -> NextPoses | None:
         told.append(float(gain[best]))
         seen = slice(6 * best, 6 * best + 6)
         spread = spread - spread[:, seen] @ np.linalg.solve(np.eye(6) + own[best], spread[seen])
-    return NextPoses(q[chosen], np.array(told), before, _position_error(spread, problem.sigma[0]))
+    return NextPoses(q[chosen], np.array(told), before, _position_error(spread, problem.sigmas[-1][0]))
 
 
 def listed(poses: NextPoses | None) -> list[dict[str, Any]]:
@@ -161,9 +161,8 @@ def plan_next(diagnosis: PoseDiagnosis, poses: NextPoses | None) -> str:
 
 def _weakest(diagnosis: PoseDiagnosis) -> str:
     """The established cause whose main coefficient is known least for its size."""
-    layout = diagnosis.extended.problem.layout
     found = []
-    for index, cause in enumerate(layout.causes):
-        x, std = diagnosis.extended.problem.x[layout.part(index)], diagnosis.std[layout.part(index)]
+    for cause, part in diagnosis.extended.parts:
+        x, std = diagnosis.extended.problem.x[part], diagnosis.std[part]
         found.append((float(np.max(np.abs(x) / np.maximum(std, 1e-30))), repr(cause).replace("_", " ")))
     return min(found)[1] if found else ""

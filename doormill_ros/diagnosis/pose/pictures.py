@@ -55,10 +55,9 @@ def joint_angle(diagnosis: PoseDiagnosis, series: int, errors: FloatArray) -> Fl
 def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
     """Residual joint angle over the joint's own angle, without its periodic error and on unseen rows."""
     problem = diagnosis.extended.problem
-    layout = problem.layout
     own = {
-        cause.where: (cause, layout.part(index))
-        for index, cause in enumerate(layout.causes)
+        cause.where: (cause, part)
+        for cause, part in diagnosis.extended.parts
         if isinstance(cause, JointPeriodicError)
     }
     if not own:
@@ -99,11 +98,10 @@ def joint_curves(diagnosis: PoseDiagnosis) -> list[str]:
 
 def spectra(diagnosis: PoseDiagnosis) -> list[str]:
     """Amplitude of every order of the periodic errors."""
-    layout = diagnosis.extended.problem.layout
     charts = []
-    for index, cause in enumerate(layout.causes):
+    for cause, part in diagnosis.extended.parts:
         if isinstance(cause, JointPeriodicError):
-            pairs = diagnosis.extended.problem.x[layout.part(index)].reshape(-1, 2)
+            pairs = diagnosis.extended.problem.x[part].reshape(-1, 2)
             x, y = np.array(cause.orders, dtype=float), m_to_um(np.hypot(pairs[:, 0], pairs[:, 1]))
             charts.append(scatter(cause.where, "order", "amplitude [urad]", [Curve("", BLUE, x, y)]))
     return charts

@@ -7,6 +7,7 @@ later fits, cross-validations and comparisons of causes need: sums of products o
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class PoseProblem:
         layout: The causes.
         x: Current coefficients, shape (m,).
         placements: Current placement of every series.
-        sigma: Current standard deviation per axis, position [m] and rotation [rad].
+        sigmas: Current standard deviation per axis of every series, position [m] and rotation [rad].
         weights: Of the rows of every series, 0 for gross errors.
         owner: Index of the first series with the same placement, of every series.
         free: Directions of its placement, of every series; a point on the flange where nobody measured orientation.
@@ -51,7 +52,7 @@ class PoseProblem:
         self.bases = [design(view, self.layout) for view in self.views]
         self.x = np.zeros(self.layout.size)
         self.placements = list(placements)
-        self.sigma = (1e-4, 2e-4)
+        self.sigmas = [(1e-4, 2e-4)] * len(self.sets)
         self.weights = [np.ones(len(one)) for one in sets]
         self.share = 1.0
         self.owner = placement_owners(self.sets)
@@ -76,7 +77,7 @@ class PoseProblem:
 
     def scale(self, series: int) -> FloatArray:
         """One over the standard deviation of every component of a series' residual, shape (6,)."""
-        return per_axis(self.sigma, self.sets[series].oriented)
+        return per_axis(self.sigmas[series], self.sets[series].oriented)
 
     def move(self, step: FloatArray) -> None:
         """Shift every placement by its part of a solution of all unknowns, shape (size,)."""
@@ -87,6 +88,13 @@ class PoseProblem:
                 self.placements[series] = self.placements[series].moved(twist[:6], twist[6:])
             else:
                 self.placements[series] = self.placements[own]
+
+    def at(self, x: FloatArray) -> PoseProblem:
+        """The same with the coefficients and steps of the placements of a solution, shape (size,)."""
+        other = copy(self)
+        other.x, other.placements = x[: self.layout.size].copy(), list(self.placements)
+        other.move(x)
+        return other
 
     def frames(self, series: int, x: FloatArray | None = None, rows: IntArray | None = None) -> FloatArray:
         """Displaced frames of a series or some rows of it, shape (n, J + 1, 4, 4)."""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from doormill_ros.diagnosis.core.search import Search
 from doormill_ros.diagnosis.pose.fit import Fitted, fit_causes
 from doormill_ros.diagnosis.pose.model import SeriesFit, rmse
+from doormill_ros.diagnosis.pose.noise import evened
 from doormill_ros.diagnosis.pose.orders import find_orders
 from doormill_ros.diagnosis.pose.selection import REAL, Score, scores
 from doormill_ros.diagnosis.pose.validation import Validation
@@ -47,7 +48,8 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
             kept = [
                 (a > 0.0) & (b > 0.0) for a, b in zip(few.problem.weights, other.problem.weights, strict=True)
             ]
-            if rmse(other.errors.blocks, kept) < SPECTRUM * rmse(few.errors.blocks, kept):
+            left = [rmse(evened(self.sets, one.errors.blocks), kept) for one in (few, other)]
+            if left[1] < SPECTRUM * left[0]:
                 return [other]
         return [few]
 

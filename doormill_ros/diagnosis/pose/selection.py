@@ -65,6 +65,7 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
     full = validation.cost(unseen)
     full_position = validation.cost(unseen, AXES_OF_POSITION)
     full_series = validation.cost(validation.residuals(validation.series, none)) if validation.series else []
+    sigma = np.array([position for position, _ in validation.fitted.problem.sigmas])
     found = []
     for index in chosen:
         cause = layout.causes[index]
@@ -94,11 +95,12 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
             _position_rmse(errors, kept),
             NO_GAIN,
         )
-        found.append(replace(score, status=_status(score, max(WORTH, SHARE * left))))
+        found.append(replace(score, status=_status(score, max(WORTH, SHARE * left), sigma)))
     return found
 
 
-def _status(score: Score, worth: float) -> str:
+def _status(score: Score, worth: float, sigma: FloatArray) -> str:
+    """What becomes of a cause that has to gain so much; standard deviations of the series, shape (series,) [m]."""
     strong = (score.sure > SURE) & (score.gain > worth)
     if not (strong.any() or (score.total > worth and score.total_sure > SURE)):
         return NO_GAIN
@@ -106,9 +108,11 @@ def _status(score: Score, worth: float) -> str:
         return CONTRADICTED
     if not score.cause.of_robot or len(score.gain) == 1:
         return REAL
-    # A property of the robot shows in every series that excites it; one voice among several is none.
+    # A property of the robot shows in every series that excites it; one voice among several is none, unless the others
+    # are too noisy to be heard.
     helped = (score.gain > WORTH) & (score.sure > 2.0)
-    if helped.sum() < 2:
+    heard = int(np.sum(np.max(score.gain * sigma**2) / sigma**2 > WORTH))
+    if helped.sum() < (1 if heard == 1 else 2):
         return ONE_SERIES
     # A series at angles that no other visited may lose by it; where most lose, it is the others' habit. One series
     # alone teaches too little to judge by that, and the lengths and angles of a link are nobody's habit.

@@ -70,6 +70,19 @@ def test_the_right_names_and_sizes(diagnose, name):
     assert low < document["gain"]["holdout_rmse_ratio"] < high < 0.9
 
 
+@pytest.mark.parametrize(("turned", "side"), [(-3e-4, "short"), (3e-4, "beyond")])
+def test_a_gap_is_a_size_and_its_side_is_told(diagnose, turned, side):
+    """Play leaves the link behind the recorded angle; an encoder that lags shows the opposite."""
+    document = diagnose({"backlash": [(2, turned)]}, rows=150)
+    ((cause, gap),) = [(c["cause"], c["parameters"]["gap"]) for c in document["causes"]]
+    assert cause == "joint_backlash"
+    assert_within(gap, abs(turned), side)
+    assert gap["side"] == side
+    (line,) = [line for line in document["remarks"] if "gap" in line]
+    assert line.startswith("Joint 2")
+    assert f"half its gap {side}" in line
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_no_false_alarm(diagnose, seed):
     document = diagnose({}, seed=seed)

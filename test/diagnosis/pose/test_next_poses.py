@@ -22,7 +22,7 @@ def found(tmp_path_factory, write_pose_sets, faults):
 
 def expected_error(found, measured, asked):
     """Position error at some poses from what stays uncertain once others are measured, by plain least squares [m]."""
-    scale = np.repeat(found.extended.problem.sigma, 3)
+    scale = np.repeat(found.extended.problem.sigmas[-1], 3)
     C = found.extended.solution.covariance
     if len(measured):
         A = (effect_on_pose(found, measured) / scale[:, None]).reshape(-1, len(C))

@@ -32,7 +32,7 @@ def problem(tmp_path, write_pose_sets, faults):
 
 def numeric_jacobian(problem, series):
     """Derivative of the whitened residual by causes and placement, by differences."""
-    scale = np.repeat(1.0 / np.array(problem.sigma), 3)
+    scale = np.repeat(1.0 / np.array(problem.sigmas[0]), 3)
     J = np.zeros((len(problem.sets[series]) * 6, problem.size))
     h = 1e-6
     for i in range(problem.layout.size):
@@ -60,7 +60,7 @@ def test_blocks_hold_the_products_of_the_derivatives(problem):
     problem.weights[0][3] = 0.25
     H, g = add_up(problem.blocks(rows), problem.size)
     J = [numeric_jacobian(problem, series) for series in range(2)]
-    scale = np.repeat(1.0 / np.array(problem.sigma), 3)
+    scale = np.repeat(1.0 / np.array(problem.sigmas[0]), 3)
     weights = [np.repeat(w, 6) for w in problem.weights]
     cut = problem.layout.size
     wanted = sum(j.T @ (w[:, None] * j) for j, w in zip(J, weights, strict=True))

@@ -44,7 +44,7 @@ def test_rows_that_err_alike_count_for_less(read):
     assert alone.problem.share > 0.6
     assert alike.problem.share < 0.25
     # More than the larger residual asks for by itself.
-    larger = alike.problem.sigma[0] / alone.problem.sigma[0]
+    larger = alike.problem.sigmas[0][0] / alone.problem.sigmas[0][0]
     spread = [np.sqrt(one.solution.covariance[0, 0]) for one in (alone, alike)]
     assert spread[1] > 1.5 * larger * spread[0]
     assert abs(alike.solution.x[0] - 1e-5) < 3.0 * spread[1]

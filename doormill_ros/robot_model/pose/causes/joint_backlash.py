@@ -1,4 +1,4 @@
-"""A joint that stops short of where it should, depending on the side from which it came."""
+"""A joint that stands off its recorded angle to the side from which it came, or to the other one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,11 @@ from doormill_ros.robot_model.pose.view import SetView
 
 
 class PoseBacklash(PoseCause):
-    """Half the gap ahead or behind, by the direction of the last motion between recorded rows."""
+    """Half the gap ahead or behind, by the direction of the last motion between recorded rows.
+
+    The coefficient is positive where the joint goes beyond its recorded angle, and negative where it stops short, as
+    play behind the encoder does.
+    """
 
     name = "joint_backlash"
 
@@ -19,9 +23,14 @@ class PoseBacklash(PoseCause):
         return (Coefficient("gap", "rad", f"backlash {self.where}", 1e-3),)
 
     def columns(self, view: SetView) -> list[Columns]:
-        """The joint stands beyond its recorded angle when it came from below."""
+        """For a positive gap: beyond the recorded angle, above it after a motion upwards."""
         k = number(self.where)
         return [Columns(joint_turn(k), 0, 0.5 * view.last_motion[:, k - 1 : k])]
+
+    @staticmethod
+    def side(gap: float) -> str:
+        """Where the joint stands for a coefficient [rad]: 'short' of its recorded angle or 'beyond' it."""
+        return "beyond" if gap > 0.0 else "short"
 
     def pattern(self) -> str:
         """What it leaves."""

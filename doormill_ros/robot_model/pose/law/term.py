@@ -21,7 +21,8 @@ class Sight:
 
     Attributes:
         views: The series.
-        derivatives: Of the poses by every direction of a frame twist, shape (n, directions, 6) for each.
+        derivatives: Of the poses by every direction of a frame twist, shape (n, directions, axes) for each;
+            3 axes where positions alone were measured, else 6.
     """
 
     views: tuple[SetView, ...]
@@ -57,10 +58,10 @@ class PoseTerm(Term[Sight], PoseCause):
         ]
 
     def effect(self, case: Sight) -> FloatArray:
-        """Displacement of the poses for a unit of every theta, base axes, shape (n, 6, p)."""
+        """Displacement of the poses for a unit of every theta, base axes, shape (n, axes, p)."""
         found = []
         for view, D in zip(case.views, case.derivatives, strict=True):
-            part = np.zeros((len(view), 6, self.size))
+            part = np.zeros((len(view), D.shape[2], self.size))
             for own in self.columns(view):
                 here = slice(own.first, own.first + own.basis.shape[1])
                 part[:, :, here] += D[:, own.direction, :, None] * own.basis[:, None, :]
