@@ -15,9 +15,9 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray
 from doormill_ros.localization.errors import BadPicture
+from doormill_ros.localization.lens import SMALLEST
 from doormill_ros.messages.compressed import Pixels, compressed_size, decoded
 
-SMALLEST, LARGEST = 16, 32_767  # px, what the picture filters take
 #: Bits that cameras fill of the 16 that hold a pixel. Nothing in a message says how many, hence as few as
 #: hold the brightest pixel: a factor on the light of a whole picture moves no edge.
 DEPTHS = (10, 12, 14, 16)
