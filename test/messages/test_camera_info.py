@@ -96,7 +96,8 @@ def test_what_went_through_the_file_of_ros_is_the_same_lens(tmp_path: Path) -> N
     mounted = load_camera()
     write_ros_file(mounted, "door", tmp_path / "ros.yaml")
     found = read_ros_file(tmp_path / "ros.yaml")
-    camera_of(info_of(mounted, k=found.k.ravel().tolist(), d=found.distortion.tolist()), mounted)
+    sent = info_of(mounted, k=found.k.ravel().tolist(), d=found.distortion.tolist())
+    assert np.array_equal(camera_of(sent, mounted).k, found.k)
 
 
 WINDOW = {"roi": Message(x_offset=140, y_offset=60, width=1600, height=960), "binning_x": 2, "binning_y": 2}
