@@ -44,7 +44,9 @@ CameraInfoMissing = LocalizationError.row("CameraInfoMissing", 209, "No intrinsi
 CameraInfoSize = LocalizationError.row("CameraInfoSize", 210, "The intrinsics are of another picture size.")
 BadDoorFace = LocalizationError.row("BadDoorFace", 213, "The door's width or thickness is that of no door.")
 BadCameraInfo = LocalizationError.row(
-    "BadCameraInfo", 214, "The intrinsics that came are none of a usable camera."
+    "BadCameraInfo",
+    214,
+    "The intrinsics that came are not those of the camera that the cell was calibrated with.",
 )
 CameraMoved = LocalizationError.row(
     "CameraMoved", 215, "The camera no longer stands or sees as it was calibrated."

@@ -8,23 +8,26 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray
+from doormill_ros.localization.compressed import unpacked
 from doormill_ros.localization.errors import BadPicture
 
 
 def read_picture(path: Path) -> ByteArray:
-    """Grey picture, shape (h, w), from a PNG or JPEG file; colours are turned to grey.
+    """Grey picture, shape (h, w), from a PNG or JPEG file, read as a message with the same bytes is.
 
     Raises:
-        BadPicture: There is no such file, or it holds no picture.
+        BadPicture: There is no such file, it holds no picture, or a damaged one.
     """
     try:
-        data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
-        picture = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if data.size else None
-    except OSError:
-        picture = None
-    if picture is None:
-        raise BadPicture(f"{path} is no picture that can be read; give PNG or JPEG", path=str(path))
-    return np.asarray(picture, dtype=np.uint8)
+        data = path.read_bytes()
+    except OSError as error:
+        raise BadPicture(
+            f"{path} is no picture that can be read ({error.strerror}); give PNG or JPEG", path=str(path)
+        ) from error
+    try:
+        return unpacked(data)
+    except BadPicture as error:
+        raise BadPicture(f"{path}: {error.message}", path=str(path)) from error
 
 
 def write_picture(picture: ByteArray, path: Path) -> None:

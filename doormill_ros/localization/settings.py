@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import inf
+from math import inf, nextafter
 from pathlib import Path
+from typing import Annotated
 
 from doormill_ros.config import read
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.resources import resource
-from doormill_ros.values import NotNegative, Section
+from doormill_ros.values import FiniteNumber, NotNegative, Section
 
 FORM = "config/camera.yaml"
+_Share = Annotated[float, FiniteNumber("a number from 0 to below 1", 0.0, nextafter(1.0, 0.0))]
 Triple = tuple[NotNegative, NotNegative, NotNegative]
 
 
@@ -24,7 +26,7 @@ class LocalizerSettings(Section):
         squareness: Standard deviation of the angle of a well made door from a right angle [rad].
         max_age: Age from which a picture is stale [s].
         max_blur: Softest edge, standard deviation of its point spread [px].
-        min_inlier_share: Share of each edge's visible length that must agree with its line.
+        min_inlier_share: Share of each edge's visible length that must agree with its line, below 1.
         max_deviation: Largest standard deviation of y, z [m] and rotation [rad] that a picture may leave.
         mounting_deviation: Standard deviation of the camera's mounting in y, z [m] and rotation [rad].
         thickness_deviation: Standard deviation of the face's distance, from the door's thickness and its seat in
@@ -39,7 +41,7 @@ class LocalizerSettings(Section):
     squareness: NotNegative
     max_age: NotNegative
     max_blur: NotNegative
-    min_inlier_share: NotNegative
+    min_inlier_share: _Share
     max_deviation: Triple
     mounting_deviation: Triple
     thickness_deviation: NotNegative
@@ -75,7 +77,7 @@ def load_settings(path: Path | None = None) -> LocalizerSettings:
     """Read the section `localizer` of config/camera.yaml, or of another file of the same form.
 
     Raises:
-        BadCameraFile: A key is missing or unknown, or a value negative or of the wrong length.
+        BadCameraFile: A key is missing or unknown, or a value negative, too large or of the wrong length.
     """
     return read(path or resource(FORM), _CameraFile, BadCameraFile, f"compare it with {FORM}").localizer
 

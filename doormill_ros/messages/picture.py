@@ -14,13 +14,9 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray
+from doormill_ros.localization.compressed import Pixels, compressed_size, in_bytes, unpacked
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.compressed import Pixels, compressed_size, decoded
-
-SMALLEST, LARGEST = 16, 32_767  # px, what the picture filters take
-#: Bits that cameras fill of the 16 that hold a pixel. Nothing in a message says how many, hence as few as
-#: hold the brightest pixel: a factor on the light of a whole picture moves no edge.
-DEPTHS = (10, 12, 14, 16)
+from doormill_ros.localization.lens import SMALLEST
 
 
 @dataclass(frozen=True)
@@ -72,7 +68,7 @@ def picture_of(message: Any) -> ByteArray:
         BadPicture: An encoding that is not read here, too few bytes, or a compressed picture that is none.
     """
     if _is_compressed(message):
-        return _in_bytes(decoded(bytes(message.data)))
+        return unpacked(bytes(message.data))
     encoding = ENCODINGS.get(message.encoding)
     if encoding is None:
         raise BadPicture(
@@ -82,15 +78,15 @@ def picture_of(message: Any) -> ByteArray:
         )
     rows = _samples(message, encoding)
     if encoding.to_grey is None:
-        return _in_bytes(rows)
+        return in_bytes(rows)
     if encoding.channels > 1:
-        return _in_bytes(cv2.cvtColor(rows.reshape(*rows.shape[:1], -1, encoding.channels), encoding.to_grey))
+        return in_bytes(cv2.cvtColor(rows.reshape(*rows.shape[:1], -1, encoding.channels), encoding.to_grey))
     if min(rows.shape) < SMALLEST:
         raise BadPicture(
             f"picture of {message.width} x {message.height} px is a Bayer pattern, allowed are {SMALLEST} px and more; "
             "check the camera driver"
         )
-    return _in_bytes(cv2.cvtColor(rows, encoding.to_grey))
+    return in_bytes(cv2.cvtColor(rows, encoding.to_grey))
 
 
 def colours_of(message: Any) -> ByteArray:
@@ -109,15 +105,6 @@ _HEADERS = 1 << 20  # bytes in which the header of a compressed picture is looke
 
 def _is_compressed(message: Any) -> bool:
     return not hasattr(message, "encoding")
-
-
-def _in_bytes(pixels: Pixels) -> ByteArray:
-    """Pixels of 8 bits, shape (height, width); of deeper ones the brightest fills most of them."""
-    if pixels.dtype == np.uint8:
-        return np.ascontiguousarray(pixels, dtype=np.uint8)
-    bits = next(bits for bits in DEPTHS if int(pixels.max()) < 1 << bits)
-    grey: ByteArray = cv2.convertScaleAbs(pixels, alpha=255.0 / ((1 << bits) - 1))
-    return grey
 
 
 def _samples(message: Any, encoding: _Encoding) -> Pixels:

@@ -11,9 +11,9 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.errors import BadCameraInfo
+from doormill_ros.localization.lens import SMALLEST
 
 _MOST_BINNED = 16  # px of the sensor along a side of one of the picture
-_SMALLEST = 16  # px, what the picture filters take
 
 
 def in_window(k: FloatArray, message: Any) -> tuple[FloatArray, tuple[int, int]]:
@@ -33,10 +33,10 @@ def in_window(k: FloatArray, message: Any) -> tuple[FloatArray, tuple[int, int]]
     corner, sent = _region(getattr(message, "roi", None), size)
     bins = [max(1, int(getattr(message, name, 0))) for name in ("binning_x", "binning_y")]
     out = (sent[0] // bins[0], sent[1] // bins[1])
-    if max(bins) > _MOST_BINNED or min(out) < _SMALLEST:
+    if max(bins) > _MOST_BINNED or min(out) < SMALLEST:
         raise BadCameraInfo(
             f"the camera info has binning of {bins[0]} x {bins[1]} px, which leaves {out[0]} x {out[1]} px, "
-            f"allowed are binning of up to {_MOST_BINNED} px and pictures of {_SMALLEST} px and more; "
+            f"allowed are binning of up to {_MOST_BINNED} px and pictures of {SMALLEST} px and more; "
             "check the camera's driver",
             binning=tuple(bins),
         )

@@ -28,6 +28,8 @@ from doormill_ros.tools.calibration.doors import Shutter, check, extrinsics
 from doormill_ros.tools.calibration.exchange import from_ros, put_back, to_ros
 from doormill_ros.units import m_to_mm, mm_to_m
 
+MOST_RADIAL = 1e6  # what was ever printed of a lens is far below
+
 
 def main(argv: list[str] | None = None) -> int:
     """Run one command; 0 when it was done, 1 when a check failed, 2 for bad input."""
@@ -114,7 +116,13 @@ def _marks(arguments: argparse.Namespace) -> list[str]:
 def _lens(arguments: argparse.Namespace) -> list[str]:
     camera = load_camera(arguments.camera)
     shipped = (camera.distortion[0], camera.distortion[1], camera.distortion[4])
-    found = check_lens(camera.k, camera.size, tuple(arguments.radial or shipped))
+    radial = tuple(arguments.radial or shipped)
+    if not all(abs(value) <= MOST_RADIAL for value in radial):
+        raise BadCalibrationFile(
+            f"the radial coefficients are {', '.join(f'{v:g}' for v in radial)}, allowed are numbers up to "
+            f"{MOST_RADIAL:g}; give k1 k2 k3 of a calibration"
+        )
+    found = check_lens(camera.k, camera.size, radial)
     focal = float(np.sqrt(camera.k[0, 0] * camera.k[1, 1]))
     lines = [
         f"the picture's corner is at r = {found.corner:.3f}, {found.corner * focal:.0f} px from the centre"

@@ -24,7 +24,7 @@ from doormill_ros.files import write_atomically
 from doormill_ros.frames import BASE_FRAME
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.localization.errors import LocalizationError
-from doormill_ros.localization.overlay import draw_overlay
+from doormill_ros.localization.overlay import draw_overlay, draw_refusal
 from doormill_ros.localization.picture_file import read_picture, write_picture
 from doormill_ros.localization.repeatability import Repeatability
 from doormill_ros.localization.sensors.located import (
@@ -64,7 +64,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     )
     top.add_argument("--json", metavar="OUT", type=Path, help="file for the same in SI units")
     top.add_argument(
-        "--overlay", metavar="OUT.png", type=Path, help="draw what was found; numbered with several pictures"
+        "--overlay",
+        metavar="OUT.png",
+        type=Path,
+        help="draw what was found or why not; numbered with several pictures",
     )
     arguments = top.parse_args(argv)
     if arguments.sensor is None and arguments.config is not None:
@@ -249,9 +252,14 @@ def _draw(out: Path | None, located: Located) -> None:
     if out is None:
         return
     for i, (reading, door) in enumerate(located):
-        if isinstance(door, LocatedDoor) and door.localization is not None:
-            path = out if len(located) == 1 else out.with_stem(f"{out.stem}-{i + 1}")
-            write_picture(draw_overlay(np.asarray(reading.value), door.localization), path)
+        picture = np.asarray(reading.value)
+        if isinstance(door, LocalizationError):
+            drawn = draw_refusal(picture, door)
+        elif door.localization is not None:
+            drawn = draw_overlay(picture, door.localization)
+        else:
+            continue
+        write_picture(drawn, out if len(located) == 1 else out.with_stem(f"{out.stem}-{i + 1}"))
 
 
 if __name__ == "__main__":

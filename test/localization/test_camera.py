@@ -96,6 +96,8 @@ def test_face_points_return_from_their_pixels(camera, layout):
         (("localizer",), {"max_age": 2.0}),
         (("localizer", "max_blur"), -1.0),
         (("localizer", "max_deviation"), [1.0]),
+        (("localizer", "min_inlier_share"), 1.0),
+        (("localizer", "min_inlier_share"), 50),
     ],
 )
 def test_a_broken_camera_file_is_refused(path, value, tmp_path):

@@ -10,9 +10,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.errors import BadCameraInfo
-from doormill_ros.messages.camera_info import camera_of
 from doormill_ros.messages.from_message import (
     door_pose_of,
     nanoseconds_of,
@@ -46,64 +43,6 @@ def test_wrench_and_twist_keep_their_halves_in_order() -> None:
     first, second = Message(x=1.0, y=2.0, z=3.0), Message(x=4.0, y=5.0, z=6.0)
     assert wrench_of(Message(force=first, torque=second)).tolist() == [1, 2, 3, 4, 5, 6]
     assert twist_of(Message(linear=first, angular=second)).tolist() == [1, 2, 3, 4, 5, 6]
-
-
-def test_a_camera_info_changes_the_intrinsics_and_leaves_the_mounting() -> None:
-    mounted = load_camera()
-    k = [900.0, 0.0, 310.0, 0.0, 910.0, 250.0, 0.0, 0.0, 1.0]
-    camera = camera_of(
-        Message(k=k, d=[0.1, -0.2], width=640, height=480, distortion_model="plumb_bob"), mounted
-    )
-    assert camera.k.ravel().tolist() == k
-    assert camera.distortion.tolist() == [0.1, -0.2, 0.0, 0.0, 0.0]
-    assert camera.size == (640, 480)
-    apart = camera.T_base_camera(0.9) - mounted.T_base_camera(0.9)
-    assert np.abs(apart).max() == 0.0
-
-
-GOOD_INFO = {
-    "k": [900.0, 0.0, 310.0, 0.0, 910.0, 250.0, 0.0, 0.0, 1.0],
-    "d": [0.1, -0.2, 0.0, 0.0, 0.01],
-    "width": 640,
-    "height": 480,
-    "distortion_model": "plumb_bob",
-}
-
-
-@pytest.mark.parametrize(
-    ("changes", "says"),
-    [
-        ({"k": [0.0] * 9}, "no calibration"),
-        ({"k": [math.nan] * 9}, "K = "),
-        ({"k": [math.inf, *GOOD_INFO["k"][1:]]}, "K = "),
-        ({"k": [1e-3, *GOOD_INFO["k"][1:]]}, "focal lengths"),
-        ({"k": [900.0, 0.0, 3000.0, *GOOD_INFO["k"][3:]]}, "centre inside"),
-        ({"k": [*GOOD_INFO["k"][:6], 1.0, 0.0, 1.0]}, "K = "),
-        ({"width": 0, "height": 0}, "0 x 0 px"),
-        ({"width": 4_294_967_295}, "4294967295 x 480"),
-        ({"distortion_model": "equidistant", "d": [0.1, 0.0, 0.0, 0.0]}, "equidistant"),
-        ({"distortion_model": "equidistant", "d": [0.0] * 4}, "equidistant"),
-        ({"distortion_model": ""}, "distortion model ''"),
-        (
-            {"distortion_model": "rational_polynomial", "d": [0.1, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0, 0.0]},
-            "8 coeff",
-        ),
-        ({"d": [math.nan, 0.0, 0.0, 0.0, 0.0]}, "nan"),
-        ({"d": [1e9, 0.0, 0.0, 0.0, 0.0]}, "1e[+]09"),
-    ],
-)
-def test_a_camera_info_of_no_use_is_refused(changes: dict[str, object], says: str) -> None:
-    camera_of(Message(**GOOD_INFO), load_camera())
-    with pytest.raises(BadCameraInfo, match=says):
-        camera_of(Message(**{**GOOD_INFO, **changes}), load_camera())
-
-
-def test_lens_models_that_say_the_same_give_the_same_camera() -> None:
-    eight = {"distortion_model": "rational_polynomial", "d": [*GOOD_INFO["d"], 0.0, 0.0, 0.0]}
-    first, second = (camera_of(Message(**{**GOOD_INFO, **v}), load_camera()) for v in ({}, eight))
-    assert np.array_equal(first.distortion, second.distortion)
-    plain = camera_of(Message(**{**GOOD_INFO, "distortion_model": "", "d": []}), load_camera())
-    assert not plain.distortion.any()
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, 0.0])

@@ -82,6 +82,8 @@ def localizer(recorded: dict[str, bytes], context: Context) -> Iterator[Localize
         {"distortion_model": "equidistant"},
         {"distortion_model": "fisheye", "d": [0.0] * 4},
         {"d": [float("nan")] * 5},
+        {"d": [0.0] * 5},
+        {"k": [1695.13, 0.0, 946.41, 0.0, 1744.49, 510.71, 0.0, 0.0, 1.0]},
     ],
     ids=lambda changes: " ".join(changes),
 )

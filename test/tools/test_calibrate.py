@@ -7,6 +7,7 @@ import yaml
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.picture_file import write_picture
 from doormill_ros.localization.settings import load_settings
 from doormill_ros.simulation.picture.scene import Sensor
 from doormill_ros.simulation.sensors.axis_vision import AxisVisionRig
@@ -101,6 +102,43 @@ def test_the_lens_of_the_thesis_is_told_off(capsys):
     assert "has no ray" in capsys.readouterr().out
     assert main(["lens"]) == 0
     assert "has no ray" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "radial", [("nan", "nan", "nan"), ("1e300", "0", "0"), ("0", "inf", "0"), ("0", "0", "-10000000")]
+)
+def test_coefficients_that_are_no_numbers_of_a_lens_are_refused(radial, capsys):
+    assert main(["lens", *radial]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("calibration: the radial coefficients are ")
+    assert "allowed are numbers up to 1e+06" in told
+    assert told.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--square", "25", "--board", "0", "0"], "a board of 0 x 0 inner corners"),
+        (["--square", "25", "--board", "9", "2"], "a board of 9 x 2 inner corners"),
+        (["--square", "25", "--board", "-9", "6"], "a board of -9 x 6 inner corners"),
+        (["--square", "25", "--board", "1000000", "1000000"], "a board of 1000000 x 1000000 inner corners"),
+        (["--square", "-25"], "squares of -25 mm"),
+        (["--square", "0"], "squares of 0 mm"),
+        (["--square", "nan"], "squares of nan mm"),
+        (["--square", "inf"], "squares of inf mm"),
+        (["--square", "1e300"], "squares of 1e+300 mm"),
+    ],
+)
+def test_a_board_that_is_none_is_refused(options, says, tmp_path, capsys):
+    picture = tmp_path / "a.png"
+    write_picture(np.full((60, 80, 3), 120, np.uint8), picture)
+    assert main(["intrinsics", str(picture), *options, "--out", str(tmp_path / "out.yaml")]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("calibration: ")
+    assert says in told
+    assert "allowed" in told
+    assert told.count("\n") == 1
+    assert not (tmp_path / "out.yaml").exists()
 
 
 def test_bad_input_is_told_in_one_sentence(tmp_path, capsys):

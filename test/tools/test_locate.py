@@ -107,10 +107,28 @@ def test_the_overlay_is_drawn(pictures, tmp_path, capsys):
         run(capsys, *SIZE, pictures / "1.png", pictures / "far.png", "--overlay", tmp_path / "two.png")[0]
         == 0
     )
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["one.png", "two-1.png"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["one.png", "two-1.png", "two-2.png"]
     drawn = cv2.imread(str(tmp_path / "one.png"))
     assert drawn.shape == (1080, 1920, 3)
     assert np.count_nonzero(drawn[..., 1].astype(int) - drawn[..., 0] > 80) > 500  # rings and lines
+
+
+def test_the_overlay_of_a_refusal_has_its_sentence(pictures, tmp_path, capsys):
+    assert run(capsys, *SIZE, pictures / "far.png", "--overlay", tmp_path / "far.png")[0] == 0
+    plain, drawn = (cv2.imread(str(folder / "far.png")).astype(int) for folder in (pictures, tmp_path))
+    assert drawn.shape == plain.shape
+    assert np.count_nonzero((drawn[:200, :760] > 240).all(axis=2)) > 500  # letters
+    np.testing.assert_array_equal(drawn[400:], plain[400:])
+
+
+def test_a_deep_picture_is_read_as_the_node_reads_it(pictures, tmp_path, capsys):
+    grey = cv2.imread(str(pictures / "1.png"), cv2.IMREAD_GRAYSCALE)
+    deep = grey.astype(np.uint16) << 4  # 12 of 16 bit
+    assert cv2.imwrite(str(tmp_path / "1.png"), deep)
+    out = tmp_path / "out.json"
+    assert run(capsys, *SIZE, tmp_path / "1.png", pictures / "1.png", "--json", out)[0] == 0
+    deep_found, found = json.loads(out.read_text())["readings"]
+    np.testing.assert_allclose(deep_found["T_base_door"], found["T_base_door"], atol=3e-6)
 
 
 def test_a_door_comes_from_the_database_or_from_a_file(pictures, tmp_path, capsys):

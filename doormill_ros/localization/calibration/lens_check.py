@@ -70,7 +70,8 @@ def distorted_radius(r: FloatArray | float, radial: tuple[float, float, float]) 
 def fold_radius(radial: tuple[float, float, float]) -> float:
     """Smallest r > 0 at which dr'/dr = 1 + 3 k1 r^2 + 5 k2 r^4 + 7 k3 r^6 vanishes; inf when nowhere."""
     k1, k2, k3 = radial
-    roots = np.roots([7.0 * k3, 5.0 * k2, 3.0 * k1, 1.0])
-    real = roots[np.abs(roots.imag) < 1e-9 * np.maximum(np.abs(roots), 1.0)].real
+    # Of 1 / r^2, whose highest power keeps its factor of one where coefficients are next to nothing.
+    roots = np.roots([1.0, 3.0 * k1, 5.0 * k2, 7.0 * k3])
+    real = roots[np.abs(roots.imag) < 1e-9 * np.abs(roots)].real
     real = real[real > 0]
-    return float(np.sqrt(real.min())) if real.size else float("inf")
+    return float(1.0 / np.sqrt(real.max())) if real.size else float("inf")

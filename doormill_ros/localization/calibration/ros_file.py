@@ -15,6 +15,7 @@ from doormill_ros.config import read
 from doormill_ros.files import write_atomically
 from doormill_ros.localization.calibration.errors import BadCalibrationFile
 from doormill_ros.localization.camera import CameraModel
+from doormill_ros.localization.lens import no_lens
 from doormill_ros.values import Array, Count, Finite, Section
 
 _BROWN = {"plumb_bob": (4, 5), "rational_polynomial": (5, 8)}  # coefficients of each model
@@ -67,7 +68,8 @@ def read_ros_file(path: Path) -> RosIntrinsics:
     """Read one; rectification and projection, which belong to rectified pictures, are left aside.
 
     Raises:
-        BadCalibrationFile: A key is missing or a value of no use, or the lens model is not Brown's.
+        BadCalibrationFile: A key is missing or a value of no use, the lens model is not Brown's, or the lens that
+            of no camera.
     """
     advice = "write it with camera_calibration, see docs/calibration.md"
     content = read(path, _RosFile, BadCalibrationFile, advice)
@@ -78,18 +80,27 @@ def read_ros_file(path: Path) -> RosIntrinsics:
             "five; calibrate the camera with that model",
             path=str(path),
         )
-    k = np.array(content.camera_matrix.data).reshape(3, 3)
-    if not (k[0, 0] > 0 and k[1, 1] > 0 and np.array_equal(k[[1, 2, 2, 2], [0, 0, 1, 2]], [0, 0, 0, 1])):
+    rows, columns = content.camera_matrix.rows, content.camera_matrix.cols
+    if (rows, columns) != (3, 3):
         raise BadCalibrationFile(
-            f"{path} has the camera matrix {k.ravel().tolist()}, allowed are positive focal lengths and a last row of "
-            "0, 0, 1; calibrate the camera",
+            f"{path} has a camera matrix of {rows} x {columns}, allowed is 3 x 3; {advice}", path=str(path)
+        )
+    rows, columns = content.distortion_coefficients.rows, content.distortion_coefficients.cols
+    if sorted((rows, columns)) != [1, len(given)]:
+        raise BadCalibrationFile(
+            f"{path} has {rows} x {columns} distortion coefficients and {len(given)} numbers of them, allowed are as "
+            f"many numbers in one row; {advice}",
             path=str(path),
         )
+    k, size = np.array(content.camera_matrix.data).reshape(3, 3), (content.image_width, content.image_height)
     distortion = np.zeros(5)
     distortion[: min(5, len(given))] = given[:5]
-    return RosIntrinsics(
-        content.camera_name, (int(content.image_width), int(content.image_height)), k, distortion
-    )
+    wrong = no_lens(k, distortion, size)
+    if wrong:
+        raise BadCalibrationFile(
+            f"{path} {wrong}; calibrate the camera, see docs/calibration.md", path=str(path)
+        )
+    return RosIntrinsics(content.camera_name, size, k, distortion)
 
 
 def write_ros_file(camera: CameraModel, name: str, path: Path) -> None:

@@ -20,6 +20,8 @@ from doormill_ros.localization.calibration.lens_check import check_lens
 from doormill_ros.localization.picture_file import read_picture, write_picture
 from doormill_ros.units import m_to_mm, mm_to_m
 
+CORNERS = (3, 100)  # inner corners each way; the detector takes no fewer
+SQUARES = (1e-4, 1.0)  # side [m]
 #: Hands pictures to a function until it says that they are enough.
 Stream = Callable[[Callable[[ByteArray], bool]], None]
 
@@ -27,7 +29,7 @@ Stream = Callable[[Callable[[ByteArray], bool]], None]
 def intrinsics(arguments: argparse.Namespace, stream: Stream | None) -> list[str]:
     """Calibrate; what to print."""
     columns, rows = arguments.board
-    board = Chessboard(columns, rows, mm_to_m(arguments.square))
+    board = _board(columns, rows, arguments.square)
     views, size = (
         _from_files(arguments.pictures, board) if stream is None else _live(stream, board, arguments.save)
     )
@@ -49,6 +51,23 @@ def intrinsics(arguments: argparse.Namespace, stream: Stream | None) -> list[str
         *lines,
         f"{int(found.used.sum())} of {len(names)} pictures used, {found.error:.3f} px; {arguments.out}",
     ]
+
+
+def _board(columns: int, rows: int, square: float) -> Chessboard:
+    """The board of the command line; its squares in mm."""
+    fewest, most = CORNERS
+    if not (fewest <= columns <= most and fewest <= rows <= most):
+        raise BadCalibrationFile(
+            f"a board of {columns} x {rows} inner corners is given, allowed are {fewest} to {most} each way; count "
+            "the corners where four squares meet, and give --board COLUMNS ROWS"
+        )
+    low, high = SQUARES
+    if not low <= mm_to_m(square) <= high:
+        raise BadCalibrationFile(
+            f"squares of {square:g} mm are given, allowed are {m_to_mm(low):g} to {m_to_mm(high):g} mm; measure the "
+            "printed board, and give --square MM"
+        )
+    return Chessboard(columns, rows, mm_to_m(square))
 
 
 def _from_files(paths: list[Path], board: Chessboard) -> tuple[list[BoardPicture], tuple[int, int]]:

@@ -35,6 +35,14 @@ def test_the_fold_agrees_with_opencv():
     assert r[np.argmax(seen)] == pytest.approx(fold_radius(THESIS_DISTORTION), abs=5e-4)
 
 
+@pytest.mark.parametrize(
+    "radial", [(0.0, 0.0, 1e-310), (-1.0, 0.0, 1e-310), (0.0, 1e-200, 0.0), (0.0, 0.0, 0.0)]
+)
+def test_coefficients_of_next_to_nothing_are_nothing(radial):
+    expected = fold_radius((radial[0], 0.0, 0.0))
+    assert fold_radius(radial) == pytest.approx(expected)
+
+
 def test_every_other_order_is_worse():
     k1, k2, k3 = THESIS_DISTORTION
     for order in ((k3, k2, k1), (k2, k1, k3), (k1, k3, k2), (k2, k3, k1), (k3, k1, k2)):

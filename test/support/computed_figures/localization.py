@@ -6,6 +6,7 @@ import numpy as np
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
+from doormill_ros.localization.lens import SAME
 from support.page_figures import number_of
 from support.pictures.conditions import CONDITIONS
 from support.pictures.corpus import HARD
@@ -26,6 +27,11 @@ def _pixel(thickness: float) -> float:
 #: From the camera to the face, and a pixel of the face, mean of both directions [m].
 THIN_DISTANCE, MIDDLE_DISTANCE, THICK_DISTANCE = map(_distance, (THIN, MIDDLE, THICK))
 THIN_PIXEL, MIDDLE_PIXEL, THICK_PIXEL = map(_pixel, (THIN, MIDDLE, THICK))
+
+
+def apart_on_door() -> float:
+    """How far apart on a face lenses may show one ray that are taken for the same [m]."""
+    return SAME * MIDDLE_PIXEL
 
 
 def axis_from_hinge_edge() -> float:

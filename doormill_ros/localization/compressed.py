@@ -1,4 +1,4 @@
-"""Pictures as sensor_msgs/CompressedImage: what they hold is asked before anything of it is unpacked."""
+"""JPEG and PNG, from a message or a file: what they hold is asked before anything of it is unpacked."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from doormill_ros.arrays import BoolArray
+from doormill_ros.arrays import BoolArray, ByteArray
 from doormill_ros.localization.errors import BadPicture
 
+#: Bits that cameras fill of the 16 that hold a pixel. Nothing in a picture says how many, hence as few as
+#: hold the brightest pixel: a factor on the light of a whole picture moves no edge.
+DEPTHS = (10, 12, 14, 16)
 MOST_PIXELS = 100_000_000  # more than any camera in use has
 _PNG, _JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
 _PNG_SIZE = struct.Struct(">8xI4sII")  # signature, length and name of the first chunk, width, height
@@ -40,7 +43,8 @@ def compressed_size(data: bytes) -> tuple[int, int]:
     if size is None:
         raise BadPicture(
             f"a compressed picture of {len(data)} bytes begins with {data[:8].hex(' ') or 'nothing'}, allowed are JPEG "
-            "and PNG; set the image transport to compressed and its format to jpeg or png"
+            "and PNG; set the image transport to compressed and its format to jpeg or png, or save a file as one of "
+            "these"
         )
     if not 0 < size[0] * size[1] <= MOST_PIXELS:
         raise BadPicture(
@@ -68,6 +72,24 @@ def _jpeg_size(data: bytes) -> tuple[int, int] | None:
         else:
             at += 2 + int.from_bytes(data[at + 2 : at + 4], "big")
     return None
+
+
+def in_bytes(pixels: Pixels) -> ByteArray:
+    """Pixels of 8 bits, shape (height, width); of deeper ones the brightest fills most of them."""
+    if pixels.dtype == np.uint8:
+        return np.ascontiguousarray(pixels, dtype=np.uint8)
+    bits = next(bits for bits in DEPTHS if int(pixels.max()) < 1 << bits)
+    grey: ByteArray = cv2.convertScaleAbs(pixels, alpha=255.0 / ((1 << bits) - 1))
+    return grey
+
+
+def unpacked(data: bytes) -> ByteArray:
+    """Grey picture, shape (height, width) uint8, of a JPEG or PNG.
+
+    Raises:
+        BadPicture: It is neither, holds more than a camera sends, or is damaged.
+    """
+    return in_bytes(decoded(data))
 
 
 def decoded(data: bytes) -> Pixels:
