@@ -32,7 +32,7 @@ def _textures(rng: np.random.Generator, surface: Surface) -> list[Texture]:
 
 
 def _chords(outline: FloatArray) -> FloatArray:
-    """An outline (n, 2) [m] with points (m, 2) on its sides so close together that the lens leaves it straight between."""
+    """An outline (n, 2) [m] with points (m, 2) on its sides, so close that the lens leaves it straight."""
     ends = np.roll(outline, -1, axis=0)
     pieces = np.maximum(np.ceil(np.hypot(*(ends - outline).T) / _CHORD), 1.0).astype(int)
     sides = zip(outline, ends, pieces, strict=True)
