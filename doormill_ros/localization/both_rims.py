@@ -12,6 +12,7 @@ from doormill_ros.localization import checks
 from doormill_ros.localization.arris import HINT, Profile
 from doormill_ros.localization.blur import Spread, edge_spread
 from doormill_ros.localization.edge_line import EdgeLine, meet
+from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.fit import LineFit
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.neighbourhood import WIDE_HALF, Neighbourhood
@@ -67,12 +68,24 @@ class _Seen:
         self._wide: Spread | None = None
 
     def wide(self) -> Spread:
-        """The rows laid over each other in wide windows."""
+        """The rows laid over each other in wide windows.
+
+        Raises:
+            WrongEdge: From so wide none of them looks like an edge.
+        """
         if self._wide is None:
             read = self.read
             edge = read.profiles.edge
             weights = plain_weights(WIDE_HALF, _WIDE_BLUR)
             wide = measure(self.picture, self.view, edge, read.pose, weights)
+            if not wide.edge_like.any():
+                along = np.linspace(0.0, self.view.length(edge), 9)
+                raise WrongEdge(
+                    f"another step lies so near to the {edge} edge that not one row across it looks like an edge from "
+                    f"{WIDE_HALF} px on each side; clean the edge or change the light",
+                    edge=edge,
+                    marks=((edge, self.view.pixels(self.view.line(edge, read.pose, along))),),
+                )
             near = np.isin(wide.lines, read.profiles.lines[read.line.inliers])
             self._wide = edge_spread(wide, self._shift(wide), near)
         return self._wide

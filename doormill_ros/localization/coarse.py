@@ -15,6 +15,7 @@ from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find
 from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.errors import NoEdge, WrongEdge
 from doormill_ros.localization.layers import choose
+from doormill_ros.localization.line_ends import check_ends, check_stand_ins
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import median
 
@@ -207,6 +208,8 @@ def search(
         found = choose(picture, view, beside, meet(*first))
         hinge, bottom = found[HINGE], found[BOTTOM]
         corner = meet(hinge, bottom)
+        check_ends(picture, steps, view, found, beside, corner)
+        check_stand_ins(steps, view, found, corner)
         if abs(hinge.tilt + bottom.tilt) < _PARALLEL and _ends_at_corner(
             steps, hinge, bottom, corner, broken
         ):

@@ -44,6 +44,7 @@ _TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], a
 _RISE = 0.15  # a strip begins where it differs so much from what lies beyond, as a share of its difference
 _WELL = (10.0e-3, 40.0e-3)  # where its brightness is read, from the corner [m]
 _BESIDE = (0.6e-3, 1.6e-3)  # where surfaces beside a line are read, from it [m]
+_CLOSELY, _SURELY = (0.3e-3, 0.8e-3), 0.15  # the same, and the share, for what may be a shadow or else a tool
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,9 +103,17 @@ def _strip(
     return _Strip(level, float(along[last] - 0.5 * _PITCH), middle)
 
 
-def _is_shadow(sight: _Sight, edge: str, line: EdgeLine, corner: float, end: float) -> bool:
+def _is_shadow(
+    sight: _Sight,
+    edge: str,
+    line: EdgeLine,
+    corner: float,
+    end: float,
+    beside: tuple[float, float] = _BESIDE,
+    shade: float = _SHADE,
+) -> bool:
     """Whether a line darkens face and background alike where it goes on beyond the corner."""
-    outer, inner = (line.across + sign * np.linspace(*_BESIDE, 4) for sign in (-1.0, 1.0))
+    outer, inner = (line.across + sign * np.linspace(*beside, 4) for sign in (-1.0, 1.0))
     ratios = []
     for start, stop in ((corner + 4.0e-3, corner + _WELL[1]), (end - 8.0e-3, end - 1.5e-3)):
         levels = [sight.level(edge, across, line.tilt, start, stop) for across in (outer, inner)]
@@ -112,7 +121,24 @@ def _is_shadow(sight: _Sight, edge: str, line: EdgeLine, corner: float, end: flo
             return False
         ratios.append(float(np.log(levels[0] / levels[1])))
     face, background = ratios
-    return abs(face) > 0.1 and face * background > 0 and abs(background - face) < _SHADE * abs(face)
+    return abs(face) > 0.1 and face * background > 0 and abs(background - face) < shade * abs(face)
+
+
+def is_shadow(
+    picture: ByteArray, view: FaceView, edge: str, line: EdgeLine, corner: FloatArray, end: float
+) -> bool:
+    """Whether a line is surely the border of a shadow that falls on the face and on what lies behind it.
+
+    Args:
+        picture: Grey picture, shape (h, w), uint8.
+        view: The camera before the face.
+        edge: "hinge" or "bottom".
+        line: The line.
+        corner: Where it meets the other edge, y and z [m].
+        end: Where the face ends along it [m].
+    """
+    place = float(corner[1 if edge == HINGE else 0])
+    return _is_shadow(_Sight(picture, view), edge, line, place, end, _CLOSELY, _SURELY)
 
 
 def choose(

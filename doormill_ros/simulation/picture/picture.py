@@ -18,6 +18,7 @@ from doormill_ros.simulation.picture.texture import Texture
 FINE = 3  # sub-pixels per pixel along the door's edges
 _STREAK = 40.0  # a streak of grain is that many times longer than wide
 _SUB_BITS = 4  # fractional bits of polygon corners
+_CHORD = 2.0e-3  # longest side of a polygon drawn straight, for the lens bends longer ones [m]
 
 
 def _textures(rng: np.random.Generator, surface: Surface) -> list[Texture]:
@@ -28,6 +29,14 @@ def _textures(rng: np.random.Generator, surface: Surface) -> list[Texture]:
         width = surface.grain_width
         out.append(Texture(rng, surface.grain, width, _STREAK * width, surface.grain_angle))
     return out
+
+
+def _chords(outline: FloatArray) -> FloatArray:
+    """An outline (n, 2) [m] with points (m, 2) on its sides, so close that the lens leaves it straight."""
+    ends = np.roll(outline, -1, axis=0)
+    pieces = np.maximum(np.ceil(np.hypot(*(ends - outline).T) / _CHORD), 1.0).astype(int)
+    sides = zip(outline, ends, pieces, strict=True)
+    return np.concatenate([np.linspace(start, end, many, endpoint=False) for start, end, many in sides])
 
 
 class _Painter:
@@ -115,7 +124,7 @@ class _Painter:
         """Fill the blots that lie on the background, or those before the door, into `radiance`."""
         for blot in self.scene.blots:
             if blot.behind is behind:
-                at = self.pixels(blot.outline)
+                at = self.pixels(_chords(blot.outline))
                 at = (at - [block[2] - 0.5, block[0] - 0.5]) * fine - 0.5
                 if np.all(at.max(axis=0) > 0) and np.all(at.min(axis=0) < radiance.shape[::-1]):
                     corners = np.rint(at * 2**_SUB_BITS).astype(np.int32)

@@ -31,6 +31,7 @@ from support.pictures.marked_cell import marked_cameras
 
 EDGES = ("hinge", "bottom")
 _BOW = 0.3 * MM
+_VISIBLE = 0.03  # difference of brightness that a person sees
 Change = Callable[[PictureScene, np.random.Generator], PictureScene]
 
 
@@ -177,12 +178,22 @@ def groove(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
     )
 
 
-@_condition("jaw along the edge", fair=False)
-def jaw(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
+def _jaw(scene: PictureScene, rng: np.random.Generator, grey: float) -> PictureScene:
     edge, inside = _edge(rng), rng.uniform(2.0, 13.0) * MM
     corners = np.array([[-0.1, -0.02], [inside, -0.02], [inside, 0.3], [-0.1, 0.3]])
+    return replace(scene, blots=(Blot(corners if edge == "hinge" else corners[:, ::-1], grey),))
+
+
+@_condition("jaw along the edge", fair=False)
+def jaw(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
+    back = scene.background.brightness
     grey = scene.face.brightness * rng.choice([0.3, 0.6, 1.3])
-    return replace(scene, blots=(Blot(corners if edge == "hinge" else corners[:, ::-1], float(grey)),))
+    return _jaw(scene, rng, float(grey if abs(grey - back) > _VISIBLE else back - _VISIBLE))
+
+
+@_condition("jaw as dark as the background", fair=False)
+def hidden_jaw(scene: PictureScene, rng: np.random.Generator) -> PictureScene:
+    return _jaw(scene, rng, scene.background.brightness)
 
 
 @_condition("label in the corner")

@@ -4,6 +4,8 @@ UNSEEN = frozenset(
     {
         "0.3 mm thicker than its recipe",
         "dark arris",
+        "jaw as dark as the background",
+        "no door, a plate behind",
     }
 )
 

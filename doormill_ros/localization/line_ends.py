@@ -1,0 +1,148 @@
+"""Where the lines that were found end: an edge ends at its corner, and near it no other step stands in for it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
+from doormill_ros.localization.band import WING, Steps
+from doormill_ros.localization.edge_line import EdgeLine
+from doormill_ros.localization.errors import WrongEdge
+from doormill_ros.localization.layers import is_shadow
+from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
+from doormill_ros.statistics import median, row_medians
+from doormill_ros.units import m_to_mm
+
+_PAST = (4.0e-3, 0.9e-3)  # where a line must have ended, beyond where it meets the other [m]
+_RUNS_ON = 0.03  # a line runs on with that share of its step, lighter or darker: other things lie there
+_FAINTEST = 1.5  # and with so many grey levels
+_BESIDE = 10.0e-3  # how far beside a line others are looked for [m]
+_PLAIN = 4.0  # a step stands out when it is that many times as large as is usual beside it
+_BEGINS = (0.8e-3, 32.0e-3)  # a line is looked for in these distances from the corner [m]
+_THERE = 0.5  # it is there with that share of its step
+_LEAST_GAP = (
+    5  # samples that must lack it before another is looked for there: a chip's border looks as straight
+)
+_STANDS_IN = 0.3  # which has that share of its step, and less than half of that where the line is
+_FEW, _STEADY = 0.1, 0.7  # all but that share of its samples have that share of its step
+_DRAWN_PAST = 15.0e-3  # what is drawn of a line beyond the corner [m]
+
+
+def _parallels(steps: Steps, line: EdgeLine, start: float, stop: float) -> tuple[FloatArray, Float32Array]:
+    """Parallels of a line: their offsets (m,) [m], and steps between two places along it (n, m) [grey levels]."""
+    where = steps.where
+    first, last = np.searchsorted(where.along, [start, stop])
+    chosen = np.arange(first, last)
+    number = int(_BESIDE / where.step)
+    offsets = np.arange(-number, number + 1)
+    at = np.rint((line.across + line.tilt * where.along[chosen] - where.across[0]) / where.step).astype(int)
+    columns = np.clip(at[:, None] + offsets, 0, len(where.across) - 1)
+    found: Float32Array = steps.rows[chosen[:, None], columns]
+    return np.multiply(offsets, where.step, dtype=float), found
+
+
+def _stands_out(size: Float32Array, least: float) -> bool:
+    """Whether the steps (m,) of parallels peak in their middle, by at least so much and above what is usual there."""
+    middle = size.size // 2
+    about = size[middle - 2 * WING : middle + 2 * WING + 1]
+    usual = median(np.delete(size, slice(middle - 2 * WING, middle + 2 * WING + 1)))
+    # What peaks beside the line is another one, which may well run on.
+    here = abs(int(np.argmax(about)) - 2 * WING) < WING
+    return bool(here and about.max() > max(least, _FAINTEST, _PLAIN * usual))
+
+
+def _goes_on(steps: Steps, line: EdgeLine, end: float) -> bool:
+    """Whether a line shows beyond a place along it [m]."""
+    _, found = _parallels(steps, line, end - _PAST[0], end - _PAST[1])
+    return len(found) > 1 and _stands_out(np.abs(row_medians(found.T)), _RUNS_ON * abs(line.step))
+
+
+def check_ends(
+    picture: ByteArray,
+    steps: dict[str, Steps],
+    view: FaceView,
+    chosen: dict[str, EdgeLine],
+    beside: dict[str, list[EdgeLine]],
+    corner: FloatArray,
+) -> None:
+    """Whether both edges end where they meet, or at the latest where the strips beside the other edge do.
+
+    A shadow's border does run on, and so do edges past the corner it seems to make: that is told from closer by.
+
+    Args:
+        picture: Grey picture, shape (h, w), uint8.
+        steps: Of each edge's band.
+        view: The camera before the face.
+        chosen: The lines taken for the edges.
+        beside: All parallels of each, from the inside outwards.
+        corner: Where the chosen ones meet, y and z [m].
+
+    Raises:
+        WrongEdge: One runs on: a jaw, a rail or a sill lies before the edge.
+    """
+    ends, runs_on = {}, None
+    for edge, other, at in ((HINGE, BOTTOM, corner[1]), (BOTTOM, HINGE, corner[0])):
+        line, last = chosen[edge], beside[other][-1]
+        ends[edge] = min(at, last.at(line.at(at)))
+        if runs_on is None and all(_goes_on(steps[edge], line, end) for end in (at, ends[edge])):
+            runs_on = edge
+    if runs_on is None or any(is_shadow(picture, view, e, chosen[e], corner, ends[e]) for e in ends):
+        return
+    start = corner[1 if runs_on == HINGE else 0] - _DRAWN_PAST
+    raise WrongEdge(
+        f"the line taken for the {runs_on} edge runs on past the corner, which no edge of a door does: a jaw, a rail "
+        "or a sill lies before the door, or the border of something behind it runs on just there; clear the view of "
+        "the corner",
+        edge=runs_on,
+        marks=((runs_on, view.pixels(chosen[runs_on].points(runs_on, start))),),
+    )
+
+
+def check_stand_ins(
+    steps: dict[str, Steps], view: FaceView, chosen: dict[str, EdgeLine], corner: FloatArray
+) -> None:
+    """Whether a line that begins only at some distance from the corner has no parallel in its place up to there.
+
+    Tape over an edge, and what else covers it, lets the edge itself be seen beside its end only.
+
+    Args:
+        steps: Of each edge's band.
+        view: The camera before the face.
+        chosen: The lines taken for the edges.
+        corner: Where they meet, y and z [m].
+
+    Raises:
+        WrongEdge: There is one, so that either may be the edge.
+    """
+    for edge, at in ((HINGE, corner[1]), (BOTTOM, corner[0])):
+        line = chosen[edge]
+        offsets, found = _parallels(steps[edge], line, at + _BEGINS[0], at + _BEGINS[1])
+        middle = offsets.size // 2
+        there = (np.sign(line.step) * found[:, middle - 1 : middle + 2]).max(axis=1)
+        missing = there < _THERE * abs(line.step)
+        gap = int(np.argmin(missing)) if not missing.all() else missing.size
+        if gap < _LEAST_GAP or gap + _LEAST_GAP > missing.size:
+            continue
+        # The last sample of the gap may see both. The border of what is broken off runs askew: few samples share it.
+        before, after = (np.abs(row_medians(part.T)) for part in (found[: gap - 1], found[gap + 1 :]))
+        steady = np.quantile(np.abs(found[: gap - 1]), _FEW, axis=0) > _STEADY * before
+        alone = (
+            (before > np.maximum(_STANDS_IN * abs(line.step), _FAINTEST)) & (after < 0.5 * before) & steady
+        )
+        alone[np.abs(np.arange(offsets.size) - middle) <= WING] = False
+        usual = median(before)
+        if alone.any() and before[alone].max() > _PLAIN * usual:
+            place = int(np.argmax(np.where(alone, before, 0.0)))
+            apart = float(offsets[place])
+            other = EdgeLine(line.across + apart, line.tilt, line.step)
+            begins = steps[edge].where.pitch * gap + _BEGINS[0]
+            raise WrongEdge(
+                f"the line taken for the {edge} edge begins {m_to_mm(begins):.0f} mm from the corner, and up to there "
+                f"another runs {m_to_mm(abs(apart)):.1f} mm beside it: either may be the edge, the other what covers "
+                "it, as tape does; clear the edge",
+                edge=edge,
+                marks=tuple(
+                    (name, view.pixels(one.points(edge, at)))
+                    for name, one in (("line", line), ("other", other))
+                ),
+            )
