@@ -15,8 +15,8 @@ from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.fit import LineFit
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.neighbourhood import WIDE_HALF, Neighbourhood
-from doormill_ros.localization.profiles import Profiles, crossing, measure, plain_weights
 from doormill_ros.localization.processing import check_overshoot
+from doormill_ros.localization.profiles import Profiles, crossing, measure, plain_weights
 from doormill_ros.localization.rim import (
     Rim,
     check_alike,
@@ -186,6 +186,8 @@ def find_borders(
             checks.check_spread(edge, replace(spread, blur=blur), streaks, settings)
             out[edge] = Border(0.0, 0.0, spread)
         else:
+            if rim.brightness < -1.0:
+                check_overshoot(edge, one.wide(), streaks, rim=True)
             check_placed(edge, rim, view.pixel)
             spread = replace(one.wide(), blur=rim.blur, misfit=rim.misfit)
             checks.check_spread(edge, spread, streaks, settings)

@@ -21,6 +21,7 @@ _FAR = 3.0  # px at both ends of a profile that are face and background
 _NEAR = 0.5  # px from the edge; what a camera adds begins there
 _OVERSHOOT, _OF_OTHER = 0.012, 0.3  # least one, as a share of the step and of that on the other side
 _ERRORS, _STREAKS = 5.0, 3.0  # standard deviations that it exceeds
+_FAINT = 0.3  # of all these where a rim darker than the background was seen, which is half of it
 _EVERY = 12  # rows and columns of a picture whose grey levels are counted
 _COARSEST = 6  # grey levels from one that a picture has to the next
 
@@ -66,23 +67,24 @@ def overshoots(spread: Spread) -> tuple[float, float]:
     return float(inside / (high - low)), float(outside / (high - low))
 
 
-def check_overshoot(edge: str, spread: Spread, streaks: float) -> None:
+def check_overshoot(edge: str, spread: Spread, streaks: float, rim: bool = False) -> None:
     """Whether an edge was sharpened by the camera.
 
     Args:
         edge: "hinge" or "bottom".
         spread: Its rows laid over each other in wide windows.
         streaks: Standard deviation of what all rows have in common beside the edge, as a share of the step.
+        rim: Whether a rim darker than the background seems to lie along it.
 
     Raises:
         ProcessedPicture: It was.
     """
     small, large = sorted(overshoots(spread))
-    least = max(_OVERSHOOT, _ERRORS * spread.level, _STREAKS * streaks)
+    least = (_FAINT if rim else 1.0) * max(_OVERSHOOT, _ERRORS * spread.level, _STREAKS * streaks)
     if small > least and small > _OF_OTHER * large:
         raise ProcessedPicture(
             f"beside the {edge} edge the picture is brighter than the face and darker than the background by "
-            f"{100 * small:.0f} % of the step, as no lens shows it: the camera has sharpened it; switch sharpening and "
+            f"{100 * small:.1f} % of the step, as no lens shows it: the camera has sharpened it; switch sharpening and "
             "all other processing of the picture off",
             edge=edge,
             overshoot=small,

@@ -129,7 +129,8 @@ def check_placed(edge: str, rim: Rim, pixel: float) -> None:
         raise WrongEdge(
             f"the {edge} edge is not one step from face to background: a rim lies along it, whose outer border is "
             f"known to {m_to_mm(min(rim.deviation * pixel, 1e-3)):.2f} mm only, allowed are "
-            f"{m_to_mm(_PLACED * pixel):.2f} mm; clean the edge, change the light or switch the camera's sharpening off",
+            f"{m_to_mm(_PLACED * pixel):.2f} mm; clean the edge, change the light or switch the camera's "
+            "sharpening off",
             edge=edge,
         )
 
