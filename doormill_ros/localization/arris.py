@@ -13,7 +13,8 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.blur import Spread, bin_places, profile_covariance
 from doormill_ros.localization.errors import WrongEdge
-from doormill_ros.localization.rim import NARROW, Rim
+from doormill_ros.localization.processing import mirrored
+from doormill_ros.localization.rim import EVEN, NARROW, Rim
 from doormill_ros.localization.step_fits import (
     Sharp,
     StepFit,
@@ -76,6 +77,10 @@ class Profile:
         """Sum of the squared deviations that a fit leaves."""
         return fit.misfit**2 * self.mean.size
 
+    def _both_ends(self) -> float:
+        """Sum of the squared deviations from the best step that is alike from both ends."""
+        return float(np.sum(np.square(self.whiten @ mirrored(self.mean, self.whiten).rest)))
+
     def odd(self, least: float = _GAIN) -> bool:
         """Whether steps beside the edge could explain `least` squared deviations; few profiles need be fitted."""
         place, blur = bin_places(self.mean.size), self.spread.blur
@@ -107,6 +112,9 @@ class Profile:
         least = least * max(self._left_near(best), 1.0) + self.squares(best)
         # What is left of chips trails behind an edge that stays where it is.
         if any(self.squares(fit) <= least for fit in tries if _trail(fit)):
+            return None
+        # A camera that sharpens or smooths does it on both sides.
+        if abs(rim.brightness + 0.5) > EVEN and self._both_ends() <= least:
             return None
         # Of what spreads one step evenly, one that is as good is enough, so the cheapest comes first.
         if self.squares(fit_one(mean, whiten, blur)) <= least:

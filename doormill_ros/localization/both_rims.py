@@ -16,6 +16,7 @@ from doormill_ros.localization.errors import WrongEdge
 from doormill_ros.localization.fit import LineFit
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.neighbourhood import WIDE_HALF, Neighbourhood
+from doormill_ros.localization.processing import check_overshoot
 from doormill_ros.localization.profiles import Profiles, crossing, measure, plain_weights
 from doormill_ros.localization.rim import (
     Rim,
@@ -131,6 +132,7 @@ class _Seen:
         spread, streaks = self.read.beside.spread, self.read.streaks
         if self.ragged or (sharp is None and not suspicious(spread, streaks)):
             return
+        check_overshoot(self.read.profiles.edge, self.wide(), streaks)
         rim = find_rim(self.wide(), streaks, sharp)
         single = spread.misfit < checks.allowed_misfit(spread, streaks)
         if rim is None or not (
@@ -197,6 +199,8 @@ def find_borders(
             checks.check_spread(edge, replace(spread, blur=blur), streaks, settings)
             out[edge] = Border(0.0, 0.0, spread)
         else:
+            if rim.brightness < -1.0:
+                check_overshoot(edge, one.wide(), streaks, rim=True)
             check_placed(edge, rim, view.pixel)
             spread = replace(one.wide(), blur=rim.blur, misfit=rim.misfit)
             checks.check_spread(edge, spread, streaks, settings)

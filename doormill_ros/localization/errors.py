@@ -54,6 +54,9 @@ CameraMoved = LocalizationError.row(
 MarksMissing = LocalizationError.row(
     "MarksMissing", 216, "The cell's marks are not seen well enough to check the camera."
 )
+ProcessedPicture = LocalizationError.row(
+    "ProcessedPicture", 217, "The camera has sharpened the picture or otherwise altered it."
+)
 BadCameraFile = LocalizationError.row("BadCameraFile", 212, "A key is missing or a value is out of bounds.")
 BowedEdge = LocalizationError.row(
     "BowedEdge", 251, "What shows of an edge bends more than a door that is milled may."

@@ -13,6 +13,7 @@ from doormill_ros.localization.crossing import check_crossing
 from doormill_ros.localization.drift import Drift, drift_in
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import CornerFit, fit_corner
+from doormill_ros.localization.processing import check_levels
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.localization.sharpness import check_sharpness
@@ -50,6 +51,7 @@ def localize(
     settings = settings or shipped_settings()
     checks.check_input(picture, camera, age, settings)
     checks.check_exposure(picture)
+    check_levels(picture)
     checks.check_face(width, thickness)
     view = face_view(camera, layout, float(width), float(thickness))
     checks.check_view(view.pixel)

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.blur import Spread, bin_places
 from doormill_ros.localization.errors import WrongEdge
+from doormill_ros.localization.processing import mirrored
 from doormill_ros.localization.step_fits import Sharp, fit_disc, fit_one, fit_ramp, fit_two
 from doormill_ros.localization.step_grid import WIDEST, two_starts
 from doormill_ros.localization.step_models import blurred_step
@@ -22,7 +24,7 @@ _FITS = 0.85  # a misfit of one step below that, in standard deviations, is none
 _CLEAR, _CLEAN = 1.1, 0.01
 _SUSPECT = 1.15
 # A rim half as dark as the background, narrower than so many blurs, looks like a fibrous edge.
-_EVEN, _UNRESOLVED = 0.13, 2.6
+EVEN, _UNRESOLVED = 0.13, 2.6
 _BETTER, _MORE = 0.6, 0.35  # two steps must fit by that factor better, and by that much in squared deviations
 _STREAKS = 5.0  # and that many standard deviations of streaks
 _FAINTEST = 0.1  # brightness of a rim against the face, as a share of the step
@@ -97,12 +99,19 @@ def find_rim(spread: Spread, streaks: float, sharp: float | None = None) -> Rim 
         return None
     if two > _BETTER * plain and (plain < _CLEAR or streaks > _CLEAN):
         return None
-    if known is None and abs(brightness + 0.5) < _EVEN and width < _UNRESOLVED * blur:
+    if abs(brightness + 0.5) > EVEN and two > _BETTER * _symmetric(spread, weight):
+        return None
+    if known is None and abs(brightness + 0.5) < EVEN and width < _UNRESOLVED * blur:
         # What thins out evenly looks much the same, and there the edge is in the middle.
         ramp = fit_ramp(profile, weight, 0.9 * width, blur).misfit
         if two > _BETTER * ramp:
             return None
     return Rim(shift, best.deviation * max(two, 1.0), width, brightness, blur, two * _MODEL)
+
+
+def _symmetric(spread: Spread, weight: FloatArray) -> float:
+    """RMS of the weighted residuals of the best step that is alike from both ends, by weights (m,)."""
+    return float(np.sqrt(np.mean(np.square(weight * mirrored(spread.at_middles(), weight).rest))))
 
 
 def wide_and_dark(rim: Rim, pixel: float) -> bool:
@@ -120,7 +129,8 @@ def check_placed(edge: str, rim: Rim, pixel: float) -> None:
         raise WrongEdge(
             f"the {edge} edge is not one step from face to background: a rim lies along it, whose outer border is "
             f"known to {m_to_mm(min(rim.deviation * pixel, 1e-3)):.2f} mm only, allowed are "
-            f"{m_to_mm(_PLACED * pixel):.2f} mm; clean the edge or change the light",
+            f"{m_to_mm(_PLACED * pixel):.2f} mm; clean the edge, change the light or switch the camera's "
+            "sharpening off",
             edge=edge,
         )
 
