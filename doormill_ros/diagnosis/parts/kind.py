@@ -179,6 +179,7 @@ def inspected_door(inspection: Inspection, cut: RecordedCut) -> InspectedDoor:
         corner=cut.T_base_door[:3, 3],
         eye=load_camera().T_base_camera(cut.recipe.width)[:3, 3],
         largest=inspection.largest,
+        milled=cut.milled,
         robot_model=cut.robot_model,
     )
     return InspectedDoor(inspection, door)
