@@ -26,11 +26,13 @@ from doormill_ros.diagnosis.parts.next_door import PLACES, next_steps, places_of
 from doormill_ros.diagnosis.parts.next_step import next_document, next_sentence
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
+from doormill_ros.diagnosis.parts.slips import BESIDE, slips
 from doormill_ros.diagnosis.parts.steps import possible_steps
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.measurements.inspection import CAMERA, SCHEMA, Inspection, inspections_in
 from doormill_ros.pages.page import PageSection
 from doormill_ros.robot.description import load_robot
+from doormill_ros.units import m_to_mm
 
 METHOD = """Where the tool cut, the bag knows posture, last motions and process wrench, and where the tool had been
 sent: the deviation of a surface less that is the tool's displacement along its normal. Every effect of the library was
@@ -45,10 +47,17 @@ _CHANCE = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class InspectedDoor:
-    """An inspection and what its points, matched with the run, tell."""
+    """An inspection and what its points, matched with the run, tell.
+
+    Attributes:
+        inspection: The points.
+        door: What they tell.
+        slipped: Rows at which the gauge slipped, counted from 1.
+    """
 
     inspection: Inspection
     door: GaugedDoor
+    slipped: tuple[int, ...] = ()
 
 
 class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
@@ -116,7 +125,7 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         progress("asking since when")
         changes = changes_of(diagnosis)
         charts = charts_of(diagnosis, min((c.door for c in changes), default=None))
-        remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis)]
+        remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis), *_slipped(sets)]
         steps = next_steps(diagnosis)
         account = account_of(diagnosis, self.words, next_sentence(steps), checks)
         sections = _facts(sets) | {
@@ -160,29 +169,41 @@ def _scope(diagnosis: DoorDiagnosis) -> list[str]:
     return found
 
 
+def _slipped(sets: Sequence[InspectedDoor]) -> list[str]:
+    """Which points were set aside."""
+    found = [f"{one.inspection.name}: {', '.join(map(str, one.slipped))}" for one in sets if one.slipped]
+    if not found:
+        return []
+    return [
+        f"Rows of points that lie more than {m_to_mm(BESIDE):g} mm beside their neighbours are slips of the gauge and "
+        f"count nowhere: {'; '.join(found)}."
+    ]
+
+
 def inspected_door(inspection: Inspection, cut: RecordedCut) -> InspectedDoor:
     """An inspection joined with the run that milled its door in the cell of the layout.
 
     Raises:
-        TrialTableError: A point belongs to no feature of the recipe.
+        TrialTableError: A point belongs to no feature of the recipe, or too many lie beside their neighbours.
         SetDescriptionError: No point was cut under one load.
     """
-    layout = load_layout()
+    layout, slipped = load_layout(), slips(inspection)
+    robot = load_robot(layout.robot)
     door = GaugedDoor(
         name=inspection.name,
         run_id=inspection.run_id,
         recipe=cut.recipe.door_id,
         time=inspection.measured_at.timestamp(),
-        points=matched_points(inspection, cut, load_robot(layout.robot), layout.T_flange_tool),
+        points=matched_points(inspection, cut, robot, layout.T_flange_tool, slipped),
         noise=inspection.noise,
         placing=cut.placing if inspection.datum == CAMERA else None,
         corner=cut.T_base_door[:3, 3],
         eye=load_camera().T_base_camera(cut.recipe.width)[:3, 3],
-        largest=inspection.largest,
+        largest=float(np.abs(inspection.deviation[~slipped]).max()),
         milled=cut.milled,
         robot_model=cut.robot_model,
     )
-    return InspectedDoor(inspection, door)
+    return InspectedDoor(inspection, door, tuple(int(row) + 1 for row in np.flatnonzero(slipped)))
 
 
 def _facts(sets: Sequence[InspectedDoor]) -> dict[str, Any]:
@@ -194,6 +215,7 @@ def _facts(sets: Sequence[InspectedDoor]) -> dict[str, Any]:
         "points": {
             "measured": sum(len(one) for one in inspections),
             "on_floors": sum(int(np.sum(~one.wall)) for one in inspections),
+            "slips": sum(len(one.slipped) for one in sets),
             "used": sum(len(one.door.points) for one in sets),
         },
     }

@@ -46,7 +46,9 @@ def test_doors_stand_as_they_were_milled_with_times_that_grow(shift, how):
     assert doors[-1].time - doors[0].time == pytest.approx(took * (COUNT - 1))
 
 
-@pytest.mark.parametrize("changes", [{"milled": None}, {"run_id": "one for all"}], ids=lambda one: [*one][0])
+@pytest.mark.parametrize(
+    "changes", [{"milled": None}, {"run_id": "one for all"}], ids=lambda one: next(iter(one))
+)
 def test_where_bags_do_not_tell_doors_stand_as_they_were_gauged_and_named(shift, changes):
     doors = in_order(gauged(shift, GAUGED["one stamp for four"], **changes)[::-1])
     assert [door.name for door in doors] == [f"door_00{k}" for k in range(COUNT)]
