@@ -15,7 +15,7 @@ from doormill_ros.diagnosis.core.account import Account, account_of
 from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
 from doormill_ros.diagnosis.core.wording import Words
-from doormill_ros.diagnosis.parts.changes import change_sentences, changes_document, changes_of
+from doormill_ros.diagnosis.parts.changes import STEP, change_sentences, changes_document, changes_of
 from doormill_ros.diagnosis.parts.charts import charts_of
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
@@ -124,7 +124,7 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         """With what changed since which door, charts, and a model for the path generator."""
         progress("asking since when")
         changes = changes_of(diagnosis)
-        charts = charts_of(diagnosis, min((c.door for c in changes), default=None))
+        charts = charts_of(diagnosis, min((c.door for c in changes if c.kind == STEP), default=None))
         remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis), *_slipped(sets)]
         steps = next_steps(diagnosis)
         account = account_of(diagnosis, self.words, next_sentence(steps), checks)
