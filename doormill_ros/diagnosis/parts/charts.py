@@ -220,7 +220,7 @@ def sums(z: FloatArray, recipes: Sequence[str]) -> tuple[FloatArray, FloatArray]
     """Cumulated sums of each recipe, upwards and downwards, of figures in standard deviations; shape (d,) each."""
     above, below = np.full(len(z), np.nan), np.full(len(z), np.nan)
     at: dict[str, tuple[float, float]] = {}
-    for i in np.flatnonzero(np.isfinite(z)):
+    for i in np.flatnonzero(np.isfinite(z)).tolist():
         up, down = at.get(recipes[i], (0.0, 0.0))
         at[recipes[i]] = max(0.0, up + z[i] - _SLACK), max(0.0, down - z[i] - _SLACK)
         above[i], below[i] = at[recipes[i]]

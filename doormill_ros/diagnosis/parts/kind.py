@@ -26,7 +26,7 @@ from doormill_ros.diagnosis.parts.next_door import PLACES, next_steps, places_of
 from doormill_ros.diagnosis.parts.next_step import next_document, next_sentence
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
-from doormill_ros.diagnosis.parts.slips import BESIDE, slips
+from doormill_ros.diagnosis.parts.slips import BESIDE, FAR, slips, slips_beside
 from doormill_ros.diagnosis.parts.steps import possible_steps
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.measurements.inspection import CAMERA, SCHEMA, Inspection, inspections_in
@@ -43,6 +43,8 @@ more than that place is known."""
 
 #: That noise leaves as much where nothing hides behind the places of the doors.
 _CHANCE = 1e-4
+#: Times that slips are looked for beside what was found: without the largest others show.
+_ROUNDS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +104,13 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         """
         problem = self.problem(sets)
         found = _searched(problem, progress)
+        for _ in range(_ROUNDS):
+            beside = slips_beside(found)
+            if not beside.any():
+                break
+            progress(f"{beside.sum()} slips of the gauge: asking without them")
+            problem = problem.without(beside)
+            found = _searched(problem, progress)
         again = problem.placed_by(found.best.members, found.best.theta)
         best = found.best
         white = again.predict(best.members, best.theta).white[best.weights > 0.0]
@@ -125,10 +134,10 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         progress("asking since when")
         changes = changes_of(diagnosis)
         charts = charts_of(diagnosis, min((c.door for c in changes if c.kind == STEP), default=None))
-        remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis), *_slipped(sets)]
+        remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis), *_slipped(diagnosis, sets)]
         steps = next_steps(diagnosis)
         account = account_of(diagnosis, self.words, next_sentence(steps), checks)
-        sections = _facts(sets) | {
+        sections = _facts(diagnosis, sets) | {
             "changes": changes_document(diagnosis, changes),
             "charts": charts.document(),
             "next": next_document(steps),
@@ -169,14 +178,20 @@ def _scope(diagnosis: DoorDiagnosis) -> list[str]:
     return found
 
 
-def _slipped(sets: Sequence[InspectedDoor]) -> list[str]:
+def _slipped(diagnosis: DoorDiagnosis, sets: Sequence[InspectedDoor]) -> list[str]:
     """Which points were set aside."""
-    found = [f"{one.inspection.name}: {', '.join(map(str, one.slipped))}" for one in sets if one.slipped]
+    left = {(door.run_id, door.name): door.points.row for door in diagnosis.problem.doors}
+    found = []
+    for one in sets:
+        rows = one.door.points.row
+        later = rows[~np.isin(rows, left[one.door.run_id, one.door.name])] + 1
+        if one.slipped or len(later):
+            found.append(f"{one.door.name}: {', '.join(map(str, sorted([*one.slipped, *later.tolist()])))}")
     if not found:
         return []
     return [
-        f"Rows of points that lie more than {m_to_mm(BESIDE):g} mm beside their neighbours are slips of the gauge and "
-        f"count nowhere: {'; '.join(found)}."
+        f"Rows of points that lie more than {m_to_mm(BESIDE):g} mm beside their neighbours, or {FAR:g} standard "
+        f"deviations beside what was found, are slips of the gauge and count nowhere: {'; '.join(found)}."
     ]
 
 
@@ -206,8 +221,9 @@ def inspected_door(inspection: Inspection, cut: RecordedCut) -> InspectedDoor:
     return InspectedDoor(inspection, door, tuple(int(row) + 1 for row in np.flatnonzero(slipped)))
 
 
-def _facts(sets: Sequence[InspectedDoor]) -> dict[str, Any]:
+def _facts(diagnosis: DoorDiagnosis, sets: Sequence[InspectedDoor]) -> dict[str, Any]:
     inspections = [one.inspection for one in sets]
+    used = sum(len(door.points) for door in diagnosis.problem.doors)
     return {
         "inspections": [
             {"run_id": one.run_id, "measured_at": one.measured_at.isoformat()} for one in inspections
@@ -215,7 +231,7 @@ def _facts(sets: Sequence[InspectedDoor]) -> dict[str, Any]:
         "points": {
             "measured": sum(len(one) for one in inspections),
             "on_floors": sum(int(np.sum(~one.wall)) for one in inspections),
-            "slips": sum(len(one.slipped) for one in sets),
-            "used": sum(len(one.door.points) for one in sets),
+            "slips": sum(len(one.slipped) + len(one.door.points) for one in sets) - used,
+            "used": used,
         },
     }

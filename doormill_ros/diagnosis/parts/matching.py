@@ -226,6 +226,7 @@ class _Place:
             q=way.q[at],
             direction=way.direction[at],
             wrench=way.wrench[at],
+            row=rows,
             feature=np.full(len(rows), feature.id),
             kind=np.full(len(rows), feature.kind),
         )

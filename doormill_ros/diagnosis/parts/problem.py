@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from dataclasses import replace
 from typing import Self
 
 import numpy as np
@@ -125,6 +126,14 @@ class DoorProblem(Examined[InTime]):
         other |= self.points.wall[1:] != self.points.wall[:-1]
         way = np.concatenate([[0.0], np.cumsum(np.where(other, 10.0 * STRETCH, step))])
         return np.unique((way / STRETCH).astype(int), return_inverse=True)[1].ravel()
+
+    def without(self, points: BoolArray) -> Self:
+        """The same doors less some points, shape (n,)."""
+        doors = []
+        for number, door in enumerate(self.doors):
+            gone = self.points.row[points & (self.door == number)]
+            doors.append(replace(door, points=door.points[~np.isin(door.points.row, gone)]))
+        return type(self)(doors, self.robot, self.tool)
 
     def placed_by(self, members: Sequence[InTime], theta: FloatArray) -> Self:
         """The same doors, the scatter of their places taken from what a model leaves instead of what springs do.

@@ -11,6 +11,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from doormill_ros.arrays import BoolArray
+from doormill_ros.diagnosis.core.stability import clustered
+from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.measurements.inspection import Inspection
 from doormill_ros.statistics import GROSS_SHARE, median
 from doormill_ros.units import m_to_mm
@@ -19,6 +21,9 @@ from doormill_ros.units import m_to_mm
 BESIDE = 1e-3
 #: By which a slip is beside the middle of a surface that has fewer points; no door may be as far off [m].
 BEYOND = 4e-3
+#: Standard deviations by which a slip is beside what was found; drawn worlds leave less than six.
+FAR = 20.0
+_FEW = 0.01  #: share of the points that may be slips of that kind; more are an effect
 _NEIGHBOURS = 6
 _ENOUGH = 20  #: points of a surface whose neighbours are near
 _FEWEST = 3  #: points that have a middle
@@ -52,3 +57,10 @@ def slips(inspection: Inspection) -> BoolArray:
             f"{m_to_mm(BESIDE):g} mm beside their neighbours, allowed is one in ten; gauge the door again",
         )
     return found
+
+
+def slips_beside(diagnosis: DoorDiagnosis) -> BoolArray:
+    """Points far beside what was found, single ones and few of them, shape (n,)."""
+    far: BoolArray = ~diagnosis.kept & (np.abs(diagnosis.best.prediction.white[:, 0]) > FAR)
+    few = far.sum() <= max(1, int(_FEW * len(far))) and not clustered(diagnosis.problem, far)
+    return far if few else np.zeros_like(far)

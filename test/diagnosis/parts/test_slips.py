@@ -46,6 +46,19 @@ def test_what_is_wrong_is_named_as_if_the_gauge_had_not_slipped(door, row, size)
     assert told.endswith(f"door_000: {row + 1}.")
 
 
+@pytest.mark.parametrize(("row", "size"), [(4, 4e-4), (40, 9e-4), (99, -6e-4)])
+def test_a_slip_no_larger_than_what_mills_leave_is_told_by_what_was_found(door, row, size):
+    inspection, cut = door
+    one = inspected_door(slipped(inspection, **{f"row{row}": size}), cut)
+    assert one.slipped == ()
+    found = KIND.diagnose([one], lambda line: None)
+    assert [finding.cause.key for finding in found.findings] == [("process_force", "tool")]
+    account = KIND.account(found, [one], [], lambda line: None)
+    assert account.sections["points"]["slips"] == 1
+    [told] = [line for line in account.remarks if "slips" in line]
+    assert told.endswith(f"door_000: {row + 1}.")
+
+
 def test_two_slips_side_by_side_are_two(door):
     inspection, _ = door
     assert np.flatnonzero(slips(slipped(inspection, row4=3e-3, row5=3e-3))).tolist() == [4, 5]
