@@ -28,6 +28,11 @@ CAMERA = "camera"  #: datum: where the recorded pose put the door
 PART = "part"  #: datum: the door itself, position and angle best fitted
 FEATURE = "feature "  #: datum: begins the name of a feature of that door
 YEARS = range(1970, 2038)  #: whose seconds fit into a stamp of ROS
+NOISES = 1e-8, 1e-3  #: standard deviation of a gauge, least and largest [m]
+FARTHEST = 0.1  #: that a point may be off, its gauge slipped or not [m]
+#: That points may be off in the middle: no door is as far beside its place, a file in millimetres is [m].
+MIDDLE = 5e-3
+SIZE = 10.0  #: of a door, at most [m]
 _NORMAL_TOLERANCE = 1e-3
 
 
@@ -111,6 +116,9 @@ def read_inspection(folder: Path) -> Inspection:
             f"is {document.get('measured_at')!r}, allowed is a time as 2026-11-22T08:00:00Z of the years "
             f"{YEARS[0]} to {YEARS[-1]}",
         )
+    noise = document.number("noise", positive=True)
+    if not NOISES[0] <= noise <= NOISES[1]:
+        raise document.fail(("noise",), f"is {noise:g}, allowed are {NOISES[0]:g} to {NOISES[1]:g} m")
     table = TrialTable(folder / TABLE, COLUMNS)
     surface = table.text("surface")
     for row, name in enumerate(surface):
@@ -125,16 +133,38 @@ def read_inspection(folder: Path) -> Inspection:
         run_id=str(document.get("run_id")),
         bag=folder / bag,
         measured_at=measured_at,
-        noise=document.number("noise", positive=True),
+        noise=noise,
         datum=datum,
         feature=tuple(table.text("feature")),
         wall=np.array(surface) == "wall",
-        point=table.block(POINT_COLUMNS),
+        point=_point(table),
         normal=normal,
-        deviation=table.numbers("deviation"),
+        deviation=_deviation(table),
         document=document,
         table=table,
     )
+
+
+def _point(table: TrialTable) -> FloatArray:
+    point = table.block(POINT_COLUMNS)
+    row, axis = np.unravel_index(int(np.abs(point).argmax()), point.shape)
+    if abs(point[row, axis]) > SIZE:
+        raise table.fail(
+            int(row), POINT_COLUMNS[axis], f"is {point[row, axis]:g}, allowed is up to {SIZE:g} m"
+        )
+    return point
+
+
+def _deviation(table: TrialTable) -> FloatArray:
+    deviation = table.numbers("deviation")
+    size = np.abs(deviation)
+    row = int(size.argmax())
+    if size[row] > FARTHEST or float(np.median(size)) > MIDDLE:
+        allowed = f"allowed is up to {FARTHEST:g} m, in the middle of all points up to {MIDDLE:g} m"
+        raise table.fail(
+            row, "deviation", f"is {deviation[row]:g}, {allowed}; look whether the file is in metres"
+        )
+    return deviation
 
 
 def _time(value: object) -> datetime | None:

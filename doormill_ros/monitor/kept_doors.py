@@ -10,7 +10,7 @@ import threading
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +20,10 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.files import write_atomically
 from doormill_ros.measurements.inspection import Inspection, read_inspection
 from doormill_ros.measurements.inspection_writer import write_inspection
+from doormill_ros.messages.from_message import seconds_of
 from doormill_ros.monitor.errors import InspectionMessageError, KeepingError, UnknownRunError
-from doormill_ros.monitor.recorded_runs import RecordedRuns
+from doormill_ros.monitor.recorded_runs import RESULT, RecordedRuns
+from doormill_ros.recording.bag_reader import read_bag, topics_of
 
 DOOR = "door.json"
 RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.:-]{0,99}")
@@ -79,6 +81,7 @@ class KeptDoor:
         measured_at: ISO 8601.
         rms: Of all deviations [m].
         largest: Of the deviations [m].
+        milled_at: When its run ended by the bag, ISO 8601; empty for what was kept before that was asked.
     """
 
     run_id: str
@@ -87,6 +90,7 @@ class KeptDoor:
     measured_at: str
     rms: float
     largest: float
+    milled_at: str = ""
 
 
 class KeptDoors:
@@ -111,10 +115,11 @@ class KeptDoors:
         return sorted(path.name for path in self._waiting.glob("*") if path.is_dir())
 
     def doors(self) -> list[KeptDoor]:
-        """All doors in the order in which they were measured; what cannot be read is passed over."""
+        """All doors as they were milled, measured where not all tell that; what cannot be read is passed over."""
         with self._reading:
             found = list(self._read().values())
-        return sorted(found, key=lambda door: (door.measured_at, door.run_id))
+        known = all(door.milled_at for door in found)
+        return sorted(found, key=lambda d: (d.milled_at if known else "", d.measured_at, d.run_id))
 
     def folder(self, run_id: str) -> Path:
         """The inspection of a kept door."""
@@ -208,6 +213,7 @@ class KeptDoors:
             inspection.measured_at.isoformat(),
             float(np.sqrt(np.mean(inspection.deviation**2))),
             inspection.largest,
+            _milled_at(end.bag, run_id),
         )
         try:
             with self._reading:
@@ -234,9 +240,17 @@ class KeptDoors:
         return door
 
 
+def _milled_at(bag: Path, run_id: str) -> str:
+    """When a run ended by its bag, ISO 8601."""
+    names = [topic for topic in topics_of(bag) if topic.endswith(RESULT)]
+    stamps = [item.message.header.stamp for item in read_bag(bag, names) if item.message.run_id == run_id]
+    moment = seconds_of(stamps[-1]) if stamps else 0.0
+    return datetime.fromtimestamp(moment, UTC).isoformat(timespec="microseconds") if moment else ""
+
+
 def _kept(path: Path) -> KeptDoor:
     door = KeptDoor(**json.loads(path.read_text(encoding="utf-8")))
-    texts = (door.run_id, door.door_id, door.measured_at)
+    texts = (door.run_id, door.door_id, door.measured_at, door.milled_at)
     figures = (door.model_version, door.rms, door.largest)
     good = all(isinstance(text, str) for text in texts) and all(isinstance(x, int | float) for x in figures)
     if not good or door.run_id != path.parent.name:

@@ -23,7 +23,7 @@ def runs(tmp_path):
     for name in BAGS:
         shutil.copytree(ROOT / "bags" / name, folder / name)
     found = [item.message.run_id for name in BAGS for item in read_bag(folder / name, [RESULT])]
-    return found, RecordedRuns(folder)
+    return sorted(found), RecordedRuns(folder)  # their ids begin with when they were milled
 
 
 def points(run_id, hour, deviation):
@@ -56,11 +56,22 @@ def test_what_is_known_is_what_another_reads_from_the_disk(tmp_path, runs):
     assert known() == [(first, 1e-4), (second, 2e-4)]
     kept.keep(points(third, 0, 3e-4))
     kept.keep(points(first, 3, 4e-4))
-    assert known() == [(third, 3e-4), (second, 2e-4), (first, 4e-4)]
+    assert known() == [(first, 4e-4), (second, 2e-4), (third, 3e-4)]
     kept.refuse(second, "of no use")
-    assert known() == [(third, 3e-4), (first, 4e-4)]
+    assert known() == [(first, 4e-4), (third, 3e-4)]
     kept.keep(points(second, 4, 5e-4))
-    assert known() == [(third, 3e-4), (first, 4e-4), (second, 5e-4)]
+    assert known() == [(first, 4e-4), (second, 5e-4), (third, 3e-4)]
+
+
+def test_where_one_door_does_not_tell_when_it_was_milled_all_stand_as_they_were_measured(tmp_path, runs):
+    (first, second, third), recorded = runs
+    kept = KeptDoors(tmp_path, recorded)
+    for hour, run_id in enumerate((third, first, second)):
+        kept.keep(points(run_id, hour, 1e-4))
+    assert [door.run_id for door in kept.doors()] == [first, second, third]
+    path = kept.folder(first) / DOOR
+    path.write_text(json.dumps({**json.loads(path.read_text()), "milled_at": ""}))
+    assert [door.run_id for door in KeptDoors(tmp_path, recorded).doors()] == [third, first, second]
 
 
 @pytest.mark.parametrize(

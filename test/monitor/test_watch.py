@@ -268,7 +268,7 @@ def test_an_inspection_that_nobody_foresaw_costs_no_later_one(copied, inspected,
         assert "nobody foresaw it" in state.message
         watched.watch.take(points_of(folder, measured_at=datetime(2026, 11, 23, tzinfo=UTC)))
         state = watched.answered(lambda state: len(count) == 2 and not state.error_code)
-        assert state.doors[-1].measured_at.startswith("2026-11-23")
+        assert [door.measured_at[:10] for door in state.doors].count("2026-11-23") == 1
 
 
 @pytest.mark.parametrize(

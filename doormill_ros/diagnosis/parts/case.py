@@ -19,7 +19,7 @@ class CutCase:
         normal: Unit normals into the wood, base axes, shape (n, 3).
         wall: Which points lie on a wall, the others on a floor; shape (n,).
         kind: Kind of the feature of each point, shape (n,).
-        time: When the door of each point was measured [s since the epoch], shape (n,).
+        time: When the door of each point was milled [s since the epoch], shape (n,).
         eye: Where the camera stood that saw the door of each point, base frame, shape (n, 3) [m].
         tip: The tool's tip, flange frame, shape (3,) [m].
         cache: Columns that have been asked for.

@@ -8,7 +8,7 @@ from typing import Self
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +25,7 @@ class CutPoints:
         q: Commanded joint angles where the point was cut, shape (n, 6) [rad].
         direction: Last motion of each joint there, shape (n, 6).
         wrench: Assumed process wrench at the tool's tip, base axes, shape (n, 6) [N, N m].
+        row: Of each point among those of its inspection, counted from 0, shape (n,).
         feature, kind: Name in the recipe and kind of the feature of each point, shape (n,).
     """
 
@@ -37,6 +38,7 @@ class CutPoints:
     q: FloatArray
     direction: FloatArray
     wrench: FloatArray
+    row: IntArray
     feature: np.ndarray[tuple[int], np.dtype[np.str_]]
     kind: np.ndarray[tuple[int], np.dtype[np.str_]]
 

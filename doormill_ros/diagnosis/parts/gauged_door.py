@@ -16,13 +16,14 @@ class GaugedDoor:
         name: Of the inspection.
         run_id: Of the run that milled it.
         recipe: What it is.
-        time: When it was measured [s since the epoch].
+        time: When it was gauged, of doors in order when it was milled [s since the epoch].
         points: Measured, and matched with the run.
         noise: Standard deviation of a deviation [m].
         placing: Covariance of y, z and rotation of its pose, shape (3, 3); None where it is not known where it stood.
         corner: Origin of the door, base frame, shape (3,) [m].
         eye: Where the camera stood, base frame, shape (3,) [m].
         largest: How far its worst measured point is off, matched or not [m].
+        milled: When the tool set out to mill it, by the bag [s since the epoch]; None where that does not tell.
         robot_model: Robot or model.yaml that its path was corrected with; "" for the robot's joint springs.
     """
 
@@ -36,4 +37,5 @@ class GaugedDoor:
     corner: FloatArray
     eye: FloatArray
     largest: float = 0.0
+    milled: float | None = None
     robot_model: str = ""

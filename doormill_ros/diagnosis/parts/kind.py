@@ -15,7 +15,7 @@ from doormill_ros.diagnosis.core.account import Account, account_of
 from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
 from doormill_ros.diagnosis.core.wording import Words
-from doormill_ros.diagnosis.parts.changes import change_sentences, changes_document, changes_of
+from doormill_ros.diagnosis.parts.changes import STEP, change_sentences, changes_document, changes_of
 from doormill_ros.diagnosis.parts.charts import charts_of
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
@@ -26,11 +26,13 @@ from doormill_ros.diagnosis.parts.next_door import PLACES, next_steps, places_of
 from doormill_ros.diagnosis.parts.next_step import next_document, next_sentence
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
+from doormill_ros.diagnosis.parts.slips import BESIDE, FAR, slips, slips_beside
 from doormill_ros.diagnosis.parts.steps import possible_steps
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.measurements.inspection import CAMERA, SCHEMA, Inspection, inspections_in
 from doormill_ros.pages.page import PageSection
 from doormill_ros.robot.description import load_robot
+from doormill_ros.units import m_to_mm
 
 METHOD = """Where the tool cut, the bag knows posture, last motions and process wrench, and where the tool had been
 sent: the deviation of a surface less that is the tool's displacement along its normal. Every effect of the library was
@@ -41,14 +43,23 @@ more than that place is known."""
 
 #: That noise leaves as much where nothing hides behind the places of the doors.
 _CHANCE = 1e-4
+#: Times that slips are looked for beside what was found: without the largest others show.
+_ROUNDS = 3
 
 
 @dataclass(frozen=True, eq=False)
 class InspectedDoor:
-    """An inspection and what its points, matched with the run, tell."""
+    """An inspection and what its points, matched with the run, tell.
+
+    Attributes:
+        inspection: The points.
+        door: What they tell.
+        slipped: Rows at which the gauge slipped, counted from 1.
+    """
 
     inspection: Inspection
     door: GaugedDoor
+    slipped: tuple[int, ...] = ()
 
 
 class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
@@ -93,6 +104,13 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         """
         problem = self.problem(sets)
         found = _searched(problem, progress)
+        for _ in range(_ROUNDS):
+            beside = slips_beside(found)
+            if not beside.any():
+                break
+            progress(f"{beside.sum()} slips of the gauge: asking without them")
+            problem = problem.without(beside)
+            found = _searched(problem, progress)
         again = problem.placed_by(found.best.members, found.best.theta)
         best = found.best
         white = again.predict(best.members, best.theta).white[best.weights > 0.0]
@@ -115,11 +133,11 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         """With what changed since which door, charts, and a model for the path generator."""
         progress("asking since when")
         changes = changes_of(diagnosis)
-        charts = charts_of(diagnosis, min((c.door for c in changes), default=None))
-        remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis)]
+        charts = charts_of(diagnosis, min((c.door for c in changes if c.kind == STEP), default=None))
+        remarks = [*change_sentences(diagnosis, changes), *_scope(diagnosis), *_slipped(diagnosis, sets)]
         steps = next_steps(diagnosis)
         account = account_of(diagnosis, self.words, next_sentence(steps), checks)
-        sections = _facts(sets) | {
+        sections = _facts(diagnosis, sets) | {
             "changes": changes_document(diagnosis, changes),
             "charts": charts.document(),
             "next": next_document(steps),
@@ -160,32 +178,52 @@ def _scope(diagnosis: DoorDiagnosis) -> list[str]:
     return found
 
 
+def _slipped(diagnosis: DoorDiagnosis, sets: Sequence[InspectedDoor]) -> list[str]:
+    """Which points were set aside."""
+    left = {(door.run_id, door.name): door.points.row for door in diagnosis.problem.doors}
+    found = []
+    for one in sets:
+        rows = one.door.points.row
+        later = rows[~np.isin(rows, left[one.door.run_id, one.door.name])] + 1
+        if one.slipped or len(later):
+            found.append(f"{one.door.name}: {', '.join(map(str, sorted([*one.slipped, *later.tolist()])))}")
+    if not found:
+        return []
+    return [
+        f"Rows of points that lie more than {m_to_mm(BESIDE):g} mm beside their neighbours, or {FAR:g} standard "
+        f"deviations beside what was found, are slips of the gauge and count nowhere: {'; '.join(found)}."
+    ]
+
+
 def inspected_door(inspection: Inspection, cut: RecordedCut) -> InspectedDoor:
     """An inspection joined with the run that milled its door in the cell of the layout.
 
     Raises:
-        TrialTableError: A point belongs to no feature of the recipe.
+        TrialTableError: A point belongs to no feature of the recipe, or too many lie beside their neighbours.
         SetDescriptionError: No point was cut under one load.
     """
-    layout = load_layout()
+    layout, slipped = load_layout(), slips(inspection)
+    robot = load_robot(layout.robot)
     door = GaugedDoor(
         name=inspection.name,
         run_id=inspection.run_id,
         recipe=cut.recipe.door_id,
         time=inspection.measured_at.timestamp(),
-        points=matched_points(inspection, cut, load_robot(layout.robot), layout.T_flange_tool),
+        points=matched_points(inspection, cut, robot, layout.T_flange_tool, slipped),
         noise=inspection.noise,
         placing=cut.placing if inspection.datum == CAMERA else None,
         corner=cut.T_base_door[:3, 3],
         eye=load_camera().T_base_camera(cut.recipe.width)[:3, 3],
-        largest=inspection.largest,
+        largest=float(np.abs(inspection.deviation[~slipped]).max()),
+        milled=cut.milled,
         robot_model=cut.robot_model,
     )
-    return InspectedDoor(inspection, door)
+    return InspectedDoor(inspection, door, tuple(int(row) + 1 for row in np.flatnonzero(slipped)))
 
 
-def _facts(sets: Sequence[InspectedDoor]) -> dict[str, Any]:
+def _facts(diagnosis: DoorDiagnosis, sets: Sequence[InspectedDoor]) -> dict[str, Any]:
     inspections = [one.inspection for one in sets]
+    used = sum(len(door.points) for door in diagnosis.problem.doors)
     return {
         "inspections": [
             {"run_id": one.run_id, "measured_at": one.measured_at.isoformat()} for one in inspections
@@ -193,6 +231,7 @@ def _facts(sets: Sequence[InspectedDoor]) -> dict[str, Any]:
         "points": {
             "measured": sum(len(one) for one in inspections),
             "on_floors": sum(int(np.sum(~one.wall)) for one in inspections),
-            "used": sum(len(one.door.points) for one in sets),
+            "slips": sum(len(one.slipped) + len(one.door.points) for one in sets) - used,
+            "used": used,
         },
     }

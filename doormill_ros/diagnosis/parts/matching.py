@@ -71,7 +71,7 @@ def last_motions(q: FloatArray) -> FloatArray:
 
 
 def matched_points(
-    inspection: Inspection, cut: RecordedCut, robot: Robot, T_flange_tool: FloatArray
+    inspection: Inspection, cut: RecordedCut, robot: Robot, T_flange_tool: FloatArray, slipped: BoolArray
 ) -> CutPoints:
     """The points of an inspection with the robot's state where each was cut.
 
@@ -82,6 +82,7 @@ def matched_points(
         cut: The run that milled the door.
         robot: That milled it.
         T_flange_tool: Its tool, shape (4, 4).
+        slipped: Points that are left out, shape (n,).
 
     Raises:
         TrialTableError: A point belongs to no feature of the recipe.
@@ -105,7 +106,7 @@ def matched_points(
         T_base_feature = cut.T_base_door @ cut.recipe.T_door_feature(feature)
         way = _way(cut, direction, cutting, T_base_feature, robot, T_flange_tool)
         for wall in (True, False):
-            rows = np.flatnonzero(of_feature & (inspection.wall == wall))
+            rows = np.flatnonzero(of_feature & (inspection.wall == wall) & ~slipped)
             if len(rows):
                 at = _Place(inspection, rows, feature, T_base_feature, cut.T_base_door, robot, T_flange_tool)
                 points = at.matched(way, np.zeros(2))
@@ -225,6 +226,7 @@ class _Place:
             q=way.q[at],
             direction=way.direction[at],
             wrench=way.wrench[at],
+            row=rows,
             feature=np.full(len(rows), feature.id),
             kind=np.full(len(rows), feature.kind),
         )

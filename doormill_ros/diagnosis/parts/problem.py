@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from dataclasses import replace
 from typing import Self
 
 import numpy as np
@@ -28,6 +29,7 @@ from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.registry import effects
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.matching import cut_case
+from doormill_ros.diagnosis.parts.order import in_order
 from doormill_ros.diagnosis.parts.placement import (
     DoorPlaces,
     block_columns,
@@ -47,6 +49,7 @@ DOORS_OVER_TIME = 5  #: from which on something may change
 #: The face tilts with the robot so that its lower edge cuts, under another load another one: from a step on it is
 #: as much off again [m].
 FACE, FLANK = 5e-6, 2e-6
+_WARMING = 60.0  #: that doors have to take until a cell may have warmed up [s]
 _STEP = 1e-4  #: of theta, to derive what a force does
 
 
@@ -56,7 +59,7 @@ class DoorProblem(Examined[InTime]):
     Attributes:
         robot: That milled.
         tool: Its tool, shape (4, 4).
-        doors: In the order in which they were measured.
+        doors: In the order in which they were milled.
         door: Number of the door of each point, shape (n,).
         points: All of them.
         steps: Doors from which on something may have changed.
@@ -75,7 +78,7 @@ class DoorProblem(Examined[InTime]):
             T_flange_tool: Its tool, shape (4, 4).
         """
         self.robot, self.tool = robot, np.array(T_flange_tool)
-        self.doors = sorted(doors, key=lambda door: (door.time, door.name))
+        self.doors = in_order(doors)
         every = max(1, -(-sum(len(door.points) for door in doors) // ROWS))
         parts = [door.points[slice(number % every, None, every)] for number, door in enumerate(self.doors)]
         self.points = CutPoints.joined(parts)
@@ -123,6 +126,14 @@ class DoorProblem(Examined[InTime]):
         other |= self.points.wall[1:] != self.points.wall[:-1]
         way = np.concatenate([[0.0], np.cumsum(np.where(other, 10.0 * STRETCH, step))])
         return np.unique((way / STRETCH).astype(int), return_inverse=True)[1].ravel()
+
+    def without(self, points: BoolArray) -> Self:
+        """The same doors less some points, shape (n,)."""
+        doors = []
+        for number, door in enumerate(self.doors):
+            gone = self.points.row[points & (self.door == number)]
+            doors.append(replace(door, points=door.points[~np.isin(door.points.row, gone)]))
+        return type(self)(doors, self.robot, self.tool)
 
     def placed_by(self, members: Sequence[InTime], theta: FloatArray) -> Self:
         """The same doors, the scatter of their places taken from what a model leaves instead of what springs do.
@@ -180,14 +191,14 @@ class DoorProblem(Examined[InTime]):
 
     def effects(self) -> list[Effect]:
         """Everything that may be wrong, whatever its course."""
-        warming = len(self.doors) >= DOORS_OVER_TIME and bool(np.ptp(self.case.time) > 0.0)
+        warming = len(self.doors) >= DOORS_OVER_TIME and bool(np.ptp(self.case.time) > _WARMING)
         return effects(list(dict.fromkeys(self.points.kind.tolist())), self.points.q, warming)
 
     def courses(self) -> list[SizeCourse]:
         """How sizes may go over the doors, given the steps that are in question."""
         times = [door.time for door in self.doors]
         found = [SizeCourse()]
-        if len(self.doors) < DOORS_OVER_TIME or times[-1] <= times[0]:
+        if len(self.doors) < DOORS_OVER_TIME:
             return found
         over = times[0], times[-1]
         for step in self.steps:

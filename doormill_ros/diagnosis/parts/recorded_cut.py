@@ -9,7 +9,7 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.measurements.inspection import Inspection
-from doormill_ros.messages.from_message import recipe_of, transform_of, transforms_of, wrench_of
+from doormill_ros.messages.from_message import recipe_of, seconds_of, transform_of, transforms_of, wrench_of
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.bag_reader import read_bag, topics_of
 
@@ -34,6 +34,7 @@ class RecordedCut:
         time: Shape (m,) [s].
         cutting: Samples in the wood, shape (m,).
         feature: Name of the feature of each sample.
+        milled: When the tool set out [s since the epoch]; None for a message without a stamp.
         robot_model: That the path was corrected with; "" where the run is older than that its end tells it.
     """
 
@@ -46,6 +47,7 @@ class RecordedCut:
     time: FloatArray
     cutting: BoolArray
     feature: tuple[str, ...]
+    milled: float | None = None
     robot_model: str = ""
 
 
@@ -81,5 +83,6 @@ def recorded_cut(inspection: Inspection) -> RecordedCut:
         time=np.array(path.time, dtype=float),
         cutting=np.array(path.cutting, dtype=bool),
         feature=tuple(path.feature),
+        milled=seconds_of(path.header.stamp) or None,
         robot_model=str(getattr(run.get(RESULT), "robot_model", "")),
     )

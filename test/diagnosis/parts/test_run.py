@@ -203,6 +203,8 @@ def test_a_robot_as_assumed_is_blamed_for_nothing(tmp_path, capsys):
         ({"bag": "nowhere"}, "inspection.yaml: line 3, column 6: bag is 'nowhere'"),
         ({"measured_at": "yesterday"}, "inspection.yaml: line 4, column 14: measured_at is 'yesterday'"),
         ({"noise": "0.0"}, "inspection.yaml: line 5, column 8: noise is 0.0"),
+        ({"noise": "1e-300"}, "column 8: noise is 1e-300, allowed are 1e-08 to 0.001 m"),
+        ({"noise": "1e+10"}, "column 8: noise is 1e+10, allowed are 1e-08 to 0.001 m"),
         ({"datum": "luck"}, "inspection.yaml: line 6, column 8: datum is 'luck', allowed are camera"),
         (
             {"datum": "feature hinge_9"},
@@ -229,6 +231,9 @@ def test_a_description_that_is_wrong_is_told_with_line_and_column(worn, tmp_path
         ("hinge_1,wall", "hinge_1,roof", "column surface: is 'roof', allowed are wall and floor"),
         (",floor,0,0,0,1,", ",floor,0,0,0,2,", "column nx: the normal has length 2.0000, allowed is 1"),
         (",floor,0,", ",floor,zero,", "column x: 'zero' is no number"),
+        (",floor,0,", ",floor,1e300,", "column x: is 1e+300, allowed is up to 10 m"),
+        (",1,0,0,0\n", ",1,0,0,1e300\n", "column deviation: is 1e+300, allowed is up to 0.1 m"),
+        (",1,0,0,0\n", ",1,0,0,-0.2\n", "column deviation: is -0.2, allowed is up to 0.1 m"),
     ],
 )
 def test_a_point_that_is_wrong_is_told_with_line_and_column(worn, tmp_path, capsys, old, new, complaint):
@@ -241,6 +246,21 @@ def test_a_point_that_is_wrong_is_told_with_line_and_column(worn, tmp_path, caps
     assert "points.csv: line " in err
     assert complaint in err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("unit", [1e3, 1e6], ids=["mm", "um"])
+def test_deviations_in_another_unit_are_told(worn, tmp_path, capsys, unit):
+    shutil.copytree(worn / DOORS[0], tmp_path / "door")
+    file = tmp_path / "door" / "points.csv"
+    head, *rows = file.read_text().splitlines()
+    cells = [row.rsplit(",", 1) for row in rows]
+    rows = [f"{before},{unit * float(deviation):.9f}" for before, deviation in cells]
+    file.write_text("\n".join([head, *rows]) + "\n")
+    code, out, err = run(capsys, "--inspections", tmp_path / "door", "--out", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert "column deviation: is " in err
+    assert "look whether the file is in metres" in err
+    assert err.count("\n") == 1
 
 
 def test_an_empty_folder_is_told(tmp_path, capsys):

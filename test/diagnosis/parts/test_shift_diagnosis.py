@@ -132,7 +132,7 @@ def test_points_of_one_moment_tell_the_load_of_that_moment(tmp_path):
 def test_charts_have_limits_with_their_origin_and_name_the_doors_beyond(tmp_path):
     diagnosis = diagnosed(tmp_path, {"change": [{"from_door": 5, "robot": GAP}]}, TURNS)
     charts = document(diagnosis, tmp_path)["charts"]
-    assert charts["individuals"]["limits_origin"] == "mean moving range of door_000 to door_004"
+    assert charts["individuals"]["limits_origin"] == "mean moving range of door_000 to door_004, by recipe"
     assert set(charts["individuals"]["beyond"]) >= {f"door_00{k}" for k in range(5, 9)}
     assert max(charts["cusum"]["above"][:5]) < charts["cusum"]["alarm"] < charts["cusum"]["above"][-1]
     extended = [row["residual_extended"] for row in charts["doors"]]
@@ -142,4 +142,6 @@ def test_charts_have_limits_with_their_origin_and_name_the_doors_beyond(tmp_path
         "thesis_1350_0deg",
         "thesis_190_2deg",
     }
-    assert all(row["cpk"] > 0.0 for row in charts["capability"])
+    assert all(row["cpk"] >= row["ppk"] > 0.0 for row in charts["capability"])
+    assert charts["moving_range"]["values"][:3] == [None] * 3
+    assert "door_005" in charts["moving_range"]["beyond"]

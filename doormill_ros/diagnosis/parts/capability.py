@@ -1,0 +1,67 @@
+"""How capable the process is: deviations of each recipe against the tolerance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
+from doormill_ros.pages.page import Block, Paragraphs, Table
+from doormill_ros.units import m_to_um
+
+ORIGIN = "0.5 mm, section 1.3 of the thesis"  #: of the tolerance
+
+
+def capability_of(doors: Sequence[GaugedDoor]) -> list[dict[str, Any]]:
+    """By recipe, of all points that were matched: doors and points, mean and standard deviations [m], Cpk and Ppk.
+
+    `std` is that of all points, and Ppk follows from it; `std_within` is that about the mean of each door, and Cpk
+    follows from that.
+    """
+    rows = []
+    for recipe in dict.fromkeys(door.recipe for door in doors):
+        each = [door.points.deviation for door in doors if door.recipe == recipe]
+        off = np.concatenate(each)
+        mean, std = float(off.mean()), float(off.std())
+        within = float(np.sqrt(np.mean(np.concatenate([part - part.mean() for part in each]) ** 2)))
+        room = (TOLERANCE - abs(mean)) / 3.0
+        figures = {"mean": mean, "std": std, "std_within": within}
+        rows.append(
+            {"recipe": recipe, "doors": len(each), "points": len(off)}
+            | figures
+            | {"cpk": float(room / max(within, 1e-12)), "ppk": float(room / max(std, 1e-12))}
+        )
+    return rows
+
+
+def capability_table(capability: Sequence[dict[str, Any]]) -> list[Block]:
+    """On the page."""
+    heads = (
+        "Recipe",
+        "Doors",
+        "Points",
+        "Mean deviation [um]",
+        "Standard deviation [um]",
+        "within doors [um]",
+    )
+    rows = [
+        [
+            row["recipe"],
+            str(row["doors"]),
+            str(row["points"]),
+            f"{m_to_um(row['mean']):+.0f}",
+            f"{m_to_um(row['std']):.0f}",
+            f"{m_to_um(row['std_within']):.0f}",
+            f"{row['cpk']:.2f}",
+            f"{row['ppk']:.2f}",
+        ]
+        for row in capability
+    ]
+    note = (
+        f"Cpk and Ppk are against a tolerance of {ORIGIN}, over the points that count: Cpk by the standard deviation "
+        "within doors, Ppk by that of all."
+    )
+    return [Table((*heads, "Cpk", "Ppk"), rows), Paragraphs([note])]

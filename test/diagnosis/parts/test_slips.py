@@ -1,0 +1,98 @@
+"""A gauge that slips at a point costs that point and nothing else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from doormill_ros.diagnosis.parts.kind import Inspections, inspected_door
+from doormill_ros.diagnosis.parts.recorded_cut import recorded_cut
+from doormill_ros.diagnosis.parts.slips import slips
+from doormill_ros.errors import DataSetError
+from doormill_ros.measurements.inspection import inspections_in
+from support.gauged_shift import HINGE_DOORS, gauged_shift
+
+KIND = Inspections()
+GAPS = {"gap": [2e-4, 1.5e-4, 1e-4, 0.0, 0.0, 0.0]}
+
+
+@pytest.fixture(scope="module")
+def door(tmp_path_factory):
+    """A door milled with a force that is 30 % larger."""
+    world = {"seed": 1, "force": {"factor": 1.3}}
+    [inspection] = inspections_in(gauged_shift(tmp_path_factory.mktemp("door"), world, HINGE_DOORS[:1], 1))
+    return inspection, recorded_cut(inspection)
+
+
+def slipped(inspection, **by_row):
+    deviation = inspection.deviation.copy()
+    for row, size in by_row.items():
+        deviation[int(row.removeprefix("row"))] += size
+    return replace(inspection, deviation=deviation)
+
+
+@pytest.mark.parametrize("size", [2e-3, 5e-3, -1e-2, 2e-2])
+@pytest.mark.parametrize("row", [4, 99])
+def test_what_is_wrong_is_named_as_if_the_gauge_had_not_slipped(door, row, size):
+    inspection, cut = door
+    one = inspected_door(slipped(inspection, **{f"row{row}": size}), cut)
+    found = KIND.diagnose([one], lambda line: None)
+    assert [finding.cause.key for finding in found.findings] == [("process_force", "tool")]
+    assert found.findings[0].values[0] == pytest.approx(1.3, abs=0.02)
+    assert one.door.largest < 1e-3
+    account = KIND.account(found, [one], [], lambda line: None)
+    assert account.sections["points"]["slips"] == 1
+    [told] = [remark for remark in account.remarks if "slips of the gauge" in remark]
+    assert told.endswith(f"door_000: {row + 1}.")
+
+
+@pytest.mark.parametrize(("row", "size"), [(4, 4e-4), (40, 9e-4), (99, -6e-4)])
+def test_a_slip_no_larger_than_what_mills_leave_is_told_by_what_was_found(door, row, size):
+    inspection, cut = door
+    one = inspected_door(slipped(inspection, **{f"row{row}": size}), cut)
+    assert one.slipped == ()
+    found = KIND.diagnose([one], lambda line: None)
+    assert [finding.cause.key for finding in found.findings] == [("process_force", "tool")]
+    account = KIND.account(found, [one], [], lambda line: None)
+    assert account.sections["points"]["slips"] == 1
+    [told] = [line for line in account.remarks if "slips" in line]
+    assert told.endswith(f"door_000: {row + 1}.")
+
+
+def test_two_slips_side_by_side_are_two(door):
+    inspection, _ = door
+    assert np.flatnonzero(slips(slipped(inspection, row4=3e-3, row5=3e-3))).tolist() == [4, 5]
+
+
+def test_a_door_that_is_wrong_at_one_point_in_five_is_refused_with_the_first_of_them(door):
+    inspection, _ = door
+    rows = {f"row{row}": 5e-3 for row in range(3, len(inspection), 5)}
+    with pytest.raises(DataSetError, match=r"points.csv: line 5, column deviation: .* gauge the door again"):
+        slips(slipped(inspection, **rows))
+
+
+@pytest.mark.parametrize("size", [3e-3, 5e-3])
+def test_where_points_are_few_only_what_no_door_may_be_off_is_a_slip(door, size):
+    inspection, _ = door
+    few = np.arange(0, len(inspection), 20)
+    inspection = replace(
+        inspection,
+        feature=tuple(inspection.feature[row] for row in few),
+        **{name: getattr(inspection, name)[few] for name in ("wall", "point", "normal", "deviation")},
+    )
+    assert np.flatnonzero(slips(slipped(inspection, row2=size))).tolist() == [2] * (size > 4e-3)
+
+
+@pytest.mark.parametrize(
+    "world",
+    [
+        {"robot": GAPS, "force": {"factor": 1.8}},
+        {"clamp": {"shift": [0.0, 1.5e-3, -1.5e-3]}, "robot": GAPS},
+        {"tool": {"mass": 25.0, "com": [0.0, 0.0, 0.2], "stiffness": 1e6}, "force": {"angle": 0.4}},
+    ],
+    ids=["gaps", "clamp", "tool"],
+)
+def test_nothing_that_a_mill_leaves_is_a_slip(tmp_path, world):
+    for inspection in inspections_in(gauged_shift(tmp_path, {"seed": 3, **world}, HINGE_DOORS, 3)):
+        assert not slips(inspection).any()
+        assert np.abs(inspection.deviation).max() > 3e-4
