@@ -109,6 +109,25 @@ class Catalogue(Transactions):
             for one in sorted(inspections, key=lambda one: (one.run_id, one.inspection)):
                 _put(connection, schema.inspection, asdict(one))
 
+    def inspections_below(self, folder: str) -> set[str]:
+        """Folders of the known inspections below a folder, at any depth."""
+        column = schema.inspection.c.inspection
+        query = sa.select(column).where(column.startswith(f"{folder}/", autoescape=True))
+        with self._failures(), self._engine.connect() as connection:
+            return set(connection.execute(query).scalars())
+
+    def replace_inspections(
+        self, run_id: str, folder: str, inspections: Iterable[CataloguedInspection]
+    ) -> None:
+        """Put these inspections of a run in place of those that were known below a folder."""
+        columns = schema.inspection.c
+        with self.write() as connection:
+            schema.lock(connection)
+            within = columns.inspection.startswith(f"{folder}/", autoescape=True)
+            connection.execute(schema.inspection.delete().where(columns.run_id == run_id, within))
+            for one in inspections:
+                _put(connection, schema.inspection, asdict(one))
+
     @staticmethod
     def _is_copy(connection: sa.Connection, run: CataloguedRun) -> bool:
         """True for a run whose known bag is another one with the same content."""

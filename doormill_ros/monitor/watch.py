@@ -13,7 +13,7 @@ from doormill_ros.errors import DoormillError, unexpected
 from doormill_ros.measurements.inspection import DESCRIPTION, inspections_in
 from doormill_ros.models.record import StoreRecord
 from doormill_ros.models.store import ModelStore
-from doormill_ros.monitor.errors import QuestionError, UnknownRunError
+from doormill_ros.monitor.errors import KeepingError, QuestionError, UnknownRunError
 from doormill_ros.monitor.finding import UNKNOWN, DoorFinding, finding_of
 from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoor, KeptDoors, points_of
 from doormill_ros.monitor.questioner import DoorAnswer, DoorQuestion, Questioner
@@ -85,6 +85,7 @@ class ModelWatch:
         store: Of models.
         settings: What to go by now.
         changed: Called after every change of the state, from any thread.
+        lies: Called with a run whose inspection came to `folder`, or lies elsewhere in it now; from any thread.
     """
 
     def __init__(
@@ -94,7 +95,9 @@ class ModelWatch:
         store: Path,
         settings: Callable[[], WatchSettings],
         changed: Callable[[], None],
+        lies: Callable[[str], None] = lambda run_id: None,
     ) -> None:
+        self._lies = lies
         self._kept = KeptDoors(folder, RecordedRuns(bags))
         self._store = ModelStore(store)
         self._settings = settings
@@ -183,8 +186,7 @@ class ModelWatch:
         for inspection in inspections:
             points = points_of(inspection)
             try:
-                with self._keeping:
-                    taken.append(self._kept.keep(points, inspection.bag))
+                taken.append(self._keep(points, inspection.bag))
             except UnknownRunError as error:
                 unknown = error
             tell(points)
@@ -239,19 +241,31 @@ class ModelWatch:
         while self._came and not self._ended:
             told = True
             try:
-                with self._keeping:
-                    self._kept.keep(self._came.popleft())
+                self._keep(self._came.popleft())
                 taken, self._trouble = taken + 1, None
             except DoormillError as error:
                 self._trouble = error
         with self._keeping:
             found = self._kept.take_up()
+        for door in found:
+            self._lies(door.run_id)
         if found and isinstance(self._trouble, UnknownRunError):
             self._trouble = None
         if (taken or found) and not self._ended:
             self._ask()
         if taken or found or told:
             self._changed()
+
+    def _keep(self, points: DoorPoints, bag: Path | None = None) -> KeptDoor:
+        """As `KeptDoors.keep`."""
+        try:
+            with self._keeping:
+                door = self._kept.keep(points, bag)
+        except (UnknownRunError, KeepingError):
+            self._lies(points.run_id)  # where it waits
+            raise
+        self._lies(points.run_id)
+        return door
 
     def _question(self) -> DoorQuestion:
         settings, doors = self._settings(), self._kept.doors()
@@ -292,6 +306,7 @@ class ModelWatch:
         with self._keeping:
             for run_id in spoiled:
                 self._kept.refuse(run_id, verdict.failure)
+                self._lies(run_id)
         self._trouble = QuestionError(
             f"the inspection of run {spoiled[0]} was set aside: {verdict.failure}; hand it in again put right",
             run_id=spoiled[0],
