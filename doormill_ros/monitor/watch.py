@@ -16,8 +16,9 @@ from doormill_ros.models.store import ModelStore
 from doormill_ros.monitor.errors import KeepingError, QuestionError, UnknownRunError
 from doormill_ros.monitor.finding import UNKNOWN, DoorFinding, finding_of
 from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoor, KeptDoors, points_of
-from doormill_ros.monitor.questioner import DoorAnswer, DoorQuestion, Questioner
+from doormill_ros.monitor.questioner import DoorAnswer, DoorQuestion, Questioner, checksum
 from doormill_ros.monitor.recorded_runs import RecordedRuns
+from doormill_ros.monitor.rehearsal import rehearse
 from doormill_ros.monitor.stop import stop_sentence
 
 SHOWN = 100  # doors
@@ -177,22 +178,26 @@ class ModelWatch:
             tell: Gets each that is kept or waits.
 
         Raises:
-            DataSetError: One cannot be read; then none is kept.
+            DataSetError, InspectionMessageError: One cannot be read or kept; then none is.
             UnknownRunError: No bag holds the run of one of them; the others are kept, and it waits.
-            DoormillError: As `KeptDoors.keep`.
+            KeepingError: One cannot be written; those before it are kept.
         """
         inspections = inspections_in(path.parent if path.name == DESCRIPTION else path)
+        handed = [(points_of(inspection), inspection.bag) for inspection in inspections]
+        for points, _ in handed:
+            rehearse(points)
         taken, unknown = [], None
-        for inspection in inspections:
-            points = points_of(inspection)
-            try:
-                taken.append(self._keep(points, inspection.bag))
-            except UnknownRunError as error:
-                unknown = error
-            tell(points)
-        if taken:
-            self._ask()
-        self._changed()
+        try:
+            for points, bag in handed:
+                try:
+                    taken.append(self._keep(points, bag))
+                except UnknownRunError as error:
+                    unknown = error
+                tell(points)
+        finally:
+            if taken:
+                self._ask()
+            self._changed()
         if unknown is not None:
             raise unknown
         return taken
@@ -270,11 +275,13 @@ class ModelWatch:
     def _question(self) -> DoorQuestion:
         settings, doors = self._settings(), self._kept.doors()
         chosen = [door.run_id for door in doors if door.run_id >= settings.since][-settings.doors :]
+        folders = [(run_id, self._kept.folder(run_id)) for run_id in chosen]
         used = self._store.model(self._store.record().in_use)
         return DoorQuestion(
-            tuple((run_id, self._kept.folder(run_id)) for run_id in chosen),
+            tuple(folders),
             used.version,
             used.path or settings.model,
+            tuple(checksum(folder) for _, folder in folders),
         )
 
     def _ask(self) -> None:
