@@ -133,16 +133,17 @@ def test_figures_of_living_are_those_of_code_and_units() -> None:
         )
     )
     node = (units / "doormill@.service").read_text(encoding="utf-8")
+    retain = (units / "doormill-retain.service").read_text(encoding="utf-8")
     codes = [error.code for error in (TornBackupError, NewerBackupError, BackupEntryError)]
     for words in (
         f"not heard of for {SILENCE:g} s",
         f"which {re.search(r'SystemMaxUse=(.*)M', journal)[1]} MB and",
         f"{re.search(r'MaxRetentionSec=(.*)day', journal)[1]} days are kept",
-        f"in `out/` are kept for {ages['/var/lib/doormill/out/bags']} days",
+        f"in `out/` are kept for {ages['/var/lib/doormill/out/targets']} days",
+        f"Every night `catalogue retain --days {re.search(r'--days (.*)', retain)[1]}`",
         f"`/var/backups/doormill` for {ages['/var/backups/doormill']}",
         f"started again after {re.search(r'RestartSec=(.*)', node)[1]} s",
         f"(status {re.search(r'RestartPreventExitStatus=(.*)', node)[1]})",
         *(f"({code})" for code in codes),
     ):
         assert words in text, words
-    assert ages["/var/lib/doormill/out/bags"] == ages["/var/lib/doormill/out/targets"]

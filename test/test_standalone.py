@@ -71,7 +71,6 @@ MEANT = {
     "doormill_ros/localization/gige/library.py": ["place /usr/lib/python3/dist-packages"],
     "test/test_docs.py": [
         "place /var/backups/doormill",
-        "place /var/lib/doormill/out/bags",
         "place /var/lib/doormill/out/targets",
     ],
     "test/deploy/test_container.py": ["place /opt/doormill", "place /opt/doormill/deploy/doormill-run"],

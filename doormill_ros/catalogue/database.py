@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -84,7 +84,7 @@ class Catalogue(Transactions):
     def store(
         self, bag: str, runs: Sequence[CataloguedRun], inspections: Iterable[CataloguedInspection] = ()
     ) -> None:
-        """Put the runs of a bag in place of what was known of them, and add inspections: all of it, or nothing.
+        """Put the runs of a bag and inspections in place of what was known of them: all of it, or nothing.
 
         Other runs of the cell that were in a bag of this place have lost it. A run whose other bag is the same, byte
         for byte, and still there stays with that one.
@@ -107,6 +107,55 @@ class Catalogue(Transactions):
                 if not self._is_copy(connection, run):
                     _put(connection, schema.run, asdict(run))
             for one in sorted(inspections, key=lambda one: (one.run_id, one.inspection)):
+                # An inspection is of one run: of another it was before somebody put it right.
+                own = sa.select(schema.run.c.cell).where(schema.run.c.run_id == one.run_id)
+                columns = schema.inspection.c
+                others = (columns.inspection == one.inspection) & (columns.run_id != one.run_id)
+                connection.execute(schema.inspection.delete().where(others, _of_cells(own)))
+                _put(connection, schema.inspection, asdict(one))
+
+    def forget_inspections(self, folder: str, there: Collection[str], cells: Collection[str]) -> None:
+        """The inspections below a folder are these: others of runs of the cells are gone.
+
+        Args:
+            folder: Absolute, as in the rows.
+            there: Folders of inspections.
+            cells: Another machine may have a folder of the same path: runs of other cells keep theirs.
+        """
+        columns = schema.inspection.c
+        within = sa.or_(
+            columns.inspection == folder, columns.inspection.startswith(f"{folder}/", autoescape=True)
+        )
+        with self.write() as connection:
+            schema.lock(connection)
+            known = connection.execute(sa.select(columns.inspection).where(within).distinct()).scalars()
+            for gone in set(known) - set(there):
+                found = columns.inspection == gone
+                connection.execute(schema.inspection.delete().where(found, _of_cells(cells)))
+
+    def cell_of(self, run_id: str) -> set[str]:
+        """The cell of a run; none where the run is not known."""
+        query = sa.select(schema.run.c.cell).where(schema.run.c.run_id == run_id)
+        with self._failures(), self._engine.connect() as connection:
+            return set(connection.execute(query).scalars())
+
+    def inspections_below(self, folder: str) -> set[str]:
+        """Folders of the known inspections below a folder, at any depth."""
+        column = schema.inspection.c.inspection
+        query = sa.select(column).where(column.startswith(f"{folder}/", autoescape=True))
+        with self._failures(), self._engine.connect() as connection:
+            return set(connection.execute(query).scalars())
+
+    def replace_inspections(
+        self, run_id: str, folder: str, inspections: Iterable[CataloguedInspection]
+    ) -> None:
+        """Put these inspections of a run in place of those that were known below a folder."""
+        columns = schema.inspection.c
+        with self.write() as connection:
+            schema.lock(connection)
+            within = columns.inspection.startswith(f"{folder}/", autoescape=True)
+            connection.execute(schema.inspection.delete().where(columns.run_id == run_id, within))
+            for one in inspections:
                 _put(connection, schema.inspection, asdict(one))
 
     @staticmethod
@@ -183,6 +232,12 @@ def _put(connection: sa.Connection, table: sa.Table, values: dict[str, Any]) -> 
     insert = dialect.insert(table).values(values)
     others = {name: insert.excluded[name] for name in values if not table.c[name].primary_key}
     connection.execute(insert.on_conflict_do_update(index_elements=list(table.primary_key), set_=others))
+
+
+def _of_cells(cells: Collection[str] | sa.Select[Any]) -> sa.ColumnElement[bool]:
+    """Inspections of runs of these cells, as a condition."""
+    runs = sa.select(schema.run.c.run_id).where(schema.run.c.cell.in_(cells))
+    return schema.inspection.c.run_id.in_(runs)
 
 
 def _by_run(

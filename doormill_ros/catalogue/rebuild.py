@@ -32,13 +32,16 @@ def rebuild(catalogue: Catalogue, places: Iterable[Path]) -> Iterator[Filled]:
     """Put every bag and every inspection in the places into the catalogue, each for itself.
 
     What is refused does not keep the others out, and what was done stays when somebody ends it in between. Runs whose
-    bags lie elsewhere or are gone stay as they are.
+    bags lie elsewhere or are gone stay as they are. An inspection that is no longer in its place is forgotten, where it
+    is of a cell of which something else lies in the places.
 
     Raises:
         CatalogueError: The catalogue itself cannot be used.
     """
     places = list(places)
-    inspections = _inspections(places)
+    found = [_inspections(place) for place in places]
+    inspections = sorted({folder for there, _ in found for folder in there})
+    cells: set[str] = set()
     for bag in bags_in(places):
         if not is_bag(bag) and any(folder.is_relative_to(bag) for folder in inspections):
             continue  # a gauge's folder, without bags
@@ -48,6 +51,7 @@ def rebuild(catalogue: Catalogue, places: Iterable[Path]) -> Iterator[Filled]:
             yield Filled(bag, 0, error.message)
             continue
         catalogue.store(rows.bag, rows.runs, rows.inspections)
+        cells |= {run.cell for run in rows.runs}
         nothing = "" if rows.runs else f"bag {bag} holds no run; delete it if that is right"
         yield Filled(bag, len(rows.runs), rows.refused or nothing)
     for folder in inspections:
@@ -57,8 +61,15 @@ def rebuild(catalogue: Catalogue, places: Iterable[Path]) -> Iterator[Filled]:
             yield Filled(folder, 0, error.message)
             continue
         catalogue.store("", (), (inspection,))
+        cells |= catalogue.cell_of(inspection.run_id)
+    for place, (there, whole) in zip(places, found, strict=True):
+        if whole:
+            # Whether it can be read or not, it is there.
+            catalogue.forget_inspections(str(place.resolve()), {str(one.resolve()) for one in there}, cells)
 
 
-def _inspections(places: Iterable[Path]) -> list[Path]:
-    found = {Path(name) for place in places for name, _, files in os.walk(place) if DESCRIPTION in files}
-    return sorted(found)
+def _inspections(place: Path) -> tuple[list[Path], bool]:
+    """Folders of inspections at any depth, and whether every folder could be looked into."""
+    closed: list[OSError] = []
+    found = [Path(name) for name, _, files in os.walk(place, onerror=closed.append) if DESCRIPTION in files]
+    return found, not closed

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from doormill_ros.catalogue.bag_rows import BESIDE, DESCRIPTION
 from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.errors import BadRetentionError
+from doormill_ros.catalogue.needs import Needs, find_needs
 from doormill_ros.catalogue.run import CatalogueRow
 from doormill_ros.recording.bag_folders import METADATA, content_of_bag
 from doormill_ros.recording.bag_reader import bag_files
@@ -66,40 +67,47 @@ class Judged:
     reason: str = ""
 
 
-def judge(catalogue: Catalogue, retention: Retention, now_ns: int) -> list[Judged]:
+def judge(
+    catalogue: Catalogue, retention: Retention, now_ns: int, inspections: Sequence[Path] = ()
+) -> list[Judged]:
     """What becomes of every bag that lies on this machine, the oldest first; nothing is deleted.
 
     Args:
         catalogue: Names the bags. What it does not know is left alone.
         retention: How long they stay.
         now_ns: The time [ns since the epoch].
+        inspections: Folders that may hold inspections, beside those in which the bags lie.
     """
     here = [bag for bag in _bags(catalogue) if bag.path.is_dir() and not bag.path.is_symlink()]
     bags = sorted(here, key=lambda bag: (bag.begun_ns, bag.path))
     limit = None if retention.days is None else now_ns - s_to_ns(days_to_s(retention.days))
     total = sum(bag.size for bag in bags)
     allowed = math.inf if retention.gigabytes is None else gigabytes_to_bytes(retention.gigabytes)
-    judged = []
+    judged, needs = [], None
     for bag in bags:
         over = []
         if limit is not None and bag.begun_ns < limit:
             over.append(f"older than {retention.days:g} days")
         if total > allowed:
             over.append(f"the bags have more than {retention.gigabytes:g} GB")
-        needed = bag.needed() if over else ""
+        if over and needs is None:
+            needs = find_needs((*inspections, *(bag.path.parent for bag in bags)))
+        needed = bag.needed(needs) if over and needs is not None else ""
         goes = bool(over) and not needed
         judged.append(Judged(bag.path, bag.sha256, bag.size, bag.begun_ns, goes, needed or ", ".join(over)))
         total -= bag.size if goes else 0
     return judged
 
 
-def retain(catalogue: Catalogue, retention: Retention, now_ns: int) -> Iterator[Judged]:
+def retain(
+    catalogue: Catalogue, retention: Retention, now_ns: int, inspections: Sequence[Path] = ()
+) -> Iterator[Judged]:
     """Delete what goes, one bag at a time; arguments as for `judge`. The rows of its runs stay."""
     for bag in _bags(catalogue):
         # Whoever was ended in the middle of it left one of these.
         if _retired(bag.path).is_dir() and not bag.path.exists():
             _delete(catalogue, bag.path, bag.sha256)
-    for judged in judge(catalogue, retention, now_ns):
+    for judged in judge(catalogue, retention, now_ns, inspections):
         if judged.goes:
             # In one step out of everybody's sight: a bag is there or gone, never half of it.
             judged.bag.rename(_retired(judged.bag))
@@ -130,7 +138,7 @@ class _Bag:
     def begun_ns(self) -> int:
         return max(row.run.begun_ns or row.run.ended_ns or 0 for row in self.rows)
 
-    def needed(self) -> str:
+    def needed(self, needs: Needs) -> str:
         """Why it is kept for ever; empty where it may go.
 
         The disk is asked as well as the catalogue: what was put there since, or cannot be read, needs the bag too.
@@ -144,6 +152,9 @@ class _Bag:
             return "nobody knows how old it is"
         if (self.path.parent / BESIDE / DESCRIPTION).exists():
             return f"the inspection {self.path.parent / BESIDE} needs it"
+        inspected = needs.of(self.path, [row.run.run_id for row in self.rows])
+        if inspected:
+            return inspected
         if (self.path / EXPECTATION).exists():
             return f"its {EXPECTATION} is an expectation"
         own = {METADATA, *(file.name for file in bag_files(self.path))}

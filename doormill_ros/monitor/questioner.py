@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
@@ -17,6 +18,7 @@ from typing import Any
 
 from doormill_ros.errors import one_line
 from doormill_ros.files import write_atomically
+from doormill_ros.measurements.inspection import DESCRIPTION, TABLE
 from doormill_ros.robot_model.model_file import MODEL_FILE
 
 #: Behind the running cell: the door comes first.
@@ -36,16 +38,35 @@ class DoorQuestion:
         doors: Folders of inspections by run, oldest first.
         version: Of the model in use.
         model: Its path; "" for the robot's joint springs.
+        checksums: Of what was measured on each door, see `checksum`; taken before the diagnosis reads it.
     """
 
     doors: tuple[tuple[str, Path], ...]
     version: int
     model: str
+    checksums: tuple[str, ...] = ()
 
     @property
     def asked(self) -> dict[str, Any]:
         """What tells it from others, JSON-able."""
-        return {"runs": [run_id for run_id, _ in self.doors], "version": self.version, "model": self.model}
+        return {
+            "runs": [run_id for run_id, _ in self.doors],
+            "checksums": [*self.checksums],
+            "version": self.version,
+            "model": self.model,
+        }
+
+
+def checksum(inspection: Path) -> str:
+    """Of both files of an inspection: SHA-256; empty where they are not there."""
+    whole = hashlib.sha256()
+    try:
+        for name in (DESCRIPTION, TABLE):
+            with (inspection / name).open("rb") as stream:
+                whole.update(hashlib.file_digest(stream, "sha256").digest())
+    except OSError:
+        return ""  # measured anew or set aside at this moment: the question after it has another one
+    return whole.hexdigest()
 
 
 @dataclass(frozen=True, eq=False)

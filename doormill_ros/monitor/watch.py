@@ -13,11 +13,12 @@ from doormill_ros.errors import DoormillError, unexpected
 from doormill_ros.measurements.inspection import DESCRIPTION, inspections_in
 from doormill_ros.models.record import StoreRecord
 from doormill_ros.models.store import ModelStore
-from doormill_ros.monitor.errors import QuestionError, UnknownRunError
+from doormill_ros.monitor.errors import KeepingError, QuestionError, UnknownRunError
 from doormill_ros.monitor.finding import UNKNOWN, DoorFinding, finding_of
 from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoor, KeptDoors, points_of
-from doormill_ros.monitor.questioner import DoorAnswer, DoorQuestion, Questioner
+from doormill_ros.monitor.questioner import DoorAnswer, DoorQuestion, Questioner, checksum
 from doormill_ros.monitor.recorded_runs import RecordedRuns
+from doormill_ros.monitor.rehearsal import rehearse
 from doormill_ros.monitor.stop import stop_sentence
 
 SHOWN = 100  # doors
@@ -85,6 +86,7 @@ class ModelWatch:
         store: Of models.
         settings: What to go by now.
         changed: Called after every change of the state, from any thread.
+        lies: Called with a run whose inspection came to `folder`, or lies elsewhere in it now; from any thread.
     """
 
     def __init__(
@@ -94,7 +96,9 @@ class ModelWatch:
         store: Path,
         settings: Callable[[], WatchSettings],
         changed: Callable[[], None],
+        lies: Callable[[str], None] = lambda run_id: None,
     ) -> None:
+        self._lies = lies
         self._kept = KeptDoors(folder, RecordedRuns(bags))
         self._store = ModelStore(store)
         self._settings = settings
@@ -174,23 +178,26 @@ class ModelWatch:
             tell: Gets each that is kept or waits.
 
         Raises:
-            DataSetError: One cannot be read; then none is kept.
+            DataSetError, InspectionMessageError: One cannot be read or kept; then none is.
             UnknownRunError: No bag holds the run of one of them; the others are kept, and it waits.
-            DoormillError: As `KeptDoors.keep`.
+            KeepingError: One cannot be written; those before it are kept.
         """
         inspections = inspections_in(path.parent if path.name == DESCRIPTION else path)
+        handed = [(points_of(inspection), inspection.bag) for inspection in inspections]
+        for points, _ in handed:
+            rehearse(points)
         taken, unknown = [], None
-        for inspection in inspections:
-            points = points_of(inspection)
-            try:
-                with self._keeping:
-                    taken.append(self._kept.keep(points, inspection.bag))
-            except UnknownRunError as error:
-                unknown = error
-            tell(points)
-        if taken:
-            self._ask()
-        self._changed()
+        try:
+            for points, bag in handed:
+                try:
+                    taken.append(self._keep(points, bag))
+                except UnknownRunError as error:
+                    unknown = error
+                tell(points)
+        finally:
+            if taken:
+                self._ask()
+            self._changed()
         if unknown is not None:
             raise unknown
         return taken
@@ -239,13 +246,14 @@ class ModelWatch:
         while self._came and not self._ended:
             told = True
             try:
-                with self._keeping:
-                    self._kept.keep(self._came.popleft())
+                self._keep(self._came.popleft())
                 taken, self._trouble = taken + 1, None
             except DoormillError as error:
                 self._trouble = error
         with self._keeping:
             found = self._kept.take_up()
+        for door in found:
+            self._lies(door.run_id)
         if found and isinstance(self._trouble, UnknownRunError):
             self._trouble = None
         if (taken or found) and not self._ended:
@@ -253,14 +261,27 @@ class ModelWatch:
         if taken or found or told:
             self._changed()
 
+    def _keep(self, points: DoorPoints, bag: Path | None = None) -> KeptDoor:
+        """As `KeptDoors.keep`."""
+        try:
+            with self._keeping:
+                door = self._kept.keep(points, bag)
+        except (UnknownRunError, KeepingError):
+            self._lies(points.run_id)  # where it waits
+            raise
+        self._lies(points.run_id)
+        return door
+
     def _question(self) -> DoorQuestion:
         settings, doors = self._settings(), self._kept.doors()
         chosen = [door.run_id for door in doors if door.run_id >= settings.since][-settings.doors :]
+        folders = [(run_id, self._kept.folder(run_id)) for run_id in chosen]
         used = self._store.model(self._store.record().in_use)
         return DoorQuestion(
-            tuple((run_id, self._kept.folder(run_id)) for run_id in chosen),
+            tuple(folders),
             used.version,
             used.path or settings.model,
+            tuple(checksum(folder) for _, folder in folders),
         )
 
     def _ask(self) -> None:
@@ -292,6 +313,7 @@ class ModelWatch:
         with self._keeping:
             for run_id in spoiled:
                 self._kept.refuse(run_id, verdict.failure)
+                self._lies(run_id)
         self._trouble = QuestionError(
             f"the inspection of run {spoiled[0]} was set aside: {verdict.failure}; hand it in again put right",
             run_id=spoiled[0],

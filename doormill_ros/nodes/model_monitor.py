@@ -12,6 +12,7 @@ from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorInspection
 from doormill_interfaces.srv import AcceptModel, HandInInspection, RevertModel
+from doormill_ros.catalogue.inspection_notes import InspectionNotes
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.errors import DoormillError
 from doormill_ros.measurements.inspection import CAMERA
@@ -52,6 +53,11 @@ class ModelMonitor(ManagedNode):
             1.0,
             live=True,
         ),
+        NodeParameter(
+            "catalogue",
+            "",
+            "database that inspections are noted in, as that of /bag_recorder, so that their bags stay; none: no",
+        ),
         NodeParameter("limit.diagnosis", 1800.0, "longest diagnosis [s]", 1.0, 86400.0, live=True),
     )
 
@@ -60,17 +66,22 @@ class ModelMonitor(ManagedNode):
 
     def setup(self) -> None:
         """Open what is kept, subscribe, offer the services."""
+        folder, catalogue = Path(self.value("inspections")), self.value("catalogue")
+        self._notes = None if catalogue == "none" else InspectionNotes(catalogue, folder, self._tell)
         self._watch = ModelWatch(
-            Path(self.value("inspections")),
+            folder,
             Path(self.value("bags")),
             store_folder(self.value("models")),
             self._settings,
             self._tell,
+            lambda run_id: None if self._notes is None else self._notes.note(run_id),
         )
         self._settled = self._settings()
         self._verdict = self.publisher(topics.MODEL_VERDICT)
         self._inspected = self.publisher(topics.MODEL_INSPECTED)
         self._watch.start()
+        if self._notes is not None:
+            self._notes.start()
         self.subscribe(topics.DOOR_INSPECTION, self._take)
         self.serve(HandInInspection, "model/inspect", self._hand_in)
         self.serve(AcceptModel, "model/accept", self._accept)
@@ -84,6 +95,8 @@ class ModelMonitor(ManagedNode):
     def teardown(self) -> None:
         """Give up the question in hand; it is asked again after the next start."""
         self._watch.stop()
+        if self._notes is not None:
+            self._notes.stop()
 
     def state(self) -> WatchState:
         """What is known now; of a configured node.
@@ -162,6 +175,8 @@ class ModelMonitor(ManagedNode):
             self.report(WARN, state.stopped, error_code=MillingStoppedError.code, **figures)
         elif state.message:
             self.report(WARN, state.message, error_code=state.error_code, **figures)
+        elif self._notes is not None and self._notes.failure:
+            self.report(WARN, self._notes.failure, **figures)
         else:
             said = "no door was inspected yet" if state.finding is None else state.finding.sentence
             self.report(OK, said, waiting=state.waiting, **figures)

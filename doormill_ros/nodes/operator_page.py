@@ -40,7 +40,7 @@ from doormill_ros.nodes.reporting_node import ERROR, OK, NodeParameter
 from doormill_ros.nodes.robots import ROBOTS, in_robot
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.operator.audit import AuditLog
-from doormill_ros.operator.door_view import door_view
+from doormill_ros.operator.door_view import door_view, worst_by_feature
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.history import append_history, kept_run, load_history
 from doormill_ros.operator.model_view import ModelView, TrendDoor
@@ -115,7 +115,7 @@ class OperatorPage(ManagedNode):
         self._bridges_heard = dict.fromkeys(self._places, float("-inf"))
         self._look_for_bridges()
         self._shown: ShownDoors[Image] = ShownDoors()
-        self._judged, self._found = "", ("", MeasuredDoor())
+        self._judged, self._found = "", ("", MeasuredDoor(), 0.0)
         self._pictures: deque[Image] = deque(maxlen=KEPT_PICTURES)
         host, tokens = self.value("host"), self.value("tokens")
         token = self._given or (load_keys(Path(tokens)) if tokens else None)
@@ -182,7 +182,7 @@ class OperatorPage(ManagedNode):
 
     def _take_milled(self, door: MilledDoor) -> None:
         self._judged = door.run_id
-        self._found = door.run_id, inspection_of(door)
+        self._found = door.run_id, inspection_of(door), 0.0
         found = {feature.feature: feature.corrected_max for feature in door.features}
         self._measured(door.run_id, found, door.tolerance)
         self._amend()
@@ -191,29 +191,27 @@ class OperatorPage(ManagedNode):
         if measured.run_id == self._judged:
             return  # who measured in the cell has told more, and the result holds it
         inspection = gauged_of(measured)
-        self._found = measured.run_id, inspection
-        found: dict[str, float] = {}
-        for feature, deviation in zip(measured.feature, measured.deviation, strict=False):
-            found[feature] = max(found.get(feature, 0.0), abs(deviation))
-        self._measured(measured.run_id, found, inspection.tolerance)
+        self._found = measured.run_id, inspection, max(seconds_of(measured.header.stamp), 0.0)
+        points = zip(measured.feature, measured.deviation, strict=False)
+        self._measured(measured.run_id, worst_by_feature(points), inspection.tolerance)
         self._amend()
 
     def _amend(self) -> None:
         """Say of the run that was measured last how its door came out; its result may come before or after."""
-        run_id, inspection = self._found
+        run_id, inspection, at = self._found
+        found = inspection, at, run_id == self._judged
         before = self.store.view.history
-        self.store.update(lambda view: view.with_inspection(run_id, inspection))
+        self.store.update(lambda view: view.with_inspection(run_id, *found))
         amended = set(self.store.view.history) - set(before)
         if run_id != self.store.view.run_id and all(run.run_id != run_id for run in before):
             kept = kept_run(self._history, run_id)  # it ended so long ago that the page shows it no more
-            amended |= {kept.found(inspection)} - {kept} if kept else set()
+            amended |= {kept.found(*found)} - {kept} if kept else set()
         for run in amended:
             append_history(self._history, run)
 
     def _measured(self, run_id: str, found: dict[str, float], tolerance: float) -> None:
-        finite = {name: value for name, value in found.items() if math.isfinite(value)}
         allowed = tolerance if math.isfinite(tolerance) else 0.0
-        self.store.update(lambda view: view.with_measured(run_id, finite, allowed))
+        self.store.update(lambda view: view.with_measured(run_id, found, allowed))
 
     def _take_feedback(self, message: Any) -> None:
         feedback = message.feedback
@@ -257,6 +255,7 @@ class OperatorPage(ManagedNode):
             result.message,
             seconds_of(result.header.stamp),
             result.measured,
+            result.measured and result.run_id == self._judged,
         )
         known = any(run.run_id == ended.run_id for run in self.store.view.history)
         self.store.update(lambda view: view.with_ended(ended))

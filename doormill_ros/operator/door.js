@@ -7,7 +7,7 @@ const HALF_LETTER = 22; // mm
 const TICK = 1000; // ms
 const NONE = "–";
 const FACES = ["hinge_edge", "front", "lock_edge"];
-const MEASURED = ["within", "beyond", "measured"];
+const MEASURED = ["within", "beyond", "measured", "not_measured"];
 let drawn = null;
 let begun = {}; // by robot: when this page saw it begin with which run
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from doormill_ros.units import m_to_mm
 
 CHORD_ERROR = 5e-4  #: of arcs, which are drawn as lines [m]
 NOT_MEASURED = -1.0
+NO_NUMBER = -2.0
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class FeatureView:
         hidden: It lies on the rear face.
         outline: Its contour, from the left and from the bottom of that face [mm].
         begin, end: When the plan has it milled, from the start of the program [s]; both 0: no plan.
-        deviation: How far it is off [m]; negative: not measured.
+        deviation: How far it is off [m]; NOT_MEASURED: nobody tried; NO_NUMBER: one of its points could not be.
         tolerance: What is allowed [m]; 0: not known.
         robots: Numbers of those of two robots that mill it or a half of it; empty: there is one robot.
         plans: When each of them has it milled, as begin and end.
@@ -49,7 +50,9 @@ class FeatureView:
     plans: Mapping[int, tuple[float, float]] = field(default_factory=dict)
 
     def came_to(self, in_work: bool, success: bool | None, shares: Mapping[int, str] | None = None) -> str:
-        """planned, in_work, within, beyond, measured, milled, half_milled or not_milled; a key of the page's texts.
+        """A key of the page's texts.
+
+        One of planned, in_work, within, beyond, measured, not_measured, milled, half_milled, not_milled.
 
         Args:
             in_work: The robot mills the door.
@@ -60,6 +63,8 @@ class FeatureView:
             if self.tolerance <= 0.0:
                 return "measured"
             return "within" if self.deviation <= self.tolerance else "beyond"
+        if self.deviation == NO_NUMBER:
+            return "not_measured"
         if shares and self.robots:
             return together({shares[robot] for robot in self.robots})
         if success is not None:
@@ -120,10 +125,11 @@ class DoorView:
         return replace(self, features=tuple(map(planned, self.features)))
 
     def with_measured(self, found: Mapping[str, float], tolerance: float) -> DoorView:
-        """How far features are off, and what is allowed, 0 where that is not known [m]."""
+        """How far features are off, NaN for one that could not be measured, and what is allowed, 0 if not known [m]."""
+        finite = {name: off if np.isfinite(off) else NO_NUMBER for name, off in found.items()}
         features = (
-            replace(feature, deviation=found[feature.name], tolerance=tolerance or feature.tolerance)
-            if feature.name in found
+            replace(feature, deviation=finite[feature.name], tolerance=tolerance or feature.tolerance)
+            if feature.name in finite
             else feature
             for feature in self.features
         )
@@ -155,6 +161,17 @@ class DoorView:
                 for feature in self.features
             ],
         }
+
+
+def worst_by_feature(points: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """How far each feature is off at its worst point [m], from the points' features and deviations [m].
+
+    NaN where a point has no number: the feature may be off by anything there.
+    """
+    found: dict[str, float] = {}
+    for feature, deviation in points:
+        found[feature] = max(found.get(feature, 0.0), abs(deviation), key=lambda off: (off != off, off))
+    return found
 
 
 def door_view(recipe: Recipe, run_id: str, settings: PathSettings | None = None) -> DoorView:

@@ -124,9 +124,12 @@ def _ended(values: dict[str, Any]) -> EndedRun:
         message=str(values["message"]),
         ended=float(values["ended"]),
         measured=bool(values.get("measured", False)),
+        # Summaries are of simulated cells, which measure; lines of older software do not tell.
+        in_cell=bool(values.get("in_cell", values.get("measured", False))),
+        gauged=float(values.get("gauged", 0.0)),
     )
     if not run.run_id:
         raise ValueError("a goal that never became a run")
-    if not 0.0 <= run.ended < _LATEST:
+    if not (0.0 <= run.ended < _LATEST and 0.0 <= run.gauged < _LATEST):
         raise ValueError("a time that no calendar has")
     return run

@@ -172,9 +172,12 @@ class CellView:
             history=history,
         )
 
-    def with_inspection(self, run_id: str, inspection: MeasuredDoor) -> CellView:
+    def with_inspection(
+        self, run_id: str, inspection: MeasuredDoor, at: float = 0.0, in_cell: bool = False
+    ) -> CellView:
         """The door of a run that ended was measured, perhaps long after; see `EndedRun.found`."""
-        history = tuple(run.found(inspection) if run.run_id == run_id else run for run in self.history)
+        found = inspection, at, in_cell
+        history = tuple(run.found(*found) if run.run_id == run_id else run for run in self.history)
         if history == self.history:
             return self
         newest = history[0]

@@ -9,6 +9,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from doormill_ros.catalogue.database import ENVIRONMENT, Catalogue, Selection
+from doormill_ros.catalogue.errors import BadRetentionError
+from doormill_ros.catalogue.needs import monitor_folders
 from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.catalogue.retention import Judged, Retention, judge, retain
 from doormill_ros.catalogue.run import CatalogueRow
@@ -56,6 +58,13 @@ def parser() -> argparse.ArgumentParser:
     command = commands.add_parser("retain", help="delete the bags whose time is over")
     command.add_argument("--days", type=float, help="older ones go")
     command.add_argument("--gigabytes", type=float, help="the oldest go while there are more")
+    command.add_argument(
+        "--inspections",
+        type=Path,
+        action="append",
+        metavar="DIR",
+        help="inspections below it keep their bags; may be given again; by default where /model_monitor keeps them",
+    )
     command.add_argument("--dry-run", action="store_true", help="only say which")
     return top
 
@@ -149,8 +158,14 @@ def _keep(catalogue: Catalogue, arguments: argparse.Namespace) -> int:
 def _retain(catalogue: Catalogue, arguments: argparse.Namespace) -> int:
     retention, now_ns = Retention(arguments.days, arguments.gigabytes), s_to_ns(time.time())
     gone = size = kept = 0
-    dry = arguments.dry_run
-    for judged in judge(catalogue, retention, now_ns) if dry else retain(catalogue, retention, now_ns):
+    dry, places = arguments.dry_run, arguments.inspections or monitor_folders()
+    missing = next((place for place in places if not place.is_dir()), None)
+    if missing is not None:
+        raise BadRetentionError(
+            f"found no folder {missing} with inspections, allowed is one that is there; no bag went",
+            path=str(missing),
+        )
+    for judged in (judge if dry else retain)(catalogue, retention, now_ns, places):
         gone, size = gone + judged.goes, size + judged.goes * judged.size
         kept += not judged.goes
         if judged.reason:

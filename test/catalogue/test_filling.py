@@ -260,3 +260,60 @@ def test_an_inspection_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     assert len([text for text in told if "measured_at" in text]) == 2
     with pytest.raises(DoormillError):
         read_rows(tmp_path / "nothing")
+
+
+def inspected(url: str, *places: Path) -> dict[str, str]:
+    """The folder's name of each inspected run."""
+    rows = rebuilt(url, *places)
+    return {row.run.run_id: Path(row.inspection.inspection).name for row in rows if row.inspection}
+
+
+def test_a_run_id_that_was_put_right_leaves_the_other_run_without_inspection(
+    tmp_path: Path, url: str
+) -> None:
+    write_run_bag(tmp_path / "bags" / "one", [DrawnRun("run_0"), DrawnRun("run_1")])
+    write_inspection_note(tmp_path / "gauge" / "17", "run_1")
+    assert inspected(url, tmp_path) == {"run_1": "17"}
+    write_inspection_note(tmp_path / "gauge" / "17", "run_0")
+    assert inspected(url, tmp_path / "gauge") == {"run_0": "17"}
+    assert inspected(url, tmp_path) == {"run_0": "17"}
+
+
+def test_an_inspection_that_is_gone_is_forgotten_once_its_place_is_rebuilt(tmp_path: Path, url: str) -> None:
+    write_run_bag(tmp_path / "bags" / "one", [DrawnRun("run_0"), DrawnRun("run_1"), DrawnRun("run_2")])
+    for number in range(3):
+        write_inspection_note(tmp_path / "gauge" / str(number), f"run_{number}")
+    everything = {"run_0": "0", "run_1": "1", "run_2": "2"}
+    assert inspected(url, tmp_path) == everything
+    shutil.rmtree(tmp_path / "gauge" / "0")
+    (tmp_path / "gauge" / "2" / "inspection.yaml").write_text("run_id: [")
+    assert inspected(url, tmp_path / "bags") == everything  # of another place it tells nothing
+    with Catalogue(url) as catalogue:
+        list(rebuild(catalogue, [tmp_path / "gauge"]))
+        rows = list(catalogue.rows())
+    assert [row.run.run_id for row in rows if row.inspection] == ["run_1", "run_2"]  # who knows what it says
+
+
+def test_a_place_that_holds_nothing_makes_nothing_forgotten(tmp_path: Path, url: str) -> None:
+    """As where the disk that belongs there is not mounted."""
+    write_run_bag(tmp_path / "bags" / "one", [DrawnRun("run_0")])
+    write_inspection_note(tmp_path / "gauge" / "0", "run_0")
+    assert inspected(url, tmp_path) == {"run_0": "0"}
+    (tmp_path / "gauge").rename(tmp_path / "away")
+    (tmp_path / "gauge").mkdir()
+    with Catalogue(url) as catalogue:
+        list(rebuild(catalogue, [tmp_path / "gauge"]))
+        assert [row.inspection is not None for row in catalogue.rows()] == [True]
+
+
+def test_inspections_of_another_machine_stay(tmp_path: Path, url: str) -> None:
+    """It may have a folder of the same path, which nobody here can look into."""
+    write_run_bag(tmp_path / "bags" / "one", [DrawnRun("run_0")])
+    other = {**RECORDER, "cell": "larder/cell1"}
+    write_run_bag(tmp_path / "other", [DrawnRun("run_1")], recorder=other)
+    write_inspection_note(tmp_path / "gauge" / "0", "run_1")
+    assert inspected(url, tmp_path / "gauge", tmp_path / "other") == {"run_1": "0"}
+    write_inspection_note(tmp_path / "gauge" / "0", "run_0")
+    assert inspected(url, tmp_path / "gauge", tmp_path / "bags") == {"run_0": "0", "run_1": "0"}
+    (tmp_path / "gauge" / "0").rename(tmp_path / "gauge" / "1")
+    assert inspected(url, tmp_path / "gauge", tmp_path / "bags") == {"run_0": "1", "run_1": "0"}

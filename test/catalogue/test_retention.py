@@ -13,6 +13,7 @@ from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.errors import BadRetentionError
 from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.catalogue.retention import Judged, Retention, judge, retain
+from doormill_ros.tools.catalogue import main
 from support.run_bags import BEGUN_NS, DAY_NS, DrawnRun, write_inspection_note, write_run_bag
 
 NOW_NS = BEGUN_NS + 100 * DAY_NS
@@ -100,6 +101,60 @@ def test_what_is_needed_never_goes(catalogue: Catalogue, tmp_path: Path) -> None
     kept = [one.bag.parent.name for one in retain(catalogue, Retention(days=0), NOW_NS) if not one.goes]
     assert kept == ["1", "2", "3", "4", "5", "6", "7"]
     assert sorted(path.parent.name for path in tmp_path.glob("*/bag")) == kept
+
+
+def test_an_inspection_near_the_bag_keeps_it_whatever_its_folder_is_called(
+    catalogue: Catalogue, tmp_path: Path
+) -> None:
+    make(tmp_path, *range(5))
+    fill(catalogue, tmp_path)
+    write_inspection_note(tmp_path / "0" / "gauge", "run_0")
+    write_inspection_note(tmp_path / "1" / "cmm" / "first", "run_11")  # a slip, but its bag is this one
+    note = tmp_path / "1" / "cmm" / "first" / "inspection.yaml"
+    note.write_text(note.read_text().replace("bag: bag", f"bag: {tmp_path / '1' / 'bag'}"))
+    write_inspection_note(tmp_path / "2", "another")
+    (tmp_path / "3" / "gauge").mkdir()
+    (tmp_path / "3" / "gauge" / "inspection.yaml").write_text("run_id: [")
+    found = reasons(catalogue, days=0)
+    assert f"{tmp_path / '0' / 'gauge'} needs it" in found["0"]
+    assert f"{note.parent} needs it" in found["1"]
+    assert f"{tmp_path / '2'} needs it" in found["2"]  # it names the bag
+    assert "cannot be read" in found["3"]
+    assert going(catalogue, days=0) == ["4"]
+
+
+def test_inspections_that_lie_elsewhere_keep_their_bags_though_nobody_catalogued_them(
+    catalogue: Catalogue, tmp_path: Path
+) -> None:
+    make(tmp_path / "bags", *range(4))
+    fill(catalogue, tmp_path)
+    kept = tmp_path / "kept"
+    write_inspection_note(kept / "doors" / "run_0", "run_0")
+    (kept / "refused" / "run_1").mkdir(parents=True)
+    (kept / "refused" / "run_1" / "inspection.yaml").write_bytes(b"\xff")
+    gone = [one.bag.parent.name for one in retain(catalogue, Retention(days=0), NOW_NS, [kept]) if one.goes]
+    assert gone == ["2", "3"]
+
+
+@pytest.mark.parametrize("parameters", ["", "/**/model_monitor: {ros__parameters: {inspections: gauged}}\n"])
+def test_the_command_asks_where_the_monitor_keeps_inspections(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], parameters: str
+) -> None:
+    site, url = tmp_path / "site", str(tmp_path / "catalogue.sqlite")
+    monkeypatch.setenv("DOORMILL_SITE", str(site))
+    make(tmp_path / "bags", 0, 1)
+    with Catalogue(url) as catalogue:
+        fill(catalogue, tmp_path)
+    if parameters:
+        (site / "config").mkdir(parents=True)
+        (site / "config" / "nodes.yaml").write_text(parameters)
+    write_inspection_note(site / ("gauged" if parameters else "out/inspections") / "doors" / "x", "run_0")
+    retained = ["--database", url, "retain", "--days", "0"]
+    assert main([*retained, "--inspections", str(tmp_path / "nowhere")]) == 2
+    assert len(list((tmp_path / "bags").glob("*/bag"))) == 2
+    assert main(retained) == 0
+    assert "1 stay" in capsys.readouterr().out
+    assert [path.parent.name for path in (tmp_path / "bags").glob("*/bag")] == ["0"]
 
 
 def test_a_bag_stays_while_one_of_its_runs_is_young_or_inspected(

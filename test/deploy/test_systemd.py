@@ -10,12 +10,14 @@ from pathlib import Path
 import pytest
 
 from doormill_ros.cell.readiness import BESIDE, NEEDED
+from doormill_ros.tools.catalogue import parser
 from support.source_tree import ROOT
 
 UNITS = ROOT / "deploy" / "systemd"
 NODES = [f"doormill@{name}.service" for name in (*NEEDED, *BESIDE, "cell_simulator")]
-OTHERS = ["doormill.target", "doormill-backup.service", "doormill-backup.timer"]
-SERVICES = ["doormill@.service", "doormill-backup.service"]
+TIMED = ["doormill-backup", "doormill-retain"]
+OTHERS = ["doormill.target", *(f"{name}.{kind}" for name in TIMED for kind in ("service", "timer"))]
+SERVICES = ["doormill@.service", *(f"{name}.service" for name in TIMED)]
 INSTALLED = "/opt/doormill"
 MOST_EXPOSED = 2.0  # of 10, as systemd-analyze counts
 
@@ -89,8 +91,28 @@ def test_what_is_started_is_there() -> None:
         for path in UNITS.glob("*.service")
         for command in re.findall(rf"{INSTALLED}/(\S+)", path.read_text())
     }
-    assert {"deploy/doormill-run", "docs/living.md"} == commands
+    assert {"deploy/doormill-run", "docs/living.md", "docs/catalogue.md"} == commands
     assert all((ROOT / command).is_file() for command in commands)
+
+
+def test_bags_go_by_the_catalogue_alone() -> None:
+    """Not by their age: some are needed for ever."""
+    tmpfiles = (UNITS / "doormill.tmpfiles").read_text()
+    aged = {Path(path).name for path in re.findall(r"^[a-zA-Z!]+ (\S+) .* \d+d$", tmpfiles, re.MULTILINE)}
+    assert "targets" in aged
+    assert aged.isdisjoint({"bags", "out"})
+    command = re.search(
+        r"^ExecStart=\S+ (.*)$", (UNITS / "doormill-retain.service").read_text(), re.MULTILINE
+    )
+    assert command is not None
+    assert parser().parse_args(command[1].split()[1:]).command == "retain"
+
+
+def test_what_comes_every_night_is_enabled_by_the_page() -> None:
+    page = (ROOT / "docs" / "living.md").read_text()
+    (enabled,) = re.findall(r"^systemctl enable --now (.*)$", page, re.MULTILINE)
+    assert {f"{name}.timer" for name in TIMED} <= set(enabled.split())
+    assert all("WantedBy=timers.target" in (UNITS / f"{name}.timer").read_text() for name in TIMED)
 
 
 def test_the_log_is_bounded() -> None:

@@ -4,6 +4,7 @@ import shutil
 import time
 from dataclasses import replace
 from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from doormill_ros.errors import DataSetError
 from doormill_ros.measurements.inspection import read_inspection
 from doormill_ros.models.errors import MillingStoppedError, UnknownVersionError
 from doormill_ros.models.store import ModelStore
-from doormill_ros.monitor.errors import InspectionMessageError, QuestionError, UnknownRunError
+from doormill_ros.monitor.errors import InspectionMessageError, KeepingError, QuestionError, UnknownRunError
 from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoors
+from doormill_ros.monitor.questioner import Questioner
+from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.monitor.watch import ModelWatch, WatchSettings
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.source_tree import ROOT
@@ -148,6 +151,21 @@ def test_a_watch_that_was_ended_knows_its_verdict_again(copied, asked):
         assert replace(state, asking=False) == asked[1]
 
 
+@pytest.mark.parametrize("changes", [{}, {"deviation": 0.2}, {"noise": 2.0}], ids=str)
+def test_a_door_that_was_measured_anew_before_the_end_is_asked_about(copied, inspected, monkeypatch, changes):
+    """Kept, and the process killed before the answer; the same points again are no other question."""
+    read = read_inspection(inspected / "door_000")
+    scaled = {name: getattr(read, name) * factor for name, factor in changes.items()}
+    kept, runs = copied / "kept", []
+    KeptDoors(kept, RecordedRuns(ROOT / "bags")).keep(
+        points_of(inspected / "door_000", measured_at=read.measured_at, **scaled)
+    )
+    monkeypatch.setattr(Questioner, "ask", lambda _, question: runs.append(question.asked["runs"]))
+    with Watched(copied):
+        pass
+    assert len(runs) == bool(changes)
+
+
 def test_nothing_is_accepted_by_itself_and_no_unknown_version(copied):
     with Watched(copied) as watched:
         with pytest.raises(UnknownVersionError):
@@ -165,7 +183,7 @@ def test_an_inspection_of_an_unknown_run_waits_for_its_bag(inspected, tmp_path):
         assert points.run_id in state.message
         assert (state.waiting, state.doors) == (1, ())
         shutil.copytree(ROOT / "bags" / DOORS[0], bags / "later")
-        state = watched.answered(lambda state: state.doors and not state.asking)
+        state = watched.answered(lambda state: state.finding and not state.asking)
         assert [door.run_id for door in state.doors] == [points.run_id]
         assert (state.waiting, state.error_code) == (0, 0)
         assert state.finding.questioned == 1
@@ -226,6 +244,41 @@ def test_a_broken_file_is_named_and_keeps_nothing_out_that_was_there(copied, ins
             watched.watch.hand_in(broken / "inspection.yaml", told.append)
         assert watched.watch.state() == before
     assert not told
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("run_id", "'2026 11 27 no 2'"), ("run_id", "'1.50'"), ("datum", "'feature a: b'")]
+)
+def test_of_a_folder_of_which_one_is_refused_none_is_taken(inspected, tmp_path, key, value):
+    folder, told = tmp_path / "in", []
+    for number in range(2):
+        door = Path(shutil.copytree(inspected / f"door_{number:03d}", folder / str(number)))
+        lines = dict(line.split(": ", 1) for line in (door / "inspection.yaml").read_text().splitlines())
+        lines["bag"] = str(ROOT / "bags" / DOORS[number])
+        lines |= {key: value} if number else {}
+        (door / "inspection.yaml").write_text("".join(f"{k}: {v}\n" for k, v in lines.items()))
+    with Watched(tmp_path) as watched:
+        with pytest.raises((InspectionMessageError, DataSetError)):
+            watched.watch.hand_in(folder, told.append)
+        state = watched.watch.state()
+    assert (told, state.doors, state.waiting, state.asking) == ([], (), 0, False)
+
+
+def test_inspections_that_were_taken_before_the_disk_was_full_are_asked_about(
+    inspected, tmp_path, monkeypatch
+):
+    keep, asked = KeptDoors.keep, []
+
+    def full(kept, points, bag=None):
+        if kept._doors.is_relative_to(tmp_path) and kept.doors():
+            raise KeepingError("no space left")
+        return keep(kept, points, bag)
+
+    monkeypatch.setattr(KeptDoors, "keep", full)
+    monkeypatch.setattr(Questioner, "ask", lambda _, question: asked.append(len(question.doors)))
+    with Watched(tmp_path) as watched, pytest.raises(KeepingError):
+        watched.watch.hand_in(inspected, nobody)
+    assert asked == [1]
 
 
 def test_a_door_that_the_diagnosis_cannot_use_is_set_aside_and_the_others_are_questioned(copied, inspected):

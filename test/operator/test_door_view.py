@@ -21,7 +21,17 @@ from doormill_ros.operator.view_store import ViewStore
 from doormill_ros.recipes.documents import load_recipe, shipped_recipes
 
 LIMIT = 120_000.0  # ms
-CAME_TO = {"planned", "in_work", "within", "beyond", "measured", "milled", "half_milled", "not_milled"}
+CAME_TO = {
+    "planned",
+    "in_work",
+    "within",
+    "beyond",
+    "measured",
+    "milled",
+    "half_milled",
+    "not_measured",
+    "not_milled",
+}
 FACES = {"front", "hinge_edge", "lock_edge"}
 
 
