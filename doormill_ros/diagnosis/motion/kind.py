@@ -37,9 +37,9 @@ recording is cut into twenty contiguous blocks, every tenth is predicted by a fi
 named if that improves by far more than what is left has at the frequencies of the cause, in most blocks, by a
 twentieth at least, and if no shape without a name does clearly better in its place; with several recordings also if
 those left out as a whole do not lose by it. Standard deviations come from the scatter of whole blocks, because
-neighbouring samples repeat each other. A lone encoder that is read early looks like damping, and is called so as long
-as the motor gave the torque for it; early encoders that agree, or are earlier, have a negative skew. A recording that
-is only checked gives nothing but its own constants."""
+neighbouring samples repeat each other. A lone encoder that is read early looks like damping, and is called so while the
+motor gave the torque for it; early encoders that agree, or are earlier, have a negative skew. A recording that is
+only checked gives nothing but its own constants."""
 
 
 class Motions(Kind[MotionSet, MotionDiagnosis]):
