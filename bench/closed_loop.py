@@ -28,7 +28,7 @@ from doormill_ros.cell.run_folder import ShiftFolder
 from doormill_ros.diagnosis.core.kind import run
 from doormill_ros.diagnosis.parts.kind import Inspections
 from doormill_ros.measurements.inspection import read_inspection
-from doormill_ros.monitor.watch import WatchState
+from doormill_ros.monitor.watch_state import WatchState
 from doormill_ros.nodes.cell import CellOptions
 from doormill_ros.nodes.monitor_beside import ModelMonitorBeside
 from doormill_ros.nodes.shift import run_shift

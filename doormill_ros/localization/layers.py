@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.errors import WrongEdge
+from doormill_ros.localization.shade import BESIDE, PITCH, WELL, Sight, shaded
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import median
 from doormill_ros.units import m_to_mm
@@ -32,9 +32,7 @@ _TOGETHER = 0.25e-3  # a strip that ends so near to the other edge ends with it 
 _TWIN = 0.7  # strips along both edges that are one differ by less than that factor in width
 _CROSSED = 0.07  # strips fainter than that in the logarithm tell nothing where they cross
 _BRIGHT = 225.0  # strips brighter than that may be clipped where they cross [grey levels]
-_SHADE = 0.35  # a shadow darkens face and background alike, to that share of the logarithm
 _ACROSS = np.linspace(0.3, 0.7, 5)  # where across a strip it is read, as shares of its width
-_PITCH = 0.1e-3  # m
 _END = (
     -6.0e-3,
     4.0e-3,
@@ -42,33 +40,6 @@ _END = (
 _CLOSE = (-1.2e-3, 1.5e-3)  # the same for an end that is to be placed exactly [m]
 _TOLD, _AS_FLUSH = 0.06e-3, 0.33  # a bevel's end is seen from so far out [m], and a strip's nearer is flush
 _RISE = 0.15  # a strip begins where it differs so much from what lies beyond, as a share of its difference
-_WELL = (10.0e-3, 40.0e-3)  # where its brightness is read, from the corner [m]
-_BESIDE = (0.6e-3, 1.6e-3)  # where surfaces beside a line are read, from it [m]
-_CLOSELY, _SURELY = (0.3e-3, 0.8e-3), 0.15  # the same, and the share, for what may be a shadow or else a tool
-
-
-@dataclass(frozen=True, eq=False)
-class _Sight:
-    """What is needed to read strips in one picture."""
-
-    picture: ByteArray
-    view: FaceView
-
-    def along(self, edge: str, across: FloatArray, tilt: float, along: FloatArray) -> FloatArray:
-        """Mean grey level (n,) at distances `along` (n,) of an edge, over parallels at `across` (k,)."""
-        first = across[:, None] + tilt * along
-        second = np.broadcast_to(along, first.shape)
-        pair = [first, second] if edge == HINGE else [second, first]
-        at = self.view.pixels(np.stack(pair, axis=-1)).astype(np.float32)
-        grey = cv2.remap(
-            self.picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
-        mean: FloatArray = grey.mean(axis=0, dtype=float)
-        return mean
-
-    def level(self, edge: str, across: FloatArray, tilt: float, start: float, stop: float) -> float:
-        """Median grey level along an edge between two distances [m]."""
-        return median(self.along(edge, across, tilt, np.arange(start, stop, 4 * _PITCH)))
 
 
 @dataclass(frozen=True)
@@ -81,13 +52,13 @@ class _Strip:
 
 
 def _strip(
-    sight: _Sight, edge: str, inner: EdgeLine, outer: EdgeLine, corner: float, across_lines: list[EdgeLine]
+    sight: Sight, edge: str, inner: EdgeLine, outer: EdgeLine, corner: float, across_lines: list[EdgeLine]
 ) -> _Strip:
     low, high = outer.at(corner), inner.at(corner)
     across = low + _ACROSS * (high - low) - inner.tilt * corner
     middle = 0.5 * (low + high)
-    level = sight.level(edge, across, inner.tilt, corner + _WELL[0], corner + _WELL[1])
-    along = np.arange(across_lines[-1].at(middle) + _END[0], across_lines[0].at(middle) + _END[1], _PITCH)
+    level = sight.level(edge, across, inner.tilt, corner + WELL[0], corner + WELL[1])
+    along = np.arange(across_lines[-1].at(middle) + _END[0], across_lines[0].at(middle) + _END[1], PITCH)
     grey = sight.along(edge, across, inner.tilt, along)
     beyond = median(grey[:20])
     off = np.abs(grey - beyond)
@@ -100,45 +71,7 @@ def _strip(
     plateau = median(grey[first + 5 : first + 12]) if first + 12 < grey.size else median(grey[-8:])
     over = np.flatnonzero(off[first:] > 0.5 * abs(plateau - beyond))
     last = first + (int(over[0]) if over.size else 0)
-    return _Strip(level, float(along[last] - 0.5 * _PITCH), middle)
-
-
-def _is_shadow(
-    sight: _Sight,
-    edge: str,
-    line: EdgeLine,
-    corner: float,
-    end: float,
-    beside: tuple[float, float] = _BESIDE,
-    shade: float = _SHADE,
-) -> bool:
-    """Whether a line darkens face and background alike where it goes on beyond the corner."""
-    outer, inner = (line.across + sign * np.linspace(*beside, 4) for sign in (-1.0, 1.0))
-    ratios = []
-    for start, stop in ((corner + 4.0e-3, corner + _WELL[1]), (end - 8.0e-3, end - 1.5e-3)):
-        levels = [sight.level(edge, across, line.tilt, start, stop) for across in (outer, inner)]
-        if min(levels) < 2.0:
-            return False
-        ratios.append(float(np.log(levels[0] / levels[1])))
-    face, background = ratios
-    return abs(face) > 0.1 and face * background > 0 and abs(background - face) < shade * abs(face)
-
-
-def is_shadow(
-    picture: ByteArray, view: FaceView, edge: str, line: EdgeLine, corner: FloatArray, end: float
-) -> bool:
-    """Whether a line is surely the border of a shadow that falls on the face and on what lies behind it.
-
-    Args:
-        picture: Grey picture, shape (h, w), uint8.
-        view: The camera before the face.
-        edge: "hinge" or "bottom".
-        line: The line.
-        corner: Where it meets the other edge, y and z [m].
-        end: Where the face ends along it [m].
-    """
-    place = float(corner[1 if edge == HINGE else 0])
-    return _is_shadow(_Sight(picture, view), edge, line, place, end, _CLOSELY, _SURELY)
+    return _Strip(level, float(along[last] - 0.5 * PITCH), middle)
 
 
 def choose(
@@ -155,14 +88,14 @@ def choose(
     Raises:
         WrongEdge: More than one of them may be it.
     """
-    sight = _Sight(picture, view)
+    sight = Sight(picture, view)
     place = {HINGE: float(corner[1]), BOTTOM: float(corner[0])}
     if all(len(found) == 1 for found in lines.values()):
         return {edge: found[0] for edge, found in lines.items()}
     real = {}
     for edge, other in ((HINGE, BOTTOM), (BOTTOM, HINGE)):
         end = lines[other][-1].at(lines[edge][-1].at(place[edge]))
-        shadows = [_is_shadow(sight, edge, line, place[edge], end) for line in lines[edge]]
+        shadows = [shaded(sight, edge, line, place[edge], end) for line in lines[edge]]
         real[edge] = [line for line, dark in zip(lines[edge], shadows, strict=True) if not dark]
         if not real[edge]:
             raise WrongEdge(
@@ -185,12 +118,12 @@ class _Edge:
     """The lines of one edge, the strips between them, and what is known of each."""
 
     def __init__(
-        self, sight: _Sight, edge: str, lines: list[EdgeLine], corner: float, across_lines: list[EdgeLine]
+        self, sight: Sight, edge: str, lines: list[EdgeLine], corner: float, across_lines: list[EdgeLine]
     ) -> None:
         self.sight, self.edge, self.lines, self.corner = sight, edge, lines, corner
         self.strips = [_strip(sight, edge, a, b, corner, across_lines) for a, b in pairwise(lines)]
-        beside = np.linspace(*_BESIDE, 4)
-        start, stop = corner + _WELL[0], corner + _WELL[1]
+        beside = np.linspace(*BESIDE, 4)
+        start, stop = corner + WELL[0], corner + WELL[1]
         self.face = sight.level(edge, lines[0].across + beside, lines[0].tilt, start, stop)
         self.back = sight.level(edge, lines[-1].across - beside, lines[-1].tilt, start, stop)
         deep = np.linspace(5.0e-3, 25.0e-3, 6)
@@ -259,7 +192,7 @@ class _Edge:
         places = high + wide * np.stack([_ACROSS - 1.0, _ACROSS])
         across = other.lines[other.first]
         start, stop = across.at(high) + _CLOSE[0], across.at(high) + _CLOSE[1]
-        along = np.arange(start, stop, 0.5 * _PITCH)
+        along = np.arange(start, stop, 0.5 * PITCH)
         ends = []
         for place in places:
             grey = self.sight.along(self.edge, place - inner.tilt * self.corner, inner.tilt, along)
@@ -271,7 +204,7 @@ class _Edge:
             if not first:
                 return False
             before, after = float(rise[first - 1]), float(rise[first])
-            at = float(along[first - 1]) + (0.5 - before) / (after - before) * 0.5 * _PITCH
+            at = float(along[first - 1]) + (0.5 - before) / (after - before) * 0.5 * PITCH
             ends.append(at - across.at(float(place.mean())))
         run = 1 if self.edge == HINGE else 0
         point = np.array([high, across.at(high)] if self.edge == HINGE else [across.at(high), high])
@@ -328,7 +261,7 @@ class _Edge:
         begin, stop = other.lines[-1].at(low), other.lines[-2].at(low)
         width = stop - begin
         square = self.sight.level(
-            self.edge, across, self.lines[-1].tilt, begin + 0.3 * width, stop - 0.3 * width + _PITCH
+            self.edge, across, self.lines[-1].tilt, begin + 0.3 * width, stop - 0.3 * width + PITCH
         )
         found = self.against_face(square)
         return bool(abs(found - one - two) < abs(found - 0.5 * (one + two)))

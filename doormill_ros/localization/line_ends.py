@@ -8,7 +8,7 @@ from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
 from doormill_ros.localization.band import WING, Steps
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.errors import WrongEdge
-from doormill_ros.localization.layers import is_shadow
+from doormill_ros.localization.shade import is_shadow
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import median, row_medians
 from doormill_ros.units import m_to_mm

@@ -20,7 +20,8 @@ from doormill_ros.messages.from_message import positions_of, seconds_of
 from doormill_ros.models.errors import MillingStoppedError
 from doormill_ros.models.store import store_folder
 from doormill_ros.monitor.kept_doors import DoorPoints
-from doormill_ros.monitor.watch import ModelWatch, WatchSettings, WatchState
+from doormill_ros.monitor.watch import ModelWatch
+from doormill_ros.monitor.watch_state import WatchSettings, WatchState
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.inspection import inspection_message
 from doormill_ros.nodes.convert.verdict import verdict_of_model

@@ -12,7 +12,7 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
 from doormill_ros.cell.run_folder import RunFolder
-from doormill_ros.monitor.watch import WatchState
+from doormill_ros.monitor.watch_state import WatchState
 from doormill_ros.nodes.cell import CellOptions
 from doormill_ros.nodes.model_monitor import ModelMonitor
 from doormill_ros.nodes.spinning import SteadyExecutor

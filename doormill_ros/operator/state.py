@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
@@ -14,6 +13,7 @@ from doormill_ros.operator.door_view import DoorView
 from doormill_ros.operator.ended_run import EndedRun
 from doormill_ros.operator.fault import Fault
 from doormill_ros.operator.model_view import ModelView
+from doormill_ros.operator.moments import age, steady
 from doormill_ros.operator.pair_advice import pair_step
 from doormill_ros.operator.pair_view import PairView
 from doormill_ros.operator.picture import EncodedPicture
@@ -89,7 +89,7 @@ class CellView:
         self, number: int, state: str, reason: str, run_id: str, request: bool, since: float, error_code: int
     ) -> CellView:
         """As `with_handshake`, of one of two robots."""
-        told = state, short(reason), run_id, request, _steady(since), error_code
+        told = state, short(reason), run_id, request, steady(since), error_code
         return self.with_robot(number, lambda robot: robot.told(*told))
 
     def with_bridge(self, present: bool) -> CellView:
@@ -117,7 +117,7 @@ class CellView:
             state_door=short(door_id),
             request=request,
             may_move=may_move_in(state, self.may_move),
-            state_since=_steady(since),
+            state_since=steady(since),
         )
 
     def with_run(self, run_id: str, door_id: str, since: float = 0.0) -> CellView:
@@ -128,7 +128,7 @@ class CellView:
             self,
             run_id=run_id,
             door_id=short(door_id),
-            run_since=_steady(since),
+            run_since=steady(since),
             stage="recipe",
             progress=0.0,
             refusal="",
@@ -299,7 +299,7 @@ class CellView:
             "state_reason": seen.reason,
             "state_code": code if seen.told else 0,
             "situation": {"key": seen.key, "door": seen.door, "before": seen.before, "ended": seen.ended},
-            "state_age": self._state_age(since if seen.told else self.run_since if self.run_id else None),
+            "state_age": age(since if seen.told else self.run_since if self.run_id else None),
             "robots": [] if pair is None else pair.document(pair.does(self.run_id, last)),
             "urgency": step.urgency,
             "next_step": step.text,
@@ -328,11 +328,6 @@ class CellView:
             "drawing": self._drawn(),
         }
 
-    @staticmethod
-    def _state_age(since: float | None) -> float | None:
-        """How long the state has lasted [s]; a door that waits behind the controller's state, since its run began."""
-        return None if since is None else time.monotonic() - since
-
     def _drawn(self) -> dict[str, Any] | None:
         if self.drawing is None:
             return None
@@ -345,8 +340,3 @@ class CellView:
 def short(text: str) -> str:
     """A text that is cut where it is longer than the page shows."""
     return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 1] + "…"
-
-
-def _steady(since: float) -> float | None:
-    """A time of the wall clock [s since the epoch] by the steady one, which nobody sets; None for 0."""
-    return time.monotonic() - max(time.time() - since, 0.0) if since > 0.0 else None

@@ -17,7 +17,8 @@ from doormill_ros.catalogue.rebuild import rebuild
 from doormill_ros.catalogue.retention import Retention, judge
 from doormill_ros.monitor.kept_doors import DoorPoints
 from doormill_ros.monitor.questioner import Questioner
-from doormill_ros.monitor.watch import ModelWatch, WatchSettings
+from doormill_ros.monitor.watch import ModelWatch
+from doormill_ros.monitor.watch_state import WatchSettings
 from support.source_tree import ROOT
 
 SETTINGS = WatchSettings(doors=40, since="", limit=0.0, patience=600.0, model="")

@@ -17,7 +17,8 @@ from doormill_ros.monitor.errors import InspectionMessageError, KeepingError, Qu
 from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoors
 from doormill_ros.monitor.questioner import Questioner
 from doormill_ros.monitor.recorded_runs import RecordedRuns
-from doormill_ros.monitor.watch import ModelWatch, WatchSettings
+from doormill_ros.monitor.watch import ModelWatch
+from doormill_ros.monitor.watch_state import WatchSettings
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.source_tree import ROOT
 

@@ -9,7 +9,7 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorError, MeasureNext, ModelCause, ModelVerdict
 from doormill_ros.diagnosis.parts.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
-from doormill_ros.monitor.watch import WatchState
+from doormill_ros.monitor.watch_state import WatchState
 
 
 def verdict_of_model(state: WatchState, header: Header) -> ModelVerdict:

@@ -1,0 +1,81 @@
+"""Surfaces beside a line, read in the picture, and whether the line is the border of a shadow that falls on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from doormill_ros.arrays import ByteArray, FloatArray
+from doormill_ros.localization.edge_line import EdgeLine
+from doormill_ros.localization.view import HINGE, FaceView
+from doormill_ros.statistics import median
+
+PITCH = 0.1e-3  #: between places that are read along an edge [m]
+WELL = (10.0e-3, 40.0e-3)  #: where the brightness of a surface is read, from the corner [m]
+BESIDE = (0.6e-3, 1.6e-3)  #: where surfaces beside a line are read, from it [m]
+_SHADE = 0.35  # a shadow darkens face and background alike, to that share of the logarithm
+_CLOSELY, _SURELY = (0.3e-3, 0.8e-3), 0.15  # the same two, for what may be a shadow or else a tool
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """What is needed to read strips in one picture."""
+
+    picture: ByteArray
+    view: FaceView
+
+    def along(self, edge: str, across: FloatArray, tilt: float, along: FloatArray) -> FloatArray:
+        """Mean grey level (n,) at distances `along` (n,) of an edge, over parallels at `across` (k,)."""
+        first = across[:, None] + tilt * along
+        second = np.broadcast_to(along, first.shape)
+        pair = [first, second] if edge == HINGE else [second, first]
+        at = self.view.pixels(np.stack(pair, axis=-1)).astype(np.float32)
+        grey = cv2.remap(
+            self.picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        mean: FloatArray = grey.mean(axis=0, dtype=float)
+        return mean
+
+    def level(self, edge: str, across: FloatArray, tilt: float, start: float, stop: float) -> float:
+        """Median grey level along an edge between two distances [m]."""
+        return median(self.along(edge, across, tilt, np.arange(start, stop, 4 * PITCH)))
+
+
+def shaded(
+    sight: Sight,
+    edge: str,
+    line: EdgeLine,
+    corner: float,
+    end: float,
+    beside: tuple[float, float] = BESIDE,
+    shade: float = _SHADE,
+) -> bool:
+    """Whether a line darkens face and background alike where it goes on beyond the corner."""
+    outer, inner = (line.across + sign * np.linspace(*beside, 4) for sign in (-1.0, 1.0))
+    ratios = []
+    for start, stop in ((corner + 4.0e-3, corner + WELL[1]), (end - 8.0e-3, end - 1.5e-3)):
+        levels = [sight.level(edge, across, line.tilt, start, stop) for across in (outer, inner)]
+        if min(levels) < 2.0:
+            return False
+        ratios.append(float(np.log(levels[0] / levels[1])))
+    face, background = ratios
+    return abs(face) > 0.1 and face * background > 0 and abs(background - face) < shade * abs(face)
+
+
+def is_shadow(
+    picture: ByteArray, view: FaceView, edge: str, line: EdgeLine, corner: FloatArray, end: float
+) -> bool:
+    """Whether a line is surely the border of a shadow that falls on the face and on what lies behind it.
+
+    Args:
+        picture: Grey picture, shape (h, w), uint8.
+        view: The camera before the face.
+        edge: "hinge" or "bottom".
+        line: The line.
+        corner: Where it meets the other edge, y and z [m].
+        end: Where the face ends along it [m].
+    """
+    place = float(corner[1 if edge == HINGE else 0])
+    return shaded(Sight(picture, view), edge, line, place, end, _CLOSELY, _SURELY)
