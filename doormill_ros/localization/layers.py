@@ -15,7 +15,7 @@ import numpy as np
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.localization.edge_line import EdgeLine
 from doormill_ros.localization.errors import WrongEdge
-from doormill_ros.localization.shade import BESIDE, PITCH, WELL, Sight, shaded
+from doormill_ros.localization.shade import BESIDE, PITCH, WELL, Surfaces, shaded
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import median
 from doormill_ros.units import m_to_mm
@@ -52,7 +52,7 @@ class _Strip:
 
 
 def _strip(
-    sight: Sight, edge: str, inner: EdgeLine, outer: EdgeLine, corner: float, across_lines: list[EdgeLine]
+    sight: Surfaces, edge: str, inner: EdgeLine, outer: EdgeLine, corner: float, across_lines: list[EdgeLine]
 ) -> _Strip:
     low, high = outer.at(corner), inner.at(corner)
     across = low + _ACROSS * (high - low) - inner.tilt * corner
@@ -88,7 +88,7 @@ def choose(
     Raises:
         WrongEdge: More than one of them may be it.
     """
-    sight = Sight(picture, view)
+    sight = Surfaces(picture, view)
     place = {HINGE: float(corner[1]), BOTTOM: float(corner[0])}
     if all(len(found) == 1 for found in lines.values()):
         return {edge: found[0] for edge, found in lines.items()}
@@ -118,7 +118,7 @@ class _Edge:
     """The lines of one edge, the strips between them, and what is known of each."""
 
     def __init__(
-        self, sight: Sight, edge: str, lines: list[EdgeLine], corner: float, across_lines: list[EdgeLine]
+        self, sight: Surfaces, edge: str, lines: list[EdgeLine], corner: float, across_lines: list[EdgeLine]
     ) -> None:
         self.sight, self.edge, self.lines, self.corner = sight, edge, lines, corner
         self.strips = [_strip(sight, edge, a, b, corner, across_lines) for a, b in pairwise(lines)]

@@ -75,7 +75,7 @@ def check_ends(
         view: The camera before the face.
         chosen: The lines taken for the edges.
         beside: All parallels of each, from the inside outwards.
-        corner: Where the chosen ones meet, y and z [m].
+        corner: Where the chosen ones meet, y and z, shape (2,) [m].
 
     Raises:
         WrongEdge: One runs on: a jaw, a rail or a sill lies before the edge.
@@ -109,7 +109,7 @@ def check_stand_ins(
         steps: Of each edge's band.
         view: The camera before the face.
         chosen: The lines taken for the edges.
-        corner: Where they meet, y and z [m].
+        corner: Where they meet, y and z, shape (2,) [m].
 
     Raises:
         WrongEdge: There is one, so that either may be the edge.

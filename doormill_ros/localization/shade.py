@@ -20,8 +20,8 @@ _CLOSELY, _SURELY = (0.3e-3, 0.8e-3), 0.15  # the same two, for what may be a sh
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
-    """What is needed to read strips in one picture."""
+class Surfaces:
+    """Brightness of the face and of what lies beside it, in a picture of shape (h, w)."""
 
     picture: ByteArray
     view: FaceView
@@ -39,12 +39,12 @@ class Sight:
         return mean
 
     def level(self, edge: str, across: FloatArray, tilt: float, start: float, stop: float) -> float:
-        """Median grey level along an edge between two distances [m]."""
+        """Median grey level along an edge between two distances [m], over parallels at `across` (k,)."""
         return median(self.along(edge, across, tilt, np.arange(start, stop, 4 * PITCH)))
 
 
 def shaded(
-    sight: Sight,
+    sight: Surfaces,
     edge: str,
     line: EdgeLine,
     corner: float,
@@ -74,8 +74,8 @@ def is_shadow(
         view: The camera before the face.
         edge: "hinge" or "bottom".
         line: The line.
-        corner: Where it meets the other edge, y and z [m].
+        corner: Where it meets the other edge, y and z, shape (2,) [m].
         end: Where the face ends along it [m].
     """
     place = float(corner[1 if edge == HINGE else 0])
-    return shaded(Sight(picture, view), edge, line, place, end, _CLOSELY, _SURELY)
+    return shaded(Surfaces(picture, view), edge, line, place, end, _CLOSELY, _SURELY)

@@ -120,6 +120,7 @@ def test_what_was_kept_before_is_noted_at_the_start(
         until(lambda: len(cell.watch.state().doors) == 1)
     with Cell(tmp_path, url, tmp_path / "bags") as cell:
         until(lambda: cell.staying() == {BAGS[0]})
+        assert cell.noted() == {runs[BAGS[0]]: f"doors/{runs[BAGS[0]]}"}
 
 
 def test_a_catalogue_that_is_away_is_said_and_gets_the_notes_when_it_is_back(
@@ -136,3 +137,4 @@ def test_a_catalogue_that_is_away_is_said_and_gets_the_notes_when_it_is_back(
         away.rename(url)
         until(lambda: cell.staying() == {BAGS[0]})
         until(lambda: cell.notes.failure == "")
+        assert cell.noted() == {runs[BAGS[0]]: f"doors/{runs[BAGS[0]]}"}

@@ -93,6 +93,6 @@ def test_where_points_are_few_only_what_no_door_may_be_off_is_a_slip(door, size)
     ids=["gaps", "clamp", "tool"],
 )
 def test_nothing_that_a_mill_leaves_is_a_slip(tmp_path, world):
-    for inspection in inspections_in(gauged_shift(tmp_path, {"seed": 3, **world}, HINGE_DOORS, 3)):
-        assert not slips(inspection).any()
-        assert np.abs(inspection.deviation).max() > 3e-4
+    doors = inspections_in(gauged_shift(tmp_path, {"seed": 3, **world}, HINGE_DOORS, 3))
+    assert [bool(slips(one).any()) for one in doors] == [False] * 3
+    assert min(np.abs(one.deviation).max() for one in doors) > 3e-4
