@@ -135,6 +135,6 @@ def test_a_catalogue_that_is_away_is_said_and_gets_the_notes_when_it_is_back(
         until(lambda: "inspections are not in the catalogue" in cell.notes.failure)
         Path(url).rmdir()
         away.rename(url)
-        until(lambda: cell.staying() == {BAGS[0]})
         until(lambda: cell.notes.failure == "")
-        assert cell.noted() == {runs[BAGS[0]]: f"doors/{runs[BAGS[0]]}"}
+        until(lambda: cell.noted() == {runs[BAGS[0]]: f"doors/{runs[BAGS[0]]}"})
+        assert cell.staying() == {BAGS[0]}
