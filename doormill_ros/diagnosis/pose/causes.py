@@ -14,12 +14,13 @@ from doormill_ros.diagnosis.pose.model import distinct_share, rmse
 from doormill_ros.diagnosis.pose.selection import NOT_CARRIED, ONE_SERIES, Score
 from doormill_ros.measurements.pose_set import PoseSet, placement_owners
 from doormill_ros.robot_model.pose.causes.joint_backlash import PoseBacklash
+from doormill_ros.robot_model.pose.causes.joint_sag import JointSag
 from doormill_ros.robot_model.pose.causes.joint_waves import JointWaves
 from doormill_ros.robot_model.pose.causes.session_step import SessionStep
 
 #: Why a cause that helps on blocks left out is not one of the robot.
 WITHIN = (ONE_SERIES, NOT_CARRIED)
-#: Amplitudes of single orders are listed from this many standard deviations.
+#: Amplitudes of single orders, and turns by moments that nobody stated, are listed from this many standard deviations.
 LISTED = 2.0
 #: Part of a coefficient's effect that a placement cannot imitate, below which it is called not distinguishable.
 IMITATED = 0.02
@@ -113,6 +114,9 @@ def parameters_of(diagnosis: PoseDiagnosis, score: Score) -> dict[str, dict[str,
     if isinstance(score.cause, PoseBacklash):
         gap = named["gap"]
         return {"gap": {**gap, "value": abs(gap["value"]), "side": PoseBacklash.side(gap["value"])}}
+    if isinstance(score.cause, JointSag) and score.cause.frames:
+        # Most moments of a real arm are next to nothing.
+        return {name: one for name, one in named.items() if abs(one["value"]) > LISTED * one["std"]}
     if isinstance(score.cause, JointWaves):
         return _amplitudes(named, [c.name for c in coefficients], score.cause.orders)
     return named

@@ -208,7 +208,10 @@ def _remarks(diagnosis: PoseDiagnosis) -> list[str]:
     if not any(data.links for data in diagnosis.sets) and diagnosis.extended.problem.views[0].links:
         lines.append("The sets state no masses; gravity torques use the maker's published ones.")
     if not diagnosis.extended.problem.views[0].links:
-        lines.append("No masses are known: sag under gravity could not be asked for.")
+        lines.append(
+            "No masses are known: sag under gravity is told by the turns that unknown moments of the links give each "
+            "joint, not by a compliance. Where an axis lies level, those of its own link are like its first wave."
+        )
     if not_determined(diagnosis.sets):
         lines.append(
             "Positions alone were measured: the target is a point, its orientation on the flange is not determined, "

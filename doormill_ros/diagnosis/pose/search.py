@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
+import numpy as np
+
 from doormill_ros.diagnosis.core.search import Search
 from doormill_ros.diagnosis.pose.fit import Fitted, fit_causes
 from doormill_ros.diagnosis.pose.model import SeriesFit, rmse
 from doormill_ros.diagnosis.pose.noise import evened
 from doormill_ros.diagnosis.pose.orders import find_orders
-from doormill_ros.diagnosis.pose.selection import REAL, Score, scores
+from doormill_ros.diagnosis.pose.selection import IMITATED, REAL, Score, scores
 from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.candidate import number
@@ -104,4 +106,12 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         found = scores(model.validation, [causes.index(cause) for cause in asked], model.validation.left)
         self.scores |= {id(score.cause): score for score in found}
         weak = [score for score in found if score.status != REAL]
-        return [(score.cause, score.total) for score in weak if score.cause.of_robot or not strictly]
+        # What others imitate leaves before them: they are asked again with what it took of theirs.
+        imitated = {score.cause.where for score in weak if score.status == IMITATED}
+
+        def worth(score: Score) -> float:
+            if score.status == IMITATED:
+                return -np.inf
+            return np.inf if score.cause.where in imitated else score.total
+
+        return [(score.cause, worth(score)) for score in weak if score.cause.of_robot or not strictly]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core.held_out import standard_errors
 from doormill_ros.diagnosis.core.verdict import rmse
 from doormill_ros.diagnosis.pose.validation import AXES_OF_POSITION, Validation, by_block
@@ -23,6 +23,7 @@ REAL = "real"
 NO_GAIN = "does not help on blocks left out"
 ONE_SERIES = "helps within one series only"
 NOT_CARRIED = "helps on blocks, yet not on a series that was left out as a whole"
+IMITATED = "does nothing that another cause does not do as well"
 CONTRADICTED = "betters the rotation and spoils the position, which no cause of that name does"
 
 
@@ -38,7 +39,7 @@ class Score:
         transfer: Fall of the cost with a whole series left out, by series; empty with a single series.
         position_sure: Fall of the position's part of the cost with blocks left out, in standard errors.
         rmse_without: Position error without the cause, blocks left out [m].
-        status: REAL, ONE_SERIES, NOT_CARRIED, CONTRADICTED or NO_GAIN.
+        status: REAL, ONE_SERIES, NOT_CARRIED, CONTRADICTED, IMITATED or NO_GAIN.
     """
 
     cause: PoseCause
@@ -66,10 +67,8 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
     full_position = validation.cost(unseen, AXES_OF_POSITION)
     full_series = validation.cost(validation.residuals(validation.series, none)) if validation.series else []
     sigma = np.array([position for position, _ in validation.fitted.problem.sigmas])
-    found = []
-    for index in chosen:
-        cause = layout.causes[index]
-        ids = np.arange(layout.size)[layout.part(index)]
+
+    def score_of(cause: PoseCause, ids: IntArray) -> Score:
         errors = validation.residuals(validation.blocks, ids)
         change = by_block([a - b for a, b in zip(validation.cost(errors), full, strict=True)])
         gain = np.array([part.sum() for part in change])
@@ -95,7 +94,16 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
             _position_rmse(errors, kept),
             NO_GAIN,
         )
-        found.append(replace(score, status=_status(score, max(WORTH, SHARE * left), sigma)))
+        return replace(score, status=_status(score, max(WORTH, SHARE * left), sigma))
+
+    found = []
+    for index in chosen:
+        cause = layout.causes[index]
+        ids = np.arange(layout.size)[layout.part(index)]
+        score = score_of(cause, ids)
+        if cause.imitated and score_of(cause, ids[cause.imitated :]).status != REAL:
+            score = replace(score, status=IMITATED)
+        found.append(score)
     return found
 
 

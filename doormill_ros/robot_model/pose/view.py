@@ -72,6 +72,21 @@ class SetView:
         """Flank on which every joint arrived, -1 ... +1, 0 where the row before is missing, shape (n, J)."""
         return last_motion(self.q, self.row) if self.motion is None else self.motion
 
+    def levers(self, k: int) -> FloatArray:
+        """Torque about joint k of a unit weight that hangs at a unit from the axis, along x, y, z of frames k to J.
+
+        Whatever the links weigh, the torque of their weight is a sum of these: where one carries the next is fixed in
+        its own frame.
+
+        Returns:
+            Shape (n, 3 (J - k + 1)).
+        """
+        T = frames(self.transforms)
+        axis = T[:, k - 1, :3, 2]
+        down = np.column_stack([axis[:, 1], -axis[:, 0], np.zeros(len(axis))])  # (0, 0, -1) x axis
+        levers: FloatArray = np.einsum("nkji,nj->nki", T[:, k:, :3, :3], down).reshape(len(axis), -1)
+        return levers
+
     @cached_property
     def gravity_moment(self) -> FloatArray:
         """Moment of the weight of all links beyond frame k about its origin, frame axes, (n, J, 3) [N m]."""

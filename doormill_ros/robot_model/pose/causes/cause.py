@@ -79,6 +79,11 @@ class PoseCause(Cause):
         """All fitted numbers."""
         raise NotImplementedError
 
+    @property
+    def imitated(self) -> int:
+        """How many of the coefficients, from the first on, another cause imitates; it is real by the others alone."""
+        return 0
+
     def columns(self, view: SetView) -> list[Columns]:
         """Effect on the frames of a series; empty where the cause does not act."""
         raise NotImplementedError
