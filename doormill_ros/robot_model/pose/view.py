@@ -79,7 +79,7 @@ class SetView:
         its own frame.
 
         Returns:
-            Shape (n, 3 (J - k + 1)).
+            Of shape (n, m), three for each of the frames.
         """
         T = frames(self.transforms)
         axis = T[:, k - 1, :3, 2]
