@@ -11,7 +11,7 @@ from doormill_ros.diagnosis.pose.fit import Fitted, fit_causes
 from doormill_ros.diagnosis.pose.model import SeriesFit, rmse
 from doormill_ros.diagnosis.pose.noise import evened
 from doormill_ros.diagnosis.pose.orders import find_orders
-from doormill_ros.diagnosis.pose.selection import IMITATED, REAL, Score, scores
+from doormill_ros.diagnosis.pose.selection import MATCHED, REAL, Score, scores
 from doormill_ros.diagnosis.pose.validation import Validation
 from doormill_ros.measurements.pose_set import PoseSet
 from doormill_ros.robot_model.candidate import number
@@ -107,10 +107,10 @@ class PoseSearch(Search[PoseCause, SeriesFit]):
         self.scores |= {id(score.cause): score for score in found}
         weak = [score for score in found if score.status != REAL]
         # What others imitate leaves before them: they are asked again with what it took of theirs.
-        imitated = {score.cause.where for score in weak if score.status == IMITATED}
+        imitated = {score.cause.where for score in weak if score.status == MATCHED}
 
         def worth(score: Score) -> float:
-            if score.status == IMITATED:
+            if score.status == MATCHED:
                 return -np.inf
             return np.inf if score.cause.where in imitated else score.total
 

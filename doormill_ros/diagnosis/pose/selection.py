@@ -23,7 +23,7 @@ REAL = "real"
 NO_GAIN = "does not help on blocks left out"
 ONE_SERIES = "helps within one series only"
 NOT_CARRIED = "helps on blocks, yet not on a series that was left out as a whole"
-IMITATED = "does nothing that another cause does not do as well"
+MATCHED = "does nothing that another cause does not do as well"
 CONTRADICTED = "betters the rotation and spoils the position, which no cause of that name does"
 
 
@@ -39,7 +39,7 @@ class Score:
         transfer: Fall of the cost with a whole series left out, by series; empty with a single series.
         position_sure: Fall of the position's part of the cost with blocks left out, in standard errors.
         rmse_without: Position error without the cause, blocks left out [m].
-        status: REAL, ONE_SERIES, NOT_CARRIED, CONTRADICTED, IMITATED or NO_GAIN.
+        status: REAL, ONE_SERIES, NOT_CARRIED, CONTRADICTED, MATCHED or NO_GAIN.
     """
 
     cause: PoseCause
@@ -102,7 +102,7 @@ def scores(validation: Validation, chosen: Sequence[int], left: float) -> list[S
         ids = np.arange(layout.size)[layout.part(index)]
         score = score_of(cause, ids)
         if cause.imitated and score_of(cause, ids[cause.imitated :]).status != REAL:
-            score = replace(score, status=IMITATED)
+            score = replace(score, status=MATCHED)
         found.append(score)
     return found
 
