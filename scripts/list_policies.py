@@ -170,7 +170,7 @@ def cameras_graph(sensors: tuple[str, ...], namespace: str) -> Iterator[Graph]:
         arguments = ["policies", "--ros-args"]
         arguments += [one for name, to in remapped for one in ("-r", f"{name}:={to}")]
         arguments += [one for name, to in parameters.items() for one in ("-p", f"{name}:={to}")]
-        with Composition(arguments, list(CAMERAS.values()), lambda: Node("driver"), 2) as composition:
+        with Composition(arguments, list(CAMERAS.values()), lambda: Node("driver")) as composition:
             yield settled(composition)
 
 

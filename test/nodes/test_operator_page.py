@@ -88,9 +88,12 @@ def test_a_gauge_says_how_an_ended_run_came_out(
     assert "not measured" not in run.message
     assert (page.store.view.refusal, page.store.view.refusal_code) == ("" if code == 0 else run.message, code)
     assert load_history(tmp_path / "history") == (run,)
-    page._take_inspection(gauged("r1", 5e-3))  # measured again: what was found first is what the run came to
+    page._take_inspection(gauged("r1", 5e-3))  # measured again: what was found last is what the run came to
+    (again,) = page.store.view.history
+    assert (again.error_code, "hinge_1 is 5.00 mm off" in again.message) == (807, True)
     page._take_result(result)
-    assert page.store.view.history == (run,)
+    assert page.store.view.history == (again,)
+    assert load_history(tmp_path / "history") == (again,)
 
 
 @pytest.mark.parametrize("turn", [1, -1], ids=["first", "last"])
