@@ -14,7 +14,7 @@ from doormill_ros.statistics import median, row_medians
 from doormill_ros.units import m_to_mm
 
 _PAST = (4.0e-3, 0.9e-3)  # where a line must have ended, beyond where it meets the other [m]
-_RUNS_ON = 0.03  # a line runs on with that share of its step, lighter or darker: other things lie there
+_RUNS_ON = 0.2  # a line runs on with that share of its step, lighter or darker: other things lie there
 _FAINTEST = 1.5  # and with so many grey levels
 _BESIDE = 10.0e-3  # how far beside a line others are looked for [m]
 _PLAIN = 4.0  # a step stands out when it is that many times as large as is usual beside it
