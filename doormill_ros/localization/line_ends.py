@@ -20,9 +20,7 @@ _BESIDE = 10.0e-3  # how far beside a line others are looked for [m]
 _PLAIN = 4.0  # a step stands out when it is that many times as large as is usual beside it
 _BEGINS = (0.8e-3, 32.0e-3)  # a line is looked for in these distances from the corner [m]
 _THERE = 0.5  # it is there with that share of its step
-_LEAST_GAP = (
-    5  # samples that must lack it before another is looked for there: a chip's border looks as straight
-)
+_LEAST_GAP = 5  # samples lack it where another is looked for: the border of a smaller chip looks as straight
 _STANDS_IN = 0.3  # which has that share of its step, and less than half of that where the line is
 _FEW, _STEADY = 0.1, 0.7  # all but that share of its samples have that share of its step
 _DRAWN_PAST = 15.0e-3  # what is drawn of a line beyond the corner [m]

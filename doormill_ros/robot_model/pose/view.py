@@ -72,6 +72,11 @@ class SetView:
         """Flank on which every joint arrived, -1 ... +1, 0 where the row before is missing, shape (n, J)."""
         return last_motion(self.q, self.row) if self.motion is None else self.motion
 
+    @cached_property
+    def T_base_frames(self) -> FloatArray:
+        """Nominal frames 0 to J, shape (n, J + 1, 4, 4)."""
+        return frames(self.transforms)
+
     def levers(self, k: int) -> FloatArray:
         """Torque about joint k of a unit weight that hangs at a unit from the axis, along x, y, z of frames k to J.
 
@@ -81,7 +86,7 @@ class SetView:
         Returns:
             Of shape (n, m), three for each of the frames.
         """
-        T = frames(self.transforms)
+        T = self.T_base_frames
         axis = T[:, k - 1, :3, 2]
         down = np.column_stack([axis[:, 1], -axis[:, 0], np.zeros(len(axis))])  # (0, 0, -1) x axis
         levers: FloatArray = np.einsum("nkji,nj->nki", T[:, k:, :3, :3], down).reshape(len(axis), -1)
@@ -90,7 +95,7 @@ class SetView:
     @cached_property
     def gravity_moment(self) -> FloatArray:
         """Moment of the weight of all links beyond frame k about its origin, frame axes, (n, J, 3) [N m]."""
-        return gravity_moment(frames(self.transforms), self.links)
+        return gravity_moment(self.T_base_frames, self.links)
 
 
 def last_motion(q: FloatArray, row: IntArray, crossing: float = CROSSING) -> FloatArray:
