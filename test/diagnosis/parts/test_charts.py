@@ -24,6 +24,13 @@ def charted(now, recipes, before):
     return ShiftCharts(names, recipes, now, now, ranges, centre, sigma, before, up, down, ())
 
 
+def test_sums_add_up_by_recipe_what_is_beyond_the_slack():
+    """By hand, with a slack of half a standard deviation: a shift of two adds 1.5 a door, and never below zero."""
+    up, down = sums(np.array([2.0, -2.0, 2.0, -2.0, np.nan, -1.0]), ("a", "b", "a", "b", "a", "a"))
+    np.testing.assert_allclose(up, [1.5, 0.0, 3.0, 0.0, np.nan, 1.5])
+    np.testing.assert_allclose(down, [0.0, 1.5, 0.0, 3.0, np.nan, 0.5])
+
+
 def levels(rng, recipes):
     return np.array([{"a": 2e-5, "b": 6e-5}[one] for one in recipes]) + rng.normal(0.0, 1e-6, len(recipes))
 
