@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,9 +16,10 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read
 from doormill_ros.frames import rotation_from_vector, transform
 from doormill_ros.localization.errors import BadCameraFile
+from doormill_ros.localization.lens import no_lens
 from doormill_ros.localization.marks import Marks
 from doormill_ros.resources import resource
-from doormill_ros.values import Array, Count, Finite, Section, Vector3
+from doormill_ros.values import Array, Count, FiniteNumber, Section, Vector3
 
 FORM = "config/camera.yaml"
 
@@ -157,11 +159,14 @@ class _Distortion(Section):
     covered: Any = None
 
 
+_Metres = Annotated[float, FiniteNumber("metres from -100 to 100", -100.0, 100.0)]
+
+
 @dataclass(frozen=True, eq=False)
 class _Mounting(Section):
-    x: Finite
-    slider_y: Finite
-    z: Finite
+    x: _Metres
+    slider_y: _Metres
+    z: _Metres
     rotation_vector: Vector3
     measured: StrictBool = False
     deviation: Any = None
@@ -189,6 +194,15 @@ def load_camera(path: Path | None = None) -> CameraModel:
     path = path or resource(FORM)
     content = read(path, _CameraFile, BadCameraFile, f"compare it with {FORM}")
     mounting = content.mounting
+    reason = no_lens(content.intrinsics.k, content.distortion.coefficients, content.size)
+    if reason:
+        raise BadCameraFile(f"{path}: the camera {reason}; calibrate it again", path=str(path))
+    turn = math.hypot(*mounting.rotation_vector)
+    if turn > math.pi:
+        raise BadCameraFile(
+            f"{path}: the camera is turned by {turn:g} rad, allowed is half a turn; correct mounting.rotation_vector",
+            path=str(path),
+        )
     try:
         return CameraModel(
             k=content.intrinsics.k,

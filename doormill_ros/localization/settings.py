@@ -11,11 +11,13 @@ from typing import Annotated
 from doormill_ros.config import read
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.resources import resource
-from doormill_ros.values import FiniteNumber, NotNegative, Section
+from doormill_ros.values import FiniteNumber, Section
 
 FORM = "config/camera.yaml"
 _Share = Annotated[float, FiniteNumber("a number from 0 to below 1", 0.0, nextafter(1.0, 0.0))]
-Triple = tuple[NotNegative, NotNegative, NotNegative]
+#: What is larger is a slip of the pen, and its square is soon no number any more.
+_Number = Annotated[float, FiniteNumber("a number from 0 to 1000000", 0.0, 1e6)]
+Triple = tuple[_Number, _Number, _Number]
 
 
 @dataclass(frozen=True)
@@ -38,18 +40,18 @@ class LocalizerSettings(Section):
         lens_deviation: Standard deviation of the focal length, as a share of it.
     """
 
-    squareness: NotNegative
-    max_age: NotNegative
-    max_blur: NotNegative
+    squareness: _Number
+    max_age: _Number
+    max_blur: _Number
     min_inlier_share: _Share
     max_deviation: Triple
     mounting_deviation: Triple
-    thickness_deviation: NotNegative
-    squareness_limit: NotNegative = 2.6e-3
-    straightness_deviation: NotNegative = 0.0
-    straightness_length: NotNegative = 0.4
-    straightness_limit: NotNegative = 1.0e-4
-    lens_deviation: NotNegative = 0.0
+    thickness_deviation: _Number
+    squareness_limit: _Number = 2.6e-3
+    straightness_deviation: _Number = 0.0
+    straightness_length: _Number = 0.4
+    straightness_limit: _Number = 1.0e-4
+    lens_deviation: _Number = 0.0
 
     def picture_only(self) -> LocalizerSettings:
         """These settings where all that no picture tells is known exactly: the covariance is the picture's own."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.errors import BadCameraInfo
-from doormill_ros.localization.lens import SAME, lens_apart, no_lens
+from doormill_ros.localization.lens import no_lens
+from doormill_ros.localization.lens_apart import SAME, lens_apart
 from doormill_ros.messages.sensor_window import in_window
 
 #: Names of the lens model with k1, k2, p1, p2, k3; the second one has more, which have to be zero.

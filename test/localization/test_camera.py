@@ -1,6 +1,7 @@
 """The camera model against OpenCV's projection, the layout and the simulator's own lens."""
 
 import ast
+import copy
 from pathlib import Path
 
 import cv2
@@ -110,6 +111,42 @@ def test_a_broken_camera_file_is_refused(path, value, tmp_path):
     file.write_text(yaml.safe_dump(document), encoding="utf-8")
     with pytest.raises(BadCameraFile):
         (load_settings if path[0] == "localizer" else load_camera)(file)
+
+
+def _numbers(node, path=()):
+    """Where a document has numbers."""
+    if isinstance(node, dict | list):
+        for key, value in node.items() if isinstance(node, dict) else enumerate(node):
+            yield from _numbers(value, (*path, key))
+    elif isinstance(node, int | float) and not isinstance(node, bool):
+        yield path
+
+
+SHIPPED = yaml.safe_load(resource("config/camera.yaml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("value", [1e300, -1e300, 10**400])
+@pytest.mark.parametrize("path", list(_numbers(SHIPPED)), ids=lambda path: ".".join(map(str, path)))
+def test_a_number_out_of_this_world_is_refused(path, value, tmp_path):
+    document = copy.deepcopy(SHIPPED)
+    node = document
+    for key in path[:-1]:
+        node = node[key]
+    node[path[-1]] = value
+    file = tmp_path / "camera.yaml"
+    file.write_text(yaml.safe_dump(document), encoding="utf-8")
+    with pytest.raises(BadCameraFile) as refused:
+        (load_settings if path[0] == "localizer" else load_camera)(file)
+    assert str(file) in refused.value.message
+
+
+def test_a_lens_that_looks_past_its_picture_is_refused(tmp_path):
+    document = copy.deepcopy(SHIPPED)
+    document["intrinsics"]["k"][0][2] = 1921.0
+    file = tmp_path / "camera.yaml"
+    file.write_text(yaml.safe_dump(document), encoding="utf-8")
+    with pytest.raises(BadCameraFile, match="a centre inside the picture"):
+        load_camera(file)
 
 
 def test_simulator_and_localiser_share_no_code():

@@ -6,7 +6,7 @@ import numpy as np
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.localization.lens import SAME
+from doormill_ros.localization.lens_apart import SAME
 from support.page_figures import number_of
 from support.pictures.conditions import CONDITIONS
 from support.pictures.corpus import HARD
