@@ -133,7 +133,7 @@ class ControllerSimulator(ManagedNode):
             self._gauged = self.publisher(topics.DOOR_INSPECTION)
         self.subscribe(topics.DOOR_RECIPE, self._take_recipe)
         self.subscribe(topics.DOOR_PLACEMENT, self._take_placement)
-        self.subscribe(topics.PATH_TARGETS, self._take_targets)
+        self.subscribe(topics.PATH_TARGETS.kept, self._take_targets)
         self.subscribe(topics.RUN_RESULT, self._take_result)
         self.when_set("clamped", self._move_clamp)
 

@@ -68,6 +68,11 @@ class Topic:
     fallback: QoSProfile | None = None
 
     @property
+    def kept(self) -> Topic:
+        """As asked for by who tells old messages by their run: none is missed that DDS makes known late."""
+        return replace(self, requested=self.offered)
+
+    @property
     def latched(self) -> bool:
         """Nodes of the cell ask for what was published before they were there."""
         return bool(self.requested.durability == DurabilityPolicy.TRANSIENT_LOCAL)

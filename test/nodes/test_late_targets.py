@@ -26,14 +26,14 @@ def test_a_door_is_measured_though_the_simulator_hears_late_by_what_it_was_mille
         for name in ("controller_simulator", "camera_simulator"):
             cell.wait_until_active(name)
         status, messages = cell.subscribe(topics.ABB_STATUS), cell.subscribe(late)
-        passed_on = cell.node.create_publisher(late.type, HELD[late.name], late.offered)
         ended: list[Any] = []
         thread = threading.Thread(target=lambda: ended.append(cell.mill(DOOR)[0]))
         thread.start()
         # The robot has gone home and says so before anybody measures its door.
         cell.wait(lambda: any(message.state == "done" for message in status))
         assert not ended
-        passed_on.publish(messages[-1])
+        # At once: DDS makes the two known to each other only after that.
+        cell.node.create_publisher(late.type, HELD[late.name], late.offered).publish(messages[-1])
         thread.join()
         (result,) = ended
         assert (result.error_code, result.measured) == (0, True)
