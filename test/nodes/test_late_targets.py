@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
+import rclpy
+from rclpy.node import Node
 
 from doormill_ros.nodes import topics
 from support.cell_processes import NODES, CellProcesses
@@ -14,6 +18,19 @@ from support.cell_processes import NODES, CellProcesses
 DOOR = "thesis_190_0deg"
 SIMULATOR = "cell_simulator"
 HELD = {topic.name: f"held/{topic.name}" for topic in (topics.DOOR_RECIPE, topics.PATH_TARGETS)}
+
+
+@contextmanager
+def stranger() -> Iterator[Node]:
+    """A node of which no other process knows yet."""
+    context = rclpy.Context()
+    context.init()
+    node = Node("stranger", context=context)
+    try:
+        yield node
+    finally:
+        node.destroy_node()
+        context.shutdown()
 
 
 @pytest.mark.parametrize("late", [topics.PATH_TARGETS, topics.DOOR_RECIPE], ids=lambda topic: topic.name)
@@ -32,8 +49,9 @@ def test_a_door_is_measured_though_the_simulator_hears_late_by_what_it_was_mille
         # The robot has gone home and says so before anybody measures its door.
         cell.wait(lambda: any(message.state == "done" for message in status))
         assert not ended
-        # At once: DDS makes the two known to each other only after that.
-        cell.node.create_publisher(late.type, HELD[late.name], late.offered).publish(messages[-1])
-        thread.join()
+        with stranger() as node:
+            # At once: DDS makes the two known to each other only after that.
+            node.create_publisher(late.type, HELD[late.name], late.offered).publish(messages[-1])
+            thread.join()
         (result,) = ended
         assert (result.error_code, result.measured) == (0, True)
