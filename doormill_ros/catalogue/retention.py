@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from doormill_ros.catalogue.bag_rows import BESIDE, DESCRIPTION
@@ -102,17 +102,31 @@ def judge(
 def retain(
     catalogue: Catalogue, retention: Retention, now_ns: int, inspections: Sequence[Path] = ()
 ) -> Iterator[Judged]:
-    """Delete what goes, one bag at a time; arguments as for `judge`. The rows of its runs stay."""
+    """Delete what goes, one bag at a time; arguments as for `judge`. The rows of its runs stay.
+
+    To judge many bags takes long: whether one is needed is asked again just before it goes.
+    """
     for bag in _bags(catalogue):
         # Whoever was ended in the middle of it left one of these.
         if _retired(bag.path).is_dir() and not bag.path.exists():
             _delete(catalogue, bag.path, bag.sha256)
     for judged in judge(catalogue, retention, now_ns, inspections):
-        if judged.goes:
+        needed = _needed_since(catalogue, judged, inspections) if judged.goes else ""
+        if needed:
+            judged = replace(judged, goes=False, reason=needed)
+        elif judged.goes:
             # In one step out of everybody's sight: a bag is there or gone, never half of it.
             judged.bag.rename(_retired(judged.bag))
             _delete(catalogue, judged.bag, judged.sha256)
         yield judged
+
+
+def _needed_since(catalogue: Catalogue, judged: Judged, inspections: Sequence[Path]) -> str:
+    """Why a bag that was to go is kept after all; empty where nothing came that needs it."""
+    bags = _bags(catalogue)
+    needs = find_needs((*inspections, *(bag.path.parent for bag in bags)))
+    known = (bag for bag in bags if (bag.path, bag.sha256) == (judged.bag, judged.sha256))
+    return next((bag.wanted(needs) for bag in known), "the catalogue knows it by another name now")
 
 
 def _delete(catalogue: Catalogue, bag: Path, sha256: str) -> None:
@@ -139,7 +153,14 @@ class _Bag:
         return max(row.run.begun_ns or row.run.ended_ns or 0 for row in self.rows)
 
     def needed(self, needs: Needs) -> str:
-        """Why it is kept for ever; empty where it may go.
+        """Why it is kept for ever; empty where it may go."""
+        wanted = self.wanted(needs)
+        if not wanted and (not self.sha256 or self.sha256 != content_of_bag(self.path).sha256):
+            return "it is not what the catalogue knows: catalogue rebuild it first"
+        return wanted
+
+    def wanted(self, needs: Needs) -> str:
+        """As `needed`, its content aside, which takes long to read.
 
         The disk is asked as well as the catalogue: what was put there since, or cannot be read, needs the bag too.
         """
@@ -161,8 +182,6 @@ class _Bag:
         others = sorted({entry.name for entry in self.path.iterdir()} - own)
         if others:
             return f"it holds {others[0]}, which no recorder writes"
-        if not self.sha256 or self.sha256 != content_of_bag(self.path).sha256:
-            return "it is not what the catalogue knows: catalogue rebuild it first"
         return ""
 
 

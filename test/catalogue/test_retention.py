@@ -103,6 +103,28 @@ def test_what_is_needed_never_goes(catalogue: Catalogue, tmp_path: Path) -> None
     assert sorted(path.parent.name for path in tmp_path.glob("*/bag")) == kept
 
 
+def test_what_comes_to_be_needed_after_all_were_judged_stays(catalogue: Catalogue, tmp_path: Path) -> None:
+    bags = make(tmp_path, *range(5))
+    fill(catalogue, tmp_path)
+    retained = retain(catalogue, Retention(days=0), NOW_NS)
+    assert next(retained).goes
+    # The first is gone when somebody hands in a gauge's file, asks to keep a run and writes down an expectation.
+    write_inspection_note(tmp_path / "1" / "gauge", "run_1")
+    catalogue.keep(["run_2"], "customer asks")
+    (bags[3] / "expected.yaml").write_text("?")
+    found = {one.bag.parent.name: (one.goes, one.reason) for one in retained}
+    assert {name: goes for name, (goes, _) in found.items()} == {
+        "1": False,
+        "2": False,
+        "3": False,
+        "4": True,
+    }
+    assert "the inspection" in found["1"][1]
+    assert found["2"][1] == "kept: customer asks"
+    assert "expectation" in found["3"][1]
+    assert [bag.exists() for bag in bags] == [False, True, True, True, False]
+
+
 def test_an_inspection_near_the_bag_keeps_it_whatever_its_folder_is_called(
     catalogue: Catalogue, tmp_path: Path
 ) -> None:
