@@ -8,9 +8,11 @@ from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
+from doormill_ros.localization.clamp_lines import check_clamp
 from doormill_ros.localization.coarse import search, search_bands
 from doormill_ros.localization.crossing import check_crossing
 from doormill_ros.localization.drift import Drift, drift_in
+from doormill_ros.localization.empty_clamp import empty_clamp_for
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import CornerFit, fit_corner
 from doormill_ros.localization.processing import check_levels
@@ -58,6 +60,11 @@ def localize(
     drift = drift_in(picture, camera, float(width), layout.T_base_door(width, thickness)[:3, 3])
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit)
+    clamp = empty_clamp_for(view.camera, float(width))
+    if clamp is not None:
+        check_clamp(
+            picture, view, clamp, face_view(clamp.camera, layout, float(width), float(thickness)), fit.pose
+        )
     checks.check_square(fit, {edge: trace.streaks for edge, trace in traces.items()}, settings)
     along = np.linspace(0.0, 1.0, 9)
     drawn = {edge: view.pixels(view.line(edge, fit.pose, view.length(edge) * along)) for edge in traces}
