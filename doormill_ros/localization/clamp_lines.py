@@ -40,21 +40,22 @@ _ALIKE = 0.7  # correlation of two patterns that are one
 _AS_BRIGHT = 2.0  # ratio of brightness that light and shadows make of one surface
 
 
-def _places(view: FaceView, edge: str, pose: FloatArray) -> FloatArray:
-    """Pixels (n, m, 2) of n places along an edge and m across it, a pixel apart, from the outside inwards."""
+def _places(view: FaceView, edge: str, pose: FloatArray) -> tuple[Float32Array, Float32Array]:
+    """Pixels u and v of n places along an edge and m across it, a pixel apart, inwards; (n, m) each."""
     along = np.arange(_FROM_CORNER, view.length(edge) - _FROM_CORNER, _PITCH)
     line = view.line(edge, pose, along)
-    other = view.line(BOTTOM if edge == HINGE else HINGE, pose, np.array([0.0, view.pixel]))
-    here, inside = view.pixels(line), view.pixels(line + other[1] - other[0])
+    outer, inner = view.line(BOTTOM if edge == HINGE else HINGE, pose, np.array([0.0, view.pixel]))
+    here = view.pixels(line).astype(np.float32)
+    inwards = view.pixels(line + inner - outer).astype(np.float32) - here
     number = round(_REACH / view.pixel)
-    places: FloatArray = here[:, None] + np.arange(-number, number + 1)[:, None] * (inside - here)[:, None]
-    return places
+    across = np.arange(-number, number + 1, dtype=np.float32)
+    u, v = (here[:, i : i + 1] + across * inwards[:, i : i + 1] for i in (0, 1))
+    return u, v
 
 
-def _steps(smooth: Float32Array, places: FloatArray) -> Float32Array:
-    """Brightness inside minus that outside [grey levels] at places (n, m, 2) [px]; shape (n, m - 2 _SIDE - 2 _GAP)."""
-    at = places.astype(np.float32)
-    grey = cv2.remap(smooth, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+def _steps(smooth: Float32Array, u: Float32Array, v: Float32Array) -> Float32Array:
+    """Brightness inside minus that outside [grey levels] at places (n, m) [px]; (n, m - 2 _SIDE - 2 _GAP)."""
+    grey = cv2.remap(smooth, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     side = cv2.blur(grey, (_SIDE, 1), anchor=(0, 0))
     last = side.shape[1] - _SIDE + 1  # beyond, the average runs out of the row
     apart = _SIDE + 2 * _GAP + 1
@@ -75,7 +76,7 @@ def line_strength(clamp: EmptyClamp, seen: FaceView, edge: str, pose: FloatArray
         The step of the strongest line there, as a multiple of what is usual beside it; as large as that of a border
         between two surfaces that are equally bright in the mean but not in their texture.
     """
-    steps = _steps(clamp.down if edge == HINGE else clamp.across, _places(seen, edge, pose))
+    steps = _steps(clamp.down if edge == HINGE else clamp.across, *_places(seen, edge, pose))
     offset = np.abs(np.arange(steps.shape[1]) - steps.shape[1] // 2) * seen.pixel
     near, usual = np.flatnonzero(offset < _NEAR), np.flatnonzero(offset >= _NEAR)[::_APART]
     there = offset[near] <= MOVED

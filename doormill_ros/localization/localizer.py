@@ -103,6 +103,10 @@ def prepare(camera: CameraModel, layout: CellLayout, width: float, thickness: fl
     view = face_view(camera, layout, float(width), float(thickness))
     checks.check_view(view.pixel)
     search_bands(view, max(layout.limits.y, layout.limits.z), layout.limits.rotation)
+    clamp = empty_clamp_for(camera, float(width))
+    if clamp is not None:
+        for edge in (HINGE, BOTTOM):
+            face_view(clamp.camera, layout, float(width), float(thickness)).length(edge)
 
 
 def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> FloatArray:
