@@ -28,7 +28,7 @@ _THICKNESSES = (0.03, 0.04, 0.05, 0.07, 0.1)
 _BLOCK = 16  # px, side of the blocks that are compared
 _APART = 0.15  # share of the brightness by which a block may differ between two pictures
 _DARK = 8.0  # grey levels below which that is taken of this brightness
-_GAUSS = 0.6745  # median of the size of a normal number, in standard deviations
+_EDGE = 5.0  # medians beyond which what differs from its neighbours is no noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +111,10 @@ def _check_white(picture: ByteArray) -> None:
 def _noise(picture: ByteArray) -> float:
     """Standard deviation of a pixel (h, w), by what differs from both neighbours: edges are few [grey levels]."""
     rows = picture[::7].astype(np.float32)
-    bend = rows[:, 2:] - 2.0 * rows[:, 1:-1] + rows[:, :-2]
-    return median(np.abs(bend)) / (_GAUSS * float(np.sqrt(6.0)))
+    bend = np.abs(rows[:, 2:] - 2.0 * rows[:, 1:-1] + rows[:, :-2])
+    # Grey levels are whole numbers, so the median is too: it only says what is an edge.
+    most = _EDGE * max(median(bend), 1.0)
+    return float(np.sqrt(np.mean(np.minimum(bend, most) ** 2) / 6.0))
 
 
 def _check_alike(pictures: Sequence[ByteArray], mean: Float32Array) -> None:

@@ -32,7 +32,7 @@ def empty(arguments: argparse.Namespace, stream: Stream | None) -> list[str]:
         if stream is None
         else _live(stream, arguments.count)
     )
-    width = mm_to_m(arguments.width)
+    width = round(mm_to_m(arguments.width), 9)  # a file for people
     made = empty_picture(pictures, load_camera(arguments.camera), load_layout(), width, arguments.sure)
     document = read_document(arguments.camera)
     file = _next(arguments.out)
