@@ -18,7 +18,7 @@ from doormill_ros.simulation.picture.picture import render_picture
 from support.pictures.empty_clamps import CLAMPS, clamp_pictures, render_empty
 from support.source_tree import ROOT
 
-COUNT, SEED = 4, 40
+COUNT, SEED = 3, 40
 GOOD = [name for name, kind in CLAMPS.items() if kind.fair]
 PLATES = [name for name, kind in CLAMPS.items() if not kind.stands]
 JAWS = [name for name in CLAMPS if "jaw" in name]
@@ -47,7 +47,7 @@ def looked(layout, camera):
 @pytest.mark.parametrize("name", PLATES)
 def test_a_plate_in_the_plane_of_the_face_is_no_door(name, looked):
     taken = [row for row in looked[name] if not isinstance(row[3], LocalizationError)]
-    assert len(taken) >= COUNT / 2
+    assert len(taken) >= 2
     for *_, refused in taken:
         assert isinstance(refused, NoDoor), refused
         assert refused.message.startswith("no door stands there: the picture is as of the empty clamp")
