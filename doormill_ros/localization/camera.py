@@ -208,6 +208,8 @@ def load_camera(path: Path | None = None, folder: Path | None = None) -> CameraM
         )
         if not content.empty_clamp:
             return camera
-        return replace(camera, empty=load_empty_clamps(content.empty_clamp, folder or path.parent, camera))
+        folder = folder or path.parent
+        empty = load_empty_clamps(content.empty_clamp, folder, camera.k, camera.distortion, camera.size)
+        return replace(camera, empty=empty)
     except BadCameraFile as error:
         raise BadCameraFile(f"{path}: {error.message}", path=str(path)) from error

@@ -8,6 +8,7 @@ have moved a little since.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -22,6 +23,7 @@ MOVED = 0.35e-3  #: how far from the edge its line may lie in the picture of the
 _REACH = 3.0e-3  # how far beside an edge the usual steps of the empty clamp are learned [m]
 _NEAR = 1.0e-3  # from where on they are [m]
 _PITCH = 1.25e-3  # between the places along an edge [m]
+_ALONG = 9  # px along an edge that are averaged
 _FROM_CORNER = 1.5e-3  # where they begin [m]
 _SIDE, _GAP = 4, 1  # px that a step compares on both sides, and px that a lens spreads it over
 _FAINTEST = 0.1  # grey levels that are usual at least
@@ -38,6 +40,13 @@ _FINE, _COARSE = 3, 11  # of the latter over which noise, and what light makes, 
 _CLIPPED = 4.0  # medians of a pattern
 _ALIKE = 0.7  # correlation of two patterns that are one
 _AS_BRIGHT = 2.0  # ratio of brightness that light and shadows make of one surface
+
+
+@lru_cache(maxsize=4)  # large, and wanted of the width in hand
+def smoothed(clamp: EmptyClamp) -> dict[str, Float32Array]:
+    """By edge, the picture of the empty clamp averaged along it, shape (h, w) [grey levels]."""
+    exact = clamp.picture.astype(np.float32)
+    return {HINGE: cv2.blur(exact, (1, _ALONG)), BOTTOM: cv2.blur(exact, (_ALONG, 1))}
 
 
 def _places(view: FaceView, edge: str, pose: FloatArray) -> tuple[Float32Array, Float32Array]:
@@ -76,7 +85,7 @@ def line_strength(clamp: EmptyClamp, seen: FaceView, edge: str, pose: FloatArray
         The step of the strongest line there, as a multiple of what is usual beside it; as large as that of a border
         between two surfaces that are equally bright in the mean but not in their texture.
     """
-    steps = _steps(clamp.down if edge == HINGE else clamp.across, *_places(seen, edge, pose))
+    steps = _steps(smoothed(clamp)[edge], *_places(seen, edge, pose))
     offset = np.abs(np.arange(steps.shape[1]) - steps.shape[1] // 2) * seen.pixel
     near, usual = np.flatnonzero(offset < _NEAR), np.flatnonzero(offset >= _NEAR)[::_APART]
     there = offset[near] <= MOVED

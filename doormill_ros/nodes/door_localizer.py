@@ -191,7 +191,7 @@ class DoorLocalizer(ManagedNode):
         answer.duration = time.perf_counter() - begun
         self._publish(answer, found, recipe.width)
         values = {"door_id": recipe.door_id, "residual": found.residual, "quality": found.quality}
-        if self._mounted.empty and empty_clamp_for(self._mounted, recipe.width) is None:
+        if self._mounted.empty and empty_clamp_for(self._mounted.empty, recipe.width) is None:
             values["empty_clamp"] = f"no picture for this width, only for {widths_told(self._mounted.empty)}"
         told = "" if found.drift is None else self._tell_drift(found.drift, answer.header)
         if found.drift is not None:

@@ -29,7 +29,7 @@ def localizer(recorded: dict[str, bytes], context: Context, monkeypatch: pytest.
         width = plain.good[topics.DOOR_RECIPE.name].width + wider
         started.append(plain)
         camera = load_camera()
-        known = replace(camera, empty=(EmptyClamp(width, np.array(picture), camera),))
+        known = replace(camera, empty=(EmptyClamp(width, np.array(picture), camera.k, camera.distortion),))
         monkeypatch.setattr("doormill_ros.nodes.door_localizer.load_camera", lambda: known)
         one = Localizer(recorded, context, **parameters)
         one.send(topics.CAMERA_INFO)

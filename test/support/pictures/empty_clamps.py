@@ -51,7 +51,8 @@ class ClampPicture:
     def camera(self) -> CameraModel:
         """The cell's camera with the picture of the empty clamp."""
         camera = load_camera()
-        clamp = EmptyClamp(self.scene.width, render_empty(self.empty, self.seed), camera)
+        picture = render_empty(self.empty, self.seed)
+        clamp = EmptyClamp(self.scene.width, picture, camera.k, camera.distortion)
         return replace(camera, empty=(clamp,))
 
 
