@@ -42,6 +42,7 @@ shift: setup      ## 100 doors in one continuous run over Robot Web Services 1.0
 corpus: setup     ## localization over 300 workshop-like pictures beside two peers, and under 33 conditions
 	@$(ENV) python bench/bench_localization.py
 	@$(ENV) python bench/bench_conditions.py
+	@$(ENV) python bench/bench_empty_clamp.py
 
 score: setup      ## diagnosis over 200 seeded sets with hidden effects, as a confusion matrix
 	@$(ENV) python bench/diagnosis_score.py --sets 200

@@ -15,6 +15,7 @@ from pydantic import StrictBool
 from doormill_ros.arrays import FloatArray
 from doormill_ros.config import read
 from doormill_ros.frames import rotation_from_vector, transform
+from doormill_ros.localization.empty_clamp import EmptyClamp, EmptyClampEntry, load_empty_clamps
 from doormill_ros.localization.errors import BadCameraFile
 from doormill_ros.localization.lens import no_lens
 from doormill_ros.localization.marks import Marks
@@ -52,6 +53,7 @@ class CameraModel:
         position: x, y at a door width of zero, z of the projection centre in base [m], shape (3,).
         rotation_vector: Turn from the nominal viewing directions, camera axes [rad], shape (3,).
         marks: What stands still beside the door and tells whether the camera does; None in a cell without.
+        empty: Pictures of the clamp without a door, by the width for which the slider stood; a cell need not have any.
     """
 
     k: FloatArray
@@ -60,6 +62,7 @@ class CameraModel:
     position: FloatArray
     rotation_vector: FloatArray
     marks: Marks | None = None
+    empty: tuple[EmptyClamp, ...] = ()
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays.
@@ -182,14 +185,19 @@ class _CameraFile(Section):
     mounting: _Mounting
     chessboard: Any = None
     marks: Marks | None = None
+    empty_clamp: tuple[EmptyClampEntry, ...] = ()
     localizer: Any = None
 
 
-def load_camera(path: Path | None = None) -> CameraModel:
+def load_camera(path: Path | None = None, folder: Path | None = None) -> CameraModel:
     """Read config/camera.yaml, or another file of the same form.
 
+    Args:
+        path: The file; None for config/camera.yaml.
+        folder: From which the paths in it are; None for the file's own.
+
     Raises:
-        BadCameraFile: A key is missing or unknown, or a value out of bounds.
+        BadCameraFile: A key is missing or unknown, a value out of bounds, or a picture of the empty clamp of no use.
     """
     path = path or resource(FORM)
     content = read(path, _CameraFile, BadCameraFile, f"compare it with {FORM}")
@@ -204,7 +212,7 @@ def load_camera(path: Path | None = None) -> CameraModel:
             path=str(path),
         )
     try:
-        return CameraModel(
+        camera = CameraModel(
             k=content.intrinsics.k,
             distortion=content.distortion.coefficients,
             size=content.size,
@@ -212,5 +220,10 @@ def load_camera(path: Path | None = None) -> CameraModel:
             rotation_vector=mounting.rotation_vector,
             marks=content.marks,
         )
+        if not content.empty_clamp:
+            return camera
+        folder = folder or path.parent
+        empty = load_empty_clamps(content.empty_clamp, folder, camera.k, camera.distortion, camera.size)
+        return replace(camera, empty=empty)
     except BadCameraFile as error:
         raise BadCameraFile(f"{path}: {error.message}", path=str(path)) from error

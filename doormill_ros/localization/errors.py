@@ -57,6 +57,9 @@ MarksMissing = LocalizationError.row(
 ProcessedPicture = LocalizationError.row(
     "ProcessedPicture", 217, "The camera has sharpened the picture or otherwise altered it."
 )
+NoDoor = LocalizationError.row(
+    "NoDoor", 218, "What looks like a door is in the picture of the empty clamp too."
+)
 BadCameraFile = LocalizationError.row("BadCameraFile", 212, "A key is missing or a value is out of bounds.")
 BowedEdge = LocalizationError.row(
     "BowedEdge", 251, "What shows of an edge bends more than a door that is milled may."

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
+from doormill_ros.localization.clamp_lines import check_clamp, smoothed
 from doormill_ros.localization.coarse import search, search_bands
 from doormill_ros.localization.crossing import check_crossing
 from doormill_ros.localization.drift import Drift, drift_in
+from doormill_ros.localization.empty_clamp import EmptyClamp, empty_clamp_for
 from doormill_ros.localization.errors import LocalizationError, NoEdge, WrongEdge
 from doormill_ros.localization.fit import CornerFit, fit_corner
 from doormill_ros.localization.processing import check_levels
@@ -58,6 +62,11 @@ def localize(
     drift = drift_in(picture, camera, float(width), layout.T_base_door(width, thickness)[:3, 3])
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit)
+    clamp = empty_clamp_for(view.camera.empty, float(width))
+    if clamp is not None:
+        whole = _whole_sensor(view.camera, clamp)
+        seen = face_view(whole, layout, float(width), float(thickness))
+        check_clamp(picture, view, clamp, seen, fit.pose)
     checks.check_square(fit, {edge: trace.streaks for edge, trace in traces.items()}, settings)
     along = np.linspace(0.0, 1.0, 9)
     drawn = {edge: view.pixels(view.line(edge, fit.pose, view.length(edge) * along)) for edge in traces}
@@ -96,6 +105,17 @@ def prepare(camera: CameraModel, layout: CellLayout, width: float, thickness: fl
     view = face_view(camera, layout, float(width), float(thickness))
     checks.check_view(view.pixel)
     search_bands(view, max(layout.limits.y, layout.limits.z), layout.limits.rotation)
+    clamp = empty_clamp_for(camera.empty, float(width))
+    if clamp is not None:
+        smoothed(clamp)
+        face_view(_whole_sensor(camera, clamp), layout, float(width), float(thickness))
+
+
+@lru_cache(maxsize=8)
+def _whole_sensor(camera: CameraModel, clamp: EmptyClamp) -> CameraModel:
+    """The camera as it took the empty clamp, whatever part of its sensor it sends now."""
+    height, width = clamp.picture.shape
+    return camera.with_intrinsics(clamp.k, clamp.distortion, (width, height))
 
 
 def _rough_pose(picture: ByteArray, view: FaceView, layout: CellLayout) -> FloatArray:

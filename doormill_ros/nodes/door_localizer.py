@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import cv2
@@ -20,6 +21,7 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.drift import Drift
+from doormill_ros.localization.empty_clamp import empty_clamp_for, widths_told
 from doormill_ros.localization.errors import LocalizationError
 from doormill_ros.localization.localizer import prepare
 from doormill_ros.localization.mark_watch import MarkWatch
@@ -67,6 +69,7 @@ class DoorLocalizer(ManagedNode):
         ),
         SENSORS_PARAMETER,
         NodeParameter("frames", True, "publish the frames of camera and door"),
+        NodeParameter("empty_clamp", True, "hold doors against camera.yaml's pictures of the empty clamp"),
         NodeParameter("image_transport", "raw", "how pictures come", choices=tuple(topics.PICTURES)),
     )
 
@@ -82,6 +85,8 @@ class DoorLocalizer(ManagedNode):
         """
         self._layout = load_layout()
         self._mounted = load_camera()
+        if not self.value("empty_clamp"):
+            self._mounted = replace(self._mounted, empty=())
         self._camera: CameraModel | None = None
         self._unusable: LocalizationError | None = None  # why the latest camera info is
         self._intrinsics: tuple[Any, ...] = ()
@@ -186,6 +191,8 @@ class DoorLocalizer(ManagedNode):
         answer.duration = time.perf_counter() - begun
         self._publish(answer, found, recipe.width)
         values = {"door_id": recipe.door_id, "residual": found.residual, "quality": found.quality}
+        if self._mounted.empty and empty_clamp_for(self._mounted.empty, recipe.width) is None:
+            values["empty_clamp"] = f"no picture for this width, only for {widths_told(self._mounted.empty)}"
         told = "" if found.drift is None else self._tell_drift(found.drift, answer.header)
         if found.drift is not None:
             values["camera"] = f"{found.drift.share:.2f} of what marks.limit allows"

@@ -1,4 +1,4 @@
-"""calibrate: the camera, `calibrate intrinsics|extrinsics|check|marks|lens|export|import|restore`.
+"""calibrate: the camera, `calibrate intrinsics|extrinsics|check|marks|empty|lens|export|import|restore`.
 
 Lengths on the command line and in the list of moves are millimetres.
 """
@@ -23,8 +23,9 @@ from doormill_ros.localization.camera import FORM, load_camera
 from doormill_ros.localization.errors import BadPicture
 from doormill_ros.localization.picture_file import read_picture
 from doormill_ros.resources import resource
-from doormill_ros.tools.calibration.boards import intrinsics
+from doormill_ros.tools.calibration.boards import Stream, intrinsics
 from doormill_ros.tools.calibration.doors import Shutter, check, extrinsics
+from doormill_ros.tools.calibration.empty import empty
 from doormill_ros.tools.calibration.exchange import from_ros, put_back, to_ros
 from doormill_ros.units import m_to_mm, mm_to_m
 
@@ -52,14 +53,22 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def _intrinsics(arguments: argparse.Namespace) -> list[str]:
-    stream = None
+    return intrinsics(arguments, _stream(arguments))
+
+
+def _empty(arguments: argparse.Namespace) -> list[str]:
+    return empty(arguments, _stream(arguments))
+
+
+def _stream(arguments: argparse.Namespace) -> Stream | None:
+    """The pictures of the topic; None where files were given."""
     if arguments.topic is not None:
-        stream = partial(_listen, arguments)
-    elif not arguments.pictures:
+        return partial(_listen, arguments)
+    if not arguments.pictures:
         raise BadCalibrationFile(
             "neither pictures nor a topic were given; give files, or --topic camera/image_raw"
         )
-    return intrinsics(arguments, stream)
+    return None
 
 
 def _extrinsics(arguments: argparse.Namespace) -> list[str]:
@@ -162,16 +171,23 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument(
             "moves", type=Path, help="YAML list of pictures and moves, see docs/calibration.md"
         )
-    for command in (boards, doors, test):
-        command.add_argument("--topic", help="take the pictures from this topic, such as camera/image_raw")
-        command.add_argument("--wait", type=float, default=600.0, help="for a picture, or for all boards [s]")
-
     marks = commands.add_parser("marks", help="places of the cell's marks, by the calibrated camera")
     marks.add_argument("pictures", nargs="+", type=Path)
     marks.add_argument(
         "--width", type=float, required=True, help="door width for which the slider stands [mm]"
     )
     marks.set_defaults(run=_marks)
+
+    bare = commands.add_parser("empty", help="picture of the empty clamp, to tell its parts from a door")
+    bare.add_argument("pictures", nargs="*", type=Path)
+    bare.add_argument(
+        "--width", type=float, required=True, help="door width for which the slider stands [mm]"
+    )
+    bare.add_argument("--count", type=int, default=5, help="pictures to take from the topic")
+    bare.add_argument(
+        "--sure", action="store_true", help="the clamp is empty, though a part of it looks like a door"
+    )
+    bare.set_defaults(run=_empty)
 
     lens = commands.add_parser("lens", help="what distortion coefficients do inside the picture")
     lens.add_argument(
@@ -191,9 +207,12 @@ def _parser() -> argparse.ArgumentParser:
     back.add_argument("--list", action="store_true", help="only list what is kept")
     back.set_defaults(run=put_back)
 
-    for command in (boards, doors, marks, export, taken):
+    for command in (boards, doors, test, bare):
+        command.add_argument("--topic", help="take the pictures from this topic, such as camera/image_raw")
+        command.add_argument("--wait", type=float, default=600.0, help="for a picture, or for all boards [s]")
+    for command in (boards, doors, marks, bare, export, taken):
         command.add_argument("--out", type=Path, required=True, help="file to write")
-    for command in (boards, doors, test, marks, lens, export, taken):
+    for command in (boards, doors, test, marks, bare, lens, export, taken):
         command.add_argument("--camera", type=Path, default=resource(FORM), help="camera file to start from")
     return parser
 

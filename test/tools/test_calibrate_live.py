@@ -22,6 +22,8 @@ from std_msgs.msg import Header
 
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.nodes.convert.picture import picture_message
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.simulation.picture.scene import PictureScene, Surface
 from support.pictures.uneven_boards import session
 
 TOPIC = "/calibrate_live/image_raw"
@@ -116,3 +118,22 @@ def test_a_moved_door_is_asked_for_and_written_down(camera: Node, tmp_path: Path
     assert process.returncode == 2
     assert "door of 50 mm to x, y, z = 0, 10, 0 mm from the reference place, then Enter: " in errors
     assert cv2.imread(str(tmp_path / "1.png"))[3, 3].tolist() == [77, 77, 77]
+
+
+def test_the_empty_clamp_is_taken_from_a_topic(camera: Node, tmp_path: Path) -> None:
+    scene = PictureScene(0.826, 0.04, background=Surface(0.2, mottle=0.05, mottle_size=4e-3), door=False)
+    picture = render_picture(scene, 3)
+    publisher = camera.create_publisher(
+        Image, TOPIC, QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    )
+    out = tmp_path / "camera.yaml"
+    arguments = ["--topic", TOPIC, "--width", "826", "--count", "3", "--out", str(out), "--wait", "120"]
+    process = calibrate("empty", *arguments)
+    end = time.monotonic() + 120.0
+    while process.poll() is None and time.monotonic() < end:
+        publisher.publish(picture_message(picture, Header()))
+        time.sleep(0.1)
+    said, complaint = process.communicate(timeout=30.0)
+    assert process.returncode == 0, complaint
+    assert "the empty clamp for doors of 826 mm: 3 pictures" in said
+    np.testing.assert_array_equal(load_camera(out).empty[0].picture, picture)

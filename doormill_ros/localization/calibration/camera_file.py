@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +19,11 @@ from doormill_ros.localization.calibration.intrinsics import Intrinsics
 from doormill_ros.localization.calibration.kept import keep
 from doormill_ros.localization.calibration.mark_places import MarkPlaces
 from doormill_ros.localization.calibration.ros_file import RosIntrinsics
+from doormill_ros.localization.empty_clamp import SAME_WIDTH, EmptyClampEntry
 
 
 def read_document(path: Path) -> dict[str, Any]:
-    """The mapping in a YAML file.
+    """The mapping in a YAML file, with whole paths of the pictures that it names.
 
     Raises:
         BadCalibrationFile: There is no such file or no mapping in it.
@@ -28,7 +31,15 @@ def read_document(path: Path) -> dict[str, Any]:
     document = config.read_document(path, BadCalibrationFile, "see docs/calibration.md")
     if not isinstance(document, dict):
         raise BadCalibrationFile(f"{path} holds no mapping; see docs/calibration.md", path=str(path))
-    return document
+    return _with_paths(document, lambda picture: str((path.parent / picture).absolute()))
+
+
+def _with_paths(document: dict[str, Any], changed: Callable[[str], str]) -> dict[str, Any]:
+    """The document with the paths of its pictures changed; whatever is no list of them is left for `load_camera`."""
+    entries = document.get("empty_clamp")
+    if not isinstance(entries, list) or not all(isinstance(e, dict) and "picture" in e for e in entries):
+        return document
+    return document | {"empty_clamp": [e | {"picture": changed(str(e["picture"]))} for e in entries]}
 
 
 def with_intrinsics(document: dict[str, Any], found: Intrinsics, names: list[str]) -> dict[str, Any]:
@@ -114,12 +125,26 @@ def with_marks(document: dict[str, Any], found: MarkPlaces) -> dict[str, Any]:
     return document | {"marks": document["marks"] | changed}
 
 
+def with_empty_clamp(document: dict[str, Any], entry: EmptyClampEntry) -> dict[str, Any]:
+    """A camera document with a picture of the empty clamp, in the place of one for that width."""
+    others = [e for e in document.get("empty_clamp") or [] if abs(e["width"] - entry.width) > SAME_WIDTH]
+    return document | {"empty_clamp": sorted([*others, asdict(entry)], key=lambda e: float(e["width"]))}
+
+
 def write_document(document: dict[str, Any], path: Path) -> Path | None:
     """Write a camera document; what the file held before is kept, and where is returned.
+
+    Pictures below its folder are named from there, so that the folder can be moved.
 
     Raises:
         OSError: It cannot be kept or written; the file is as it was.
     """
+    folder = path.parent.absolute()
+
+    def named(picture: str) -> str:
+        return str(Path(picture).relative_to(folder)) if Path(picture).is_relative_to(folder) else picture
+
+    document = _with_paths(document, named)
     before = keep(path)
     write_atomically(path, yaml.safe_dump(document, sort_keys=False, default_flow_style=None))
     return before

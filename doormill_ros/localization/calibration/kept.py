@@ -40,7 +40,7 @@ def restore(path: Path, number: int | None = None) -> Path:
 
     Raises:
         NothingKept: There is no such file.
-        BadCameraFile: It holds no camera.
+        BadCameraFile: It holds no camera, or names a picture that is gone.
         OSError: It cannot be written.
     """
     present = path.read_bytes() if path.exists() else None
@@ -53,7 +53,7 @@ def restore(path: Path, number: int | None = None) -> Path:
         wanted = "one that differs from the present" if number is None else f"number {number}"
         raise NothingKept(f"of {path} {names} are kept, {wanted} is asked for; give one of these numbers")
     source = fitting[-1]
-    load_camera(source)
+    load_camera(source, path.parent)
     content = source.read_bytes()
     keep(path)
     write_atomically(path, content, durable=True)

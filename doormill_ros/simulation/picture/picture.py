@@ -150,24 +150,36 @@ class _Painter:
         scene, shadows = self.scene, self.scene.light.shadows
         ray_x, ray_y = rays(scene.camera, block, fine)
         y, z = self.door_coordinates(ray_x, ray_y)
-        sample = scene.distance / float(scene.camera.matrix[0, 0]) / fine
         out = self.albedo("background", y, z)
         self.paint(out, block, fine, behind=True)
         self._mark(out, ray_x, ray_y, fine)
         self._shade(out, [s for s in shadows if s.behind], y, z)
+        if scene.door:
+            self._put_door(out, (ray_x, ray_y), (y, z), fine)
+        self.paint(out, block, fine, behind=False)
+        out *= self.light(ray_x, ray_y)
+        return out
+
+    def _put_door(
+        self,
+        out: Float32Array,
+        seen: tuple[Float32Array, Float32Array],
+        at: tuple[Float32Array, Float32Array],
+        fine: int,
+    ) -> None:
+        """Put the door before what is behind it: by rays x/z, y/z that see door y, z [m]; all of one shape (n, m)."""
+        scene, (y, z) = self.scene, at
+        sample = scene.distance / float(scene.camera.matrix[0, 0]) / fine
         face = self.albedo("face", y, z)
         self._stripe(face, y, z)
-        self._shade(face, [s for s in shadows if s.on_face], y, z)
+        self._shade(face, [s for s in scene.light.shadows if s.on_face], y, z)
         if scene.back_edge is not None:
             lip = scene.back_edge
-            back_y, back_z = self.door_coordinates(ray_x, ray_y, lip.setback)
+            back_y, back_z = self.door_coordinates(*seen, lip.setback)
             share = np.clip((back_y + np.float32(lip.hinge)) / np.float32(sample) + 0.5, 0, 1)
             share *= np.clip((back_z + np.float32(lip.bottom)) / np.float32(sample) + 0.5, 0, 1)
             out += (face * np.float32(lip.brightness) - out) * share
         out += (face - out) * self.cover(y, z, sample, rough=fine > 1)
-        self.paint(out, block, fine, behind=False)
-        out *= self.light(ray_x, ray_y)
-        return out
 
     def edge_blocks(self, margin: int) -> list[Block]:
         """Blocks of the picture that hold the hinge edge and the bottom edge."""

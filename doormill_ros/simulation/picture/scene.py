@@ -291,6 +291,7 @@ class PictureScene:
         sensor: Optics and noise.
         camera: The true camera.
         layout: Where the nominal door stands.
+        door: Whether a door stands there; without one all else is as it is with it.
     """
 
     width: float
@@ -306,6 +307,7 @@ class PictureScene:
     sensor: Sensor = Sensor()
     camera: SceneCamera = field(default_factory=SceneCamera.load)
     layout: CellLayout = field(default_factory=load_layout)
+    door: bool = True
 
     @property
     def distance(self) -> float:

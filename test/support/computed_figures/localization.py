@@ -10,6 +10,7 @@ from doormill_ros.localization.lens_apart import SAME
 from support.page_figures import number_of
 from support.pictures.conditions import CONDITIONS
 from support.pictures.corpus import HARD
+from support.pictures.empty_clamps import CLAMPS
 
 #: Of the doors in the table of docs/localization.md [m].
 THIN, MIDDLE, THICK = 0.03, 0.05, 0.1
@@ -104,6 +105,11 @@ HINGE_OPEN, BOTTOM_OPEN = _open(HINGE_SHOWS), _open(BOTTOM_SHOWS)
 def conditions() -> float:
     """Conditions of the pictures that the localizer was not made for."""
     return float(len(CONDITIONS))
+
+
+def clamp_kinds() -> float:
+    """Kinds of pictures with one of the empty clamp."""
+    return float(len(CLAMPS))
 
 
 def half_a_pixel() -> float:

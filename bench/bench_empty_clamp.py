@@ -1,0 +1,138 @@
+"""The localizer with and without a picture of the empty clamp: `python bench/bench_empty_clamp.py [COUNT [SEED]]`.
+
+One row a kind of picture (support/pictures/empty_clamps.py): how many were accepted and how many of those were wrong,
+without that picture and with it. Wrong is any pose where no door stands, else as in bench_conditions.py. Exit code 1
+when a pose is wrong that is accepted with the picture, or a good picture is refused because of it.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import one_core  # noqa: F401  before numpy
+
+# isort: split
+import cv2
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "bench"), str(ROOT / "test")]
+
+# ruff: noqa: E402
+from bench_conditions import WRONG_ANGLE, WRONG_PLACE, WRONG_SIGMA
+from rich.console import Console
+from rich.table import Table
+
+from doormill_ros.cell.layout import load_layout
+from doormill_ros.localization.errors import LocalizationError
+from doormill_ros.localization.localizer import localize, prepare
+from doormill_ros.localization.result import Localization
+from doormill_ros.simulation.picture.picture import render_picture
+from doormill_ros.units import m_to_mm
+from support.pictures.empty_clamps import CLAMPS, ClampPicture, clamp_pictures
+
+COUNT, SEED = 60, 2027
+
+
+@dataclass
+class Row:
+    """What became of the pictures of one kind; the first of each pair without a picture of the empty clamp."""
+
+    count: int = 0
+    accepted: list[int] = field(default_factory=lambda: [0, 0])
+    wrong: list[int] = field(default_factory=lambda: [0, 0])
+    lost: int = 0
+    worst: float = 0.0
+    times: list[float] = field(default_factory=list)
+
+
+def is_wrong(item: ClampPicture, found: Localization) -> bool:
+    """Whether a pose must not be milled."""
+    true, got = item.scene.offset, found.offset
+    error = np.array([got.y - true.y, got.z - true.z, got.rotation - true.rotation])
+    sigma = float(np.sqrt(error @ np.linalg.solve(found.covariance, error)))
+    far = np.hypot(*error[:2]) > WRONG_PLACE or abs(error[2]) > WRONG_ANGLE or sigma > WRONG_SIGMA
+    return bool(not item.stands or far)
+
+
+def look(item: ClampPicture, row: Row) -> None:
+    """Localize one picture both ways and enter it."""
+    scene, layout = item.scene, load_layout()
+    known, picture = item.camera(), render_picture(item.scene, item.seed)
+    row.count += 1
+    poses, right = [], False
+    cameras = replace(known, empty=()), known
+    for i, camera in enumerate(cameras):
+        prepare(camera, layout, scene.width, scene.thickness)
+        try:
+            found = localize(picture, camera, layout, scene.width, scene.thickness)
+        except LocalizationError:
+            row.lost += i and right
+            return
+        poses.append((found.offset, found.covariance.tolist()))
+        wrong = is_wrong(item, found)
+        right = not wrong
+        row.accepted[i] += 1
+        row.wrong[i] += wrong
+        if wrong and i and item.stands:
+            row.worst = max(
+                row.worst, float(np.hypot(found.offset.y - scene.offset.y, found.offset.z - scene.offset.z))
+            )
+    assert poses[0] == poses[1], "the picture of the empty clamp has changed a pose"
+    spent = []
+    for camera in cameras:  # now that both are warm
+        start = time.process_time()
+        for _ in range(3):
+            localize(picture, camera, layout, scene.width, scene.thickness)
+        spent.append((time.process_time() - start) / 3)
+    row.times.append(spent[1] - spent[0])
+
+
+def run(count: int = COUNT, seed: int = SEED) -> dict[str, Row]:
+    """The table by kind."""
+    cv2.setNumThreads(1)
+    rows = {name: Row() for name in CLAMPS}
+    for name, row in rows.items():
+        for item in clamp_pictures(name, count, seed):
+            look(item, row)
+    return rows
+
+
+def main() -> int:
+    """Print the table."""
+    rows = run(*(int(v) for v in sys.argv[1:3]))
+    table = Table(
+        "picture",
+        "pictures",
+        "accepted",
+        "wrong",
+        "accepted with",
+        "wrong with",
+        "worst, mm",
+        "right ones lost",
+    )
+    for name, row in rows.items():
+        pairs = [(row.accepted[i], row.wrong[i]) for i in (0, 1)]
+        worst = f"{m_to_mm(row.worst):.3f}" if row.worst else ""
+        table.add_row(name, str(row.count), *(str(v) for pair in pairs for v in pair), worst, str(row.lost))
+    Console(width=150).print(table)
+    good = [row for name, row in rows.items() if CLAMPS[name].fair]
+    everything = list(rows.values())
+    print(
+        f"wrong without {sum(row.wrong[0] for row in everything)}, "
+        f"with {sum(row.wrong[1] for row in everything)} of {sum(row.count for row in everything)} pictures"
+    )
+    print(
+        f"good pictures: {sum(row.accepted[0] - row.wrong[0] for row in good)} right without, "
+        f"{sum(row.accepted[1] - row.wrong[1] for row in good)} with, of {sum(row.count for row in good)}"
+    )
+    times = [1e3 * spent for row in everything for spent in row.times]
+    print(f"{float(np.median(times)):.2f} ms more a picture in the median")
+    return 1 if any(row.wrong[1] or row.lost for row in everything) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
