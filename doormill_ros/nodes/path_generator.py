@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from contextlib import suppress
+from datetime import UTC, datetime
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -33,7 +34,8 @@ from doormill_ros.pipeline.model_in_use import SetupInUse, VersionedSetup
 from doormill_ros.pipeline.plan import plan, prepare, rehearse
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
-from doormill_ros.robot_model.extended_model import unknown_on_path
+from doormill_ros.robot_model.extended_model import growth_in, unknown_on_path
+from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.toolpath.program import MillingProgram
 
 
@@ -77,6 +79,7 @@ class PathGenerator(ManagedNode):
             self.value("share"),
         )
         self._setup = self._in_use.now
+        self._work = WorkTimes()
         self._unfit: Exception | None = None
         self._recipe: DoorRecipe | None = None
         self._door: Recipe | None = None
@@ -114,6 +117,15 @@ class PathGenerator(ManagedNode):
         self.get_logger().info(f"targets are corrected by version {used.version} of the model, {name}")
         for sentence in unknown_on_path(used.setup.model):
             self.get_logger().info(f"robot model {name}: {sentence}")
+        if growth_in(used.setup.model) is not None:
+            self.get_logger().info(f"robot model {name}: its growth counts {self._worked()}")
+
+    def _worked(self) -> str:
+        """Since when the cell warms up, as far as this node has seen."""
+        since = self._work.since
+        if since is None:
+            return "from the first door on that is planned now; until then the cell is taken for cold"
+        return f"since {datetime.fromtimestamp(since, UTC).isoformat(timespec='seconds')}"
 
     def _choose_model(self) -> None:
         """Take the model in use for the run that begins; what is wrong with it is said when the pose comes."""
@@ -165,7 +177,7 @@ class PathGenerator(ManagedNode):
             model_version=self._setup.version,
             header=Header(stamp=pose.header.stamp, frame_id=BASE_FRAME),
         )
-        begun = time.perf_counter()
+        begun, moment = time.perf_counter(), seconds_of(now)
         try:
             if self._unfit is not None:
                 raise self._unfit
@@ -175,7 +187,8 @@ class PathGenerator(ManagedNode):
             if self.value("share") and not share.operations:
                 self.report(OK, f"door {recipe.door_id} has nothing for this robot")
                 return
-            planned = plan(door, T_cell_door, self._setup.setup)
+            setup = self._setup.setup.warm(self._work, moment)
+            planned = plan(door, T_cell_door, setup)
         except Exception as unexpected:  # whatever it is, the run waits for an answer
             error = self.as_refusal(unexpected)
             answer.duration = time.perf_counter() - begun
@@ -184,13 +197,15 @@ class PathGenerator(ManagedNode):
             self._targets.publish(answer)
             self.report(WARN, f"door {recipe.door_id}: {error.message}", error_code=error.code)
             return
+        self._work.worked(moment)
         program = planned.program
         answer.accepted = True
         answer.cycle_time = planned.check.time
         program_into(answer, program)
         answer.duration = time.perf_counter() - begun
         self._targets.publish(answer)
-        self.report(OK, "path generated", door_id=recipe.door_id, targets=len(program.targets))
+        undone = {} if setup.growth is None else {"growth_undone": setup.growth}
+        self.report(OK, "path generated", door_id=recipe.door_id, targets=len(program.targets), **undone)
         self.later("show", lambda: self._show(answer.header, program, door, share.T_base_door))
 
     def _show(self, header: Header, program: MillingProgram, door: Recipe, T_base_door: FloatArray) -> None:

@@ -1,0 +1,52 @@
+"""What doors told of a cell that warms up, as a law for the doors to come."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.diagnosis.core.finding import Finding
+from doormill_ros.diagnosis.core.fit import fit
+from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.effects.shift import Warming
+from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
+from doormill_ros.robot_model.warmth.growth import GrowthLaw, ThermalGrowth
+from doormill_ros.units import UM, hours_to_s
+
+#: Time constants that a law may have [h]: those of the diagnosis from half of the least to twice the largest, and two
+#: between each two of them, so that neighbours differ by a quarter.
+CONSTANTS = tuple(0.25 * 2.0 ** (step / 3.0) for step in range(16))
+LEAST = 0.01  #: probability below which a time constant is no part of the law
+
+
+def warmed(finding: Finding[InTime]) -> bool:
+    """Whether it is a growth that time alone drives: the law undoes it, if nothing else would explain the doors as well."""
+    return isinstance(finding.cause.effect, Warming) and not finding.confusable
+
+
+def growth_told(diagnosis: DoorDiagnosis) -> ThermalGrowth | None:
+    """The law of the growth that is named; None where none is, or something else would do as well.
+
+    Time constants are weighed by how well the doors come out with each, everything else fitted anew beside it.
+    """
+    if not any(warmed(finding) for finding in diagnosis.findings):
+        return None
+    problem, best = diagnosis.problem, diagnosis.examination.best
+    at = next(i for i, member in enumerate(best.members) if isinstance(member.effect, Warming))
+    where = best.part(best.members[at]).start
+    noise = max(1.0, float(np.mean(best.prediction.cost[best.weights > 0.0])) / problem.components)
+    fits = []
+    for hours in CONSTANTS:
+        members = [*best.members]
+        members[at] = InTime(Warming(hours))
+        fits.append(fit(problem, members, [best.theta]))
+    score = np.array([found.score for found in fits])
+    weight = np.exp(-0.5 * (score - score.min()) / noise)
+    weight /= weight.sum()
+    kept = weight >= LEAST
+    laws = []
+    for i in np.flatnonzero(kept):
+        size = UM * fits[i].theta[where]
+        std = UM * np.sqrt(noise * fits[i].covariance[where, where])
+        laws.append(GrowthLaw(CONSTANTS[i], float(size), float(std), float(weight[i] / weight[kept].sum())))
+    times = [door.time for door in problem.doors]
+    return ThermalGrowth(tuple(laws), (times[-1] - times[0]) / hours_to_s(1.0))
