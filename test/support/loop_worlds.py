@@ -22,6 +22,7 @@ from doormill_ros.simulation.world.world_file import load_world
 from support.gauged_shift import HINGE_DOORS, gauged_shift
 from support.milled_worlds import commanded
 from support.shift_worlds import inspected
+from support.told_world import told
 
 TURNS = tuple(itertools.islice(itertools.cycle(HINGE_DOORS), 9))
 #: Recipe, program and place of doors that are in no bag of the shift.
@@ -72,14 +73,21 @@ def taught(folder: Path, world: dict) -> Loop:
 
 
 def milled(
-    setup: MillingSetup, world: Path, name: str, program: Program, offset: DoorOffset
+    setup: MillingSetup, world: Path, name: str, program: Program, offset: DoorOffset, aware: bool = False
 ) -> tuple[float, float, float]:
-    """Wall errors of a door [m]: root mean square and largest, and the error that its plan expected."""
+    """Wall errors of a door [m]: root mean square and largest, and the error that its plan expected.
+
+    Args:
+        setup: That plans it.
+        world: That mills it.
+        name, program, offset: The door and where it stands.
+        aware: Whether the plan is told the world's own figures instead of its model's.
+    """
     recipe = replace(load_recipe(name), program=program)
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
-    planned = plan(recipe, T_base_door, setup).program
     dh, tool = setup.robot.dh, setup.layout.T_flange_tool
     truth = DoorTruth(load_world(world), 12, dh, tool)
+    planned = plan(recipe, T_base_door, told(setup, truth, recipe) if aware else setup).program
     stands = truth.T_base_door(T_base_door)
     part = inspect(recipe, stands, truth.executed(recipe, stands, commanded(planned, dh, tool)))
     # Without the deepest layer: where the floor is too high it lies in the wood, and has no wall.

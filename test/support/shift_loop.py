@@ -119,11 +119,14 @@ class NextDoors:
             work.worked(moment)
             knowing = told(setup, truth, recipe) if aware else setup.warm(work, moment)
             try:
-                planned = plan(recipe, believed, knowing).program
+                planned = plan(recipe, believed, knowing)
             except PathError:
                 return float("nan")
             T_base_door = stood(truth, recipe, believed, scatter)
-            executed = truth.executed(recipe, T_base_door, commanded(planned, dh, tool))
+            path = commanded(planned.program, dh, tool)
+            # The ideal controller numbers its samples; a cell warms up by the clock.
+            path = replace(path, time=path.time * planned.check.time / path.time[-1])
+            executed = truth.executed(recipe, T_base_door, path)
             points = gauge(recipe, T_base_door, executed, truth.drawn(GAUGE))
             off.append(points.deviation[np.array(points.surface) == "wall"])
         return float(np.sqrt(np.mean(np.concatenate(off) ** 2)))

@@ -1,7 +1,7 @@
 """Plans that are given the world's own figures: what planner and program leave of a world that nothing hides.
 
-No diagnosis and no model of the project is asked: the world's own arm says where the loaded tool stands. What such a plan
-leaves, no better figures would mend.
+No diagnosis and no model of the project is asked: the world's own arm says where the loaded tool stands. What such a
+plan leaves, no better figures would mend.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ def told(setup: MillingSetup, truth: DoorTruth, recipe: Recipe) -> MillingSetup:
 class ToldWorld:
     """The tool of one door of a shift, as the world has it (implements StandingModel and KnowingModel).
 
-    The growth is that of the door's begin. Corners that a controller cuts, what is drawn for each door and forces of the
-    engaged wood are no figures of a world, and told to nobody.
+    The growth is that of the door's begin. Corners that a controller cuts, what is drawn for each door and forces of
+    the engaged wood are no figures of a world, and told to nobody.
     """
 
     def __init__(self, truth: DoorTruth, setup: MillingSetup, recipe: Recipe) -> None:

@@ -178,8 +178,8 @@ def _scope(diagnosis: DoorDiagnosis) -> list[str]:
         found.append(f"No correction of the path undoes {' and '.join(others)}: put that right where it is.")
     if any(warmed(finding) for finding in diagnosis.findings):
         found.append(
-            "The path generator undoes the growth by the time that it has seen its cell work: after its own start, or a "
-            "pause, it takes the cell for colder than it may be and undoes less."
+            "The path generator undoes the growth by the time that it has seen its cell work: after its own start or a "
+            "pause it takes the cell for colder than it may be, and undoes less."
         )
     return found
 

@@ -19,7 +19,7 @@ LEAST = 0.01  #: probability below which a time constant is no part of the law
 
 
 def warmed(finding: Finding[InTime]) -> bool:
-    """Whether it is a growth that time alone drives: the law undoes it, if nothing else would explain the doors as well."""
+    """Whether it is a growth that a law in time undoes: nothing else would explain the doors as well."""
     return isinstance(finding.cause.effect, Warming) and not finding.confusable
 
 

@@ -8,18 +8,18 @@ import numpy as np
 
 from doormill_ros.units import hours_to_s
 
-#: Between doors that count as one spell of work [s]: five doors of a cell that mills 500 a day. In the doors that tell a
-#: law shorter waits are part of the work, so they are part of it here.
+#: Between doors that count as one spell of work [s]: five doors of a cell that mills 500 a day. In the doors that tell
+#: a law shorter waits are part of the work, so they are part of it here.
 PAUSE = 900.0
 
 
 class WorkTimes:
     """Moments of work as spells; the time of no spell is a pause.
 
-    In a spell all but 1 / e of the warmth that is missing comes in the time constant of the law. In a pause as much goes
-    in that time: an arm that stands gives its heat to the air no faster than one that moves through it (moving air
-    takes more), so it is at least as warm as that. A cell of which nobody saw the work counts as cold. Both err to the
-    cold, and of what is warmer than it seems too little is undone, never too much.
+    In a spell all but 1 / e of what is missing comes in the time constant of the law. In a pause all but 1 / e of it
+    goes in that time: an arm that stands gives its heat to the air no faster than one that moves through it, so it is
+    at least as warm as that. A cell of which nobody saw the work counts as cold. Both err to the cold: of the growth of
+    an arm that is warmer than it seems too little is undone, never too much.
     """
 
     def __init__(self, moments: Iterable[float] = ()) -> None:
@@ -41,7 +41,7 @@ class WorkTimes:
         return self._spells[-1][0] if self._spells else None
 
     def worked(self, moment: float) -> None:
-        """A door is milled now [s since the epoch]; before the last one: the clock was set back, and nothing is known."""
+        """A door is milled now [s since the epoch]; a clock that was set back makes what was before unknown."""
         if self._spells and moment < self._spells[-1][1]:
             self._spells.clear()
         if self._spells and moment - self._spells[-1][1] <= PAUSE:
