@@ -28,7 +28,8 @@ def main() -> None:
     unaware = load_setup()
     least: dict[str, float] = {}
     print(
-        "world                     door                walls before, after [um rms]  at most        of as assumed  told  of told"
+        "world                     door                walls before, after [um rms]  at most        of as assumed"
+        "  told  of told"
     )
     for label, world in (WORLDS | MORE).items():
         with tempfile.TemporaryDirectory(prefix="loop-") as folder:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import time
 from contextlib import suppress
-from datetime import UTC, datetime
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -37,6 +36,7 @@ from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
 from doormill_ros.robot_model.extended_model import growth_in, unknown_on_path
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.units import m_to_um
 
 
 class PathGenerator(ManagedNode):
@@ -117,15 +117,13 @@ class PathGenerator(ManagedNode):
         self.get_logger().info(f"targets are corrected by version {used.version} of the model, {name}")
         for sentence in unknown_on_path(used.setup.model):
             self.get_logger().info(f"robot model {name}: {sentence}")
-        if growth_in(used.setup.model) is not None:
-            self.get_logger().info(f"robot model {name}: its growth counts {self._worked()}")
-
-    def _worked(self) -> str:
-        """Since when the cell warms up, as far as this node has seen."""
-        since = self._work.since
-        if since is None:
-            return "from the first door on that is planned now; until then the cell is taken for cold"
-        return f"since {datetime.fromtimestamp(since, UTC).isoformat(timespec='seconds')}"
+        growth = growth_in(used.setup.model)
+        if growth is not None:
+            way, _ = growth.at(self._work, seconds_of(self.get_clock().now().to_msg()))
+            self.get_logger().info(
+                f"robot model {name}: its growth, {m_to_um(way):.0f} um now, is undone by the {self._work.doors} doors "
+                "that this node has begun; of a cell whose work it has not seen none is undone"
+            )
 
     def _choose_model(self) -> None:
         """Take the model in use for the run that begins; what is wrong with it is said when the pose comes."""

@@ -30,7 +30,7 @@ from doormill_ros.robot_model.extended_model import (
     standing_model,
 )
 from doormill_ros.robot_model.warmth.grown_model import grown
-from doormill_ros.robot_model.warmth.work_times import WorkTimes
+from doormill_ros.units import hours_to_s
 
 LAST = 3  #: doors of a recipe by which its next one is judged
 
@@ -79,8 +79,8 @@ def _when_milled(cold: ComplianceModel, robot: Robot, first: GaugedDoor, door: G
     growth = growth_in(cold)
     if growth is None:
         return cold
-    work = WorkTimes.through(first.time, door.time)
-    return grown(cold, Kinematics(robot), *growth.at(work, door.time))
+    hours = (door.time - first.time) / hours_to_s(1.0)
+    return grown(cold, Kinematics(robot), *growth.after(hours))
 
 
 def _milled_with(door: GaugedDoor, robot: Robot) -> ComplianceModel | None:

@@ -49,4 +49,5 @@ def growth_told(diagnosis: DoorDiagnosis) -> ThermalGrowth | None:
         std = UM * np.sqrt(noise * fits[i].covariance[where, where])
         laws.append(GrowthLaw(CONSTANTS[i], float(size), float(std), float(weight[i] / weight[kept].sum())))
     times = [door.time for door in problem.doors]
-    return ThermalGrowth(tuple(laws), (times[-1] - times[0]) / hours_to_s(1.0))
+    takt = float(np.median(np.diff(times)))
+    return ThermalGrowth(tuple(laws), (times[-1] - times[0]) / hours_to_s(1.0), takt)

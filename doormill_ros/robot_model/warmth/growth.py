@@ -6,7 +6,7 @@ time constant, so a law holds several, each with what the doors give for it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,10 +43,12 @@ class ThermalGrowth:
     Attributes:
         laws: At least one.
         seen: From the first to the last door that told it [h].
+        takt: Between doors that told it, the median [s]; a longer time is a pause.
     """
 
     laws: tuple[GrowthLaw, ...]
     seen: float
+    takt: float
 
     def at(self, work: WorkTimes, moment: float) -> tuple[float, float]:
         """Way of the tool away from the base, and its standard deviation [m].
@@ -55,9 +57,16 @@ class ThermalGrowth:
             work: When the cell worked.
             moment: When a door is milled [s since the epoch].
         """
+        return self._way([work.warmth(moment, law.hours, self.takt) for law in self.laws])
+
+    def after(self, hours: float) -> tuple[float, float]:
+        """The same after work without a pause [h]."""
+        return self._way([-np.expm1(-hours / law.hours) for law in self.laws])
+
+    def _way(self, warmth: Sequence[float]) -> tuple[float, float]:
         weight = np.array([law.weight for law in self.laws])
         most = [-np.expm1(-AHEAD * self.seen / law.hours) for law in self.laws]
-        warm = np.minimum([work.warmth(moment, law.hours) for law in self.laws], most)
+        warm = np.minimum(warmth, most)
         way = warm * [law.growth for law in self.laws]
         size = float(weight @ way)
         variance = weight @ ((way - size) ** 2 + (warm * [law.std for law in self.laws]) ** 2)
@@ -65,7 +74,7 @@ class ThermalGrowth:
 
     def document(self) -> dict[str, Any]:
         """As model.yaml has it."""
-        return {"seen": self.seen, "laws": [dict(vars(law)) for law in self.laws]}
+        return {"seen": self.seen, "takt": self.takt, "laws": [dict(vars(law)) for law in self.laws]}
 
 
 def growth_of(document: Mapping[str, Any]) -> ThermalGrowth:
@@ -79,10 +88,11 @@ def growth_of(document: Mapping[str, Any]) -> ThermalGrowth:
     if not isinstance(entries, list) or not entries:
         raise ValueError(f"laws of thermal_growth is {entries!r:.80}, allowed is a list of at least one")
     laws = tuple(GrowthLaw(*(float(entry[name]) for name in names)) for entry in entries)
-    found = ThermalGrowth(laws, float(document["seen"]))
-    if not all(np.isfinite([found.seen, *(v for law in laws for v in vars(law).values())])):
+    found = ThermalGrowth(laws, float(document["seen"]), float(document["takt"]))
+    if not all(np.isfinite([found.seen, found.takt, *(v for law in laws for v in vars(law).values())])):
         raise ValueError("thermal_growth has a number that is not finite, allowed are finite ones")
-    if found.seen < 0.0 or any(law.hours <= 0.0 or law.std < 0.0 or law.weight < 0.0 for law in laws):
+    least = min(min(law.std, law.weight) for law in laws)
+    if min(found.seen, found.takt, least) < 0.0 or min(law.hours for law in laws) <= 0.0:
         raise ValueError("thermal_growth has a negative number, allowed are 0 and more, of hours more than 0")
     if abs(sum(law.weight for law in laws) - 1.0) > 1e-6:
         raise ValueError(

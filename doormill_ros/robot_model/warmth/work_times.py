@@ -1,74 +1,56 @@
-"""Since when a cell works, by the moments at which it mills doors, and how warm it is by that."""
+"""When a cell worked, by the moments at which it milled doors, and how warm it is by that."""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable
 
 import numpy as np
 
 from doormill_ros.units import hours_to_s
 
-#: Between doors that count as one spell of work [s]: five doors of a cell that mills 500 a day. In the doors that tell
-#: a law shorter waits are part of the work, so they are part of it here.
-PAUSE = 900.0
+KEPT = 5000  #: last moments that are kept: ten days of 500 doors, after which no arm remembers
 
 
 class WorkTimes:
-    """Moments of work as spells; the time of no spell is a pause.
+    """Moments at which doors were begun.
 
-    In a spell all but 1 / e of what is missing comes in the time constant of the law. In a pause all but 1 / e of it
-    goes in that time: an arm that stands gives its heat to the air no faster than one that moves through it, so it is
-    at least as warm as that. A cell of which nobody saw the work counts as cold. Both err to the cold: of the growth of
-    an arm that is warmer than it seems too little is undone, never too much.
+    An arm is heated from each door to the next one, yet no longer than doors took in the work that told the law;
+    whatever is beyond that is a pause. In all other time all but 1 / e of its warmth goes in the time constant in which
+    it comes: an arm that stands gives its heat to the air no faster than one that moves through it. Work that nobody
+    saw heated nothing. All this errs to the cold: of the growth of an arm that is warmer than it seems too little is
+    undone, never too much.
     """
 
     def __init__(self, moments: Iterable[float] = ()) -> None:
         """Take moments in a row [s since the epoch]."""
-        self._spells: list[tuple[float, float]] = []
+        self._moments: deque[float] = deque(maxlen=KEPT)
         for moment in moments:
             self.worked(moment)
 
-    @classmethod
-    def through(cls, begin: float, end: float) -> WorkTimes:
-        """Work without a pause [s since the epoch], for who knows some of its doors only."""
-        work = cls()
-        work._spells = [(begin, end)]
-        return work
-
     @property
-    def since(self) -> float | None:
-        """When the spell in hand began [s since the epoch]; None before the first."""
-        return self._spells[-1][0] if self._spells else None
+    def doors(self) -> int:
+        """How many are known."""
+        return len(self._moments)
 
     def worked(self, moment: float) -> None:
-        """A door is milled now [s since the epoch]; a clock that was set back makes what was before unknown."""
-        if self._spells and moment < self._spells[-1][1]:
-            self._spells.clear()
-        if self._spells and moment - self._spells[-1][1] <= PAUSE:
-            self._spells[-1] = self._spells[-1][0], moment
-        else:
-            self._spells.append((moment, moment))
+        """A door is begun now [s since the epoch]; a clock that was set back makes what was before unknown."""
+        if self._moments and moment < self._moments[-1]:
+            self._moments.clear()
+        self._moments.append(moment)
 
-    def warmth(self, moment: float, hours: float) -> float:
+    def warmth(self, moment: float, hours: float, takt: float) -> float:
         """Share of the growth in the end that is there, 0..1.
 
         Args:
             moment: When [s since the epoch]; before the last door nothing is known.
             hours: Time constant [h].
+            takt: Longest time from door to door that is work [s].
         """
-        missing, end = 1.0, None
-        for begin, last in self._spells:
-            if end is not None:
-                missing = 1.0 - (1.0 - missing) * _left(begin - end, hours)
-            missing *= _left(last - begin, hours)
-            end = last
-        if end is None or moment < end:
+        if not self._moments or moment < self._moments[-1]:
             return 0.0
-        waited = moment - end
-        if waited <= PAUSE:
-            return 1.0 - missing * _left(waited, hours)
-        return (1.0 - missing) * _left(waited, hours)
-
-
-def _left(seconds: float, hours: float) -> float:
-    return float(np.exp(-max(seconds, 0.0) / hours_to_s(hours)))
+        begin = np.array(self._moments)
+        end = np.minimum(np.append(begin[1:], moment), begin + takt)
+        constant = hours_to_s(hours)
+        # The law is linear: each spell of work leaves what has come in it, less what has gone since.
+        return float(np.sum(np.exp((end - moment) / constant) - np.exp((begin - moment) / constant)))
