@@ -20,7 +20,7 @@ from doormill_ros.simulation.world.gauge import gauge
 from doormill_ros.simulation.world.world_file import ShiftWorld, load_world
 from doormill_ros.toolpath.errors import PathError
 from support.gauged_shift import SCATTER, stood
-from support.loop_worlds import TURNS
+from support.loop_worlds import TURNS, timed
 from support.milled_worlds import commanded
 from support.shift_worlds import DrawnShift, diagnosed
 from support.told_world import told
@@ -123,9 +123,7 @@ class NextDoors:
             except PathError:
                 return float("nan")
             T_base_door = stood(truth, recipe, believed, scatter)
-            path = commanded(planned.program, dh, tool)
-            # The ideal controller numbers its samples; a cell warms up by the clock.
-            path = replace(path, time=path.time * planned.check.time / path.time[-1])
+            path = timed(commanded(planned.program, dh, tool), planned)
             executed = truth.executed(recipe, T_base_door, path)
             points = gauge(recipe, T_base_door, executed, truth.drawn(GAUGE))
             off.append(points.deviation[np.array(points.surface) == "wall"])
