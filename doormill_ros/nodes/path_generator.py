@@ -33,7 +33,8 @@ from doormill_ros.pipeline.model_in_use import SetupInUse, VersionedSetup
 from doormill_ros.pipeline.plan import plan, prepare, rehearse
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
-from doormill_ros.robot_model.extended_model import growth_in, unknown_on_path
+from doormill_ros.robot_model.extended_model import unknown_on_path
+from doormill_ros.robot_model.warmth.grown_model import growth_in
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.units import m_to_um

@@ -14,8 +14,8 @@ from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot, load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
-from doormill_ros.robot_model.extended_model import growth_in, load_model_of
-from doormill_ros.robot_model.warmth.grown_model import grown
+from doormill_ros.robot_model.extended_model import load_model_of
+from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.toolpath.beside import place_of
 from doormill_ros.toolpath.door_checks import DoorCheck, check_door

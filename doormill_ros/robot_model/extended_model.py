@@ -27,7 +27,7 @@ from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.gravity.model import SaggingModel
-from doormill_ros.robot_model.model_file import MODEL_FILE, inside, read_model, schema_of
+from doormill_ros.robot_model.model_file import MODEL_FILE, inside, model_path, read_model, schema_of
 from doormill_ros.robot_model.pose.compliance import PoseErrorCompliance, load_pose_compliance
 from doormill_ros.robot_model.pose.model import SCHEMA as POSE_SCHEMA
 from doormill_ros.robot_model.warmth.growth import ThermalGrowth, growth_of
@@ -233,9 +233,7 @@ def load_compliance_model(path_or_name: str | Path) -> ExtendedComplianceModel |
         ExtendedModelError: No such file or robot, or the file cannot be used.
         PoseModelError: The same of a pose diagnosis, or its robot has no description here.
     """
-    path = Path(path_or_name)
-    if (path / MODEL_FILE).is_file():
-        path = path / MODEL_FILE
+    path = model_path(Path(path_or_name))
     if not path.is_file():
         try:
             robot = load_robot(path_or_name)
@@ -311,12 +309,6 @@ def standing_model(robot: Robot, model: ExtendedComplianceModel) -> ComplianceMo
     if model.place is None:
         return model
     return SaggingModel(model, StandingDisplacement(robot, model.place))
-
-
-def growth_in(model: ComplianceModel) -> ThermalGrowth | None:
-    """How a model's tool comes forward as the cell warms up; None where it tells nothing of that."""
-    inner = model.springs if isinstance(model, SaggingModel) else model
-    return inner.growth if isinstance(inner, ExtendedComplianceModel) else None
 
 
 def _own_springs(robot: Robot) -> ExtendedComplianceModel:

@@ -25,11 +25,10 @@ from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.extended_model import (
     ExtendedComplianceModel,
-    growth_in,
     load_model_of,
     standing_model,
 )
-from doormill_ros.robot_model.warmth.grown_model import grown
+from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
 from doormill_ros.units import hours_to_s
 
 LAST = 3  #: doors of a recipe by which its next one is judged

@@ -7,7 +7,15 @@ import numpy as np
 from doormill_ros.arrays import FloatArray
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel, StandingSpread
+from doormill_ros.robot_model.extended_model import ExtendedComplianceModel
 from doormill_ros.robot_model.gravity.model import Sag, SaggingModel
+from doormill_ros.robot_model.warmth.growth import ThermalGrowth
+
+
+def growth_in(model: ComplianceModel) -> ThermalGrowth | None:
+    """How a model's tool comes forward as the cell warms up; None where it tells nothing of that."""
+    inner = model.springs if isinstance(model, SaggingModel) else model
+    return inner.growth if isinstance(inner, ExtendedComplianceModel) else None
 
 
 class GrownTool:
