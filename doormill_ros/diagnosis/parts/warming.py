@@ -28,18 +28,17 @@ def growth_told(diagnosis: DoorDiagnosis) -> ThermalGrowth | None:
 
     Time constants are weighed by how well the doors come out with each, everything else fitted anew beside it.
     """
-    if not any(warmed(finding) for finding in diagnosis.findings):
+    cause = next((finding.cause for finding in diagnosis.findings if warmed(finding)), None)
+    if cause is None:
         return None
-    problem, best = diagnosis.problem, diagnosis.examination.best
-    at = next(i for i, member in enumerate(best.members) if isinstance(member.effect, Warming))
-    where = best.part(best.members[at]).start
-    noise = max(1.0, float(np.mean(best.prediction.cost[best.weights > 0.0])) / problem.components)
+    problem, found = diagnosis.problem, diagnosis.extended
+    where = found.part(cause).start
+    noise = max(1.0, float(np.mean(found.prediction.cost[found.weights > 0.0])) / problem.components)
     fits = []
     for hours in CONSTANTS:
-        members = [*best.members]
-        members[at] = InTime(Warming(hours))
-        fits.append(fit(problem, members, [best.theta]))
-    score = np.array([found.score for found in fits])
+        members = [InTime(Warming(hours)) if member is cause else member for member in found.members]
+        fits.append(fit(problem, members, [found.theta]))
+    score = np.array([one.score for one in fits])
     weight = np.exp(-0.5 * (score - score.min()) / noise)
     weight /= weight.sum()
     kept = weight >= LEAST
