@@ -7,14 +7,12 @@ import numpy as np
 from doormill_ros.diagnosis.core.finding import Finding
 from doormill_ros.diagnosis.core.fit import fit
 from doormill_ros.diagnosis.parts.course import InTime
+from doormill_ros.diagnosis.parts.effects.registry import REST
 from doormill_ros.diagnosis.parts.effects.shift import Warming
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.robot_model.warmth.growth import GrowthLaw, ThermalGrowth
 from doormill_ros.units import UM, hours_to_s
 
-#: Time constants that a law may have [h]: those of the diagnosis from half of the least to twice the largest, and two
-#: between each two of them, so that neighbours differ by a quarter.
-CONSTANTS = tuple(0.25 * 2.0 ** (step / 3.0) for step in range(16))
 LEAST = 0.01  #: probability below which a time constant is no part of the law
 
 
@@ -35,7 +33,7 @@ def growth_told(diagnosis: DoorDiagnosis) -> ThermalGrowth | None:
     where = found.part(cause).start
     noise = max(1.0, float(np.mean(found.prediction.cost[found.weights > 0.0])) / problem.components)
     fits = []
-    for hours in CONSTANTS:
+    for hours in REST:
         members = [InTime(Warming(hours)) if member is cause else member for member in found.members]
         fits.append(fit(problem, members, [found.theta]))
     score = np.array([one.score for one in fits])
@@ -46,7 +44,7 @@ def growth_told(diagnosis: DoorDiagnosis) -> ThermalGrowth | None:
     for i in np.flatnonzero(kept):
         size = UM * fits[i].theta[where]
         std = UM * np.sqrt(noise * fits[i].covariance[where, where])
-        laws.append(GrowthLaw(CONSTANTS[i], float(size), float(std), float(weight[i] / weight[kept].sum())))
+        laws.append(GrowthLaw(REST[i], float(size), float(std), float(weight[i] / weight[kept].sum())))
     times = [door.time for door in problem.doors]
     takt = float(np.median(np.diff(times)))
     return ThermalGrowth(tuple(laws), (times[-1] - times[0]) / hours_to_s(1.0), takt)

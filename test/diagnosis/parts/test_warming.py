@@ -16,7 +16,7 @@ from support.shift_worlds import DrawnShift, diagnosed
 
 SEED, COUNT = 23, 12
 RISE, GROWTH = 20.0, 1e-5
-#: No time constant that the diagnosis tries, nor one that laws are made of.
+#: No time constant that the diagnosis tries.
 HOURS = 0.72
 END = TAKT * COUNT
 
@@ -89,3 +89,14 @@ def test_doors_of_a_cell_that_keeps_its_temperature_tell_no_law(tmp_path):
     doors = tuple(itertools.islice(itertools.cycle(HINGE_DOORS), 6))
     diagnosis = diagnosed(tmp_path / "shift", DrawnShift({"seed": SEED}, (), doors), SEED)
     assert growth_told(diagnosis) is None
+
+
+@pytest.mark.parametrize(("count", "hours"), [(25, 0.28), (40, 0.71)])
+def test_a_time_constant_between_those_that_are_tried_is_named_and_nothing_beside_it(tmp_path, count, hours):
+    world = {"seed": 3, "temperature": {"rise": RISE, "hours": hours, "growth": GROWTH}}
+    doors = tuple(itertools.islice(itertools.cycle(HINGE_DOORS), count))
+    diagnosis = diagnosed(tmp_path / "shift", DrawnShift(world, (), doors), 3)
+    (finding,) = diagnosis.findings
+    assert finding.cause.key == ("thermal_growth", "cell")
+    assert finding.values[1] == pytest.approx(hours, rel=0.15)
+    assert finding.values[0] == pytest.approx(RISE * GROWTH, rel=0.1)
