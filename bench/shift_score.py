@@ -5,7 +5,9 @@ when it is named, or listed as confusable with what is. It is owed where it move
 by twice the gauge's noise, root mean square; what is smaller is counted by itself.
 
 Then the loop is closed: the model that the doors leave plans the next ones, which no fit has seen. Their walls are
-compared, as gauged, with what is left where everything is as assumed, and with what the springs alone would have left.
+compared, as gauged, with what is left where everything is as assumed, with what the springs alone would have left, and
+with what a plan leaves that is told the world's own figures: less no model could. A shift that warms up has its next
+doors at once, in the warmth that it has by then, and once more after a night, in the cold.
 """
 
 from __future__ import annotations
@@ -32,7 +34,8 @@ RIGHT = (
     0.9  #: share of hidden causes that have to be right, and of loops that may leave no more than they should
 )
 GAP, WARM, REST = "shifts with a gap", "shifts that warm up", "all other shifts"
-#: Shifts that are counted by themselves: where a gap closes the mill steps aside, and no model undoes what is warm.
+MORNING = "the morning after shifts that warm up"
+#: Shifts that are counted by themselves: where a gap closes the mill steps aside, and what is warm changes by the door.
 APART = {GAP: "joint_backlash", WARM: "thermal_growth"}
 
 
@@ -48,7 +51,7 @@ def main() -> int:
     verdicts: Counter[str] = Counter()
     by_cause: dict[str, Counter[str]] = {}
     weak: Counter[str] = Counter()
-    loops: dict[str, list[LoopWorth]] = {GAP: [], WARM: [], REST: []}
+    loops: dict[str, list[LoopWorth]] = {GAP: [], WARM: [], MORNING: [], REST: []}
     wrong = 0
     with tempfile.TemporaryDirectory(prefix="shift-") as folder:
         knowing = untroubled(Path(folder) / "shift")
@@ -61,9 +64,15 @@ def main() -> int:
             diagnosis = diagnosed(shift, drawn, seed)
             found = judged(diagnosis, drawn.hidden)
             moved = sizes(shift, drawn, seed)
-            loop = loop_worth(shift, diagnosis, len(drawn.doors), seed, knowing)
-        causes = {one.cause for one in drawn.hidden}
-        loops[next((label for label, cause in APART.items() if cause in causes), REST)].append(loop)
+            causes = {one.cause for one in drawn.hidden}
+            label = next((label for label, cause in APART.items() if cause in causes), REST)
+            found_loops = {label: loop_worth(shift, diagnosis, len(drawn.doors), seed, knowing)}
+            if APART[WARM] in causes:
+                found_loops[MORNING] = loop_worth(
+                    shift, diagnosis, len(drawn.doors), seed, knowing, morning=True
+                )
+        for label, loop in found_loops.items():
+            loops[label].append(loop)
         verdicts[found.verdict] += 1
         wrong += len(found.wrong)
         for one, size in zip(drawn.hidden, moved, strict=True):
@@ -79,7 +88,8 @@ def main() -> int:
         print(
             f"{seed}: {len(drawn.doors)} doors, hidden {', '.join(hidden) or 'nothing'}; "
             f"{found.verdict}: {', '.join(found.named)}; missed {[one.cause for one in found.missed]}, "
-            f"wrong {list(found.wrong)}, far off {[one.cause for one in found.late]}; {_walls(loop)}; "
+            f"wrong {list(found.wrong)}, far off {[one.cause for one in found.late]}; "
+            f"{', in the morning '.join(_walls(loop) for loop in found_loops.values())}; "
             f"{time.monotonic() - begin:.0f} s",
             flush=True,
         )
@@ -104,9 +114,11 @@ def main() -> int:
 
 
 def _walls(loop: LoopWorth) -> str:
-    before, after, least = (m_to_um(value) for value in (loop.before, loop.after, loop.least))
+    before, after, least, told = (
+        m_to_um(value) for value in (loop.before, loop.after, loop.least, loop.told)
+    )
     remarks = [f"beyond {LEFT:g}"] * (not loop.kept) + ["worse"] * loop.worse
-    return f"walls {before:.0f} to {after:.0f} um, as assumed {least:.0f} {' '.join(remarks)}".rstrip()
+    return f"walls {before:.0f} to {after:.0f} um, as assumed {least:.0f}, told {told:.0f} {' '.join(remarks)}".rstrip()
 
 
 def _print_loops(label: str, loops: Sequence[LoopWorth]) -> None:
@@ -114,12 +126,16 @@ def _print_loops(label: str, loops: Sequence[LoopWorth]) -> None:
     if not milled:
         print(f"{label}: no doors after the loop")
         return
-    before, after, least = np.array([[loop.before, loop.after, loop.least] for loop in milled]).T
+    before, after, least, told = np.array(
+        [[loop.before, loop.after, loop.least, loop.told] for loop in milled]
+    ).T
     print(
         f"{label}: walls of the next doors after the loop {m_to_um(np.median(after)):.0f} um in the median, "
         f"{m_to_um(np.quantile(after, 0.9)):.0f} in 9 of 10, {m_to_um(np.median(before)):.0f} and "
         f"{m_to_um(np.quantile(before, 0.9)):.0f} before; {np.median(after / least):.2f} and "
-        f"{np.quantile(after / least, 0.9):.2f} times what is left as assumed; {sum(loop.kept for loop in milled)} of "
+        f"{np.quantile(after / least, 0.9):.2f} times what is left as assumed, "
+        f"{np.nanmedian(after / told):.2f} and {np.nanquantile(after / told, 0.9):.2f} times what the world's own "
+        f"figures leave; {sum(loop.kept for loop in milled)} of "
         f"{len(milled)} within {LEFT:g} times, {sum(loop.worse for loop in milled)} worse than before, "
         f"{len(loops) - len(milled)} refused"
     )

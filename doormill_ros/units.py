@@ -57,6 +57,11 @@ def s_to_ns(value: float) -> int:
     return int(value * 1e9)
 
 
+def hours_to_s(value: float) -> float:
+    """Hours to seconds."""
+    return value * 3600.0
+
+
 def days_to_s(value: float) -> float:
     """Days to seconds."""
     return value * 86_400.0

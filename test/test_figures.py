@@ -89,7 +89,7 @@ def test_there_are_many() -> None:
 BOUNDS_MISSED = {
     "bench_conditions": "a door behind may end by chance where the first one does, and waves of some lengths mislead",
     "calibration_campaign": "kept before runs said how they ended",
-    "shift_score": "a gap leaves more than its bound whatever is sent, and no model undoes what is warm",
+    "shift_score": "a gap leaves more than its bound, and what is warm was not undone when it was kept",
 }
 
 

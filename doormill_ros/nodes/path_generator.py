@@ -34,7 +34,10 @@ from doormill_ros.pipeline.plan import plan, prepare, rehearse
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.urdf import LinkPose, joint_names, link_poses
 from doormill_ros.robot_model.extended_model import unknown_on_path
+from doormill_ros.robot_model.warmth.grown_model import growth_in
+from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.units import m_to_um
 
 
 class PathGenerator(ManagedNode):
@@ -77,6 +80,7 @@ class PathGenerator(ManagedNode):
             self.value("share"),
         )
         self._setup = self._in_use.now
+        self._work = WorkTimes()
         self._unfit: Exception | None = None
         self._recipe: DoorRecipe | None = None
         self._door: Recipe | None = None
@@ -114,6 +118,13 @@ class PathGenerator(ManagedNode):
         self.get_logger().info(f"targets are corrected by version {used.version} of the model, {name}")
         for sentence in unknown_on_path(used.setup.model):
             self.get_logger().info(f"robot model {name}: {sentence}")
+        growth = growth_in(used.setup.model)
+        if growth is not None:
+            way, _ = growth.at(self._work, seconds_of(self.get_clock().now().to_msg()))
+            self.get_logger().info(
+                f"robot model {name}: its growth, {m_to_um(way):.0f} um now, is undone by the {self._work.doors} doors "
+                "that this node has begun; of a cell whose work it has not seen none is undone"
+            )
 
     def _choose_model(self) -> None:
         """Take the model in use for the run that begins; what is wrong with it is said when the pose comes."""
@@ -165,7 +176,7 @@ class PathGenerator(ManagedNode):
             model_version=self._setup.version,
             header=Header(stamp=pose.header.stamp, frame_id=BASE_FRAME),
         )
-        begun = time.perf_counter()
+        begun, moment = time.perf_counter(), seconds_of(now)
         try:
             if self._unfit is not None:
                 raise self._unfit
@@ -175,7 +186,8 @@ class PathGenerator(ManagedNode):
             if self.value("share") and not share.operations:
                 self.report(OK, f"door {recipe.door_id} has nothing for this robot")
                 return
-            planned = plan(door, T_cell_door, self._setup.setup)
+            setup = self._setup.setup.warm(self._work, moment)
+            planned = plan(door, T_cell_door, setup)
         except Exception as unexpected:  # whatever it is, the run waits for an answer
             error = self.as_refusal(unexpected)
             answer.duration = time.perf_counter() - begun
@@ -184,13 +196,15 @@ class PathGenerator(ManagedNode):
             self._targets.publish(answer)
             self.report(WARN, f"door {recipe.door_id}: {error.message}", error_code=error.code)
             return
+        self._work.worked(moment)
         program = planned.program
         answer.accepted = True
         answer.cycle_time = planned.check.time
         program_into(answer, program)
         answer.duration = time.perf_counter() - begun
         self._targets.publish(answer)
-        self.report(OK, "path generated", door_id=recipe.door_id, targets=len(program.targets))
+        undone = {} if setup.growth is None else {"growth_undone": setup.growth}
+        self.report(OK, "path generated", door_id=recipe.door_id, targets=len(program.targets), **undone)
         self.later("show", lambda: self._show(answer.header, program, door, share.T_base_door))
 
     def _show(self, header: Header, program: MillingProgram, door: Recipe, T_base_door: FloatArray) -> None:

@@ -12,8 +12,11 @@ from doormill_ros.correction.gravity import with_gravity
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot.description import Robot, load_robot
+from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.extended_model import load_model_of
+from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
+from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.toolpath.beside import place_of
 from doormill_ros.toolpath.door_checks import DoorCheck, check_door
 from doormill_ros.toolpath.door_plan import door_plan, whole_door
@@ -33,11 +36,14 @@ class MillingSetup:
     Attributes:
         layout: Tool and fixture of the cell.
         robot: Which robot mills.
-        model: How it gives way under the process wrench, and sags under the weights that the cell tells of.
+        model: How it gives way under the process wrench, and sags under the weights that the cell tells of; in the
+            cold, see `warm`.
         model_name: What the model is called where programs are written down.
         settings: Values of config/toolpath.yaml.
         share: "first" or "second" of two robots that mill a share of each door, its layout in its own base frame;
             empty for the only one, which mills whole doors.
+        growth: Way of the tool away from the base that the model has by its warmth [m]; None where it tells nothing of
+            that, or `warm` was not asked.
     """
 
     layout: CellLayout
@@ -46,10 +52,19 @@ class MillingSetup:
     model_name: str
     settings: PathSettings
     share: str = ""
+    growth: float | None = None
 
     def of(self, robot: str) -> MillingSetup:
         """The setup of the first or the second of two robots, made from that of the only one."""
         return replace(self, layout=place_of(robot, self.layout, self.robot, self.settings), share=robot)
+
+    def warm(self, work: WorkTimes, moment: float) -> MillingSetup:
+        """The setup for a door at a moment [s since the epoch], as warm as the work of the cell until then has it."""
+        growth = growth_in(self.model)
+        if growth is None:
+            return self
+        way, std = growth.at(work, moment)
+        return replace(self, model=grown(self.model, Kinematics(self.robot), way, std), growth=way)
 
     def shared(self, recipe: Recipe, T_base_door: FloatArray) -> Share:
         """What this robot mills of a door that stands at T_base_door in the first one's base frame, shape (4, 4)."""

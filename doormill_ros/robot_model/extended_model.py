@@ -27,9 +27,10 @@ from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.gravity.model import SaggingModel
-from doormill_ros.robot_model.model_file import MODEL_FILE, inside, read_model, schema_of
+from doormill_ros.robot_model.model_file import MODEL_FILE, inside, model_path, read_model, schema_of
 from doormill_ros.robot_model.pose.compliance import PoseErrorCompliance, load_pose_compliance
 from doormill_ros.robot_model.pose.model import SCHEMA as POSE_SCHEMA
+from doormill_ros.robot_model.warmth.growth import ThermalGrowth, growth_of
 
 SCHEMA = "doormill/extended-model/1"
 
@@ -53,6 +54,7 @@ class ExtendedComplianceModel:
         laws: What no cause names, likewise.
         force: How well doors told the process force; None where none did.
         place: Where the unloaded tool stands; None: where it is sent. `standing_model` makes it part of a model.
+        growth: How it comes forward as the cell warms up; None where no doors told. `grown` makes it part of a model.
     """
 
     def __init__(
@@ -64,14 +66,16 @@ class ExtendedComplianceModel:
         laws: Sequence[SizedCause] = (),
         force: MeasuredForce | None = None,
         place: Displacement | None = None,
+        growth: ThermalGrowth | None = None,
     ) -> None:
-        """Keep robot, springs, causes, laws, how well the force is known, and where the tool stands."""
+        """Keep robot, springs, causes, laws, how well the force is known, where the tool stands and how it grows."""
         self.robot = robot
         self.joint_stiffness = np.array(joint_stiffness, dtype=float)
         self.causes = tuple(causes)
         self.laws = tuple(laws)
         self.force = force
         self.place = place
+        self.growth = growth
         self._kinematics = Kinematics(dh)
 
     def springs_of_joints(self) -> FloatArray:
@@ -161,6 +165,7 @@ def model_document(
     laws: Sequence[SizedCause] = (),
     force: MeasuredForce | None = None,
     standing: Displacement | None = None,
+    growth: ThermalGrowth | None = None,
 ) -> dict[str, Any]:
     """The content of model.yaml.
 
@@ -173,6 +178,7 @@ def model_document(
         laws: What no cause names.
         force: How well doors told the process force.
         standing: Where they told the unloaded tool to stand.
+        growth: How it comes forward as the cell warms up.
     """
     return {
         "schema": SCHEMA,
@@ -183,6 +189,7 @@ def model_document(
         "causes": [_entry(sized) for sized in causes],
         **({"measured_force": force.document()} if force is not None else {}),
         **({"standing": standing.document()} if standing is not None else {}),
+        **({"thermal_growth": growth.document()} if growth is not None else {}),
         **({"laws": [_law_entry(sized) for sized in laws]} if laws else {}),
     }
 
@@ -226,9 +233,7 @@ def load_compliance_model(path_or_name: str | Path) -> ExtendedComplianceModel |
         ExtendedModelError: No such file or robot, or the file cannot be used.
         PoseModelError: The same of a pose diagnosis, or its robot has no description here.
     """
-    path = Path(path_or_name)
-    if (path / MODEL_FILE).is_file():
-        path = path / MODEL_FILE
+    path = model_path(Path(path_or_name))
     if not path.is_file():
         try:
             robot = load_robot(path_or_name)
@@ -259,7 +264,9 @@ def _model(document: dict[str, Any], path: Path) -> ExtendedComplianceModel:
         force = measured_force_of(document["measured_force"]) if "measured_force" in document else None
     with inside("standing"):
         place = displacement_of(document["standing"]) if "standing" in document else None
-    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes, laws, force, place)
+    with inside("thermal_growth"):
+        growth = growth_of(document["thermal_growth"]) if "thermal_growth" in document else None
+    return ExtendedComplianceModel(robot.name, robot.dh, stiffness, causes, laws, force, place, growth)
 
 
 def unknown_on_path(model: ComplianceModel) -> tuple[str, ...]:

@@ -14,14 +14,16 @@ from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.program import Program
-from doormill_ros.simulation.world.door_truth import GAUGE, DoorTruth
+from doormill_ros.robot_model.warmth.work_times import WorkTimes
+from doormill_ros.simulation.world.door_truth import GAUGE, TAKT, DoorTruth
 from doormill_ros.simulation.world.gauge import gauge
 from doormill_ros.simulation.world.world_file import ShiftWorld, load_world
 from doormill_ros.toolpath.errors import PathError
 from support.gauged_shift import SCATTER, stood
-from support.loop_worlds import TURNS
+from support.loop_worlds import TURNS, timed
 from support.milled_worlds import commanded
 from support.shift_worlds import DrawnShift, diagnosed
+from support.told_world import told
 
 #: Times what gauge, localization and program leave where everything is as assumed, that the loop may leave.
 LEFT = 1.5
@@ -30,6 +32,7 @@ NEXT = (
     ("thesis_190_0deg", DoorOffset(0.004, -0.003, 0.004)),
     ("thesis_1350_0deg", DoorOffset(-0.003, 0.004, -0.003)),
 )
+NIGHT = 12 * 3600.0  #: that nothing is milled [s]
 
 
 @dataclass(frozen=True)
@@ -40,11 +43,13 @@ class LoopWorth:
         least: Where everything is as assumed and known: what gauge, localization and program leave.
         before: In the world of the shift, with the springs that the robot came with.
         after: There, with the model that the doors of the shift left.
+        told: There, with the world's own figures.
     """
 
     least: float
     before: float
     after: float
+    told: float = float("nan")
 
     @property
     def kept(self) -> bool:
@@ -57,8 +62,81 @@ class LoopWorth:
         return self.after > self.before
 
 
+class NextMorning(DoorTruth):
+    """A door of a cell that began to work with another one, after a night."""
+
+    def __init__(
+        self, world: ShiftWorld, number: int, dh: np.ndarray, T_flange_tool: np.ndarray, first: int
+    ) -> None:
+        """As `DoorTruth`; `first` is the number of the door with which the cell began."""
+        super().__init__(world, number, dh, T_flange_tool)
+        self._first = first
+
+    def grown(self, time: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """As warm as since the cell began."""
+        return super().grown(time - self._first * TAKT, points)
+
+
+@dataclass(frozen=True, eq=False)
+class NextDoors:
+    """The doors that follow those of a shift, at once or after a night.
+
+    Attributes:
+        world: That mills them.
+        number: Of the first of them in the shift.
+        seed: Of where the localizer puts them.
+        morning: Whether a night lies before them.
+    """
+
+    world: ShiftWorld
+    number: int
+    seed: int
+    morning: bool = False
+
+    def truth(self, number: int, setup: MillingSetup) -> DoorTruth:
+        """Of one of them."""
+        robot = setup.robot.dh, setup.layout.T_flange_tool
+        if self.morning:
+            return NextMorning(self.world, number, *robot, self.number)
+        return DoorTruth(self.world, number, *robot)
+
+    def walls(self, setup: MillingSetup, aware: bool = False) -> float:
+        """Walls as gauged, root mean square [m]; nan when one is refused.
+
+        Args:
+            setup: That plans them.
+            aware: Whether it is told the world's own figures instead of its model's.
+        """
+        rng, off = np.random.default_rng([self.seed, 17]), []
+        dh, tool = setup.robot.dh, setup.layout.T_flange_tool
+        work = WorkTimes([] if self.morning else [TAKT * door for door in range(self.number)])
+        for number, (name, offset) in enumerate(NEXT, self.number):
+            recipe = replace(load_recipe(name), program=Program.GENERAL)
+            believed = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
+            scatter = rng.normal(0.0, SCATTER)
+            truth = self.truth(number, setup)
+            moment = TAKT * number + (NIGHT if self.morning else 0.0)
+            work.worked(moment)
+            knowing = told(setup, truth, recipe) if aware else setup.warm(work, moment)
+            try:
+                planned = plan(recipe, believed, knowing)
+            except PathError:
+                return float("nan")
+            T_base_door = stood(truth, recipe, believed, scatter)
+            path = timed(commanded(planned.program, dh, tool), planned)
+            executed = truth.executed(recipe, T_base_door, path)
+            points = gauge(recipe, T_base_door, executed, truth.drawn(GAUGE))
+            off.append(points.deviation[np.array(points.surface) == "wall"])
+        return float(np.sqrt(np.mean(np.concatenate(off) ** 2)))
+
+
 def loop_worth(
-    folder: Path, diagnosis: DoorDiagnosis, count: int, seed: int, knowing: MillingSetup
+    folder: Path,
+    diagnosis: DoorDiagnosis,
+    count: int,
+    seed: int,
+    knowing: MillingSetup,
+    morning: bool = False,
 ) -> LoopWorth:
     """Mill and gauge the doors that follow a shift.
 
@@ -68,14 +146,17 @@ def loop_worth(
         count: How many they were.
         seed: They were gauged with.
         knowing: See `untroubled`.
+        morning: Whether a night lies between.
     """
-    world, aware = load_world(folder / "world.yaml"), setup_with(folder / "model.yaml", diagnosis)
+    aware = setup_with(folder / "model.yaml", diagnosis)
     assumed = folder / "as_assumed.yaml"
     assumed.write_text(yaml.safe_dump({"schema": "doormill/world/1", "seed": seed}), encoding="utf-8")
+    doors = NextDoors(load_world(folder / "world.yaml"), count, seed, morning)
     return LoopWorth(
-        walls(knowing, load_world(assumed), count, seed),
-        walls(load_setup(), world, count, seed),
-        walls(aware, world, count, seed),
+        NextDoors(load_world(assumed), count, seed).walls(knowing),
+        doors.walls(load_setup()),
+        doors.walls(aware),
+        doors.walls(load_setup(), aware=True),
     )
 
 
@@ -89,30 +170,3 @@ def setup_with(model: Path, diagnosis: DoorDiagnosis) -> MillingSetup:
     """The setup whose model a diagnosis leaves, written to a file."""
     model.write_text(yaml.safe_dump(door_model_document(diagnosis, "a shift")), encoding="utf-8")
     return load_setup(model=str(model))
-
-
-def walls(setup: MillingSetup, world: ShiftWorld, number: int, seed: int) -> float:
-    """Walls of the next doors as gauged, root mean square [m]; nan when one is refused.
-
-    Args:
-        setup: That plans them.
-        world: That mills them.
-        number: Of the first of them in the shift.
-        seed: Of where the localizer puts them.
-    """
-    rng, off = np.random.default_rng([seed, 17]), []
-    dh, tool = setup.robot.dh, setup.layout.T_flange_tool
-    for later, (name, offset) in enumerate(NEXT):
-        recipe = replace(load_recipe(name), program=Program.GENERAL)
-        believed = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
-        scatter = rng.normal(0.0, SCATTER)
-        try:
-            planned = plan(recipe, believed, setup).program
-        except PathError:
-            return float("nan")
-        truth = DoorTruth(world, number + later, dh, tool)
-        T_base_door = stood(truth, recipe, believed, scatter)
-        executed = truth.executed(recipe, T_base_door, commanded(planned, dh, tool))
-        points = gauge(recipe, T_base_door, executed, truth.drawn(GAUGE))
-        off.append(points.deviation[np.array(points.surface) == "wall"])
-    return float(np.sqrt(np.mean(np.concatenate(off) ** 2)))

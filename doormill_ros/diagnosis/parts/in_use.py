@@ -18,10 +18,18 @@ from doormill_ros.diagnosis.parts.model import usable
 from doormill_ros.diagnosis.parts.placement import free_columns
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.standing import standing_of
+from doormill_ros.diagnosis.parts.warming import growth_told
 from doormill_ros.errors import DoormillError
 from doormill_ros.robot.description import Robot
+from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
-from doormill_ros.robot_model.extended_model import ExtendedComplianceModel, load_model_of, standing_model
+from doormill_ros.robot_model.extended_model import (
+    ExtendedComplianceModel,
+    load_model_of,
+    standing_model,
+)
+from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
+from doormill_ros.units import hours_to_s
 
 LAST = 3  #: doors of a recipe by which its next one is judged
 
@@ -38,29 +46,49 @@ def in_use_document(diagnosis: DoorDiagnosis, model: str, first: int) -> dict[st
         ExtendedModelError: The model cannot be used.
     """
     robot, doors = diagnosis.problem.robot, diagnosis.problem.doors
-    used = load_model_of(robot, model)
     causes, place = usable(diagnosis)[0], standing_of(diagnosis)
-    found = standing_model(
-        robot, ExtendedComplianceModel(robot.name, robot.dh, robot.stiffness, causes, place=place)
+    extended = ExtendedComplianceModel(
+        robot.name, robot.dh, robot.stiffness, causes, place=place, growth=growth_told(diagnosis)
     )
     tip, late = diagnosis.problem.tool[:3, 3], doors[first:]
-    moved = [_along(door.points, used, tip) - _along(door.points, found, tip) for door in late]
+
+    def warm(cold: ComplianceModel) -> list[ComplianceModel]:
+        return [_when_milled(cold, robot, doors[0], door) for door in late]
+
+    used, found = warm(load_model_of(robot, model)), warm(standing_model(robot, extended))
+    moved = [
+        _along(door.points, one, tip) - _along(door.points, other, tip)
+        for door, one, other in zip(late, used, found, strict=True)
+    ]
+
+    def errors(models: Sequence[ComplianceModel]) -> list[float]:
+        pairs = zip(late, models, strict=True)
+        return [_error(door, _milled_with(door, robot), wanted, tip) for door, wanted in pairs]
+
     return {
         "model": model,
-        "expected_error": _expected(late, [_error(d, _milled_with(d, robot), used, tip) for d in late]),
-        "expected_error_extended": _expected(
-            late, [_error(d, _milled_with(d, robot), found, tip) for d in late]
-        ),
+        "expected_error": _expected(late, errors(used)),
+        "expected_error_extended": _expected(late, errors(found)),
         "difference": float(np.sqrt(np.mean(np.concatenate(moved) ** 2))),
     }
 
 
+def _when_milled(cold: ComplianceModel, robot: Robot, first: GaugedDoor, door: GaugedDoor) -> ComplianceModel:
+    """A model as warm as a cell that has worked since its first door was when it milled another one."""
+    growth = growth_in(cold)
+    if growth is None:
+        return cold
+    hours = (door.time - first.time) / hours_to_s(1.0)
+    return grown(cold, Kinematics(robot), *growth.after(hours))
+
+
 def _milled_with(door: GaugedDoor, robot: Robot) -> ComplianceModel | None:
-    """The model that a door was corrected with; None where it is no longer there."""
+    """The model that a door was corrected with; None where it is no longer there, or nobody knows how warm it was."""
     try:
-        return load_model_of(robot, door.robot_model)
+        model = load_model_of(robot, door.robot_model)
     except DoormillError:
         return None
+    return model if growth_in(model) is None else None
 
 
 def _error(

@@ -28,6 +28,7 @@ from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
 from doormill_ros.diagnosis.parts.slips import BESIDE, FAR, slips, slips_beside
 from doormill_ros.diagnosis.parts.steps import possible_steps
+from doormill_ros.diagnosis.parts.warming import warmed
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.measurements.inspection import CAMERA, SCHEMA, Inspection, inspections_in
 from doormill_ros.pages.page import PageSection
@@ -175,6 +176,11 @@ def _scope(diagnosis: DoorDiagnosis) -> list[str]:
     _, others = usable(diagnosis)
     if others:
         found.append(f"No correction of the path undoes {' and '.join(others)}: put that right where it is.")
+    if any(warmed(finding) for finding in diagnosis.findings):
+        found.append(
+            "The path generator undoes the growth by the time that it has seen its cell work: after its own start or a "
+            "pause it takes the cell for colder than it may be, and undoes less."
+        )
     return found
 
 

@@ -14,6 +14,7 @@ from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.effects.force import TOOL, ForceScale, ForceTurn
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.diagnosis.parts.standing import standing_of, undone
+from doormill_ros.diagnosis.parts.warming import growth_told, warmed
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce
 from doormill_ros.robot_model.extended_model import SizedCause, model_document
@@ -31,7 +32,7 @@ def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:
         try:
             known = build_cause(cause.name, cause.where, variant)
         except KeyError:
-            if undone(finding):
+            if undone(finding) or warmed(finding):
                 continue
             others.append(f"{cause.name} at {cause.where}")
             continue
@@ -94,4 +95,5 @@ def door_model_document(diagnosis: DoorDiagnosis, source: str) -> dict[str, Any]
         f"diagnosis of {source}, verdict {diagnosis.verdict}",
         force=measured_force(diagnosis),
         standing=standing_of(diagnosis),
+        growth=growth_told(diagnosis),
     )

@@ -19,7 +19,9 @@ from doormill_ros.robot_model.elastic.causes.tool_bending import ToolBending
 from doormill_ros.robot_model.elastic.causes.tool_compliance import ToolCompliance
 
 CROSSINGS = (0.0, 5.0, 20.0)  #: torques from which a gap is tried as open [N m]
-REST = (0.5, 1.0, 2.0, 4.0)  #: time constants of warming that are tried [h]
+#: Time constants of warming that are tried [h]: preferred numbers of series R 10 (ISO 3). One between neighbours leaves
+#: so little that it passes for nothing else.
+REST = (0.25, 0.315, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
 #: Shapes without a name that doors can show: of a load, not of its time, and not of a tracker. A turn with the last
 #: motion whatever the load is not among them: where the load always comes from one side and a door may have stood
 #: anywhere, it is the same as a gap.
