@@ -29,7 +29,7 @@ from doormill_ros.robot_model.warmth.growth import GrowthLaw, ThermalGrowth
 DOOR = "thesis_190_0deg"
 GROWTH = 2e-4
 #: Warm within seconds, so that the time from door to door of a test is long.
-LAW = ThermalGrowth((GrowthLaw(1e-4, GROWTH, 1e-7, 1.0),), 1.0, 60.0)
+LAW = ThermalGrowth((GrowthLaw(1e-4, GROWTH, 1e-7, 1.0),), 1.0, 600.0)
 
 
 class Published:
