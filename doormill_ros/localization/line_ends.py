@@ -15,6 +15,8 @@ from doormill_ros.units import m_to_mm
 
 _PAST = (4.0e-3, 0.9e-3)  # where a line must have ended, beyond where it meets the other [m]
 _RUNS_ON = 0.2  # a line runs on with that share of its step, lighter or darker: other things lie there
+_RUNS_ON_ALONE = 0.03  # or with that share, where it is so many times as large as all other steps there
+_ALONE = 2.5
 _FAINTEST = 1.5  # and with so many grey levels
 _BESIDE = 10.0e-3  # how far beside a line others are looked for [m]
 _PLAIN = 4.0  # a step stands out when it is that many times as large as is usual beside it
@@ -52,7 +54,25 @@ def _stands_out(size: Float32Array, least: float) -> bool:
 def _goes_on(steps: Steps, line: EdgeLine, end: float) -> bool:
     """Whether a line shows beyond a place along it [m]."""
     _, found = _parallels(steps, line, end - _PAST[0], end - _PAST[1])
-    return len(found) > 1 and _stands_out(np.abs(row_medians(found.T)), _RUNS_ON * abs(line.step))
+    if len(found) < 2:
+        return False
+    size = np.abs(row_medians(found.T))
+    share = _RUNS_ON_ALONE if _is_alone(size, found) else _RUNS_ON
+    return _stands_out(size, share * abs(line.step))
+
+
+def _is_alone(size: Float32Array, found: Float32Array) -> bool:
+    """Whether one of the parallels about the middle has a step all along, and nothing beside it one nearly as large.
+
+    Args:
+        size: Median size of the steps of each, shape (m,) [grey levels].
+        found: Their steps, shape (n, m) [grey levels].
+    """
+    middle = size.size // 2
+    about = slice(middle - 2 * WING, middle + 2 * WING + 1)
+    most = about.start + int(np.argmax(size[about]))
+    steady = bool((found[:, most] > 0.0).all() or (found[:, most] < 0.0).all())
+    return steady and bool(size[most] > _ALONE * np.delete(size, about).max())
 
 
 def check_ends(

@@ -52,7 +52,7 @@ def is_drawn(picture, refusal):
 
 
 @pytest.mark.parametrize("edge", ["hinge", "bottom"])
-@pytest.mark.parametrize("grey", [0.05, 0.35, 0.75])
+@pytest.mark.parametrize("grey", [0.05, 0.1, 0.3, 0.35, 0.75])
 @pytest.mark.parametrize("past", [20.0, 60.0])
 def test_what_covers_an_edge_and_runs_on_past_the_corner_is_told(edge, grey, past, camera, layout):
     picture, found = look(camera, layout, box(edge, -60.0, 4.0, -past, 300.0, grey))
