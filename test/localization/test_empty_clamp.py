@@ -37,7 +37,8 @@ def looked(layout, camera):
     """By kind: item, picture, camera, what is found without the picture of the empty clamp and with it."""
     table = {}
     for name in CLAMPS:
-        for item in clamp_pictures(name, COUNT, SEED):
+        # Most ordinary jaws are told without, too: more of them are drawn.
+        for item in clamp_pictures(name, 2 * COUNT if name in JAWS else COUNT, SEED):
             known, picture = item.camera(), render_picture(item.scene, item.seed)
             both = [find(picture, one, item, layout) for one in (replace(known, empty=()), known)]
             table.setdefault(name, []).append((item, picture, known, *both))
