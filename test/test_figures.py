@@ -90,7 +90,7 @@ BOUNDS_MISSED = {
     "bench_empty_clamp": "a jaw nearly as dark as what is behind it may show too little without a door",
     "bench_conditions": "jaws hide an edge unseen, doors behind end by chance where the first one does, waves mislead",
     "calibration_campaign": "kept before runs said how they ended",
-    "shift_score": "a gap leaves more than its bound, and what is warm was not undone when it was kept",
+    "shift_score": "gaps leave more than their bound, and in some shifts nothing is named",
 }
 
 
