@@ -87,6 +87,20 @@ def test_face_points_return_from_their_pixels(camera, layout):
     np.testing.assert_allclose(view.pixels(np.array([0.003, 0.002])), camera.project(base, 1.1), atol=1e-9)
 
 
+SHIPPED = yaml.safe_load(resource("config/camera.yaml").read_text(encoding="utf-8"))
+
+
+def changed(path, value, folder):
+    """A camera file that differs from the shipped one at one place."""
+    document = node = copy.deepcopy(SHIPPED)
+    for key in path[:-1]:
+        node = node[key]
+    node[path[-1]] = value
+    file = folder / "camera.yaml"
+    file.write_text(yaml.safe_dump(document), encoding="utf-8")
+    return file
+
+
 @pytest.mark.parametrize(
     ("path", "value"),
     [
@@ -102,13 +116,7 @@ def test_face_points_return_from_their_pixels(camera, layout):
     ],
 )
 def test_a_broken_camera_file_is_refused(path, value, tmp_path):
-    document = yaml.safe_load(resource("config/camera.yaml").read_text(encoding="utf-8"))
-    node = document
-    for key in path[:-1]:
-        node = node[key]
-    node[path[-1]] = value
-    file = tmp_path / "camera.yaml"
-    file.write_text(yaml.safe_dump(document), encoding="utf-8")
+    file = changed(path, value, tmp_path)
     with pytest.raises(BadCameraFile):
         (load_settings if path[0] == "localizer" else load_camera)(file)
 
@@ -122,29 +130,17 @@ def _numbers(node, path=()):
         yield path
 
 
-SHIPPED = yaml.safe_load(resource("config/camera.yaml").read_text(encoding="utf-8"))
-
-
 @pytest.mark.parametrize("value", [1e300, -1e300, 10**400])
 @pytest.mark.parametrize("path", list(_numbers(SHIPPED)), ids=lambda path: ".".join(map(str, path)))
 def test_a_number_out_of_this_world_is_refused(path, value, tmp_path):
-    document = copy.deepcopy(SHIPPED)
-    node = document
-    for key in path[:-1]:
-        node = node[key]
-    node[path[-1]] = value
-    file = tmp_path / "camera.yaml"
-    file.write_text(yaml.safe_dump(document), encoding="utf-8")
+    file = changed(path, value, tmp_path)
     with pytest.raises(BadCameraFile) as refused:
         (load_settings if path[0] == "localizer" else load_camera)(file)
     assert str(file) in refused.value.message
 
 
 def test_a_lens_that_looks_past_its_picture_is_refused(tmp_path):
-    document = copy.deepcopy(SHIPPED)
-    document["intrinsics"]["k"][0][2] = 1921.0
-    file = tmp_path / "camera.yaml"
-    file.write_text(yaml.safe_dump(document), encoding="utf-8")
+    file = changed(("intrinsics", "k", 0, 2), 1921.0, tmp_path)
     with pytest.raises(BadCameraFile, match="a centre inside the picture"):
         load_camera(file)
 
