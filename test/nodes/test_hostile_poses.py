@@ -6,42 +6,23 @@ import time
 from collections.abc import Iterator
 
 import pytest
-import rclpy
 from geometry_msgs.msg import PoseStamped
-from rclpy.lifecycle import TransitionCallbackReturn
 from std_msgs.msg import Header
 
-from doormill_interfaces.msg import TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.recipe import recipe_message
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.recipes.documents import shipped_recipes
+from support.path_generator_node import active_generator
 
 DOOR = "thesis_190_0deg"
 
 
-class Published:
-    """Takes the place of the targets' publisher."""
-
-    def __init__(self) -> None:
-        self.messages: list[TargetArray] = []
-
-    def publish(self, message: TargetArray) -> None:
-        self.messages.append(message)
-
-
 @pytest.fixture
 def generator() -> Iterator[PathGenerator]:
-    context = rclpy.Context()
-    rclpy.init(context=context)
-    node = PathGenerator(context=context)
-    assert node.trigger_configure() == TransitionCallbackReturn.SUCCESS
-    assert node.trigger_activate() == TransitionCallbackReturn.SUCCESS
-    node._targets = Published()
-    yield node
-    node.destroy_node()
-    rclpy.shutdown(context=context)
+    with active_generator() as node:
+        yield node
 
 
 def pose(ahead: float) -> PoseStamped:

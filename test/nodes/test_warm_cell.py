@@ -8,14 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import rclpy
 import yaml
 from geometry_msgs.msg import PoseStamped
-from rclpy.lifecycle import TransitionCallbackReturn
-from rclpy.parameter import Parameter
 from std_msgs.msg import Header
 
-from doormill_interfaces.msg import TargetArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.messages.from_message import transform_of
 from doormill_ros.nodes.convert.geometry import pose_message
@@ -25,6 +21,7 @@ from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.extended_model import model_document
 from doormill_ros.robot_model.warmth.growth import GrowthLaw, ThermalGrowth
+from support.path_generator_node import active_generator
 
 DOOR = "thesis_190_0deg"
 GROWTH = 2e-4
@@ -32,33 +29,13 @@ GROWTH = 2e-4
 LAW = ThermalGrowth((GrowthLaw(1e-4, GROWTH, 1e-7, 1.0),), 1.0, 600.0)
 
 
-class Published:
-    """Takes the place of the targets' publisher."""
-
-    def __init__(self) -> None:
-        self.messages: list[TargetArray] = []
-
-    def publish(self, message: TargetArray) -> None:
-        self.messages.append(message)
-
-
 @pytest.fixture
 def generator(tmp_path: Path) -> Iterator[PathGenerator]:
     robot = load_robot(load_layout().robot)
     model = tmp_path / "model.yaml"
     model.write_text(yaml.safe_dump(model_document(robot.name, robot.stiffness, (), "a test", growth=LAW)))
-    context = rclpy.Context()
-    rclpy.init(context=context)
-    told = {"robot_model": str(model), "models": "none"}
-    node = PathGenerator(
-        context=context, parameter_overrides=[Parameter(name, value=value) for name, value in told.items()]
-    )
-    assert node.trigger_configure() == TransitionCallbackReturn.SUCCESS
-    assert node.trigger_activate() == TransitionCallbackReturn.SUCCESS
-    node._targets = Published()
-    yield node
-    node.destroy_node()
-    rclpy.shutdown(context=context)
+    with active_generator(robot_model=str(model), models="none") as node:
+        yield node
 
 
 def planned(node: PathGenerator, run_id: str) -> np.ndarray:
