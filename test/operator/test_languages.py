@@ -229,7 +229,8 @@ def document(
     }
 
 
-CAUSES = [(effect.name, effect.where) for effect in named_effects()]
+#: Once each: what several sizes of one are tried of is named once.
+CAUSES = list(dict.fromkeys((effect.name, effect.where) for effect in named_effects()))
 CHANGES = [
     {"what": "process_force", "where": "tool", "kind": STEP, "from_run": "r7"},
     {"what": "gravity_sag", "where": "link 3", "kind": DRIFT, "from_run": "r8"},

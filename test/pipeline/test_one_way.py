@@ -34,6 +34,7 @@ INSIDE = {
         "localization/sensors/one_camera.py",  # the camera as one sensor among others
         "localization/sensors/located.py",
         "localization/calibration/scale_test.py",  # moves of a door that are known, by pictures alone
+        "localization/calibration/empty_picture.py",  # asks whether a door stands in a picture without a run
         "diagnosis/camera/kind.py",  # judges the localizer itself, by pictures alone
     },
 }
