@@ -169,24 +169,18 @@ class FaceInClamp:
         return float(one @ two) / size if size else 0.0
 
 
-def check_clamp(
-    picture: ByteArray, view: FaceView, clamp: EmptyClamp, seen: FaceView, pose: FloatArray
-) -> None:
+def check_clamp(face: FaceInClamp) -> None:
     """Whether what was found is no part of the empty clamp.
 
     Args:
-        picture: Grey picture, shape (h, w), uint8.
-        view: Its camera before the face.
-        clamp: The empty clamp.
-        seen: Its camera before the face.
-        pose: y, z [m] and rotation [rad] that were found, shape (3,).
+        face: Where it was found.
 
     Raises:
         NoDoor: The face is the empty clamp.
         WrongEdge: A line taken for an edge is the empty clamp's.
     """
-    lines = [edge for edge in EDGES if has_line(clamp, seen, edge, pose)]
-    face = FaceInClamp(picture, view, clamp, seen, pose)
+    view, pose = face.view, face.pose
+    lines = [edge for edge in EDGES if has_line(face.clamp, face.seen, edge, pose)]
     marks = tuple(
         (edge, view.pixels(view.line(edge, pose, np.linspace(0.0, view.length(edge), 9))))
         for edge in lines or EDGES

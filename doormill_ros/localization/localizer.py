@@ -10,7 +10,7 @@ from doormill_ros.arrays import ByteArray, FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
 from doormill_ros.localization import checks
 from doormill_ros.localization.camera import CameraModel
-from doormill_ros.localization.clamp_lines import check_clamp, smoothed
+from doormill_ros.localization.clamp_lines import FaceInClamp, check_clamp, smoothed
 from doormill_ros.localization.coarse import search, search_bands
 from doormill_ros.localization.crossing import check_crossing
 from doormill_ros.localization.drift import Drift, drift_in
@@ -66,7 +66,7 @@ def localize(
     if clamp is not None:
         whole = _whole_sensor(view.camera, clamp)
         seen = face_view(whole, layout, float(width), float(thickness))
-        check_clamp(picture, view, clamp, seen, fit.pose)
+        check_clamp(FaceInClamp(picture, view, clamp, seen, fit.pose))
     checks.check_square(fit, {edge: trace.streaks for edge, trace in traces.items()}, settings)
     along = np.linspace(0.0, 1.0, 9)
     drawn = {edge: view.pixels(view.line(edge, fit.pose, view.length(edge) * along)) for edge in traces}

@@ -23,11 +23,7 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.elastic.compliance import ComplianceModel
-from doormill_ros.robot_model.extended_model import (
-    ExtendedComplianceModel,
-    load_model_of,
-    standing_model,
-)
+from doormill_ros.robot_model.extended_model import ExtendedComplianceModel, load_model_of, standing_model
 from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
 from doormill_ros.units import hours_to_s
 

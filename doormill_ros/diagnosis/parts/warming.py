@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from doormill_ros.diagnosis.core.finding import Finding
@@ -21,6 +23,7 @@ def warmed(finding: Finding[InTime]) -> bool:
     return isinstance(finding.cause.effect, Warming) and not finding.confusable
 
 
+@lru_cache(maxsize=1)  # a fit for each time constant, wanted by the model and by what it would change
 def growth_told(diagnosis: DoorDiagnosis) -> ThermalGrowth | None:
     """The law of the growth that is named; None where none is, or something else would do as well.
 
