@@ -43,11 +43,14 @@ corpus: setup     ## localization over 300 workshop-like pictures beside two pee
 	@$(ENV) python bench/bench_localization.py
 	@$(ENV) python bench/bench_conditions.py
 	@$(ENV) python bench/bench_empty_clamp.py
+	@$(ENV) python bench/bench_stale_clamp.py
 
 score: setup      ## diagnosis over 200 seeded sets with hidden effects, as a confusion matrix
 	@$(ENV) python bench/diagnosis_score.py --sets 200
 	@$(ENV) python bench/motions_score.py --sets 200
 	@$(ENV) python bench/shift_score.py --sets 200
+	@$(ENV) python bench/random_shift_score.py --sets 50
+	@$(ENV) python bench/runs_score.py --sets 200
 
 clean:            ## remove what setup, run and bench made
 	rm -rf .venv build install log out

@@ -95,3 +95,8 @@ def deg_to_rad(value: Number) -> Number:
 def rad_to_deg(value: Number) -> Number:
     """Radians to degrees."""
     return value / DEG
+
+
+def rad_to_mrad(value: Number) -> Number:
+    """Radians to milliradians."""
+    return value * 1e3

@@ -90,7 +90,8 @@ BOUNDS_MISSED = {
     "bench_empty_clamp": "a jaw nearly as dark as what is behind it may show too little without a door",
     "bench_conditions": "doors behind end by chance where the first one does, and waves mislead",
     "calibration_campaign": "kept before runs said how they ended",
-    "shift_score": "gaps leave more than their bound, and in some shifts nothing is named",
+    "runs_score": "one series without a change is called changed",
+    "shift_score": "one wrong name, and one shift is worse than before",
 }
 
 

@@ -52,8 +52,8 @@ def test_nodes_started_in_the_background_come_up_and_stop(block: str, tmp_path: 
     process = run_in_shell(f"exec > {log} 2>&1\n{block}\nwait", tmp_path)
     try:
         deadline = time.monotonic() + LIMIT
-        # cell_simulator is two nodes.
-        while not log.exists() or log.read_text().count("]: active") < len(names) + 1:
+        # cell_simulator is three nodes.
+        while not log.exists() or log.read_text().count("]: active") < len(names) + 2:
             assert process.poll() is None, log.read_text()
             assert time.monotonic() < deadline, log.read_text()
             time.sleep(0.1)

@@ -14,9 +14,12 @@ outputs with access level "All", so that Robot Web Services may set them and RAP
     BUSY           controller   high: a program is being milled
     DONE           controller   high: the last program was milled to its end; held until the clamp opened,
                                 cleared when REQUEST rises
+    SPINDLE_LOAD   frequency    analog input: what the drive gives, percent of its nominal power;
+                   converter    a controller may be without it
 
 In the simulated folder each signal is a file `<folder>/io/<signal>` that holds "0" or "1", a group its decimal
-number, and is replaced atomically; a missing file reads as low.
+number, an analog input a decimal fraction, and is replaced atomically; a missing file reads as low, and as no such
+analog input.
 """
 
 from __future__ import annotations
@@ -36,6 +39,8 @@ ALL_SIGNALS: Final = CONTROLLER_SIGNALS + PC_SIGNALS
 #: Groups of 16 signals; the others are digital.
 GROUP_SIGNALS: Final = (READY_NUMBER,)
 LARGEST_NUMBER: Final = 65535
+#: Not of the handshake, which knows nothing of it.
+SPINDLE_LOAD: Final = "aiSpindleLoad"
 
 IO_FOLDER: Final = "io"
 LOW: Final = b"0"

@@ -19,6 +19,7 @@ from doormill_ros.diagnosis.loading.kind import LoadingTests
 from doormill_ros.diagnosis.motion.kind import Motions
 from doormill_ros.diagnosis.parts.kind import Inspections
 from doormill_ros.diagnosis.pose.kind import Poses
+from doormill_ros.diagnosis.runs.kind import Runs
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.set_document import SetDocument
 
@@ -29,6 +30,7 @@ KINDS: tuple[Kind[Any, Any], ...] = (
     Motions(),
     Pictures(),
     Inspections(),
+    Runs(),
 )
 
 

@@ -2,7 +2,8 @@
 
 A line that the empty clamp has at the same place is the border of a jaw, a rail or a plate. Only lines and the
 pattern of what lies inside of them are compared: light and shadows differ from picture to picture, and the camera may
-have moved a little since.
+have moved a little since. Where the background says that it lies elsewhere by now, lines and pattern are looked for
+there, too.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import ByteArray, Float32Array, FloatArray
+from doormill_ros.localization.background import PictureShift
 from doormill_ros.localization.empty_clamp import EmptyClamp
 from doormill_ros.localization.errors import NoDoor, WrongEdge
+from doormill_ros.localization.stale_clamp import ClampFit
 from doormill_ros.localization.view import BOTTOM, EDGES, HINGE, FaceView
 from doormill_ros.statistics import median, row_medians
 
@@ -49,13 +52,17 @@ def smoothed(clamp: EmptyClamp) -> dict[str, Float32Array]:
     return {HINGE: cv2.blur(exact, (1, _ALONG)), BOTTOM: cv2.blur(exact, (_ALONG, 1))}
 
 
-def _places(view: FaceView, edge: str, pose: FloatArray) -> tuple[Float32Array, Float32Array]:
+def _places(
+    view: FaceView, edge: str, pose: FloatArray, moved: PictureShift | None
+) -> tuple[Float32Array, Float32Array]:
     """Pixels u and v of n places along an edge and m across it, a pixel apart, inwards; (n, m) each."""
     along = np.arange(_FROM_CORNER, view.length(edge) - _FROM_CORNER, _PITCH)
     line = view.line(edge, pose, along)
     outer, inner = view.line(BOTTOM if edge == HINGE else HINGE, pose, np.array([0.0, view.pixel]))
     here = view.pixels(line).astype(np.float32)
     inwards = view.pixels(line + inner - outer).astype(np.float32) - here
+    if moved is not None:
+        here += moved.at(here.astype(float)).astype(np.float32)
     number = round(_REACH / view.pixel)
     across = np.arange(-number, number + 1, dtype=np.float32)
     u, v = (here[:, i : i + 1] + across * inwards[:, i : i + 1] for i in (0, 1))
@@ -72,7 +79,9 @@ def _steps(smooth: Float32Array, u: Float32Array, v: Float32Array) -> Float32Arr
     return steps
 
 
-def line_strength(clamp: EmptyClamp, seen: FaceView, edge: str, pose: FloatArray) -> float:
+def line_strength(
+    clamp: EmptyClamp, seen: FaceView, edge: str, pose: FloatArray, moved: PictureShift | None = None
+) -> float:
     """How much a line stands out in the empty clamp where an edge of a door is.
 
     Args:
@@ -80,12 +89,13 @@ def line_strength(clamp: EmptyClamp, seen: FaceView, edge: str, pose: FloatArray
         seen: Its camera before the face.
         edge: "hinge" or "bottom".
         pose: y, z [m] and rotation [rad] of the door, shape (3,).
+        moved: From a place in the door's picture to that in the empty clamp; None where it is the same.
 
     Returns:
         The step of the strongest line there, as a multiple of what is usual beside it; as large as that of a border
         between two surfaces that are equally bright in the mean but not in their texture.
     """
-    steps = _steps(smoothed(clamp)[edge], *_places(seen, edge, pose))
+    steps = _steps(smoothed(clamp)[edge], *_places(seen, edge, pose, moved))
     offset = np.abs(np.arange(steps.shape[1]) - steps.shape[1] // 2) * seen.pixel
     near, usual = np.flatnonzero(offset < _NEAR), np.flatnonzero(offset >= _NEAR)[::_APART]
     there = offset[near] <= MOVED
@@ -98,16 +108,20 @@ def line_strength(clamp: EmptyClamp, seen: FaceView, edge: str, pose: FloatArray
     return most
 
 
-def has_line(clamp: EmptyClamp, seen: FaceView, edge: str, pose: FloatArray) -> bool:
-    """Whether the empty clamp has a line where an edge of a door is; see `line_strength`."""
-    return line_strength(clamp, seen, edge, pose) > _PLAIN
+def has_line(
+    clamp: EmptyClamp, seen: FaceView, edge: str, pose: FloatArray, moved: PictureShift | None = None
+) -> bool:
+    """Whether the empty clamp has a line where an edge of a door is, or is by what moved; see `line_strength`."""
+    return line_strength(clamp, seen, edge, pose) > _PLAIN or (
+        moved is not None and line_strength(clamp, seen, edge, pose, moved) > _PLAIN
+    )
 
 
-def _patch(picture: ByteArray, view: FaceView, corners: FloatArray, size: tuple[int, int]) -> Float32Array:
-    """Part of a picture between four face points (4, 2) [m], as `size` columns and rows [grey levels]."""
+def _patch(picture: ByteArray, corners: FloatArray, size: tuple[int, int]) -> Float32Array:
+    """Part of a picture between four pixels u, v (4, 2), as `size` columns and rows [grey levels]."""
     width, height = size
     target = np.array([[0, 0], [width - 1, 0], [width - 1, height - 1], [0, height - 1]], dtype=np.float32)
-    warp = cv2.getPerspectiveTransform(view.pixels(corners).astype(np.float32), target)
+    warp = cv2.getPerspectiveTransform(corners.astype(np.float32), target)
     patch: Float32Array = cv2.warpPerspective(picture, warp, size, borderMode=cv2.BORDER_REPLICATE).astype(
         np.float32
     )
@@ -136,6 +150,7 @@ class FaceInClamp:
         clamp: The empty clamp.
         seen: Its camera before the face.
         pose: y, z [m] and rotation [rad] of the door, shape (3,).
+        fit: What the background says of the picture of the empty clamp; None where it says nothing.
     """
 
     picture: ByteArray
@@ -143,8 +158,19 @@ class FaceInClamp:
     clamp: EmptyClamp
     seen: FaceView
     pose: FloatArray
+    fit: ClampFit | None = None
 
-    def _patches(self, sample: float) -> tuple[Float32Array, Float32Array]:
+    @property
+    def moved(self) -> PictureShift | None:
+        """From a place in the picture to that in the empty clamp; None where it is the same or not known."""
+        return None if self.fit is None else self.fit.displacement
+
+    @property
+    def stale(self) -> str:
+        """What no longer fits, as the end of a sentence; empty where all does."""
+        return f"; {self.fit.sentence}" if self.fit is not None and self.fit.stale else ""
+
+    def _patches(self, sample: float, moved: PictureShift | None = None) -> tuple[Float32Array, Float32Array]:
         """That place in both pictures, read at points that far apart [m]."""
         sides = [min(_LARGEST, self.view.length(edge) - 2 * _INSIDE) for edge in (BOTTOM, HINGE)]
         y, z = (
@@ -153,18 +179,29 @@ class FaceInClamp:
         )
         corners = self.pose[:2] + np.stack([y[0] + z[0], y[1] + z[0], y[1] + z[1], y[0] + z[1]])
         size = int(sides[0] / sample), int(sides[1] / sample)
-        return _patch(self.picture, self.view, corners, size), _patch(
-            self.clamp.picture, self.seen, corners, size
-        )
+        there = self.seen.pixels(corners)
+        if moved is not None:
+            there = there + moved.at(there)
+        return _patch(self.picture, self.view.pixels(corners), size), _patch(self.clamp.picture, there, size)
 
     def as_bright(self) -> bool:
-        """Whether light and shadows can make what differs in brightness."""
-        bright, before = (max(float(patch.mean()), 1.0) for patch in self._patches(_BRIGHT_SAMPLE))
-        return 1.0 / _AS_BRIGHT < bright / before < _AS_BRIGHT
+        """Whether light and shadows can make what differs in brightness, or another light that the background shows."""
+        bright, before = (
+            max(float(patch.mean()), 1.0) for patch in self._patches(_BRIGHT_SAMPLE, self.moved)
+        )
+        lights = [1.0]
+        if self.fit is not None:
+            lights.append(float(self.fit.background.light[1]))
+        return any(1.0 / _AS_BRIGHT < bright / before / light < _AS_BRIGHT for light in lights)
 
     def likeness(self) -> float:
-        """Correlation of the two patterns."""
-        one, two = (_pattern(patch) for patch in self._patches(_SAMPLE))
+        """Correlation of the two patterns, where the empty clamp was or where it is by what moved: the larger one."""
+        moved = self.moved
+        here = self._likeness(None)
+        return here if moved is None else max(here, self._likeness(moved))
+
+    def _likeness(self, moved: PictureShift | None) -> float:
+        one, two = (_pattern(patch) for patch in self._patches(_SAMPLE, moved))
         size = float(np.sqrt((one @ one) * (two @ two)))
         return float(one @ two) / size if size else 0.0
 
@@ -180,7 +217,7 @@ def check_clamp(face: FaceInClamp) -> None:
         WrongEdge: A line taken for an edge is the empty clamp's.
     """
     view, pose = face.view, face.pose
-    lines = [edge for edge in EDGES if has_line(face.clamp, face.seen, edge, pose)]
+    lines = [edge for edge in EDGES if has_line(face.clamp, face.seen, edge, pose, face.moved)]
     marks = tuple(
         (edge, view.pixels(view.line(edge, pose, np.linspace(0.0, view.length(edge), 9))))
         for edge in lines or EDGES
@@ -189,7 +226,7 @@ def check_clamp(face: FaceInClamp) -> None:
         raise NoDoor(
             "no door stands there: the picture is as of the empty clamp, and what looks like the corner of a door is "
             "the clamp's own; put the door in, clear the view of its edges, or take the picture of the empty clamp "
-            "again if that has changed (calibrate empty)",
+            f"again if that has changed (calibrate empty){face.stale}",
             marks=marks,
         )
     if lines:
@@ -197,7 +234,7 @@ def check_clamp(face: FaceInClamp) -> None:
             f"the line taken for the {' and for the '.join(lines)} edge is at the same place in the picture of the "
             "empty clamp: it is the border of a jaw, a rail or a plate, or one lies exactly before or behind the edge; "
             "clear the view of the edge, or take the picture of the empty clamp again if that has changed (calibrate "
-            "empty)",
+            f"empty){face.stale}",
             edge=lines[0],
             marks=marks,
         )

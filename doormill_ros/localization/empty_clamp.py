@@ -23,12 +23,14 @@ class EmptyClampEntry(Section):
         picture: Its file, from the folder of the camera file.
         noise: Standard deviation of one of its pixels [grey levels].
         count: Pictures that were averaged.
+        taken: The day on which they were taken, for people.
     """
 
     width: Positive
     picture: Name
     noise: NotNegative = 0.0
     count: Count = 1
+    taken: Name | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +42,14 @@ class EmptyClamp:
         picture: Grey picture, shape (h, w), uint8.
         k: Intrinsic matrix of the camera that took it [px], shape (3, 3).
         distortion: Its k1, k2, p1, p2, k3, shape (5,).
+        taken: The day on which it was taken, for people; empty when nobody has said.
     """
 
     width: float
     picture: ByteArray
     k: FloatArray
     distortion: FloatArray
+    taken: str = ""
 
 
 def load_empty_clamps(
@@ -80,7 +84,7 @@ def load_empty_clamps(
                 f"empty_clamp.{i}: {path} has {picture.shape[1]} x {picture.shape[0]} px, allowed are the camera's "
                 f"{size[0]} x {size[1]}; {advice}"
             )
-        found.append(EmptyClamp(entry.width, picture, k, distortion))
+        found.append(EmptyClamp(entry.width, picture, k, distortion, entry.taken or ""))
     return tuple(found)
 
 

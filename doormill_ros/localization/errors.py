@@ -60,6 +60,11 @@ ProcessedPicture = LocalizationError.row(
 NoDoor = LocalizationError.row(
     "NoDoor", 218, "What looks like a door is in the picture of the empty clamp too."
 )
+StaleEmptyClamp = LocalizationError.row(
+    "StaleEmptyClamp",
+    219,
+    "The picture of the empty clamp is no longer what the camera sees beside the door.",
+)
 BadCameraFile = LocalizationError.row("BadCameraFile", 212, "A key is missing or a value is out of bounds.")
 BowedEdge = LocalizationError.row(
     "BowedEdge", 251, "What shows of an edge bends more than a door that is milled may."

@@ -21,6 +21,7 @@ from doormill_ros.localization.processing import check_levels
 from doormill_ros.localization.result import CovarianceParts, EdgeTrace, Localization
 from doormill_ros.localization.settings import LocalizerSettings, shipped_settings
 from doormill_ros.localization.sharpness import check_sharpness
+from doormill_ros.localization.stale_clamp import clamp_pattern, fit_clamp
 from doormill_ros.localization.straightness import check_straight
 from doormill_ros.localization.tracing import Trace, trace_edges
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView, face_view
@@ -63,10 +64,12 @@ def localize(
     traces = trace_edges(picture, view, _rough_pose(picture, view, layout), settings)
     fit = fit_corner(traces[HINGE].line, traces[BOTTOM].line, settings.squareness, settings.squareness_limit)
     clamp = empty_clamp_for(view.camera.empty, float(width))
+    clamp_fit = None
     if clamp is not None:
         whole = _whole_sensor(view.camera, clamp)
         seen = face_view(whole, layout, float(width), float(thickness))
-        check_clamp(FaceInClamp(picture, view, clamp, seen, fit.pose))
+        clamp_fit = fit_clamp(picture, view.camera, clamp, seen, fit.pose)
+        check_clamp(FaceInClamp(picture, view, clamp, seen, fit.pose, clamp_fit))
     checks.check_square(fit, {edge: trace.streaks for edge, trace in traces.items()}, settings)
     along = np.linspace(0.0, 1.0, 9)
     drawn = {edge: view.pixels(view.line(edge, fit.pose, view.length(edge) * along)) for edge in traces}
@@ -92,6 +95,7 @@ def localize(
         pixel=float(view.pixel),
         edges=(_edge_trace(view, traces[HINGE], fit), _edge_trace(view, traces[BOTTOM], fit)),
         drift=drift,
+        clamp=clamp_fit,
     )
 
 
@@ -108,6 +112,7 @@ def prepare(camera: CameraModel, layout: CellLayout, width: float, thickness: fl
     clamp = empty_clamp_for(camera.empty, float(width))
     if clamp is not None:
         smoothed(clamp)
+        clamp_pattern(clamp)
         face_view(_whole_sensor(camera, clamp), layout, float(width), float(thickness))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.localization.drift import Drift
+from doormill_ros.localization.stale_clamp import ClampFit
 
 FREE = (1, 2, 3)  #: of x, y, z and the rotations about them, what the camera sees: y, z, rotation about x
 
@@ -73,6 +74,7 @@ class Localization:
         pixel: Size of a pixel on the door's face [m].
         edges: The hinge edge and the bottom edge.
         drift: What the cell's marks say of the camera; None in a cell without.
+        clamp: What the background says of the picture of the empty clamp; None without one, or where none is seen.
     """
 
     T_base_door: FloatArray
@@ -85,6 +87,7 @@ class Localization:
     pixel: float
     edges: tuple[EdgeTrace, EdgeTrace]
     drift: Drift | None = None
+    clamp: ClampFit | None = None
 
     @property
     def covariance(self) -> FloatArray:

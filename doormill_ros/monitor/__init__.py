@@ -1,1 +1,1 @@
-"""Inspected doors as they come: kept, questioned by the diagnosis beside the running cell, and what follows of it."""
+"""Inspected doors and bags of runs as they come, questioned by the diagnosis beside the running cell; what follows."""

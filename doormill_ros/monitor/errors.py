@@ -14,3 +14,6 @@ QuestionError = CellError.row(
     "QuestionError", 842, "The diagnosis of the inspected doors ended without a verdict."
 )
 KeepingError = CellError.row("KeepingError", 843, "An inspection cannot be kept on the disk.")
+RunsQuestionError = CellError.row(
+    "RunsQuestionError", 844, "The diagnosis of the bags of the last runs ended without a verdict."
+)

@@ -1,8 +1,7 @@
-"""Asks the diagnosis about inspected doors in a process of its own; of waiting questions the newest counts."""
+"""Asks the diagnosis in a process of its own, one question at a time; of waiting ones of a kind the newest counts."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shutil
@@ -12,119 +11,68 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from doormill_ros.errors import one_line
 from doormill_ros.files import write_atomically
-from doormill_ros.measurements.inspection import DESCRIPTION, TABLE
+from doormill_ros.monitor.question import DiagnosisAnswer, DiagnosisQuestion
 from doormill_ros.robot_model.model_file import MODEL_FILE
 
 #: Behind the running cell: the door comes first.
 NICE = ("nice", "-n", "10")
 PROGRAM = "doormill_ros.tools.diagnose"
-SPRINGS = "springs"  #: what the tool calls the robot's own springs
-QUESTION, ANSWER, DOCUMENT, ASKED = "question", "answer", "diagnosis.json", "asked.json"
+QUESTION, NEW, DOCUMENT, ASKED = "question", ".new", "diagnosis.json", "asked.json"
 STOP_LIMIT = 5.0  # s
 _LOOK = 0.1  # s
 
 
-@dataclass(frozen=True)
-class DoorQuestion:
-    """What the diagnosis is asked.
-
-    Attributes:
-        doors: Folders of inspections by run, oldest first.
-        version: Of the model in use.
-        model: Its path; "" for the robot's joint springs.
-        checksums: Of what was measured on each door, see `checksum`; taken before the diagnosis reads it.
-    """
-
-    doors: tuple[tuple[str, Path], ...]
-    version: int
-    model: str
-    checksums: tuple[str, ...] = ()
-
-    @property
-    def asked(self) -> dict[str, Any]:
-        """What tells it from others, JSON-able."""
-        return {
-            "runs": [run_id for run_id, _ in self.doors],
-            "checksums": [*self.checksums],
-            "version": self.version,
-            "model": self.model,
-        }
-
-
-def checksum(inspection: Path) -> str:
-    """Of both files of an inspection: SHA-256; empty where they are not there."""
-    whole = hashlib.sha256()
-    try:
-        for name in (DESCRIPTION, TABLE):
-            with (inspection / name).open("rb") as stream:
-                whole.update(hashlib.file_digest(stream, "sha256").digest())
-    except OSError:
-        return ""  # measured anew or set aside at this moment: the question after it has another one
-    return whole.hexdigest()
-
-
-@dataclass(frozen=True, eq=False)
-class DoorAnswer:
-    """What the diagnosis answered.
-
-    Attributes:
-        asked: As `DoorQuestion.asked`.
-        document: Content of diagnosis.json; None where there is none.
-        model: Content of model.yaml.
-        failure: Why there is none, empty when there is.
-    """
-
-    asked: dict[str, Any]
-    document: dict[str, Any] | None = None
-    model: bytes = b""
-    failure: str = ""
-
-
 class Questioner:
-    """Asks one question at a time.
+    """Asks one question at a time, in the order in which their kinds came.
 
     Args:
-        folder: For what is asked and answered; the last answer stays in `answer`.
-        answered: Called with every verdict from the questioner's thread.
-        changed: Called after that, when nothing more is asked for the moment.
+        folder: For what is asked and answered; the last answers stay in it.
         limit: Seconds that a diagnosis may take, asked each time.
     """
 
-    def __init__(
-        self,
-        folder: Path,
-        answered: Callable[[DoorAnswer], None],
-        changed: Callable[[], None],
-        limit: Callable[[], float],
-    ) -> None:
+    def __init__(self, folder: Path, limit: Callable[[], float]) -> None:
         self._folder = folder
-        self._answered = answered
-        self._changed_state = changed
         self._limit = limit
         self._changed = threading.Condition()
-        self._next: DoorQuestion | None = None
-        self._busy = self._ended = False
+        self._told: dict[
+            type[DiagnosisQuestion], tuple[Callable[[DiagnosisAnswer], None], Callable[[], None]]
+        ] = {}
+        self._waiting: dict[type[DiagnosisQuestion], DiagnosisQuestion] = {}
+        self._in_hand: type[DiagnosisQuestion] | None = None
+        self._ended = False
         self._thread = threading.Thread(target=self._run, name="questioner", daemon=True)
 
-    @property
-    def asking(self) -> bool:
-        """A question waits for its answer."""
-        return self._busy or self._next is not None
+    def tell(
+        self,
+        kind: type[DiagnosisQuestion],
+        answered: Callable[[DiagnosisAnswer], None],
+        changed: Callable[[], None],
+    ) -> None:
+        """Whom to tell of the answers to questions of a kind.
+
+        Args:
+            kind: Of question.
+            answered: Called with every answer from the questioner's thread.
+            changed: Called after that, when what follows of it is known.
+        """
+        self._told[kind] = answered, changed
+
+    def asking(self, kind: type[DiagnosisQuestion]) -> bool:
+        """A question of a kind waits for its answer."""
+        return self._in_hand is kind or kind in self._waiting
 
     def start(self) -> None:
         """Begin to ask."""
         self._thread.start()
 
-    def ask(self, question: DoorQuestion) -> None:
-        """Ask as soon as the question in hand is answered; takes the place of one that waits."""
+    def ask(self, question: DiagnosisQuestion) -> None:
+        """Ask as soon as those before it are answered; takes the place of one of its kind that waits."""
         with self._changed:
-            self._next = question
+            self._waiting[type(question)] = question
             self._changed.notify_all()
 
     def stop(self) -> None:
@@ -135,51 +83,43 @@ class Questioner:
         if self._thread.is_alive():
             self._thread.join(STOP_LIMIT)
 
-    def last(self) -> DoorAnswer | None:
-        """The last answer, also that of an earlier process; None where there is none."""
-        return _read(self._folder / ANSWER)
+    def last(self, kind: type[DiagnosisQuestion]) -> DiagnosisAnswer | None:
+        """The last answer of a kind, also that of an earlier process; None where there is none."""
+        return _read(self._folder / kind.kept, kind)
 
     def _run(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._ended or self._next is not None)
-                if self._ended or self._next is None:
+                self._changed.wait_for(lambda: self._ended or self._waiting)
+                if self._ended:
                     return
-                self._busy = True  # first: who looks without the lock shall see no moment of rest
-                question, self._next = self._next, None
+                kind = next(iter(self._waiting))
+                self._in_hand = kind  # first: who looks without the lock shall see no moment of rest
+                question = self._waiting.pop(kind)
+            answered, changed = self._told[kind]
             try:
-                verdict = self._answer(question)
+                answer = self._answer(question)
             except OSError as error:
-                verdict = DoorAnswer(question.asked, failure=f"the diagnosis cannot be asked: {error}")
+                answer = DiagnosisAnswer(question.asked, failure=f"the diagnosis cannot be asked: {error}")
             if not self._ended:
-                self._answered(verdict)  # asking until what follows of it is known
-            self._busy = False
+                answered(answer)  # asking until what follows of it is known
+            self._in_hand = None
             if not self._ended:
-                self._changed_state()
+                changed()
 
-    def _answer(self, question: DoorQuestion) -> DoorAnswer:
-        asked, out = self._folder / QUESTION, self._folder / f"{ANSWER}.new"
-        for folder in (asked, out):
+    def _answer(self, question: DiagnosisQuestion) -> DiagnosisAnswer:
+        kept = self._folder / question.kept
+        laid, out = self._folder / QUESTION, self._folder / f"{question.kept}{NEW}"
+        for folder in (laid, out):
             shutil.rmtree(folder, ignore_errors=True)
-        asked.mkdir(parents=True)
-        for run_id, folder in question.doors:
-            (asked / run_id).symlink_to(folder.resolve())
-        command = [
-            "--inspections",
-            str(asked),
-            "--in-use",
-            question.model or SPRINGS,
-            "--out",
-            str(out),
-            "--quiet",
-        ]
-        failure = self._call(command)
+        laid.mkdir(parents=True)
+        failure = self._call([*question.lay_out(laid), "--out", str(out), "--quiet"])
         if failure:
-            return DoorAnswer(question.asked, failure=failure)
+            return DiagnosisAnswer(question.asked, failure=failure)
         write_atomically(out / ASKED, json.dumps(question.asked) + "\n")
-        shutil.rmtree(self._folder / ANSWER, ignore_errors=True)
-        os.replace(out, self._folder / ANSWER)
-        return _read(self._folder / ANSWER) or DoorAnswer(
+        shutil.rmtree(kept, ignore_errors=True)
+        os.replace(out, kept)
+        return _read(kept, type(question)) or DiagnosisAnswer(
             question.asked, failure="the diagnosis left nothing readable"
         )
 
@@ -207,20 +147,20 @@ class Questioner:
             process.kill()
             process.wait()
         if late:
-            return f"the diagnosis took longer than {self._limit():g} s and was ended; let fewer doors be questioned"
+            return (
+                f"the diagnosis took longer than {self._limit():g} s and was ended; let fewer be questioned"
+            )
         if process.returncode:
             said = errors.read_text(encoding="utf-8", errors="replace").strip()
             return one_line(said) or f"the diagnosis ended with status {process.returncode}"
         return ""
 
 
-def _read(folder: Path) -> DoorAnswer | None:
+def _read(folder: Path, kind: type[DiagnosisQuestion]) -> DiagnosisAnswer | None:
     try:
         asked = json.loads((folder / ASKED).read_text(encoding="utf-8"))
         document = json.loads((folder / DOCUMENT).read_text(encoding="utf-8"))
-        runs, version, model = asked["runs"], asked["version"], asked["model"]
-        answer = DoorAnswer(asked, document, (folder / MODEL_FILE).read_bytes())
+        model = (folder / MODEL_FILE).read_bytes() if kind.leaves_model else b""
+        return DiagnosisAnswer(asked, document, model) if kind.is_asked(asked) else None
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
-    named = isinstance(runs, list) and bool(runs) and all(isinstance(run, str) for run in runs)
-    return answer if named and isinstance(version, int) and isinstance(model, str) else None

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from doormill_ros.recording.bag_folders import newest_bags
 from doormill_ros.recording.bag_reader import bag_files, is_broken_off, read_bag, topics_of
 from doormill_ros.recording.errors import BagError
 from doormill_ros.recording.mcap_scan import scan
@@ -13,7 +13,9 @@ from doormill_ros.recording.mcap_scan import scan
 RESULT = "/run/result"
 #: What else is asked of an inspected door's run. Topics have no common order: a bag that is being recorded may hold the
 #: end of a run before these.
-ASKED = ("/door/recipe", "/door/localization", "/simulation/executed_path")
+ASKED = ("/door/recipe", "/door/localization", "/path/targets")
+#: What a simulated controller tells beside these; a real one never does.
+SIMULATED, EXECUTED_PATH = "/simulation/", "/simulation/executed_path"
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class RecordedRuns:
             run_id: Which run.
             bag: Looked into first; None for the folder only.
         """
-        for folder in [*([bag] if bag is not None else []), *self._bags()]:
+        for folder in [*([bag] if bag is not None else []), *newest_bags(self._folder)]:
             found = self._runs(folder).get(run_id)
             if found is not None and self._is_whole(folder, run_id):
                 return found
@@ -66,18 +68,18 @@ class RecordedRuns:
         self._partial[folder, run_id] = size
         return False
 
-    def _bags(self) -> list[Path]:
-        """Folders of bags, the one that was written to last first."""
-        written: dict[Path, float] = {}
-        # Unlike rglob it passes over folders that vanish meanwhile, as those of questions and answers do.
-        for name, _, files in os.walk(self._folder):
-            folder = Path(name)
-            for file in (folder / one for one in files if one.endswith(".mcap")):
-                try:
-                    written[folder] = max(written.get(folder, 0.0), file.stat().st_mtime)
-                except OSError:
-                    continue
-        return sorted(written, key=lambda folder: written[folder], reverse=True)
+    def count(self, since: str, enough: int) -> int:
+        """How many runs ended, from one on (empty: of all); counted to `enough` in the bags written to last."""
+        found: set[str] = set()
+        before = 0
+        for folder in newest_bags(self._folder):
+            ended = self._runs(folder)
+            wanted = {run_id for run_id in ended if run_id >= since}
+            found |= wanted
+            before = before + 1 if ended and not wanted else 0
+            if len(found) >= enough or before >= enough:
+                break
+        return len(found)
 
     def _runs(self, folder: Path) -> dict[str, RecordedEnd]:
         try:
@@ -95,14 +97,16 @@ def _is_whole(bag: Path, run_id: str) -> bool:
     try:
         if not is_broken_off(bag):
             return True
-        missing, wanted = set(ASKED), run_id.encode()
+        missing, wanted = {*ASKED, EXECUTED_PATH}, run_id.encode()
+        simulated = False
         for item in (item for path in bag_files(bag) for item in scan(path)):
+            simulated = simulated or SIMULATED in item.channel.topic
             # Deserializing the paths of a whole shift takes seconds; the id is in the message as it is written.
             if wanted in item.message.data:
                 missing -= {name for name in missing if item.channel.topic.endswith(name)}
     except (BagError, OSError):
         return False
-    return not missing
+    return not missing - (set() if simulated else {EXECUTED_PATH})
 
 
 def _ends(bag: Path) -> dict[str, RecordedEnd]:
@@ -114,6 +118,11 @@ def _ends(bag: Path) -> dict[str, RecordedEnd]:
             end = item.message
             # Bags of older software tell no version.
             found[end.run_id] = RecordedEnd(bag, end.door_id, int(getattr(end, "model_version", 0)))
-    except BagError:
+    except (
+        BagError,
+        AttributeError,
+        TypeError,
+        ValueError,
+    ):  # damaged, or another recorder's of other fields
         return found
     return found

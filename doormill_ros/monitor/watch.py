@@ -12,10 +12,12 @@ from doormill_ros.errors import DoormillError, unexpected
 from doormill_ros.measurements.inspection import DESCRIPTION, inspections_in
 from doormill_ros.models.record import StoreRecord
 from doormill_ros.models.store import ModelStore
+from doormill_ros.monitor.door_question import DoorQuestion, checksum
 from doormill_ros.monitor.errors import KeepingError, QuestionError, UnknownRunError
 from doormill_ros.monitor.finding import UNKNOWN, DoorFinding, finding_of
 from doormill_ros.monitor.kept_doors import DoorPoints, KeptDoor, KeptDoors, points_of
-from doormill_ros.monitor.questioner import DoorAnswer, DoorQuestion, Questioner, checksum
+from doormill_ros.monitor.question import DiagnosisAnswer
+from doormill_ros.monitor.questioner import Questioner
 from doormill_ros.monitor.recorded_runs import RecordedRuns
 from doormill_ros.monitor.rehearsal import rehearse
 from doormill_ros.monitor.stop import stop_sentence
@@ -28,13 +30,14 @@ _LOG = logging.getLogger(__name__)
 
 
 class ModelWatch:
-    """Everything that a cell's monitor does, without ROS; called from any thread.
+    """Everything that a cell's monitor does with inspected doors, without ROS; called from any thread.
 
     Args:
-        folder: For inspections, questions and answers.
+        folder: For inspections.
         bags: Where runs are recorded.
         store: Of models.
         settings: What to go by now.
+        questioner: Asks the doors; whoever made it starts it after the watch, and stops it before.
         changed: Called after every change of the state, from any thread.
         lies: Called with a run whose inspection came to `folder`, or lies elsewhere in it now; from any thread.
     """
@@ -45,6 +48,7 @@ class ModelWatch:
         bags: Path,
         store: Path,
         settings: Callable[[], WatchSettings],
+        questioner: Questioner,
         changed: Callable[[], None],
         lies: Callable[[str], None] = lambda run_id: None,
     ) -> None:
@@ -53,7 +57,8 @@ class ModelWatch:
         self._store = ModelStore(store)
         self._settings = settings
         self._changed = changed
-        self._questioner = Questioner(folder, self._take_verdict, changed, lambda: settings().patience)
+        self._questioner = questioner
+        questioner.tell(DoorQuestion, self._take_verdict, changed)
         self._keeping, self._judging = threading.RLock(), threading.RLock()
         self._came: deque[DoorPoints] = deque()
         self._wake = threading.Event()
@@ -71,22 +76,20 @@ class ModelWatch:
             ModelStoreError: The store cannot be read.
         """
         self._store.record()
-        last = self._questioner.last()
+        last = self._questioner.last(DoorQuestion)
         if last is not None:
             try:
                 self._conclude(last)
             except QuestionError:
                 last = None  # of other software, or damaged
-        self._questioner.start()
         self._thread.start()
         if last is None or last.asked != self._question().asked:
             self._ask()
 
     def stop(self) -> None:
-        """Take nothing more; a question in hand is given up and asked again after the next start."""
+        """Take nothing more."""
         self._ended = True
         self._wake.set()
-        self._questioner.stop()
         if self._thread.is_alive():
             self._thread.join(STOP_LIMIT)
 
@@ -109,7 +112,7 @@ class ModelWatch:
             limit=self._settings().limit,
             stopped=stop.message if stop is not None and stop.version == record.in_use else "",
             waiting=len(self._kept.waiting),
-            asking=self._questioner.asking,
+            asking=self._questioner.asking(DoorQuestion),
             error_code=0 if trouble is None else trouble.code,
             message="" if trouble is None else trouble.message,
             doors=tuple(doors[-SHOWN:]),
@@ -166,7 +169,7 @@ class ModelWatch:
         Raises:
             ModelStoreError: The store cannot be read or written.
         """
-        last = self._questioner.last()
+        last = self._questioner.last(DoorQuestion)
         if last is None or last.asked != self._question().asked:
             self._ask()
         self._judge()
@@ -243,7 +246,7 @@ class ModelWatch:
         if question.doors:
             self._questioner.ask(question)
 
-    def _take_verdict(self, verdict: DoorAnswer) -> None:
+    def _take_verdict(self, verdict: DiagnosisAnswer) -> None:
         try:
             if verdict.document is None:
                 self._blame(verdict)
@@ -254,7 +257,7 @@ class ModelWatch:
         except Exception as error:  # whatever it is, the questions after it are asked
             self._trouble = _unforeseen(error, "the doors are questioned again with the next inspection")
 
-    def _blame(self, verdict: DoorAnswer) -> None:
+    def _blame(self, verdict: DiagnosisAnswer) -> None:
         """Set the door aside of which the diagnosis complains, and ask about the others."""
         spoiled = [run_id for run_id in verdict.asked["runs"] if run_id in verdict.failure]
         if not spoiled:
@@ -270,7 +273,7 @@ class ModelWatch:
         )
         self._ask()
 
-    def _conclude(self, verdict: DoorAnswer) -> None:
+    def _conclude(self, verdict: DiagnosisAnswer) -> None:
         """Make a finding of an answer, propose its model if that is better, and stop milling or let it go on."""
         door_of = {door.run_id: door.door_id for door in self._kept.doors()}
         try:

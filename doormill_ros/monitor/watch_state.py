@@ -14,10 +14,11 @@ class WatchSettings:
 
     Attributes:
         doors: How many of the last ones are questioned.
-        since: Run before which doors are left aside; empty: none are.
+        since: Run before which doors and bags are left aside; empty: none are.
         limit: Expected error beyond which no door is milled [m]; 0: none.
         patience: Seconds that a diagnosis may take.
         model: Of version 0: robot or model.yaml; "" for the robot's joint springs.
+        runs: How many of the last ones are asked by bags alone; 0: never.
     """
 
     doors: int
@@ -25,6 +26,7 @@ class WatchSettings:
     limit: float
     patience: float
     model: str
+    runs: int = 0
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from doormill_ros.abb.handshake.loop import HandshakeLoop
 from doormill_ros.abb.handshake.sharing import SharedHandshake
 from doormill_ros.abb.handshake.state import HandshakeSnapshot, HandshakeState, HandshakeTimeouts
 from doormill_ros.abb.link_errors import MillingFaultError
+from doormill_ros.abb.spindle_load import SpindleLoadMeter
 from doormill_ros.abb.target_file.rehearsal import PROGRAM, rehearse
 from doormill_ros.abb.target_file.target_file import check_handover, render_target_file, write_target_file
 from doormill_ros.abb.transports.registry import ANSWER, TRANSPORTS, TransportOptions, open_transport
@@ -39,6 +40,7 @@ from doormill_ros.nodes.mill_door import MillDoorServer
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
 from doormill_ros.nodes.run import run_nodes
 from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
+from doormill_ros.nodes.spindle_watch import SPINDLE_PARAMETER, SpindleWatch
 from doormill_ros.pipeline.course import recipe_nodes, stage_of
 from doormill_ros.units import s_to_ns
 
@@ -119,6 +121,7 @@ class AbbBridge(ManagedNode):
             live=True,
         ),
         GAUGE_PARAMETER,
+        SPINDLE_PARAMETER,
     )
 
     handshake: SharedHandshake
@@ -147,9 +150,11 @@ class AbbBridge(ManagedNode):
             on_change=self._changed,
         )
         self._monitor = ControllerMonitor(self, transport, self.value("manual_mode"))
+        self._spindle = SpindleWatch(self, SpindleLoadMeter(transport, lambda: self.handshake.snapshot))
         self._loop = HandshakeLoop(self.handshake, held=True)
         self._loop.start()
         self._monitor.start()
+        self._spindle.start()
         needed = recipe_nodes(sensors)
         if self.value("shared"):
             needed = (*needed, SHARES)
@@ -187,6 +192,7 @@ class AbbBridge(ManagedNode):
     def teardown(self) -> None:
         """Lower ready, remove the file, close the transport."""
         self._action.close()
+        self._spindle.stop()
         self._monitor.stop()
         self._loop.stop()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Generic, TypeVar
 
@@ -16,7 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from doormill_ros.interrupts import is_terminated_in_order
 from doormill_ros.nodes.managed_node import ManagedNode
-from doormill_ros.nodes.run import THREADS, ignore_signals, init, shut_down
+from doormill_ros.nodes.run import THREADS, ignore_signals, init, leave_graph, shut_down
 from doormill_ros.nodes.spinning import SteadyExecutor
 
 STOP_LIMIT = 2.0  # s
@@ -100,10 +100,7 @@ class Composition(Generic[Driver]):
         shut_down(self.nodes, self._executors, STOP_LIMIT)
         for thread in self._spinning:
             thread.join(STOP_LIMIT)
-        for node in reversed(self._all):
-            # After an interrupt the context is gone and took everything along.
-            with suppress(Exception):
-                node.destroy_node()
+        leave_graph(self._all)
         self._all.clear()
         self.nodes.clear()
         rclpy.try_shutdown()

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from std_msgs.msg import Header
 
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunResult, TargetArray
+from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.cell.waiting import wait
@@ -31,7 +32,9 @@ from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.simulation.robot_cell import RobotCell, RobotCellRun, load_effects
-from doormill_ros.simulation.world.door_truth import GAUGE
+from doormill_ros.simulation.spindle_load import SpindleWork
+from doormill_ros.simulation.world.cutting_power import CutDoor
+from doormill_ros.simulation.world.door_truth import GAUGE, LOAD
 from doormill_ros.simulation.world.gauge import NOISE, gauge
 from doormill_ros.toolpath.split import SECOND
 
@@ -155,6 +158,7 @@ class ControllerSimulator(ManagedNode):
     def _take_recipe(self, recipe: DoorRecipe) -> None:
         with self._told:
             self._recipe = recipe
+            self._give_work()
             self._told.notify_all()
 
     def _take_targets(self, targets: TargetArray) -> None:
@@ -180,18 +184,36 @@ class ControllerSimulator(ManagedNode):
         if placement.run_id == self._ended:
             return
         self._halt()
-        self._placement = placement
         self._door = self._shift.begin()
         self._cell.limits = self._door.limits
-        self._run = self._cell.start(placement.door_id)
-        self._thread = threading.Thread(
-            target=self.guarded(self._mill), args=(self._run, placement), name="controller", daemon=True
-        )
-        self._thread.start()
+        with self._told:
+            self._placement, self._cell.spindle.work = placement, None
+            self._give_work()
+            if not self.active:  # stopped by another thread since it was called
+                return
+            self._run = self._cell.start(placement.door_id)
+            self._thread = threading.Thread(
+                target=self.guarded(self._mill), args=(self._run, placement), name="controller", daemon=True
+            )
+            self._thread.start()
+
+    def _give_work(self) -> None:
+        """Tell the spindle which wood it meets, once door and place are those of one run."""
+        recipe, placement = self._recipe, self._placement
+        if recipe is None or placement is None or recipe.run_id != placement.run_id:
+            return
+        if self._cell.spindle.work is None:
+            door = CutDoor(recipe_of(recipe), self._T_base_door(placement))
+            self._cell.spindle.work = SpindleWork(door, self._door.hardness, self._door.drawn(LOAD))
+
+    def _T_base_door(self, placement: DoorPlacement) -> FloatArray:
+        """Where the door stands while it is milled, shape (4, 4)."""
+        pictured = transform_of(placement.pose)
+        return self._door.T_base_door(pictured) if self._shift.world_given else pictured
 
     def _halt(self) -> None:
-        run, thread = self._run, self._thread
         with self._told:
+            run, thread = self._run, self._thread
             self._run = self._thread = None
             self._told.notify_all()
         if run is not None:
@@ -209,12 +231,23 @@ class ControllerSimulator(ManagedNode):
         wait(self._told, lambda: told() or self._run is not run, KNOWN_LIMIT)
         return told()
 
+    def _publish(self, publisher: Any, message: Any) -> None:
+        """Tell it unless the node was stopped meanwhile: its publishers are destroyed without waiting for a door."""
+        with self._told:
+            if self.active:
+                publisher.publish(message)
+
+    def _say(self, words: str, **values: Any) -> None:
+        with self._told:
+            if self.active:
+                self.report(OK, words, **values)
+
     def _mill(self, run: RobotCellRun, placement: DoorPlacement) -> None:
-        self.report(OK, "program running", door_id=placement.door_id)
+        self._say("program running", door_id=placement.door_id)
         if run.execute():
             self._inspect(run, placement)
         else:
-            self.report(OK, "program stopped", door_id=placement.door_id)
+            self._say("program stopped", door_id=placement.door_id)
 
     def _inspect(self, run: RobotCellRun, placement: DoorPlacement) -> None:
         targets = self._of_run(run, lambda: self._targets, placement.run_id)
@@ -225,37 +258,38 @@ class ControllerSimulator(ManagedNode):
         recipe = self._of_run(run, lambda: self._recipe, placement.run_id)
         if targets is None or recipe is None:
             # Nobody shall wait for what cannot come.
-            self._milled.publish(MilledDoor(run_id=placement.run_id, door_id=placement.door_id))
+            self._publish(self._milled, MilledDoor(run_id=placement.run_id, door_id=placement.door_id))
             return
         program, door = program_of(targets), recipe_of(recipe)
-        executed, T_base_door = run.executed_path(program), transform_of(placement.pose)
+        executed, T_base_door = run.executed_path(program), self._T_base_door(placement)
         uncorrected_path = self._cell.execute_uncorrected(program)
         if self._shift.world_given:
-            T_base_door = self._door.T_base_door(T_base_door)
             executed, uncorrected_path = (
                 self._door.executed(door, T_base_door, path) for path in (executed, uncorrected_path)
             )
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
-        self._executed.publish(executed_message(executed, header, placement))
+        self._publish(self._executed, executed_message(executed, header, placement))
         verdict = judge(door, T_base_door, executed, self._judged_cell, run.spindle_turned(executed))
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
-        self._verdict.publish(verdict_message(verdict, header, placement))
+        self._publish(self._verdict, verdict_message(verdict, header, placement))
         corrected = inspect(door, T_base_door, executed)
         uncorrected = inspect(door, T_base_door, uncorrected_path)
         if self.value("inspection") or self.value("gauged"):
             self._tell_gauged(gauge(door, T_base_door, executed, self._door.drawn(GAUGE)), placement.run_id)
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=DOOR_FRAME)
-        self._milled.publish(milled_message(door, corrected, uncorrected, TOLERANCE, header, placement))
-        self.report(OK, "door milled", door_id=placement.door_id, deviation=corrected.max_deviation)
+        self._publish(
+            self._milled, milled_message(door, corrected, uncorrected, TOLERANCE, header, placement)
+        )
+        self._say("door milled", door_id=placement.door_id, deviation=corrected.max_deviation)
 
     def _tell_share(self, run: RobotCellRun, placement: DoorPlacement, targets: TargetArray) -> None:
         """What this robot did to the door, and would have done without correction; the former comes last."""
         program = program_of(targets)
         header = Header(stamp=self.get_clock().now().to_msg(), frame_id=BASE_FRAME)
         uncorrected = self._cell.execute_uncorrected(program)
-        self._uncorrected.publish(executed_message(uncorrected, header, placement))
-        self._executed.publish(executed_message(run.executed_path(program), header, placement))
-        self.report(OK, "share milled", door_id=placement.door_id)
+        self._publish(self._uncorrected, executed_message(uncorrected, header, placement))
+        self._publish(self._executed, executed_message(run.executed_path(program), header, placement))
+        self._say("share milled", door_id=placement.door_id)
 
     def _tell_gauged(self, points: MeasuredPoints, run_id: str) -> None:
         ended = self._shift.ended()
@@ -263,7 +297,7 @@ class ControllerSimulator(ManagedNode):
             folder = Path(self.value("inspection"))
             write_inspection(folder, folder.parent / BAG, run_id, ended, NOISE, points)
         if self.value("gauged"):
-            self._gauged.publish(inspection_message(points, run_id, ended, NOISE))
+            self._publish(self._gauged, inspection_message(points, run_id, ended, NOISE))
 
 
 def switch_on(

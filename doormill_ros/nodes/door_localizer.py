@@ -22,7 +22,7 @@ from doormill_ros.frames import BASE_FRAME, CAMERA_FRAME, DOOR_FRAME
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.drift import Drift
 from doormill_ros.localization.empty_clamp import empty_clamp_for, widths_told
-from doormill_ros.localization.errors import LocalizationError
+from doormill_ros.localization.errors import LocalizationError, StaleEmptyClamp
 from doormill_ros.localization.localizer import prepare
 from doormill_ros.localization.mark_watch import MarkWatch
 from doormill_ros.localization.overlay import draw_overlay, draw_refusal
@@ -196,6 +196,9 @@ class DoorLocalizer(ManagedNode):
         told = "" if found.drift is None else self._tell_drift(found.drift, answer.header)
         if found.drift is not None:
             values["camera"] = f"{found.drift.share:.2f} of what marks.limit allows"
+        if found.clamp is not None and found.clamp.stale:
+            values["error_code"] = StaleEmptyClamp.code
+            told = f"{told}; {found.clamp.sentence}" if told else found.clamp.sentence
         self.report(WARN if told else OK, f"door found, but {told}" if told else "door found", **values)
         self.later("show", lambda: self._show(message, found, recipe.width))
 

@@ -1,4 +1,4 @@
-"""Node /model_monitor: inspected doors in, what they say of the robot's model out; puts models in use on order."""
+"""Node /model_monitor: tells what inspected doors and the bags of runs say; puts models in use on order."""
 
 from __future__ import annotations
 
@@ -10,20 +10,24 @@ from typing import Any
 
 from std_msgs.msg import Header
 
-from doormill_interfaces.msg import DoorInspection
+from doormill_interfaces.msg import DoorInspection, RunResult
 from doormill_interfaces.srv import AcceptModel, HandInInspection, RevertModel
 from doormill_ros.catalogue.inspection_notes import InspectionNotes
 from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.errors import DoormillError
 from doormill_ros.measurements.inspection import CAMERA
 from doormill_ros.messages.from_message import positions_of, seconds_of
 from doormill_ros.models.errors import MillingStoppedError
 from doormill_ros.models.store import store_folder
 from doormill_ros.monitor.kept_doors import DoorPoints
+from doormill_ros.monitor.questioner import Questioner
+from doormill_ros.monitor.runs_watch import RunsState, RunsWatch
 from doormill_ros.monitor.watch import ModelWatch
 from doormill_ros.monitor.watch_state import WatchSettings, WatchState
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.inspection import inspection_message
+from doormill_ros.nodes.convert.runs_verdict import verdict_of_runs
 from doormill_ros.nodes.convert.verdict import verdict_of_model
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
@@ -33,7 +37,7 @@ PERIOD = 1.0  # s
 
 
 class ModelMonitor(ManagedNode):
-    """Carries inspections to the watch and its state to whoever listens; the diagnosis runs in a process of its own."""
+    """Carries inspections and ends of runs to who watches them, and what these know to whoever listens."""
 
     PARAMETERS = (
         NodeParameter("inspections", "out/inspections", "folder that keeps inspections and the last verdict"),
@@ -45,7 +49,15 @@ class ModelMonitor(ManagedNode):
         ),
         NodeParameter("robot_model", "", "model of version 0, as robot_model of /path_generator"),
         NodeParameter("doors", 40, "last inspected doors that are questioned", 1, 1000, live=True),
-        NodeParameter("since", "", "run before which doors are left aside; empty: none", live=True),
+        NodeParameter(
+            "runs",
+            60,
+            "last runs that are asked by bags alone, 6 or more; 0: never",
+            0,
+            MOST,
+            live=True,
+        ),
+        NodeParameter("since", "", "run before which doors and bags are left aside; empty: none", live=True),
         NodeParameter(
             "limit.expected",
             TOLERANCE,
@@ -69,21 +81,30 @@ class ModelMonitor(ManagedNode):
         """Open what is kept, subscribe, offer the services."""
         folder, catalogue = Path(self.value("inspections")), self.value("catalogue")
         self._notes = None if catalogue == "none" else InspectionNotes(catalogue, folder, self._tell)
+        bags = Path(self.value("bags"))
+        # One for both: the diagnosis has one process, behind the running cell.
+        self._questioner = Questioner(folder, lambda: self._settings().patience)
+        self._runs = RunsWatch(bags, self._settings, self._questioner, self._tell)
         self._watch = ModelWatch(
             folder,
-            Path(self.value("bags")),
+            bags,
             store_folder(self.value("models")),
             self._settings,
+            self._questioner,
             self._tell,
             lambda run_id: None if self._notes is None else self._notes.note(run_id),
         )
         self._settled = self._settings()
         self._verdict = self.publisher(topics.MODEL_VERDICT)
+        self._runs_verdict = self.publisher(topics.RUNS_VERDICT)
         self._inspected = self.publisher(topics.MODEL_INSPECTED)
         self._watch.start()
+        self._runs.start()
+        self._questioner.start()
         if self._notes is not None:
             self._notes.start()
         self.subscribe(topics.DOOR_INSPECTION, self._take)
+        self.subscribe(topics.RUN_RESULT, self._take_end)
         self.serve(HandInInspection, "model/inspect", self._hand_in)
         self.serve(AcceptModel, "model/accept", self._accept)
         self.serve(RevertModel, "model/revert", self._revert)
@@ -95,6 +116,8 @@ class ModelMonitor(ManagedNode):
 
     def teardown(self) -> None:
         """Give up the question in hand; it is asked again after the next start."""
+        self._questioner.stop()
+        self._runs.stop()
         self._watch.stop()
         if self._notes is not None:
             self._notes.stop()
@@ -114,6 +137,7 @@ class ModelMonitor(ManagedNode):
             self.value("limit.expected"),
             self.value("limit.diagnosis"),
             self.value("robot_model"),
+            self.value("runs"),
         )
 
     def _look(self) -> None:
@@ -121,6 +145,10 @@ class ModelMonitor(ManagedNode):
         if settings != self._settled:
             self._settled = settings
             self._watch.settle()
+            self._runs.settle()
+
+    def _take_end(self, result: RunResult) -> None:
+        self._runs.ended(result.run_id)
 
     def _take(self, message: DoorInspection) -> None:
         self._watch.take(
@@ -170,17 +198,26 @@ class ModelMonitor(ManagedNode):
         except DoormillError as error:
             self.report(ERROR, error.message, error_code=error.code)
             return
-        self._verdict.publish(verdict_of_model(state, Header(stamp=self.get_clock().now().to_msg())))
+        runs, header = self._runs.state(), Header(stamp=self.get_clock().now().to_msg())
+        self._verdict.publish(verdict_of_model(state, header))
+        self._runs_verdict.publish(verdict_of_runs(runs, header))
         figures = {"version": state.version, "proposed": state.proposed, "expected_error": state.expected}
-        if state.stopped:
-            self.report(WARN, state.stopped, error_code=MillingStoppedError.code, **figures)
-        elif state.message:
-            self.report(WARN, state.message, error_code=state.error_code, **figures)
-        elif self._notes is not None and self._notes.failure:
-            self.report(WARN, self._notes.failure, **figures)
+        warnings = self._warnings(state, runs)
+        if warnings:
+            said, code = "; ".join(text for text, _ in warnings), warnings[0][1]
+            self.report(WARN, said, **({"error_code": code} if code else {}), **figures)
         else:
             said = "no door was inspected yet" if state.finding is None else state.finding.sentence
             self.report(OK, said, waiting=state.waiting, **figures)
+
+    def _warnings(self, state: WatchState, runs: RunsState) -> list[tuple[str, int]]:
+        """What a person has to see, with the code of its error or 0, the gravest first."""
+        doors = (
+            (state.stopped, MillingStoppedError.code) if state.stopped else (state.message, state.error_code)
+        )
+        changed = runs.finding.sentence if runs.finding is not None and runs.finding.changes else ""
+        unnoted = self._notes.failure if self._notes is not None else ""
+        return [one for one in (doors, (changed, 0), (runs.message, runs.error_code), (unnoted, 0)) if one[0]]
 
 
 def main() -> int:

@@ -24,6 +24,7 @@ from doormill_interfaces.msg import (
     MilledDoor,
     ModelVerdict,
     RunResult,
+    RunsVerdict,
     TargetArray,
 )
 from doormill_ros.arrays import ByteArray
@@ -33,6 +34,7 @@ from doormill_ros.messages.from_message import gauged_of, inspection_of, nanosec
 from doormill_ros.messages.picture import colours_of, picture_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.planned_times import planned_times_of
+from doormill_ros.nodes.convert.runs_verdict import view_of_runs
 from doormill_ros.nodes.convert.verdict import faults_of, steps_of
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.operator_control import ACTION, ActionControl
@@ -146,6 +148,7 @@ class OperatorPage(ManagedNode):
         self.subscribe(replace(handed_in, requested=handed_in.offered), self._take_inspection)
         self.subscribe(topics.DIAGNOSTICS, self._take_diagnostics)
         self.subscribe(topics.MODEL_VERDICT, self._take_verdict)
+        self.subscribe(topics.RUNS_VERDICT, self._take_runs)
         self.subscribe(FEEDBACK, self._take_feedback)
         self.every(1.0, self._look_for_bridges)
         self.get_logger().info(f"operator's page at {self.url}")
@@ -287,6 +290,9 @@ class OperatorPage(ManagedNode):
             said.error_code,
         )
         self.store.update(lambda view: view.with_model(model))
+
+    def _take_runs(self, said: RunsVerdict) -> None:
+        self.store.update(lambda view: view.with_runs(view_of_runs(said)))
 
     def _take_diagnostics(self, array: DiagnosticArray) -> None:
         for status in array.status:

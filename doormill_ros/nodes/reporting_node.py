@@ -11,6 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import ParameterException
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode
 from rclpy.parameter import Parameter
 
@@ -25,6 +26,8 @@ ERROR: bytes = DiagnosticStatus.ERROR
 DIAGNOSTICS_PERIOD = 1.0  # s
 DISPLAY_DELAY = 0.1  # s
 STEADY = Clock(clock_type=ClockType.STEADY_TIME)
+#: What rclpy raises once a signal has taken the context away.
+_GONE = (rclpy_implementation.RCLError, rclpy_implementation.InvalidHandle)
 
 
 @dataclass(frozen=True)
@@ -215,6 +218,8 @@ class ReportingNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         except DoormillError as error:
             message, values = error.message, {"error_code": error.code}
         except Exception as error:
+            if isinstance(error, _GONE) and not self.context.ok():
+                return False  # the way out, no fault
             message, values = f"{type(error).__name__}: {error}", {}
             self.get_logger().error(traceback.format_exc())
         else:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import ctypes
+import faulthandler
 import gc
 import re
 import signal
@@ -15,6 +17,7 @@ import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import get_logger
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
 from doormill_ros.cell.errors import BadParameterError, RosArgumentsError
@@ -28,6 +31,8 @@ from doormill_ros.resources import resource
 
 THREADS = 4  #: of a node's executor
 STOP_LIMIT = 1.0  # s
+#: What DDS and the interpreter may take for their end once nodes have closed; then the process ends without them [s].
+ENDING = 20.0
 BAD_ARGUMENTS = 2  #: exit status after which nobody starts the node again
 _PLACE_IN_RCL = re.compile(r",? at /\S+:\d+")
 # Parameters of glibc's mallopt.
@@ -99,7 +104,12 @@ def run_nodes(*factories: Callable[[], ManagedNode], arguments: Sequence[str] | 
         for node in nodes:
             node.leave()
         shut_down(nodes, [executor], STOP_LIMIT)
+        # Files are closed and signals dropped: what stands still from here on holds nothing but the process.
+        _limit_ending()
+        leave_graph(nodes)
         rclpy.try_shutdown()
+        faulthandler.cancel_dump_traceback_later()
+        atexit.register(_limit_ending)
     return 0
 
 
@@ -119,6 +129,17 @@ def shut_down(nodes: Sequence[ManagedNode], executors: Sequence[SteadyExecutor],
         executor.shutdown(timeout_sec=timeout)
 
 
+def leave_graph(nodes: Sequence[Node]) -> None:
+    """Destroy nodes whose executors have ended, the last first.
+
+    rclpy does so only where no signal took the context away. Left to the interpreter's end, threads of DDS meet what
+    is destroyed there already: the process dies of a segmentation fault or stands still.
+    """
+    for node in reversed(nodes):
+        with contextlib.suppress(Exception):
+            node.destroy_node()
+
+
 def ignore_signals() -> dict[signal.Signals, Any]:
     """Let no signal disturb what follows; to be called by the main thread.
 
@@ -128,6 +149,11 @@ def ignore_signals() -> dict[signal.Signals, Any]:
     # rclpy takes back only handlers that it still finds in their place; its thread would stay with them.
     uninstall_signal_handlers()
     return {number: signal.signal(number, signal.SIG_IGN) for number in (signal.SIGINT, signal.SIGTERM)}
+
+
+def _limit_ending() -> None:
+    """End the process with the stacks of its threads, unless it ends within `ENDING` or this is taken back."""
+    faulthandler.dump_traceback_later(ENDING, exit=True, file=sys.__stderr__ or 2)
 
 
 def _keep_freed_memory() -> None:

@@ -24,9 +24,11 @@ from doormill_interfaces.msg import (
     MilledDoor,
     ModelVerdict,
     RunResult,
+    RunsVerdict,
     RunVerdict,
     SensorLocalization,
     SensorReading,
+    SpindleLoad,
     TargetArray,
 )
 
@@ -111,6 +113,8 @@ ABB_REQUEST = _topic("abb/request", Bool, STATE)
 ABB_READY = _topic("abb/ready", Bool, STATE)
 CONTROLLER_STATE = _topic("abb/controller_state", ControllerState, STATE)
 ABB_TARGET_FILE = _topic("abb/target_file", String, STATE)
+#: While a door is milled, from controllers that can tell.
+SPINDLE_LOAD = _topic("abb/spindle_load", SpindleLoad, EVENT)
 #: Whoever keeps results gets each, though runs that are refused at once follow each other faster than it looks.
 RUN_RESULT = Topic("run/result", RunResult, STATE, _qos(10, DurabilityPolicy.TRANSIENT_LOCAL))
 #: Id of the run of which a robot may mill its share, in the namespace of that robot.
@@ -128,6 +132,7 @@ MODEL_INSPECTED = Topic(
     "model/inspected", DoorInspection, _qos(100, DurabilityPolicy.TRANSIENT_LOCAL), _qos(100)
 )
 MODEL_VERDICT = _topic("model/verdict", ModelVerdict, STATE)
+RUNS_VERDICT = _topic("model/runs_verdict", RunsVerdict, STATE)
 RUN_VERDICT = _topic("simulation/verdict", RunVerdict, STATE)
 DIAGNOSTICS = _topic("/diagnostics", DiagnosticArray, EVENT)
 
@@ -152,6 +157,7 @@ ALL: tuple[Topic, ...] = (
     ABB_READY,
     CONTROLLER_STATE,
     ABB_TARGET_FILE,
+    SPINDLE_LOAD,
     RUN_RESULT,
     DOOR_PLACEMENT,
     EXECUTED_PATH,
@@ -160,6 +166,7 @@ ALL: tuple[Topic, ...] = (
     DOOR_INSPECTION,
     MODEL_INSPECTED,
     MODEL_VERDICT,
+    RUNS_VERDICT,
     DIAGNOSTICS,
 )
 

@@ -16,7 +16,8 @@ from doormill_ros.operator.history import kept_runs
 from doormill_ros.operator.history_csv import history_csv
 from doormill_ros.operator.history_search import Found, search_history
 from doormill_ros.operator.languages import Language
-from doormill_ros.operator.state import HISTORY, short
+from doormill_ros.operator.short_text import short
+from doormill_ros.operator.state import HISTORY
 from doormill_ros.operator.view_store import ViewStore
 
 LONGEST_SEARCH = 200  # characters

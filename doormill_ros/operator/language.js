@@ -24,6 +24,14 @@ export function write(id, words, lang = "") {
   else element.removeAttribute("lang");
 }
 
+// Words made of data, or the monitor's own where those are wanted or there are no data.
+export function say(id, own, made, whole = (words) => words) {
+  const english = language() === ENGLISH;
+  const words = (!english && made) || own;
+  write(id, words ? whole(words) : "", english || made ? "" : ENGLISH);
+  byId(id).hidden = !words;
+}
+
 // What an error means to the operator and what to do; null for 0, which is none.
 export function errorText(code) {
   if (!code) return null;

@@ -1,5 +1,5 @@
 // The part of the page on the robot's model. In English the monitor speaks in its own words.
-import { ENGLISH, byId, known, language, size, text, write } from "./language.js";
+import { ENGLISH, byId, known, language, say, size, text, write } from "./language.js";
 import { nextSentence, stopReason, trouble, verdictSentence } from "./monitor_words.js";
 
 export let shown = null;
@@ -31,14 +31,6 @@ function showTrend(doors, limit) {
     const beyond = limit > 0 && door.largest > limit ? "beyond" : "within";
     mark(drawing, "circle", { class: beyond, cx: x(i), cy: y(door.largest), r: 6 }, text("trend.door", told));
   });
-}
-
-// Words made of data, or the monitor's own where those are wanted or there are no data.
-function say(id, own, made, whole = (words) => words) {
-  const english = language() === ENGLISH;
-  const words = (!english && made) || own;
-  write(id, words ? whole(words) : "", english || made ? "" : ENGLISH);
-  byId(id).hidden = !words;
 }
 
 function showMessage(found) {

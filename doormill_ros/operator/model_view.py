@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from doormill_ros.diagnosis.parts.next_step import NextStep
 from doormill_ros.monitor.finding import NamedFault
+from doormill_ros.operator.short_text import short
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,16 @@ class ModelView:
     questioned: int = 0
     next_steps: tuple[NextStep, ...] = ()
     error_code: int = 0
+
+    def shortened(self) -> ModelView:
+        """With texts as long as the page shows them."""
+        return replace(
+            self,
+            sentence=short(self.sentence),
+            next_measurement=short(self.next_measurement),
+            message=short(self.message),
+            remarks=tuple(map(short, self.remarks)),
+        )
 
     def document(self) -> dict[str, Any]:
         """JSON-able content."""

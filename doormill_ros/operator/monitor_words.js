@@ -2,9 +2,9 @@
 import { known, size, text } from "./language.js";
 
 const VERDICTS = ["consistent", "explained", "partly_explained", "unexplained"];
-const named = (cause) => (known(`cause.${cause}`) ? text(`cause.${cause}`) : cause.replaceAll("_", " "));
+export const named = (cause) => (known(`cause.${cause}`) ? text(`cause.${cause}`) : cause.replaceAll("_", " "));
 
-function placed(where) {
+export function placed(where) {
   const [, kind, number] = where.match(/^(joint|link) (\d+)$/) || [];
   if (kind) return text(`place.${kind}`, { number });
   return known(`place.${where}`) ? text(`place.${where}`) : text("place.other", { place: where });

@@ -5,6 +5,7 @@ import { showDoor } from "./door.js";
 import { refusedModelOrder, showModel, shown as model } from "./model.js";
 import { stopReason } from "./monitor_words.js";
 import { nodeName, showFaults, showReport } from "./reports.js";
+import { showRuns } from "./runs.js";
 
 const SILENCE = 15000; // ms without a sign of life
 let heard = 0;
@@ -78,6 +79,7 @@ function show(told) {
   showHistory(view.history);
   byId("control").hidden = !view.control;
   showModel(view.model, view.control);
+  showRuns(view.runs);
 }
 
 const stage = () => (known(`stage.${view.stage}`) ? text(`stage.${view.stage}`) : view.stage);

@@ -50,6 +50,8 @@ _FILES = {
     "/history.js": ("history.js", "text/javascript"),
     "/model.js": ("model.js", "text/javascript"),
     "/monitor_words.js": ("monitor_words.js", "text/javascript"),
+    "/runs.js": ("runs.js", "text/javascript"),
+    "/runs_words.js": ("runs_words.js", "text/javascript"),
     **{
         f"/texts/{name}.json": (f"texts/{name}.json", "application/json")
         for code in LANGUAGES

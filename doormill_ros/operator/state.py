@@ -18,10 +18,11 @@ from doormill_ros.operator.pair_advice import pair_step
 from doormill_ros.operator.pair_view import PairView
 from doormill_ros.operator.picture import EncodedPicture
 from doormill_ros.operator.robot_view import RobotView
+from doormill_ros.operator.runs_view import RunsView
+from doormill_ros.operator.short_text import short
 from doormill_ros.operator.situation import MAY_MOVE, Situation, may_move_in, situation, told_in_run
 
 HISTORY = 50  # runs
-LONGEST_TEXT = 2000  # characters
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class CellView:
         history: Ended runs, the newest first.
         picture: The latest picture worth showing.
         model: What the monitor of the model said last; None where there is none.
+        runs: What it said last of the bags of runs; None where there is none.
         drawing: The door of the run in hand, or of the last one.
         pair: Both robots where two share the doors: bridge and handshake are told there; None for one robot.
     """
@@ -77,6 +79,7 @@ class CellView:
     history: tuple[EndedRun, ...] = ()
     picture: EncodedPicture | None = None
     model: ModelView | None = None
+    runs: RunsView | None = None
     drawing: DoorView | None = None
     pair: PairView | None = None
 
@@ -242,13 +245,11 @@ class CellView:
 
     def with_model(self, model: ModelView) -> CellView:
         """The monitor of the model said something."""
-        texts = (model.sentence, model.next_measurement, model.message)
-        sentence, next_measurement, message = map(short, texts)
-        remarks = tuple(map(short, model.remarks))
-        cut = replace(
-            model, sentence=sentence, next_measurement=next_measurement, message=message, remarks=remarks
-        )
-        return replace(self, model=cut)
+        return replace(self, model=model.shortened())
+
+    def with_runs(self, runs: RunsView) -> CellView:
+        """The monitor said something of the bags of runs."""
+        return replace(self, runs=runs.shortened())
 
     def _situation(self) -> tuple[Situation, int, float | None]:
         """State and reason of the door that the page speaks of, code and beginning of that state."""
@@ -325,6 +326,7 @@ class CellView:
                 "values": dict(self.picture.values),
             },
             "model": None if self.model is None else self.model.document(),
+            "runs": None if self.runs is None else self.runs.document(),
             "drawing": self._drawn(),
         }
 
@@ -335,8 +337,3 @@ class CellView:
         ended = next((run.success for run in self.history if run.run_id == run_id), None)
         shares = self.pair.shares(run_id, ended) if self.pair is not None else {}
         return self.drawing.document(self.run_id == run_id and self.stage == "milling", ended, shares)
-
-
-def short(text: str) -> str:
-    """A text that is cut where it is longer than the page shows."""
-    return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 1] + "…"

@@ -55,6 +55,20 @@ def bags_in(places: Iterable[Path]) -> list[Path]:
     return list(found)
 
 
+def newest_bags(place: Path) -> list[Path]:
+    """Bags at any depth below a place, the one that was written to last first; none where nothing is there."""
+    written: dict[Path, float] = {}
+    # Unlike rglob it passes over folders that vanish meanwhile.
+    for name, _, files in os.walk(place):
+        folder = Path(name)
+        for file in (folder / one for one in files if one.endswith(".mcap")):
+            try:
+                written[folder] = max(written.get(folder, 0.0), file.stat().st_mtime)
+            except OSError:
+                continue
+    return sorted(written, key=lambda folder: written[folder], reverse=True)
+
+
 def content_of_bag(folder: Path) -> BagContent:
     """Checksum and size of a bag.
 

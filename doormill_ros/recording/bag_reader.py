@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,12 @@ def typestore_of(definitions: Iterable[tuple[str, str]]) -> Typestore:
     for name, text in definitions:
         _register(store, name, text)
     return store
+
+
+@lru_cache(maxsize=32)
+def _known_types(definitions: tuple[tuple[str, str], ...]) -> Typestore:
+    """As `typestore_of`, made once for all bags of one software; nobody adds to it."""
+    return typestore_of(definitions)
 
 
 def _register(store: Typestore, name: str, text: str) -> None:
@@ -118,7 +125,7 @@ def _indexed(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessa
         chosen = [c for c in reader.connections if wanted(c.topic)]
         if not chosen:
             return
-        store = typestore_of((c.msgtype, c.msgdef.data) for c in chosen)
+        store = _known_types(tuple((c.msgtype, c.msgdef.data) for c in chosen))
         repeated = sum((repeated_in(path) for path in _files(folder)[1:]), Counter())
         for connection, stamp_ns, data in reader.messages(connections=chosen):
             if repeated and _is_repeated(repeated, connection.topic, stamp_ns):

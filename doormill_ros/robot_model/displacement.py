@@ -42,6 +42,12 @@ class Displacement:
     mass_std: float = 0.0
     centre: float = 0.0
 
+    @property
+    def weight(self) -> Weight:
+        """The mass on its link."""
+        centre = np.array([0.0, 0.0, self.centre])
+        return Weight(FLANGE, self.mass, self.mass_std, centre, np.ones(6), np.zeros(6))
+
     def document(self) -> dict[str, Any]:
         """As model.yaml has it."""
         return {**vars(self), "shift": list(self.shift)}
@@ -70,15 +76,14 @@ class StandingDisplacement:
     """A displacement as the twist of a robot's tool (implements what `SaggingModel` asks of a sag).
 
     Args:
-        robot: Whose springs the weight bends.
+        robot: Whose arm the weight bends.
+        stiffness: Springs of its joints, shape (6,) [N m / rad].
         told: By the doors.
     """
 
-    def __init__(self, robot: Robot, told: Displacement) -> None:
+    def __init__(self, robot: Robot, stiffness: FloatArray, told: Displacement) -> None:
         self._kinematics, self._told = Kinematics(robot), told
-        centre, all_of_it = np.array([0.0, 0.0, told.centre]), np.ones(6)
-        weight = Weight(FLANGE, told.mass, told.mass_std, centre, all_of_it, np.zeros(6))
-        self._sag = GravitySag(self._kinematics, robot.stiffness, [weight], np.zeros((0, 6)))
+        self._sag = GravitySag(self._kinematics, stiffness, [told.weight], np.zeros((0, 6)))
 
     def twist(self, q: FloatArray, point: FloatArray) -> FloatArray:
         """Of the tool.

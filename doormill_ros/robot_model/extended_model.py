@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +24,10 @@ from doormill_ros.robot_model.elastic.compliance import ComplianceModel
 from doormill_ros.robot_model.elastic.joint_springs import spring_twist
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce, ModelKnowledge, measured_force_of
 from doormill_ros.robot_model.elastic.law.term import LawTerm
-from doormill_ros.robot_model.elastic.load_case import build_load_case
+from doormill_ros.robot_model.elastic.load_case import LoadCase, build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
 from doormill_ros.robot_model.gravity.model import SaggingModel
+from doormill_ros.robot_model.gravity.weights import torques
 from doormill_ros.robot_model.model_file import MODEL_FILE, inside, model_path, read_model, schema_of
 from doormill_ros.robot_model.pose.compliance import PoseErrorCompliance, load_pose_compliance
 from doormill_ros.robot_model.pose.model import SCHEMA as POSE_SCHEMA
@@ -144,81 +145,26 @@ class ExtendedComplianceModel:
             direction=None if direction is None else np.broadcast_to(direction, q.shape),
             joint_stiffness=self.joint_stiffness,
         )
+        carrying = self._carrying(case)
         for sized in acting:
-            share = sized.cause.hidden_state(case)
-            part = sized.cause.twist(case, sized.cause.from_values(sized.values, case))
+            # What weight makes of the springs is where the unloaded tool stands; of a gap nobody tells it apart.
+            felt_by = carrying if isinstance(sized.cause, DisplacementBacklash) else case
+            share = sized.cause.hidden_state(felt_by)
+            part = sized.cause.twist(felt_by, sized.cause.from_values(sized.values, felt_by))
             twist = twist + (part if share is None else share[:, None] * part)
         return twist
+
+    def _carrying(self, case: LoadCase) -> LoadCase:
+        """The loads with the weight that doors told of: both decide against which flank a joint lies."""
+        if self.place is None or not self.place.mass:
+            return case
+        torque = case.torque + torques(self._kinematics, case.q, [self.place.weight])
+        return replace(case, torque=torque, largest_torque=np.abs(torque).max(axis=0), cache={})
 
 
 def _theta(sized: SizedCause) -> FloatArray:
     """Fitted numbers, shape (p,), of a cause before the elasticity: they hang on no load."""
     return sized.cause.from_values(sized.values, None)  # type: ignore[arg-type]
-
-
-def model_document(
-    robot: str,
-    joint_stiffness: FloatArray,
-    causes: Sequence[SizedCause],
-    source: str,
-    unchanged: str = "",
-    laws: Sequence[SizedCause] = (),
-    force: MeasuredForce | None = None,
-    standing: Displacement | None = None,
-    growth: ThermalGrowth | None = None,
-) -> dict[str, Any]:
-    """The content of model.yaml.
-
-    Args:
-        robot: Name of the robot.
-        joint_stiffness: Of the model that was questioned, shape (6,) [N m / rad].
-        causes: What was established.
-        source: Where the model comes from.
-        unchanged: Why no cause is in it although some are in question; empty when that is not so.
-        laws: What no cause names.
-        force: How well doors told the process force.
-        standing: Where they told the unloaded tool to stand.
-        growth: How it comes forward as the cell warms up.
-    """
-    return {
-        "schema": SCHEMA,
-        "robot": robot,
-        "source": source,
-        **({"unchanged": unchanged} if unchanged else {}),
-        "joint_stiffness": [float(k) for k in joint_stiffness],
-        "causes": [_entry(sized) for sized in causes],
-        **({"measured_force": force.document()} if force is not None else {}),
-        **({"standing": standing.document()} if standing is not None else {}),
-        **({"thermal_growth": growth.document()} if growth is not None else {}),
-        **({"laws": [_law_entry(sized) for sized in laws]} if laws else {}),
-    }
-
-
-def _entry(sized: SizedCause) -> dict[str, Any]:
-    return {
-        "cause": sized.cause.name,
-        "where": sized.cause.where,
-        **({"variant": sized.cause.variant} if sized.cause.variant else {}),
-        "parameters": _named(sized, sized.values),
-        **({"std": _named(sized, sized.std)} if sized.std is not None else {}),
-    }
-
-
-def _law_entry(sized: SizedCause) -> dict[str, Any]:
-    """A term of a law, or a cause that is not believed and is a part of one all the same."""
-    if not isinstance(sized.cause, LawTerm):
-        return _entry(sized)
-    return sized.cause.document(sized.values)
-
-
-def _named(sized: SizedCause, values: FloatArray) -> dict[str, float | list[float]]:
-    named: dict[str, float | list[float]] = {}
-    at = 0
-    for parameter in sized.cause.parameters:
-        part = values[at : at + parameter.size]
-        named[parameter.name] = float(part[0]) if parameter.size == 1 else [float(v) for v in part]
-        at += parameter.size
-    return named
 
 
 def load_compliance_model(path_or_name: str | Path) -> ExtendedComplianceModel | PoseErrorCompliance:
@@ -308,7 +254,7 @@ def standing_model(robot: Robot, model: ExtendedComplianceModel) -> ComplianceMo
     """A model with where its unloaded tool stands; the model itself where that is where it was sent."""
     if model.place is None:
         return model
-    return SaggingModel(model, StandingDisplacement(robot, model.place))
+    return SaggingModel(model, StandingDisplacement(robot, model.springs_of_joints(), model.place))
 
 
 def _own_springs(robot: Robot) -> ExtendedComplianceModel:

@@ -22,6 +22,7 @@ from doormill_ros.simulation.controller.process import listed_process, module_pr
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
 from doormill_ros.simulation.controller.rapid.machine import Move
 from doormill_ros.simulation.errors import EffectsFileError
+from doormill_ros.simulation.spindle_load import SpindleDrive
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.toolpath.program import RACK_KINDS, MillingProgram, Motion, MotionKind, Target
 from doormill_ros.units import m_to_mm, rad_to_deg
@@ -121,6 +122,8 @@ class RobotCell:
         home.mkdir(parents=True, exist_ok=True)
         #: Signals between the program and the PC.
         self.io: IoPort = FolderIo(home)
+        #: Tells how much the spindle gives.
+        self.spindle = SpindleDrive(home)
         self._controller: VirtualController | None = None
 
     @property
@@ -139,8 +142,12 @@ class RobotCell:
             limits=self.limits,
             layout=self._layout,
             time_scale=self._time_scale,
-            on_time=_release,
+            on_time=self._time_passed,
         )
+
+    def _time_passed(self, controller: VirtualController) -> None:
+        _release(controller)
+        self.spindle.advance(controller)
 
     def reset(self) -> None:
         """Lower what the controller signals, as an operator does who takes a door out."""

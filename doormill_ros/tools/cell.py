@@ -157,7 +157,8 @@ def main(arguments: list[str] | None = None) -> int:
     folder = options.out or Path("out/runs") / datetime.now(UTC).strftime("%Y%m%dT%H%M%S%fZ")
 
     def progress(stage: str, share: float) -> None:
-        print(f"[{share:4.0%}] {stage}", file=sys.stderr, flush=True)
+        # In one piece: other threads write there, too.
+        sys.stderr.write(f"[{share:4.0%}] {stage}\n")
 
     operate = engineer = None
     if options.ui is not None:

@@ -17,6 +17,8 @@ from rich.console import Console
 from doormill_ros.diagnosis import kinds
 from doormill_ros.diagnosis.core.kind import run
 from doormill_ros.diagnosis.parts.kind import Inspections
+from doormill_ros.diagnosis.runs.kind import Runs
+from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.errors import DoormillError
 
 SPRINGS = "springs"  #: for --in-use: no model.yaml, the robot's own springs
@@ -41,6 +43,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         metavar="MODEL",
         help="of --inspections: model.yaml that the next door is corrected with, to tell what it leaves; springs: none",
     )
+    parser.add_argument(
+        "--last",
+        metavar="N",
+        type=int,
+        help="of --runs: the last runs only; bags that cannot be read are left aside and named",
+    )
+    parser.add_argument("--since", metavar="RUN", help="of --runs: the first run that counts")
     parser.add_argument("--out", metavar="OUT", type=Path, required=True, help="folder for the results")
     parser.add_argument("--quiet", action="store_true", help="print the verdict only")
     chosen = parser.parse_args(arguments)
@@ -51,6 +60,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
     if chosen.in_use is not None and chosen.inspections is None:
         parser.exit(2, "diagnose: --in-use was given without --inspections; leave it out\n")
+    if chosen.runs is None and (chosen.last is not None or chosen.since is not None):
+        parser.exit(2, "diagnose: --last or --since was given without --runs; leave it out\n")
+    if chosen.last is not None and not 2 <= chosen.last <= MOST:
+        parser.exit(2, f"diagnose: --last is {chosen.last}, allowed are 2 to {MOST}\n")
     logging.basicConfig(level=logging.ERROR)
     console = Console(stderr=True, quiet=chosen.quiet, log_path=False)
     try:
@@ -69,6 +82,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 kind = named[0] if named else kinds.kind_of([*chosen.data, *chosen.check])
                 if chosen.in_use is not None:
                     kind = Inspections("" if chosen.in_use == SPRINGS else chosen.in_use)
+                if chosen.runs is not None:
+                    kind = Runs(chosen.last, chosen.since or "")
                 data = [getattr(chosen, kind.option)] if named else chosen.data
                 verdict = run(kind, data, chosen.check, chosen.out, progress)
     except DoormillError as error:

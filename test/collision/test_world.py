@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from doormill_ros.cell.layout import load_layout
+from doormill_ros.cell.layout import DoorOffset, load_layout
 from doormill_ros.collision.world import DOOR, MILL, Mill, PlacedDoor, World
 from doormill_ros.frames import rotation_x, transform
+from doormill_ros.recipes.door import WIDTH_MM
 from doormill_ros.robot.bodies import Body, load_bodies
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
@@ -29,6 +30,19 @@ def gap(w, q, body, obstacle):
 
 def posture(T_base_tool):
     return inverse(ROBOT, T_base_tool @ np.linalg.inv(LAYOUT.T_flange_tool))[0]
+
+
+@pytest.mark.parametrize("width", [min(WIDTH_MM) / 1e3, 0.825, max(WIDTH_MM) / 1e3])
+@pytest.mark.parametrize("turn", [-1.0, 1.0])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_no_door_within_the_limits_of_placement_stands_in_the_sill(width, turn, side):
+    (sill,) = (body for body in LAYOUT.obstacles if body.name == "clamp sill")
+    limits = LAYOUT.limits
+    placed = DoorOffset(side * limits.y, -limits.z, turn * limits.rotation)
+    T_base_door = LAYOUT.T_base_door(width, 0.04, placed)
+    y = sill.position[1] + np.array([-0.5, 0.5]) * sill.size[1]
+    lowest = T_base_door[2, 3] + (y - T_base_door[1, 3]) * np.tan(placed.rotation)
+    assert lowest.min() > sill.position[2] + sill.size[2] / 2.0
 
 
 @pytest.mark.parametrize("distance", [0.03, 0.10, 0.011])

@@ -39,8 +39,9 @@ class Cell:
     def __init__(self, folder: Path, url: str, bags: Path) -> None:
         self.url, self._kept = url, folder / "kept"
         self.notes = InspectionNotes(url, self._kept, lambda: None)
+        asked = Questioner(self._kept, lambda: SETTINGS.patience)
         self.watch = ModelWatch(
-            self._kept, bags, folder / "models", lambda: SETTINGS, lambda: None, self.notes.note
+            self._kept, bags, folder / "models", lambda: SETTINGS, asked, lambda: None, self.notes.note
         )
 
     def __enter__(self) -> Cell:

@@ -5,10 +5,11 @@ import shutil
 
 import pytest
 
-from doormill_ros.diagnosis.parts.recorded_cut import EXECUTED_PATH, LOCALIZATION, RECIPE
+from doormill_ros.diagnosis.parts.recorded_cut import EXECUTED_PATH, LOCALIZATION, RECIPE, TARGETS
 from doormill_ros.monitor.recorded_runs import RESULT, RecordedRuns
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.bag_writer import BagWriter
+from support.real_bags import as_real
 from support.source_tree import ROOT
 
 BAG = ROOT / "bags" / "standard_door"
@@ -32,7 +33,7 @@ def test_a_folder_that_vanishes_during_the_search_hides_no_run(tmp_path, monkeyp
     assert (found.bag, found.door_id) == (tmp_path / "bag", end.door_id)
 
 
-@pytest.mark.parametrize("late", [EXECUTED_PATH, LOCALIZATION, RECIPE, RESULT])
+@pytest.mark.parametrize("late", [EXECUTED_PATH, LOCALIZATION, RECIPE, RESULT, TARGETS])
 def test_a_run_is_not_there_before_all_that_is_asked_of_it(tmp_path, late):
     messages = list(read_bag(BAG))
     (end,) = [item.message for item in messages if item.topic == RESULT]
@@ -41,7 +42,7 @@ def test_a_run_is_not_there_before_all_that_is_asked_of_it(tmp_path, late):
         writer.add_topic(item.topic, item.type_name)
     # Of the door before, whose pose and path are in the bag.
     for item in messages:
-        if item.topic in (RECIPE, LOCALIZATION, EXECUTED_PATH, RESULT):
+        if item.topic in (RECIPE, LOCALIZATION, EXECUTED_PATH, RESULT, TARGETS):
             former = item.data.replace(end.run_id.encode(), b"2" * len(end.run_id))
             writer.write(item.topic, former, item.stamp_ns)
     for item in messages:
@@ -71,3 +72,9 @@ def test_nothing_more_is_waited_for_once_a_bag_is_closed(tmp_path):
     assert runs.find(end.run_id) is None
     writer.close()
     assert runs.find(end.run_id).door_id == end.door_id
+
+
+def test_a_real_controller_whose_bag_is_still_recorded_keeps_nobody_waiting(tmp_path):
+    (end,) = [item.message for item in read_bag(BAG, [RESULT])]
+    as_real(BAG, tmp_path / "bag", close=False)
+    assert RecordedRuns(tmp_path).find(end.run_id).door_id == end.door_id

@@ -38,13 +38,18 @@ class Watched:
     def __init__(self, folder, bags=ROOT / "bags", settings=SETTINGS):
         self.settings = settings
         self.store = ModelStore(folder / "models")
-        self.watch = ModelWatch(folder / "kept", bags, folder / "models", lambda: self.settings, lambda: None)
+        self.questioner = Questioner(folder / "kept", lambda: self.settings.patience)
+        self.watch = ModelWatch(
+            folder / "kept", bags, folder / "models", lambda: self.settings, self.questioner, lambda: None
+        )
 
     def __enter__(self):
         self.watch.start()
+        self.questioner.start()
         return self
 
     def __exit__(self, *_):
+        self.questioner.stop()
         self.watch.stop()
 
     def answered(self, condition=lambda state: not state.asking):

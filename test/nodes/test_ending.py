@@ -17,9 +17,10 @@ from doormill_ros.nodes.spinning import SteadyExecutor
 
 LIMIT = 120.0  # s
 
-#: Signals itself when it is up, and again while it closes; says when it has closed.
+#: Signals itself when it is up, and again while it closes; says when it has closed and when it has left the graph.
 SIGNALLED = """
-import signal, sys
+import signal, sys, time
+from doormill_ros.nodes import run
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.run import run_nodes
 
@@ -35,6 +36,12 @@ class Signalled(ManagedNode):
             signal.raise_signal(number)
         print("closed")
 
+    def destroy_node(self):
+        super().destroy_node()
+        print("gone", flush=True)
+        time.sleep(float(sys.argv[2]))
+
+run.ENDING = float(sys.argv[3])
 sys.exit(run_nodes(Signalled, arguments=["signalled"]))
 """
 
@@ -66,11 +73,51 @@ def test_no_signal_wakes_an_executor_that_is_being_destroyed() -> None:
 
 @pytest.mark.parametrize("first", [signal.SIGINT, signal.SIGTERM])
 def test_signals_do_not_disturb_the_closing(first: signal.Signals) -> None:
-    ended = subprocess.run(
-        [sys.executable, "-c", SIGNALLED, str(int(first))], capture_output=True, text=True, timeout=LIMIT
-    )
-    assert (ended.returncode, ended.stdout) == (0, "closed\n"), ended.stderr
+    ended = _signalled(first, standing=0.0, ending=LIMIT)
+    assert (ended.returncode, ended.stdout) == (0, "closed\ngone\n"), ended.stderr
     assert "Traceback" not in ended.stderr
+
+
+def test_what_stands_still_after_the_closing_does_not_keep_the_process() -> None:
+    ended = _signalled(signal.SIGTERM, standing=10 * LIMIT, ending=1.0)
+    assert (ended.returncode, ended.stdout) == (1, "closed\ngone\n"), ended.stderr
+    assert "in destroy_node" in ended.stderr
+
+
+def _signalled(first: signal.Signals, *, standing: float, ending: float) -> subprocess.CompletedProcess[str]:
+    """Of a node that stands still for `standing` when it has left the graph [s]."""
+    command = [sys.executable, "-c", SIGNALLED, str(int(first)), str(standing), str(ending)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
+
+
+#: Is told to end while it is still configured.
+EARLY = """
+import signal, sys, time
+from doormill_ros.nodes import topics
+from doormill_ros.nodes.managed_node import ManagedNode
+from doormill_ros.nodes.run import run_nodes
+
+class Early(ManagedNode):
+    def __init__(self):
+        super().__init__("early")
+
+    def setup(self):
+        signal.raise_signal(signal.SIGTERM)
+        while self.context.ok():
+            time.sleep(0.01)
+        self.publisher(topics.RUN_RESULT)
+
+sys.exit(run_nodes(Early, arguments=["early"]))
+"""
+
+
+def test_what_a_node_meets_that_is_ended_while_it_is_configured_is_no_fault() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", EARLY], capture_output=True, text=True, timeout=LIMIT, check=False
+    )
+    assert ended.returncode == 0
+    assert "Traceback" not in ended.stderr
+    assert "could not configure" not in ended.stderr
 
 
 #: What rclpy still has installed while nodes close, and after that.

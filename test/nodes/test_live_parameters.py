@@ -292,20 +292,22 @@ def test_the_camera_on_the_network_exposes_and_waits_as_told(
     assert [answer.duration for answer in refused] == [5.0]
 
 
-@changes(ModelMonitor, "doors", "since", "limit.expected", "limit.diagnosis")
+@changes(ModelMonitor, "doors", "runs", "since", "limit.expected", "limit.diagnosis")
 def test_the_monitor_asks_anew_by_what_it_is_told(
     up: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    node, settled = up(ModelMonitor), []
+    node, settled, runs_settled = up(ModelMonitor), [], []
     monkeypatch.setattr(node._watch, "settle", lambda: settled.append(node._watch._settings()))
-    told = {"doors": 7, "since": "run-3", "limit__expected": 1e-4, "limit__diagnosis": 9.0}
+    monkeypatch.setattr(node._runs, "settle", lambda: runs_settled.append(node._runs._settings()))
+    told = {"doors": 7, "runs": 9, "since": "run-3", "limit__expected": 1e-4, "limit__diagnosis": 9.0}
     for name, value in told.items():
         change(node, **{name: value})
         node._look()
         node._look()
     assert len(settled) == len(told)
     last = settled[-1]
-    assert (last.doors, last.since, last.limit, last.patience) == (7, "run-3", 1e-4, 9.0)
+    assert (last.doors, last.runs, last.since, last.limit, last.patience) == (7, 9, "run-3", 1e-4, 9.0)
+    assert runs_settled == settled
 
 
 def test_every_parameter_that_can_be_changed_is() -> None:

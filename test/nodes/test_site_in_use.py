@@ -25,7 +25,7 @@ from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.resources import resource
 from doormill_ros.robot.description import load_robot
-from doormill_ros.robot_model.extended_model import model_document
+from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.tools import backup, restore
 
 DOOR = "thesis_190_0deg"

@@ -19,7 +19,7 @@ from doormill_ros.nodes.convert.recipe import recipe_message
 from doormill_ros.nodes.path_generator import PathGenerator
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.robot.description import load_robot
-from doormill_ros.robot_model.extended_model import model_document
+from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.robot_model.warmth.growth import GrowthLaw, ThermalGrowth
 from support.path_generator_node import active_generator
 

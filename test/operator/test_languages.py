@@ -21,9 +21,21 @@ import doormill_ros.monitor.errors
 from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import CellError, OutOfToleranceError
 from doormill_ros.diagnosis.core import verdict
-from doormill_ros.diagnosis.parts.changes import DRIFT, STEP
+from doormill_ros.diagnosis.core.changes import DRIFT, STEP
 from doormill_ros.diagnosis.parts.effects.registry import effects
 from doormill_ros.diagnosis.parts.next_step import CHECKS, STEPS, NextStep, next_sentence
+from doormill_ros.diagnosis.runs.causes import effects_of
+from doormill_ros.diagnosis.runs.channels import (
+    ANSWER,
+    CAMERA,
+    LINK,
+    MARKS,
+    MILLING,
+    RESIDUAL,
+    SCATTER,
+    SPINDLE,
+    Channel,
+)
 from doormill_ros.monitor.finding import ALWAYS, DoorFinding, finding_of
 from doormill_ros.monitor.stop import stop_sentence
 from doormill_ros.operator.advice import Advice, next_step
@@ -66,6 +78,9 @@ FRAMES = {
     "cause.at",
     "run",
     "course.always",
+    "change.sizes",
+    "change.y",
+    "change.z",
 }
 #: One word in two of the languages.
 SHARED = {"model.version", "feature.robots"}
@@ -94,7 +109,7 @@ BY_DATA = (
 
 def named_effects() -> list[Any]:
     q = np.random.default_rng(3).normal(size=(9, 6))
-    return [effect for effect in effects(tuple(FEATURES), q, warming=True) if effect.named]
+    return [effect for effect in effects(tuple(FEATURES), q, warming=True, places=100) if effect.named]
 
 
 def fields(text: str) -> set[str]:
@@ -133,6 +148,16 @@ def test_every_cause_of_the_registries_has_a_name_and_every_place(code: str) -> 
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
+def test_every_change_that_bags_alone_tell_has_a_name(code: str) -> None:
+    assert len(CHANGED) == 9
+    texts = TEXTS[code]
+    names = [texts[f"cause.{cause}"] for cause, _ in CHANGED]
+    assert len(set(names)) == len({cause for cause, _ in CHANGED}), "two changes of one name"
+    own = {where for _, where in CHANGED} - {"touch_probe"}
+    assert {f"place.{'connection' if where == 'link' else where}" for where in own} <= set(texts)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
 def test_everything_that_the_monitor_can_say_has_a_text(code: str) -> None:
     rows = [
         error
@@ -140,7 +165,7 @@ def test_everything_that_the_monitor_can_say_has_a_text(code: str) -> None:
         for error in vars(module).values()
         if isinstance(error, type) and issubclass(error, CellError) and error is not CellError
     ]
-    assert len(rows) == 9
+    assert len(rows) == 10
     verdicts = (verdict.CONSISTENT, verdict.EXPLAINED, verdict.PARTLY_EXPLAINED, verdict.UNEXPLAINED)
     wanted = {f"error.{error.code}" for error in rows} | {f"verdict.{one}" for one in verdicts}
     wanted |= {f"next.{step}" for step in STEPS} | {f"check.{cause}" for cause in CHECKS}
@@ -227,6 +252,23 @@ def document(
         "next_measurement": "",
         "next": [],
     }
+
+
+def channel(source: str, axis: int) -> Channel:
+    none = np.zeros(0)
+    return Channel(source, axis, none, 0.0, 0.0, none, none)
+
+
+#: What bags alone can name, of a cell with everything, once each.
+CHANGED = list(
+    dict.fromkeys(
+        (effect.name, effect.where)
+        for effect in effects_of(
+            [channel(source, 0) for source in (CAMERA, MARKS, "touch_probe")]
+            + [channel(source, -1) for source in (RESIDUAL, SCATTER, MILLING, ANSWER, LINK, SPINDLE)]
+        )
+    )
+)
 
 
 #: Once each: what several sizes of one are tried of is named once.

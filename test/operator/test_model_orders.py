@@ -10,7 +10,8 @@ from playwright.sync_api import expect
 
 from doormill_ros.operator.audit import ORDERS
 from doormill_ros.operator.model_view import ModelView, TrendDoor
-from doormill_ros.operator.state import LONGEST_TEXT, CellView
+from doormill_ros.operator.short_text import LONGEST_TEXT
+from doormill_ros.operator.state import CellView
 from doormill_ros.operator.token import Keys
 from support.browser import open_page
 

@@ -14,7 +14,8 @@ from doormill_ros.abb.handshake.state import HandshakeState
 from doormill_ros.cell.errors import OutOfToleranceError
 from doormill_ros.operator.advice import next_step
 from doormill_ros.operator.ended_run import EndedRun
-from doormill_ros.operator.state import HISTORY, LONGEST_TEXT, CellView
+from doormill_ros.operator.short_text import LONGEST_TEXT
+from doormill_ros.operator.state import HISTORY, CellView
 from doormill_ros.operator.view_store import ViewStore
 
 STATES = [state.value for state in HandshakeState]

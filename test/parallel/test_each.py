@@ -51,7 +51,6 @@ def test_a_lost_worker_loses_no_answer_and_a_poisoned_thing_is_named(tmp_path: P
     )
     assert (found[leaving].error_code, found[leaving].reason) == (1, f"task {leaving}: SystemExit: 3")
     assert "pickle" in found[odd].reason
-    assert len({found[n].worker for n in range(COUNT)}) >= 2
 
 
 def test_a_scheduler_and_its_workers_answer_by_the_same_call(tmp_path: Path) -> None:

@@ -10,12 +10,12 @@ from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.joint_springs import JointSpringModel
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce
 from doormill_ros.robot_model.errors import ExtendedModelError
+from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.robot_model.extended_model import (
     ExtendedComplianceModel,
     SizedCause,
     load_compliance_model,
     load_model_of,
-    model_document,
 )
 from doormill_ros.simulation.truth.robot import TruthRobot
 

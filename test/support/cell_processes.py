@@ -41,6 +41,7 @@ ASK_AGAIN = 5.0  # s
 ASK_ANEW = 20.0  # s, by a client that everybody has to discover again
 START_LIMIT = 240.0  # s; less than a test is given, so that this says what was waited for
 STOP_LIMIT = 120.0  # s
+MILL_LIMIT = 280.0  # s; less than a test is given, likewise
 
 #: How the reason ends that a node gives when it hears nobody, or is not heard, and where it is looked for [characters].
 RENEWED, LAST_WORDS = "so that it can be started again.", 2000
@@ -243,9 +244,9 @@ class CellProcesses:
         return received
 
     def mill(
-        self, door_id: str, limit: float = 600.0, action: str = "mill_door"
+        self, door_id: str, limit: float = MILL_LIMIT, action: str = "mill_door"
     ) -> tuple[MillDoor.Result, list[str]]:
-        """Send the goal; the result and the stages that the feedback named."""
+        """Send the goal; the result and the stages that the feedback named. Says how far it came where none comes."""
         if action not in self._actions:
             self._actions[action] = GoalClient(self.node, MillDoor, action)
         client = self._actions[action]
@@ -262,5 +263,8 @@ class CellProcesses:
             MillDoor.Goal(door_id=door_id), lambda m: stages.append(m.feedback.stage)
         )
         sent.add_done_callback(lambda f: f.result().get_result_async().add_done_callback(finished))
-        assert done.wait(limit), {name: self.log(name)[-2000:] for name in self.processes}
+        assert done.wait(limit), (
+            f"no result of {door_id} within {limit:g} s; the goal was {'taken' if sent.done() else 'not answered'}, "
+            f"stages {stages}; {self._situation()}"
+        )
         return answer[0].result, stages

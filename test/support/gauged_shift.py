@@ -6,6 +6,7 @@ stood scatters, and a moved camera puts it elsewhere, as a localizer that trusts
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import lru_cache
@@ -36,7 +37,7 @@ SCATTER = (8e-6, 8e-6, 1e-5)
 
 @dataclass(frozen=True, eq=False)
 class Commanded:
-    """A recorded run: its door, where the localizer put it, and what the controller commanded."""
+    """A run: its door, where the localizer put it, and what the controller commanded."""
 
     bag: Path
     run_id: str
@@ -68,24 +69,42 @@ def commanded(name: str) -> Commanded:
 
 
 def gauged_shift(
-    folder: Path, world: dict, doors: tuple[str, ...], seed: int, scatter: tuple[float, ...] = SCATTER
+    folder: Path,
+    world: dict,
+    doors: tuple[str, ...],
+    seed: int,
+    scatter: tuple[float, ...] = SCATTER,
+    dh: np.ndarray | None = None,
+) -> Path:
+    """As `gauged_runs`, of doors that were recorded in bags of these names."""
+    return gauged_runs(folder, world, [commanded(name) for name in doors], seed, scatter, dh)
+
+
+def gauged_runs(
+    folder: Path,
+    world: dict,
+    runs: Sequence[Commanded],
+    seed: int,
+    scatter: tuple[float, ...] = SCATTER,
+    dh: np.ndarray | None = None,
 ) -> Path:
     """Write the inspections of a shift below a folder.
 
     Args:
         folder: Gets a folder a door.
         world: Content of a world file without its schema.
-        doors: Names of bags, in order.
+        runs: What was commanded, in order.
         seed: Of where the doors stood.
         scatter: Of these places along y and z [m], and of their angles [rad].
+        dh: Table of the robot that mills, shape (6, 4) [rad, m, m, rad]; None for the published one.
     """
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "world.yaml"
     file.write_text(yaml.safe_dump({"schema": "doormill/world/1", **world}), encoding="utf-8")
     shift, layout, rng = load_world(file), load_layout(), np.random.default_rng([seed, 16])
-    dh = load_robot(layout.robot).dh
-    for number, name in enumerate(doors):
-        run, truth = commanded(name), DoorTruth(shift, number, dh, layout.T_flange_tool)
+    dh = load_robot(layout.robot).dh if dh is None else dh
+    for number, run in enumerate(runs):
+        truth = DoorTruth(shift, number, dh, layout.T_flange_tool)
         T_base_door = stood(truth, run.recipe, run.T_base_door, rng.normal(0.0, scatter))
         executed = truth.executed(run.recipe, T_base_door, run.path)
         points = gauge(run.recipe, T_base_door, executed, truth.drawn(GAUGE))

@@ -15,8 +15,8 @@ ARC_STEP = 0.002  # m between samples of an arc, or less for its curvature
 WAY_PARTS = 8  # parts of a way through the air, over which the joints are followed
 
 
-def run_file_ideally(program, robot, T_flange_tool):
-    """The executed path of a file that `file_run.read_file` has read, by a rigid `TruthRobot`."""
+def run_file_ideally(program, robot, T_flange_tool, line_step=LINE_STEP):
+    """The executed path of a file that `file_run.read_file` has read, by a rigid `TruthRobot`; steps in metres."""
     frames = [_frame(target) for target in program.targets]
     q = np.radians(program.home)
     at = robot.forward(q)[0] @ T_flange_tool
@@ -31,7 +31,7 @@ def run_file_ideally(program, robot, T_flange_tool):
                 points, _ = arc_points(at[:3, 3], frames[m.via - 1][:3, 3], end[:3, 3], ARC_STEP)
             else:
                 length = np.linalg.norm(end[:3, 3] - at[:3, 3])
-                parts = max(1, int(np.ceil(length / LINE_STEP))) if m.cutting else WAY_PARTS
+                parts = max(1, int(np.ceil(length / line_step))) if m.cutting else WAY_PARTS
                 points = at[:3, 3] + np.linspace(0, 1, parts + 1)[:, None] * (end - at)[:3, 3]
             turn = Slerp([0, 1], Rotation.from_matrix(np.stack([at[:3, :3], end[:3, :3]])))
             poses = np.tile(np.eye(4), (len(points), 1, 1))

@@ -20,7 +20,7 @@ from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.simulation.world.robot import WorldRobot
 from doormill_ros.simulation.world.world_file import LinksOfWorld, RobotOfWorld, ToolOfWorld
 from support.file_run import read_file
-from support.ideal_controller import run_file_ideally
+from support.ideal_controller import LINE_STEP, run_file_ideally
 
 RUN_ID = "20260101T000000000000Z"
 STANDARD_GRAVITY = 9.80665  # m/s^2
@@ -186,7 +186,14 @@ def shares(motion: np.ndarray) -> np.ndarray:
 class MilledFile:
     """A target file as an ideal controller runs it, ready to be bent by any world."""
 
-    def __init__(self, text: str, believed: np.ndarray, dh: np.ndarray, T_flange_tool: np.ndarray) -> None:
+    def __init__(
+        self,
+        text: str,
+        believed: np.ndarray,
+        dh: np.ndarray,
+        T_flange_tool: np.ndarray,
+        line_step: float = LINE_STEP,
+    ) -> None:
         """Run the file.
 
         Args:
@@ -195,9 +202,10 @@ class MilledFile:
                 goes evenly from the one to the other.
             dh: Denavit-Hartenberg table of the robot, shape (6, 4).
             T_flange_tool: Tool centre point in the flange, shape (4, 4).
+            line_step: Between samples of a straight cut [m].
         """
         self.dh, self.T_flange_tool = dh, T_flange_tool
-        self.path = run_file_ideally(read_file(text), TruthRobot(dh), T_flange_tool)
+        self.path = run_file_ideally(read_file(text), TruthRobot(dh), T_flange_tool, line_step)
         first, last = np.swapaxes(believed[self.path.motion], 0, 1)
         force = first + shares(self.path.motion)[:, None] * (last - first)
         self.believed = np.where(self.path.cutting[:, None], force, 0.0)
@@ -257,10 +265,12 @@ class MilledFile:
         return T
 
 
-def commanded(program, dh: np.ndarray, T_flange_tool: np.ndarray) -> ExecutedPath:
+def commanded(
+    program, dh: np.ndarray, T_flange_tool: np.ndarray, line_step: float = LINE_STEP
+) -> ExecutedPath:
     """What an ideal controller commands by a program's target file, with the wrenches that its maker believed in."""
     text = render_target_file(program, RUN_ID).decode("ascii")
-    file = MilledFile(text, believed_wrenches(program), dh, T_flange_tool)
+    file = MilledFile(text, believed_wrenches(program), dh, T_flange_tool, line_step)
     return replace(file.path, wrench=file.believed)
 
 

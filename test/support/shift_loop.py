@@ -57,6 +57,14 @@ class LoopWorth:
         return self.after <= LEFT * self.least
 
     @property
+    def as_told(self) -> bool:
+        """Whether it leaves no more than it may beside a plan that knows the world, the scatter of its gears included.
+
+        A door that such a plan refuses, too, is for nobody to mill.
+        """
+        return bool(np.isnan(self.told)) or self.after <= LEFT * max(self.least, self.told)
+
+    @property
     def worse(self) -> bool:
         """Whether it would have been better not to accept the model."""
         return self.after > self.before

@@ -1,6 +1,7 @@
 """`calibrate empty`: a picture beside the camera file, entered there, that can be replaced and put back."""
 
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,8 @@ def test_a_picture_is_kept_beside_the_file_replaced_and_put_back(tmp_path, files
     assert "the empty clamp for doors of 826 mm: 1 picture, noise 1." in said
     (entry,) = yaml.safe_load(out.read_text(encoding="utf-8"))["empty_clamp"]
     assert entry["picture"] == "camera.yaml.empty/001.png"
+    assert entry["taken"] == load_camera(out).empty[0].taken
+    assert date.fromisoformat(entry["taken"])
     first = load_camera(out).empty[0].picture
     np.testing.assert_array_equal(first, read_picture(Path(files["empty"])))
 

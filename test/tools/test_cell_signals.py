@@ -17,7 +17,8 @@ from support.cell_processes import executable
 LIMIT = 300.0  # s
 #: What nodes log while all is well and of a door that is given up, what is told of a robot, and the stages of a door.
 USUAL = re.compile(
-    r"\[INFO\] \[|\[WARN\] .* the run was canceled|handshake, \w+: the bridge was deactivated by its operator$"
+    r"\[INFO\] \[|\[WARN\] .* (the run was canceled|the bridge was deactivated by its operator$)"
+    r"|handshake, \w+: the bridge was deactivated by its operator$"
     r"|ABB IRB \S+: nobody measured|\[ *\d+%\] "
 )
 

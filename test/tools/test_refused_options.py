@@ -15,7 +15,7 @@ def test_diagnose_checks_nothing_with_the_thesis(tmp_path: Path, capsys: pytest.
         diagnose.main(["--thesis", "--check", "DIR", "--out", str(out)])
     assert stop.value.code == 2
     assert capsys.readouterr().err == (
-        "diagnose: --check was given with --thesis, allowed is --check with --data, --pictures, --inspections; "
+        "diagnose: --check was given with --thesis, allowed is --check with --data, --pictures, --inspections, --runs; "
         "leave one out\n"
     )
     assert not out.exists()

@@ -17,7 +17,7 @@ from doormill_ros.localization import neighbourhood
 from doormill_ros.recording.accepted import accept_bag, accepted_bags
 from doormill_ros.recording.replay import offline
 from doormill_ros.robot.description import load_robot
-from doormill_ros.robot_model.extended_model import model_document
+from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.tools.replay import main
 from support.source_tree import ROOT
 

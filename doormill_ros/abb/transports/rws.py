@@ -11,6 +11,7 @@ from pathlib import Path
 import httpx
 
 from doormill_ros.abb import signals
+from doormill_ros.abb.analog_inputs import decimal
 from doormill_ros.abb.controller_state import ControllerEvent, ControllerReading
 from doormill_ros.abb.credentials import Credentials
 from doormill_ros.abb.link_errors import (
@@ -124,6 +125,16 @@ class RwsTransport:
         """A group signal's number."""
         return self._read_value(name)
 
+    def read_analog(self, name: str) -> float:
+        """An analog signal in the unit of its configuration (`lvalue`)."""
+        value = decimal(text := self._read_text(name))
+        if value is None:
+            raise SignalReadError(
+                f"signal {name} is {text[:20]!r} in the controller's answer; it must be an analog signal",
+                signal=name,
+            )
+        return value
+
     def write_number(self, name: str, value: int) -> None:
         """Write a group signal; its access level must be "All"."""
         self._write_value(name, value)
@@ -234,16 +245,19 @@ class RwsTransport:
         return self._http.request(method, path, content=content, headers=headers, repeat=repeat)
 
     def _read_value(self, name: str) -> int:
+        level = whole_number(self._read_text(name))
+        if level is None:
+            raise SignalReadError(
+                f"signal {name} has no whole number in the controller's answer; it must be a digital or group signal",
+                signal=name,
+            )
+        return level
+
+    def _read_text(self, name: str) -> str:
+        """Level of a signal as the controller writes it, "" where it tells none."""
         response = self._http.request("GET", self._dialect.signal(self._path(name)), repeat=True)
         self._check_signal(response, name, "read")
-        for item in self._dialect.items(response.content):
-            level = whole_number(str(item.get("lvalue", "")))
-            if level is not None:
-                return level
-        raise SignalReadError(
-            f"signal {name} has no whole number in the controller's answer; it must be a digital or group signal",
-            signal=name,
-        )
+        return next((str(i["lvalue"]) for i in self._dialect.items(response.content) if "lvalue" in i), "")
 
     def _write_value(self, name: str, value: int) -> None:
         response = self._change(

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from doormill_ros.abb import signals
+from doormill_ros.abb.analog_inputs import decimal
 from doormill_ros.abb.link_errors import (
     DownloadError,
     FileMissingError,
@@ -29,6 +30,7 @@ from doormill_ros.abb.link_errors import (
     RemoveError,
     SignalReadError,
     SignalWriteError,
+    UnknownSignalError,
     UploadError,
     WriteTimeoutError,
 )
@@ -109,6 +111,10 @@ class SimulatedFolderTransport:
         """A group signal's number; a missing file is 0."""
         return self._bounded(lambda: self._read_number(name), ReadTimeoutError, f"reading signal {name}")
 
+    def read_analog(self, name: str) -> float:
+        """An analog signal; a missing file is no such signal."""
+        return self._bounded(lambda: self._read_analog(name), ReadTimeoutError, f"reading signal {name}")
+
     def write_number(self, name: str, value: int) -> None:
         """Replace the group signal's file."""
         self._bounded(lambda: self._write_signal(name, value), WriteTimeoutError, f"writing {name}")
@@ -185,6 +191,34 @@ class SimulatedFolderTransport:
         return value == 1
 
     def _read_number(self, name: str) -> int:
+        content = self._read_content(name, bytes.isdigit)
+        if content is None:
+            return 0
+        if not content.isdigit():
+            raise SignalReadError(
+                f"signal {name} is {content[:20]!r} in {self._io / name}; allowed are '0' and '1', for a group a "
+                "decimal number: check who else writes it",
+                signal=name,
+            )
+        return int(content)
+
+    def _read_analog(self, name: str) -> float:
+        content = self._read_content(name, lambda text: decimal(text.decode("latin-1")) is not None)
+        if content is None:
+            raise UnknownSignalError(
+                f"the controller has no signal {name}: there is no file {self._io / name}", signal=name
+            )
+        value = decimal(content.decode("latin-1"))
+        if value is None:
+            raise SignalReadError(
+                f"signal {name} is {content[:20]!r} in {self._io / name}; allowed is a decimal number: check who else "
+                "writes it",
+                signal=name,
+            )
+        return value
+
+    def _read_content(self, name: str, whole: Callable[[bytes], bool]) -> bytes | None:
+        """What a signal's file holds, read again where that is not whole; None without a file."""
         path = self._io / check_file_name(name)
         content = b""
         for attempt in range(_TORN_READS):
@@ -194,7 +228,7 @@ class SimulatedFolderTransport:
                 content = path.read_bytes().strip()
             except FileNotFoundError:
                 if self._io.is_dir():
-                    return 0
+                    return None
                 raise SignalReadError(
                     f"signal {name} cannot be read: {self._io} is gone; mount the simulated folder again",
                     signal=name,
@@ -204,13 +238,9 @@ class SimulatedFolderTransport:
                     f"signal {name} cannot be read: {error.strerror} ({path}); check the share",
                     signal=name,
                 ) from error
-            if content.isdigit():
-                return int(content)
-        raise SignalReadError(
-            f"signal {name} is {content[:20]!r} in {path}; allowed are '0' and '1', for a group a decimal number: "
-            "check who else writes it",
-            signal=name,
-        )
+            if whole(content):
+                break
+        return content
 
     def _write_signal(self, name: str, value: int) -> None:
         path = self._io / check_file_name(name)

@@ -32,7 +32,9 @@ class Slopes(Generic[C]):
             for start in cause.starts(problem.case):
                 blocks.append(problem.slope(cause, start).reshape(-1, cause.size))
                 self._owner.append(index)
-        self.columns = np.hstack(blocks)
+        # A problem that has nothing to propose still has a model in question.
+        none = [] if blocks else [np.zeros((problem.predict((), np.zeros(0)).white.size, 0))]
+        self.columns = np.hstack([*none, *blocks])
         ends = np.cumsum([0, *(block.shape[1] for block in blocks)])
         self._blocks = [slice(a, b) for a, b in pairwise(ends)]
         sizes = np.diff(ends)

@@ -18,7 +18,8 @@ from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProb
 from doormill_ros.measurements.join_sets import check_same_model, join_sets
 from doormill_ros.measurements.measurement_set import SCHEMA, MeasurementSet, read_measurement_set
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
-from doormill_ros.robot_model.extended_model import SizedCause, model_document
+from doormill_ros.robot_model.extended_document import model_document
+from doormill_ros.robot_model.extended_model import SizedCause
 
 METHOD = """The simulation turns every joint by torque over stiffness. Its residuals are weighed by the noise of
 tracker and force sensor in every trial. Every cause of the library, at every place, was fitted alone and in

@@ -19,6 +19,7 @@ class CutCase:
         normal: Unit normals into the wood, base axes, shape (n, 3).
         wall: Which points lie on a wall, the others on a floor; shape (n,).
         kind: Kind of the feature of each point, shape (n,).
+        bend: Curvature of the tool's way where it cut each, base axes, shape (n, 3) [1 / m].
         time: When the door of each point was milled [s since the epoch], shape (n,).
         eye: Where the camera stood that saw the door of each point, base frame, shape (n, 3) [m].
         tip: The tool's tip, flange frame, shape (3,) [m].
@@ -29,6 +30,7 @@ class CutCase:
     normal: FloatArray
     wall: BoolArray
     kind: np.ndarray[tuple[int], np.dtype[np.str_]]
+    bend: FloatArray
     time: FloatArray
     eye: FloatArray
     tip: FloatArray
@@ -57,6 +59,12 @@ class CutCase:
         return replace(
             self, load=replace(load, force=force, moment=moment, torque=torque, cache=kept), cache={}
         )
+
+    def carrying(self, torque: FloatArray) -> CutCase:
+        """The same with joints that carry more beside the process, shape (n, 6) [N m]; no force at the tool does."""
+        load = self.load
+        kept: dict[object, FloatArray] = {key: value for key, value in load.cache.items() if key == "joints"}
+        return replace(self, load=replace(load, torque=load.torque + torque, cache=kept), cache={})
 
     @property
     def _turned(self) -> tuple[FloatArray, FloatArray, FloatArray]:

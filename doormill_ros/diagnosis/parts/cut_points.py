@@ -25,6 +25,7 @@ class CutPoints:
         q: Commanded joint angles where the point was cut, shape (n, 6) [rad].
         direction: Last motion of each joint there, shape (n, 6).
         wrench: Assumed process wrench at the tool's tip, base axes, shape (n, 6) [N, N m].
+        bend: Curvature of the tool's way there, towards its centre, base axes, shape (n, 3) [1 / m].
         row: Of each point among those of its inspection, counted from 0, shape (n,).
         feature, kind: Name in the recipe and kind of the feature of each point, shape (n,).
     """
@@ -38,6 +39,7 @@ class CutPoints:
     q: FloatArray
     direction: FloatArray
     wrench: FloatArray
+    bend: FloatArray
     row: IntArray
     feature: np.ndarray[tuple[int], np.dtype[np.str_]]
     kind: np.ndarray[tuple[int], np.dtype[np.str_]]

@@ -12,17 +12,22 @@ from scipy.stats import chi2
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.core.account import Account, account_of
-from doormill_ros.diagnosis.core.diagnosis import diagnose_problem
+from doormill_ros.diagnosis.core.changes import (
+    STEP,
+    change_sentences,
+    changes_document,
+    changes_of,
+    diagnosed_at,
+)
 from doormill_ros.diagnosis.core.kind import Progress, SearchedKind
 from doormill_ros.diagnosis.core.wording import Words
-from doormill_ros.diagnosis.parts.changes import STEP, change_sentences, changes_document, changes_of
 from doormill_ros.diagnosis.parts.charts import charts_of
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.in_use import in_use_document
 from doormill_ros.diagnosis.parts.matching import matched_points
 from doormill_ros.diagnosis.parts.model import door_model_document, usable
-from doormill_ros.diagnosis.parts.next_door import PLACES, next_steps, places_of
+from doormill_ros.diagnosis.parts.next_door import PLACES, next_steps
 from doormill_ros.diagnosis.parts.next_step import next_document, next_sentence
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis, DoorProblem
 from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
@@ -42,7 +47,7 @@ and changing, too), and scored on features or stretches left out of its fit. Wha
 more than that place is known."""
 
 
-#: That noise leaves as much where nothing hides behind the places of the doors.
+#: That noise leaves as much, or that doors stand as differently, where nothing hides behind their places.
 _CHANCE = 1e-4
 #: Times that slips are looked for beside what was found: without the largest others show.
 _ROUNDS = 3
@@ -101,24 +106,27 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         """Look for doors at which something changed, then search, examine and weigh.
 
         How far doors scatter is seen by what the model in question leaves. Where what was found shows that they scatter
-        less, and then leaves more than chance, something hid behind their places: the doors are asked once more.
+        less, and then leaves more than chance, or places that differ by more or show another step, something hid behind
+        their places: the doors are asked once more.
         """
         problem = self.problem(sets)
-        found = _searched(problem, progress)
+        found = diagnosed_at(problem, possible_steps(problem), progress)
         for _ in range(_ROUNDS):
             beside = slips_beside(found)
             if not beside.any():
                 break
             progress(f"{beside.sum()} slips of the gauge: asking without them")
             problem = problem.without(beside)
-            found = _searched(problem, progress)
+            found = diagnosed_at(problem, possible_steps(problem), progress)
         again = problem.placed_by(found.best.members, found.best.theta)
         best = found.best
         white = again.predict(best.members, best.theta).white[best.weights > 0.0]
-        if chi2.sf(np.sum(white**2), len(white)) > _CHANCE:
+        leaves_chance = min(chi2.sf(np.sum(white**2), len(white)), again.chance_of_places) > _CHANCE
+        if leaves_chance and again.place_step == 0:
             return found
         progress("the doors scatter less than it seemed: asking once more")
-        return _searched(again, progress)
+        steps = {*possible_steps(again), *_steps_in(found)}
+        return diagnosed_at(again, tuple(sorted(steps)), progress)
 
     def name(self, one: InspectedDoor) -> str:
         """What the door is called."""
@@ -157,17 +165,15 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         )
 
 
-def _searched(problem: DoorProblem, progress: Progress) -> DoorDiagnosis:
-    problem = problem.changed_at(possible_steps(problem))
-    if problem.steps:
-        names = ", ".join(problem.doors[step].name for step in problem.steps)
-        progress(f"something may have changed at {names}")
-    return diagnose_problem(problem, progress)
+def _steps_in(diagnosis: DoorDiagnosis) -> list[int]:
+    """Doors at which a cause of the best model begins or changes: once found, a look at what is left shows no more."""
+    times = [door.time for door in diagnosis.problem.doors]
+    return [times.index(member.course.at) for member in diagnosis.best.members if member.course.steps]
 
 
 def _scope(diagnosis: DoorDiagnosis) -> list[str]:
     """What these doors cannot tell, and what of it the path generator cannot undo."""
-    found, places = [], places_of(diagnosis)
+    found, places = [], diagnosis.problem.places
     if places < PLACES:
         found.append(
             f"The features lie in {places} place{'s' if places > 1 else ''} of the cell; which joint gives way is told "

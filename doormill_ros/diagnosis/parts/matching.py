@@ -36,6 +36,8 @@ AROUND = 4e-3
 #: Features milled farther beside their place than this are matched again where they are: to first order the envelope
 #: moves as the tool does, but 0.4 mm along an arc of 5 mm are 15 um across it [m].
 DISPLACED = 5e-5
+STILL = 1e-7  #: two places of the tool nearer than this are one [m]
+NEIGHBOURS = 2e-3  #: samples farther apart do not tell how the way bends [m]
 _ENOUGH = 20  #: points that tell of a feature's place
 _FLAT = 0.2  #: share of the best seen direction from which on another is seen
 _ABOVE = 1e-4  #: by which the tip may end above a point whose wall it cut [m]
@@ -49,12 +51,14 @@ class _Way:
         flat: Tip, shape (m, 3) [m].
         axis: Of the spindle, out of the wood to into it, shape (m, 3).
         moved: How far the springs move the tip under the assumed load, shape (m, 3) [m].
+        bend: Its curvature, shape (m, 3) [1 / m].
         q, direction, wrench: As in `CutPoints`, shape (m, 6).
     """
 
     flat: FloatArray
     axis: FloatArray
     moved: FloatArray
+    bend: FloatArray
     q: FloatArray
     direction: FloatArray
     wrench: FloatArray
@@ -121,6 +125,25 @@ def matched_points(
     return CutPoints.joined(found)
 
 
+def curvature(points: FloatArray) -> FloatArray:
+    """Curvature of a way towards its centre, shape (m, 3) [1 / m]: of the circle through each point and its neighbours.
+
+    Args:
+        points: Shape (m, 3) [m]; of several at one place each has the curvature of that place.
+    """
+    kept = np.concatenate([[True], np.linalg.norm(np.diff(points, axis=0), axis=1) > STILL])
+    knots = points[kept]
+    bend = np.zeros_like(knots)
+    if len(knots) > 2:
+        step = np.diff(knots, axis=0)
+        length = np.linalg.norm(step, axis=1, keepdims=True)
+        turn = np.diff(step / length, axis=0)
+        near = np.maximum(length[1:], length[:-1]) < NEIGHBOURS  # beside a gap nobody knows the way
+        bend[1:-1] = np.where(near, 2.0 * turn / (length[1:] + length[:-1]), 0.0)
+    found: FloatArray = bend[np.cumsum(kept) - 1]
+    return found
+
+
 def _way(
     cut: RecordedCut,
     direction: FloatArray,
@@ -149,6 +172,7 @@ def _way(
         flat=finely(apply(inverse(T_base_feature), cut.tool[rows, :3, 3])),
         axis=finely(cut.tool[rows, :3, 2] @ R_feature_base.T),
         moved=finely(case.springs()[:, :3] @ R_feature_base.T),
+        bend=finely(curvature(cut.tool[rows, :3, 3]) @ R_feature_base.T),
         q=finely(cut.q[rows]),
         direction=np.concatenate(
             [np.repeat(direction[rows[first + 1]], FINER, axis=0), direction[rows[-1:]]]
@@ -226,6 +250,7 @@ class _Place:
             q=way.q[at],
             direction=way.direction[at],
             wrench=way.wrench[at],
+            bend=way.bend[at] @ R_base_feature.T,
             row=rows,
             feature=np.full(len(rows), feature.id),
             kind=np.full(len(rows), feature.kind),

@@ -17,7 +17,8 @@ from doormill_ros.diagnosis.parts.standing import standing_of, undone
 from doormill_ros.diagnosis.parts.warming import growth_told, warmed
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
 from doormill_ros.robot_model.elastic.knowledge import MeasuredForce
-from doormill_ros.robot_model.extended_model import SizedCause, model_document
+from doormill_ros.robot_model.extended_document import model_document
+from doormill_ros.robot_model.extended_model import SizedCause
 
 
 def usable(diagnosis: DoorDiagnosis) -> tuple[list[SizedCause], list[str]]:

@@ -18,20 +18,7 @@ from doormill_ros.diagnosis.parts.next_step import (
 from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 
 PLACES = 3  #: in which doors have to be milled to tell the joints apart
-APART = 0.05  #: between places that count as two, on a joint's way over the door [m]
 DECIDED = 9.2  #: squared distance of two models at which they are told apart 100 to 1
-
-
-def places_of(diagnosis: DoorDiagnosis) -> int:
-    """In how many places of the cell features were milled."""
-    points, door = diagnosis.problem.points, diagnosis.problem.door
-    labels = np.char.add(np.char.add(door.astype(str), " "), points.feature)
-    centres = np.array([points.point[labels == label].mean(axis=0) for label in np.unique(labels)])
-    found: list[np.ndarray] = []
-    for centre in centres:
-        if all(np.linalg.norm(centre - other) > APART for other in found):
-            found.append(centre)
-    return len(found)
 
 
 def next_steps(diagnosis: DoorDiagnosis) -> list[NextStep]:
@@ -39,7 +26,7 @@ def next_steps(diagnosis: DoorDiagnosis) -> list[NextStep]:
     steps = [_between(diagnosis, finding) for finding in diagnosis.findings if finding.confusable]
     if steps:
         return list(dict.fromkeys(steps))
-    if places_of(diagnosis) < PLACES:
+    if diagnosis.problem.places < PLACES:
         return [NextStep(MORE_PLACES)]
     if not diagnosis.findings and diagnosis.verdict == "consistent":
         return [NextStep(NOTHING)]

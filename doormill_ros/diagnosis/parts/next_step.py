@@ -20,6 +20,9 @@ CHECKS = {
     "tool_radius": "measure the mill, or mill a groove of its width",
     "tool_length": "measure the length of the mill",
     "gravity_sag": "mill a shallow pocket at the ends of the door's edge, where the arm reaches farthest and least",
+    "path_lag": "mill the same pocket at half the feed: what a controller lags falls to a quarter",
+    "link_geometry": "measure the robot's poses with a laser tracker",
+    "joint_hardening": "load the joint with two known weights",
     "thermal_growth": "mill one door cold and the same door after an hour of work",
 }
 _OTHERWISE = "mill the next doors with other recipes: features elsewhere on the door, cut in other directions"

@@ -11,10 +11,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import chi2
 
 from doormill_ros.arrays import FloatArray, IntArray
 
-_SEEN = 1e-6  #: share of the best seen direction below which the walls see a displacement not at all
+APART = 0.05  #: between places of the cell that count as two, on a joint's way over the door [m]
 _QUARTILE = 0.3186  #: lower quartile of the size of a normal number, in standard deviations
 _LEAST = (
     0.01  #: share of the stated variance that is scatter at least: a few differences may be small by chance
@@ -22,6 +23,8 @@ _LEAST = (
 _PAIRS = 4  #: neighbouring doors of one recipe from which on their differences tell the scatter
 _MEDIAN = 0.6745  #: of the size of a normal number, in standard deviations
 _NEIGHBOURS = 5  #: neighbouring doors of any recipe from which on theirs do
+#: Chance that doors which are too few for either scatter more than they are taken to.
+_UNDERSTATED = 0.05
 
 
 def free_columns(point: FloatArray, normal: FloatArray) -> FloatArray:
@@ -43,31 +46,6 @@ def seen_columns(point: FloatArray, normal: FloatArray, corner: FloatArray) -> F
     return np.column_stack([normal[:, 1], normal[:, 2], np.sum(turned * normal, axis=1)])
 
 
-class DoorPlaces:
-    """Takes from whitened rows what the places of the doors can make, as far as these are not known.
-
-    It is the root of the covariance of all rows: identity plus that of the places.
-    """
-
-    def __init__(self, columns: FloatArray, free: FloatArray) -> None:
-        """Work out directions and shares.
-
-        Args:
-            columns: Of places that are known: whitened effects of independent unit variance, shape (n, k).
-            free: Of places that are not, whitened, shape (n, m).
-        """
-        unknown, seen, _ = np.linalg.svd(free, full_matrices=False)
-        unknown = unknown[:, seen > _SEEN * max(float(seen.max(initial=0.0)), 1e-30)]
-        known = columns - unknown @ (unknown.T @ columns)
-        basis, size, _ = np.linalg.svd(known, full_matrices=False)
-        self._basis = np.hstack([unknown, basis])
-        self._share = np.concatenate([np.ones(unknown.shape[1]), 1.0 - 1.0 / np.sqrt(1.0 + size**2)])
-
-    def take(self, rows: FloatArray) -> FloatArray:
-        """Whitened rows, shape (n, p), less what places can make."""
-        return rows - self._basis @ (self._share[:, None] * (self._basis.T @ rows))
-
-
 def scatter_between(places: FloatArray, recipe: Sequence[str], stated: FloatArray) -> FloatArray:
     """Variance of the places from door to door, at most what is stated, shape (3,).
 
@@ -86,8 +64,37 @@ def scatter_between(places: FloatArray, recipe: Sequence[str], stated: FloatArra
         # A step shows in one of these, what is wrong with one recipe in most: either can only make them larger.
         steps = np.abs(np.diff(places, axis=0))
         variance.append((np.median(steps, axis=0) / _MEDIAN) ** 2 / 2.0)
+    if len(variance) == 1 and len(found) >= 2:
+        variance.append(_scatter_of_few(found, stated))
     result: FloatArray = np.maximum(np.min(variance, axis=0), _LEAST * stated)
     return result
+
+
+def _scatter_of_few(pairs: FloatArray, stated: FloatArray) -> FloatArray:
+    """Variance of the places of very few doors, shape (3,): the stated one by a share, taken high.
+
+    Two recipes that were both milled before and after a step show it alike: how differently they changed tells the
+    scatter, of four doors at once. A step that only one of them shows can only make it larger.
+
+    Args:
+        pairs: Differences between neighbouring doors of one recipe, two or more, shape (p, 3).
+        stated: Variances that the localizer states, shape (3,).
+    """
+    count = len(pairs) // 2
+    apart = (pairs[0 : 2 * count : 2] - pairs[1 : 2 * count : 2]) / np.sqrt(stated)
+    share = np.sum(apart**2) / 4.0 / chi2.ppf(_UNDERSTATED, apart.size)
+    return np.asarray(share * stated)
+
+
+def chance_of_places(places: FloatArray, variance: FloatArray) -> float:
+    """Probability that places scatter as they do, or more, by the variance that they are taken to have.
+
+    Args:
+        places: Fitted place of each door, shape (d, 3).
+        variance: From door to door, shape (3,).
+    """
+    away = places - places.mean(axis=0)
+    return float(chi2.sf(np.sum(away**2 / variance), max(len(places) - 1, 1) * places.shape[1]))
 
 
 def block_columns(rows: IntArray, blocks: Sequence[FloatArray], n: int) -> FloatArray:
@@ -98,3 +105,12 @@ def block_columns(rows: IntArray, blocks: Sequence[FloatArray], n: int) -> Float
         column[rows == number] = block
         found.append(column)
     return np.hstack(found)
+
+
+def places_of(centres: Sequence[FloatArray]) -> int:
+    """How many places features lie in, whose centres are of shape (3,) each [m]."""
+    found: list[FloatArray] = []
+    for centre in centres:
+        if all(np.linalg.norm(centre - other) > APART for other in found):
+            found.append(centre)
+    return len(found)

@@ -5,35 +5,40 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
-from doormill_ros.diagnosis.core.diagnosis import Diagnosis
-from doormill_ros.diagnosis.core.margin import Check, Margin
-from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds, split
-from doormill_ros.diagnosis.core.wording import METRES
-from doormill_ros.diagnosis.parts.case import CutCase
-from doormill_ros.diagnosis.parts.course import (
+from doormill_ros.diagnosis.core.course import (
     ALWAYS,
     BEGINS,
     CHANGES,
     DRIFTS,
     WEARS_AND_CHANGES,
-    InTime,
     SizeCourse,
 )
+from doormill_ros.diagnosis.core.diagnosis import Diagnosis
+from doormill_ros.diagnosis.core.margin import Check, Margin
+from doormill_ros.diagnosis.core.nuisance import Nuisance
+from doormill_ros.diagnosis.core.problem import Examined, Prediction, make_folds, split
+from doormill_ros.diagnosis.core.wording import METRES
+from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.cut_points import CutPoints
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.registry import effects
 from doormill_ros.diagnosis.parts.gauged_door import GaugedDoor
 from doormill_ros.diagnosis.parts.matching import cut_case
+from doormill_ros.diagnosis.parts.moved import by_load, moved
 from doormill_ros.diagnosis.parts.order import in_order
+from doormill_ros.diagnosis.parts.place_step import place_step
 from doormill_ros.diagnosis.parts.placement import (
-    DoorPlaces,
     block_columns,
+    chance_of_places,
     free_columns,
+    places_of,
     scatter_between,
     seen_columns,
 )
@@ -49,8 +54,9 @@ DOORS_OVER_TIME = 5  #: from which on something may change
 #: The face tilts with the robot so that its lower edge cuts, under another load another one: from a step on it is
 #: as much off again [m].
 FACE, FLANK = 5e-6, 2e-6
+#: Standard deviations of the mill that an effect has to move the points by to be none of the mill's.
+SURE = 2.0
 _WARMING = 60.0  #: that doors have to take until a cell may have warmed up [s]
-_STEP = 1e-4  #: of theta, to derive what a force does
 
 
 class DoorProblem(Examined[InTime]):
@@ -63,6 +69,8 @@ class DoorProblem(Examined[InTime]):
         door: Number of the door of each point, shape (n,).
         points: All of them.
         steps: Doors from which on something may have changed.
+        chance_of_places: Probability that doors stand as differently as they do by how far they are taken to scatter.
+        place_step: Number of the door from which on they stand elsewhere; 0 for none.
     """
 
     unit = METRES
@@ -88,6 +96,7 @@ class DoorProblem(Examined[InTime]):
             normal=self.points.normal,
             wall=self.points.wall,
             kind=self.points.kind,
+            bend=self.points.bend,
             time=self._of_door([door.time for door in self.doors]),
             eye=self._of_door([door.eye for door in self.doors]),
             tip=T_flange_tool[:3, 3],
@@ -143,7 +152,7 @@ class DoorProblem(Examined[InTime]):
             theta: Its numbers, shape (p,).
         """
         other = copy(self)
-        other._unexplained = (self.measured - self._moved(members, theta)[0]) / self.noise
+        other._unexplained = (self.measured - moved(self.case, members, theta)[0]) / self.noise
         other.placement = other._placement()
         return other
 
@@ -154,7 +163,8 @@ class DoorProblem(Examined[InTime]):
         other.placement = other._placement()
         return other
 
-    def _placement(self) -> DoorPlaces:
+    def _placement(self) -> Nuisance:
+        self.chance_of_places, self.place_step = 1.0, 0
         n, free = len(self), [np.zeros((0, 0))] * len(self.doors)
         known = [np.zeros((0, 0))] * len(self.doors)
         place, recipe = [], []
@@ -174,6 +184,9 @@ class DoorProblem(Examined[InTime]):
         if placings:
             stated = np.mean(placings, axis=0)
             own = scatter_between(np.array(place), recipe, np.diag(stated))
+            self.chance_of_places = chance_of_places(np.array(place), own)
+            if len(place) == len(self.doors):
+                self.place_step = place_step(np.array(place), recipe)
             common = stated - np.diag(own)
             value, vector = np.linalg.eigh(common)
             shared = vector * np.sqrt(np.maximum(value, 0.0))
@@ -187,12 +200,18 @@ class DoorProblem(Examined[InTime]):
         mill = np.column_stack([FLANK * wall, FACE * ~wall]) / self.noise[:, None]
         after = [mill[:, 1] * (self.door >= step) for step in self.steps]
         columns = np.column_stack([columns, mill, *after])
-        return DoorPlaces(columns, block_columns(self.door, free, n))
+        return Nuisance(columns, block_columns(self.door, free, n))
 
     def effects(self) -> list[Effect]:
         """Everything that may be wrong, whatever its course."""
         warming = len(self.doors) >= DOORS_OVER_TIME and bool(np.ptp(self.case.time) > _WARMING)
-        return effects(list(dict.fromkeys(self.points.kind.tolist())), self.points.q, warming)
+        return effects(list(dict.fromkeys(self.points.kind.tolist())), self.points.q, warming, self.places)
+
+    @cached_property
+    def places(self) -> int:
+        """In how many places of the cell features were milled."""
+        labels = np.char.add(np.char.add(self.door.astype(str), " "), self.points.feature)
+        return places_of([self.points.point[labels == label].mean(axis=0) for label in np.unique(labels)])
 
     def courses(self) -> list[SizeCourse]:
         """How sizes may go over the doors, given the steps that are in question."""
@@ -221,52 +240,27 @@ class DoorProblem(Examined[InTime]):
             or (effect.lasting and effect.named and (effect.wears or course.kind != WEARS_AND_CHANGES))
         ]
 
-    def _moved(self, members: Sequence[InTime], theta: FloatArray) -> tuple[FloatArray, CutCase]:
-        """What a model moves the points along their normals, shape (n,) [m], and the loads that it has."""
-        parts = split(members, theta)
-        case, time = self.case, self.case.time
-        gain, angle = np.ones(len(self)), np.zeros(len(self))
-        for member, part in parts:
-            if member.effect.of_force:
-                factor, turn = member.effect.wrench(case, member.rows(part, time))
-                gain, angle = gain * factor, angle + turn
-        if any(member.effect.of_force for member in members):
-            case = case.felt(gain, angle)
-        moved = case.springs()
-        for member, part in parts:
-            if not member.effect.of_force:
-                moved = moved + np.sum(member.effect.columns(case) * member.rows(part, time), axis=1)
-        return moved, case
-
     def predict(self, members: Sequence[InTime], theta: FloatArray, derivative: bool = False) -> Prediction:
         """Residuals, likelihood and derivatives of a model, as `Problem.predict`."""
-        moved, case = self._moved(members, theta)
-        white = self.placement.take(((self.measured - moved) / self.noise)[:, None])
+        displaced, case = moved(self.case, members, theta)
+        white = self.placement.take(((self.measured - displaced) / self.noise)[:, None])
         cost = np.sum(white**2, axis=1)
         residual = self.measured_part(white)
         if not derivative:
             return Prediction(residual, white, cost)
-        blocks, at = [np.zeros((len(self), 0))], 0
-        for member in members:
-            if member.effect.of_force:
-                for i in range(at, at + member.size):
-                    other = theta.copy()
-                    other[i] += _STEP
-                    blocks.append(((self._moved(members, other)[0] - moved) / _STEP)[:, None])
-            else:
-                blocks.append(member.derivative(case))
-            at += member.size
-        columns = self.placement.take(np.hstack(blocks) / self.noise[:, None])
+        derived = np.empty((len(self), len(theta)))
+        of_load = np.array([m.effect.of_load for m in members for _ in range(m.size)], dtype=bool)
+        derived[:, of_load] = by_load(self.case, members, theta, np.flatnonzero(of_load))
+        others = [member.derivative(case) for member in members if not member.effect.of_load]
+        derived[:, ~of_load] = np.hstack([np.zeros((len(self), 0)), *others])
+        columns = self.placement.take(derived / self.noise[:, None])
         return Prediction(residual, white, cost, columns[:, None])
 
     def derivative_alone(self, cause: InTime) -> FloatArray:
         """Derivative by one effect alone in standard deviations, places not yet taken from it, shape (n, p)."""
         if not cause.effect.of_force:
             return cause.derivative(self.case) / self.noise[:, None]
-        moved = self._moved((), np.zeros(0))[0]
-        steps = _STEP * np.eye(cause.size)
-        found = [(self._moved([cause], step)[0] - moved) / _STEP / self.noise for step in steps]
-        return np.stack(found, axis=1)
+        return by_load(self.case, [cause], np.zeros(cause.size), np.arange(cause.size)) / self.noise[:, None]
 
     def slope(self, cause: InTime, theta: FloatArray) -> FloatArray:
         """Whitened derivative by one effect alone, shape (n, 1, p)."""
@@ -297,23 +291,23 @@ class DoorProblem(Examined[InTime]):
         return {name: half for name, half in cuts.items() if 0.1 <= half.mean() <= 0.9}
 
     def objections(self, members: Sequence[InTime], theta: FloatArray, cause: InTime) -> Sequence[Check]:
-        """That it moves the points by less than the mill that cut them is known to: anything could be that small."""
+        """That it moves the points by hardly more than the mill is known to: anything could be that small."""
         without = np.concatenate(
             [np.zeros_like(part) if member is cause else part for member, part in split(members, theta)]
         )
-        moves = self._moved(members, theta)[0] - self._moved(members, without)[0]
+        moves = moved(self.case, members, theta)[0] - moved(self.case, members, without)[0]
         acts = moves != 0.0
         size = float(np.sqrt(np.mean(moves[acts] ** 2))) if acts.any() else 0.0
         known = self.resolution
         return [
             Check(
-                size <= known,
+                size <= SURE * known,
                 f"it moves the points by {m_to_um(size):.1f} um, and the mill is known to {m_to_um(known):.0f} um",
                 (
                     Margin(
                         f"{cause!r} moves the points by multiples of what the mill is known to",
                         size / known,
-                        1.0,
+                        SURE,
                         "share",
                     ),
                 ),

@@ -1,8 +1,8 @@
 """Doors from which on something may have changed: proposed by a quick look, to be judged by the search.
 
 Effects join one after the other, each with the course that gains most, to first order; the doors at which a chosen
-course takes a step are worth a candidate. A step counts only if doors of one recipe show it: others before and others
-after are no change.
+course takes a step are worth a candidate, and the one from which on doors stand elsewhere. A step counts only if doors
+of one recipe show it, or a mixture of many: one recipe before and another one after are no change.
 """
 
 from __future__ import annotations
@@ -11,10 +11,12 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
 from doormill_ros.diagnosis.core.beam import ENTRY
+from doormill_ros.diagnosis.core.gain import gain_of
 from doormill_ros.diagnosis.parts.course import InTime
 from doormill_ros.diagnosis.parts.problem import DOORS_OVER_TIME, DoorProblem
 from doormill_ros.statistics import NORMAL_STD
 
+MIXED, _FEW = 2.0 / 3.0, 5  #: share of the doors that recipes are more than, and how many, to be a mixture
 MOST = 3  #: steps that are proposed
 _SEEN = 1e-6  #: share of the best seen direction below which another is not seen
 _ROUNDS = 6  #: effects that may join
@@ -26,7 +28,7 @@ def possible_steps(problem: DoorProblem) -> tuple[int, ...]:
     if count < DOORS_OVER_TIME:
         return ()
     look = _Look(problem)
-    found: list[int] = []
+    found = [problem.place_step] if problem.place_step > 0 else []
     for _ in range(_ROUNDS):
         step = look.join_best()
         if step is None:
@@ -41,8 +43,8 @@ class _Look:
 
     def __init__(self, problem: DoorProblem) -> None:
         self._problem = problem
-        effects = [effect for effect in problem.effects() if effect.lasting and effect.named]
-        self._columns = [problem.derivative_alone(InTime(effect)) for effect in effects]
+        effects = [effect for effect in problem.effects() if effect.named]
+        self._columns = [(problem.derivative_alone(InTime(effect)), effect.lasting) for effect in effects]
         left = problem.predict((), np.zeros(0)).white[:, 0]
         limit = 6.0 * max(1.0, float(np.median(np.abs(left))) * NORMAL_STD)
         self._left = np.clip(left, -limit, limit)
@@ -52,9 +54,9 @@ class _Look:
     def join_best(self) -> int | None:
         """Let the best effect with the best course join: the door of its step, 0 for none; None if nothing gains."""
         best: tuple[float, int, FloatArray] | None = None
-        for columns in self._columns:
-            for step, taken in self._courses(columns):
-                gain = self._gain(taken) - self._price * taken.shape[1]
+        for columns, lasting in self._columns:
+            for step, taken in self._courses(columns, lasting):
+                gain = gain_of(self._less(taken), self._left) - self._price * taken.shape[1]
                 if step > 0:
                     gain -= 2.0 * np.log(len(self._problem.doors))
                 if (
@@ -71,11 +73,13 @@ class _Look:
         self._left = self._left - new @ (new.T @ self._left)
         return best[1]
 
-    def _courses(self, columns: FloatArray) -> list[tuple[int, FloatArray]]:
+    def _courses(self, columns: FloatArray, lasting: bool) -> list[tuple[int, FloatArray]]:
         """Step and whitened columns of every course of an effect; 0 for one without a step."""
         door, count = self._problem.door, len(self._problem.doors)
         late = door[:, None] / (count - 1.0)
         take = self._problem.placement.take
+        if not lasting:
+            return [(0, take(columns))]
         found = [(0, take(columns)), (0, take(np.hstack([columns, columns * late])))]
         for step in range(1, count):
             after = columns * (door >= step)[:, None]
@@ -85,13 +89,6 @@ class _Look:
 
     def _less(self, columns: FloatArray) -> FloatArray:
         return columns - self._basis @ (self._basis.T @ columns)
-
-    def _gain(self, columns: FloatArray) -> float:
-        rest = self._less(columns)
-        gram = rest.T @ rest
-        gram += 1e-9 * max(float(np.trace(gram)), 1e-12) * np.eye(len(gram))
-        pull = rest.T @ self._left
-        return float(pull @ np.linalg.solve(gram, pull))
 
     def _seen_in_one_recipe(self, columns: FloatArray, step: int) -> bool:
         """Whether doors of recipes that stand on both sides of a step show it by themselves."""
@@ -117,9 +114,14 @@ def _explained(target: FloatArray, columns: FloatArray) -> float:
 
 
 def rows_on_both_sides(problem: DoorProblem, step: int) -> BoolArray:
-    """Points of doors whose recipe was milled before and after a step, shape (n,)."""
+    """Points of doors whose recipe was milled before and after a step, shape (n,).
+
+    Where no recipe was and nearly every door is another one, all of them count.
+    """
     before = {door.recipe for door in problem.doors[:step]}
     after = {door.recipe for door in problem.doors[step:]}
-    both = np.array([door.recipe in before & after for door in problem.doors])
+    count, recipes = len(problem.doors), len(before | after)
+    mixed = not before & after and min(len(before), len(after)) > 1 and recipes > max(MIXED * count, _FEW)
+    both = np.array([mixed or door.recipe in before & after for door in problem.doors])
     result: BoolArray = both[problem.door]
     return result

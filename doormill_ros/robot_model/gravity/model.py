@@ -23,7 +23,8 @@ class Sag(Protocol):
 class SaggingModel:
     """A robot that gives way under the process and sags under weight (implements StandingModel).
 
-    Weight turns joints by their springs alone; what else a model knows (play, friction) sees the process force.
+    The sag is what weight does to the springs; that it decides with the process against which flank of its gap a joint
+    lies is for the model of the springs to know.
 
     Attributes:
         springs: How the robot gives way under loads.

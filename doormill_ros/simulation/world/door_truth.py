@@ -18,7 +18,7 @@ from doormill_ros.simulation.world.robot import WorldRobot
 from doormill_ros.simulation.world.world_file import ShiftWorld
 
 TAKT = 180.0  #: from the begin of a door to that of the next one, about 500 doors a day [s]
-FORCE, GAUGE = 1, 2  #: what is drawn, beside the world's seed and the door's number
+FORCE, GAUGE, LOAD = 1, 2, 3  #: what is drawn, beside the world's seed and the door's number
 SECONDS = 3600.0  #: an hour
 
 
@@ -46,7 +46,7 @@ class DoorTruth:
         self._robot = WorldRobot(dh, self.world.robot, self.world.tool, self.world.links)
 
     def drawn(self, what: int) -> np.random.Generator:
-        """Random numbers of this door's own, FORCE or GAUGE."""
+        """Random numbers of this door's own: FORCE, GAUGE or LOAD."""
         return np.random.default_rng([self._seed, self.number, what])
 
     def T_base_door(self, pictured: FloatArray) -> FloatArray:
@@ -95,17 +95,22 @@ class DoorTruth:
         )
         return replace(path, T_base_tool=actual)
 
+    @property
+    def hardness(self) -> float:
+        """How many times what is assumed the wood takes from this door's mill, wear and chance of the door included."""
+        force = self.world.force
+        factor = force.factor * (1.0 + force.wear_per_door * self.number)
+        return factor * max(0.0, 1.0 + force.scatter * float(self.drawn(FORCE).standard_normal()))
+
     def wrench(self, recipe: Recipe, T_base_door: FloatArray, path: ExecutedPath) -> FloatArray:
         """Wrench of the wood on the tool at its centre point, base axes, shape (n, 6) [N, N m]; see `executed`."""
         force, T_base_tool = self.world.force, path.T_base_tool_commanded
         wrench = path.wrench
         if force.law == "engagement":
             wrench = engaged_wrench(recipe, T_base_door, path)
-        factor = force.factor * (1.0 + force.wear_per_door * self.number)
-        factor *= max(0.0, 1.0 + force.scatter * self.drawn(FORCE).standard_normal())
         turn = rotation_from_vector(force.angle * T_base_tool[:, :3, 2])
         turned = [np.einsum("nij,nj->ni", turn, part) for part in (wrench[:, :3], wrench[:, 3:])]
-        result: FloatArray = factor * np.concatenate(turned, axis=1)
+        result: FloatArray = self.hardness * np.concatenate(turned, axis=1)
         return result
 
     def bent(self, force: FloatArray, axis: FloatArray) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import time
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,7 @@ def empty(arguments: argparse.Namespace, stream: Stream | None) -> list[str]:
     document = read_document(arguments.camera)
     file = _next(arguments.out)
     write_picture(np.repeat(made.picture[..., None], 3, axis=2), file)
-    entry = EmptyClampEntry(width, str(file.absolute()), made.noise, made.count)
+    entry = EmptyClampEntry(width, str(file.absolute()), made.noise, made.count, time.strftime("%Y-%m-%d"))
     before = write_document(with_empty_clamp(document, entry), arguments.out)
     load_camera(arguments.out)
     lines = [

@@ -17,6 +17,7 @@ from doormill_ros.simulation.controller.executed_path import ExecutedPath
 from doormill_ros.simulation.milled_part import inspect
 from doormill_ros.simulation.truth.robot import TruthRobot
 from doormill_ros.tools.diagnose import main
+from support.real_bags import as_real
 from support.source_tree import ROOT
 
 DOORS = ("thesis_190_0deg", "thesis_1350_0deg")
@@ -123,6 +124,26 @@ def test_the_gap_is_found_in_the_walls_of_two_doors(worn, tmp_path, capsys):
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "backlash in joint 1 (" in page.split("</h1>")[0]
     assert "<h2>Candidates</h2>" in page
+
+
+def test_bags_of_a_real_controller_tell_the_path_by_their_targets(worn, tmp_path, capsys):
+    real, unlike = tmp_path / "real", tmp_path / "unlike"
+    for name in DOORS:
+        (real / name).mkdir(parents=True)
+        for file in ("inspection.yaml", "points.csv"):
+            shutil.copy(worn / name / file, real / name)
+        as_real(worn / name / "bag", real / name / "bag")
+    found = {}
+    for folder in (worn, real):
+        code, _, err = run(capsys, "--inspections", folder, "--out", unlike)
+        assert (code, err) == (0, "")
+        found[folder] = json.loads((unlike / "diagnosis.json").read_text())
+    told, planned = found[worn], found[real]
+    assert planned["verdict"] == told["verdict"]
+    assert [(c["cause"], c["where"]) for c in planned["causes"]] == [("joint_backlash", "joint 1")]
+    gaps = [document["causes"][0]["parameters"]["gap"]["value"] for document in (told, planned)]
+    assert gaps[1] == pytest.approx(gaps[0], rel=0.03)
+    assert planned["points"]["used"] == pytest.approx(told["points"]["used"], rel=0.1)
 
 
 def test_a_door_is_predicted_by_what_another_taught(worn, tmp_path, capsys):
@@ -290,3 +311,29 @@ def test_a_model_in_use_is_asked_about_with_inspections_only(tmp_path, capsys):
         run(capsys, "--data", tmp_path, "--in-use", "springs", "--out", tmp_path / "out")
     assert ended.value.code == 2
     assert "--in-use was given without --inspections" in capsys.readouterr().err
+
+
+def test_a_spring_that_stiffens_with_its_load_is_told_from_a_soft_one(tmp_path, capsys):
+    hidden = {"stiffness": 1.2e6, "hardening": 1.5e-3}
+    effect, rng = (
+        {"cause": "joint_hardening", "where": "joint 1", "parameters": hidden},
+        np.random.default_rng(1),
+    )
+    for name in (*DOORS, "standard_door"):
+        measured(tmp_path / name, name, [effect], rng)
+    code, _, err = run(capsys, "--inspections", tmp_path, "--out", tmp_path / "out")
+    assert (code, err) == (0, "")
+    document = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    [cause] = document["causes"]
+    assert (document["verdict"], cause["cause"], cause["where"]) == (
+        "explained",
+        "joint_hardening",
+        "joint 1",
+    )
+    # What counts is how far it gives way under the torques that the doors had.
+    told = {name: one["value"] for name, one in cause["parameters"].items()}
+    for torque in (25.0, 200.0, 400.0):
+        give, known = (torque / (k["stiffness"] * (1.0 + k["hardening"] * torque)) for k in (told, hidden))
+        assert give == pytest.approx(known, rel=0.1)
+    model = load_compliance_model(tmp_path / "out" / "model.yaml")
+    assert [sized.cause.name for sized in model.causes] == ["joint_hardening"]

@@ -5,11 +5,14 @@ import itertools
 import numpy as np
 import pytest
 
+from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.core.kind import Progress
+from doormill_ros.diagnosis.parts.effects.registry import PLACES_OF_LINKS
 from doormill_ros.diagnosis.parts.kind import Inspections
 from doormill_ros.diagnosis.parts.matching import cut_case
+from doormill_ros.robot.description import load_robot
 from support.gauged_shift import HINGE_DOORS, gauged_shift
-from support.shift_worlds import Hidden, inspected, judged
+from support.shift_worlds import Hidden, draw_shift, inspected, judged
 
 KIND = Inspections()
 TURNS = tuple(itertools.islice(itertools.cycle(HINGE_DOORS), 9))
@@ -145,3 +148,53 @@ def test_charts_have_limits_with_their_origin_and_name_the_doors_beyond(tmp_path
     assert all(row["cpk"] >= row["ppk"] > 0.0 for row in charts["capability"])
     assert charts["moving_range"]["values"][:3] == [None] * 3
     assert "door_005" in charts["moving_range"]["beyond"]
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [
+        pytest.param(409, id="a clamp moved before the last two of five doors"),
+        pytest.param(406, id="and a mill that wears"),
+        pytest.param(486, id="a camera did"),
+        pytest.param(524, id="a weight that lets the gap of a joint change its side"),
+    ],
+)
+def test_a_drawn_shift_is_explained(tmp_path, seed):
+    drawn = draw_shift(seed)
+    diagnosis = KIND.diagnose(inspected(gauged_shift(tmp_path, drawn.world, drawn.doors, seed)), QUIET)
+    found = judged(diagnosis, drawn.hidden)
+    assert (found.verdict, found.missed, found.wrong, found.late) == ("explained", (), (), ())
+
+
+@pytest.mark.parametrize(("corner", "factor"), [(3e-4, 1.0), (5e-4, 1.3)])
+def test_a_controller_that_lags_leaves_arcs_standing(tmp_path, corner, factor):
+    world = {"controller": {"corner": corner}, "force": {"factor": factor}}
+    diagnosis = diagnosed(tmp_path, world, TURNS[:6])
+    hidden = [Hidden("path_lag", "controller"), *([Hidden("process_force", "tool")] if factor != 1.0 else [])]
+    found = judged(diagnosis, tuple(hidden))
+    assert (found.verdict, found.missed, found.wrong, found.late) == ("explained", (), (), ())
+    (lag,) = [finding for finding in diagnosis.findings if finding.cause.name == "path_lag"]
+    # Between samples half a millimetre apart the world's arcs are chords, which a mean takes for as much again.
+    assert lag.values[0] == pytest.approx(corner, rel=0.15)
+
+
+ALPHA, THETA = 3, 0  #: columns of a Denavit-Hartenberg table
+PLACED = (*HINGE_DOORS, "thesis_1350_2deg", "standard_door")
+
+
+@pytest.mark.parametrize(("link", "column", "off"), [(3, ALPHA, 1.5e-4), (2, THETA, 1e-4)])
+def test_a_link_that_is_off_is_told_by_doors_in_many_places(tmp_path, link, column, off):
+    dh = load_robot(load_layout().robot).dh.copy()
+    dh[link - 1, column] += off
+    diagnosis = KIND.diagnose(inspected(gauged_shift(tmp_path, {"seed": 3}, PLACED, 3, dh=dh)), QUIET)
+    assert diagnosis.verdict == "explained"
+    [finding] = diagnosis.findings
+    assert finding.cause.key == ("link_geometry", f"link {link}")
+    angle = finding.values[3 if column == ALPHA else 2]
+    assert angle == pytest.approx(off, rel=0.1)
+
+
+def test_doors_in_few_places_tell_no_link(tmp_path):
+    problem = KIND.problem(inspected(gauged_shift(tmp_path, {"seed": 3}, HINGE_DOORS, 3)))
+    assert problem.places < PLACES_OF_LINKS
+    assert not [one for one in problem.candidates() if one.name == "link_geometry"]

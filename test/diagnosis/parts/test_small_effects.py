@@ -1,4 +1,4 @@
-"""An effect that moves the points by less than the mill is known to has no name."""
+"""An effect that moves the points by less than twice what the mill is known to has no name."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def problem(tmp_path_factory: pytest.TempPathFactory) -> DoorProblem:
 
 
 @pytest.mark.parametrize("joint", [1, 2, 3])
-def test_a_spring_is_named_from_what_the_mill_is_known_to_on(problem: DoorProblem, joint: int) -> None:
+def test_a_spring_is_named_from_twice_what_the_mill_is_known_to_on(problem: DoorProblem, joint: int) -> None:
     spring, force = (
         next(one for one in problem.candidates() if one.key == key)
         for key in (("joint_stiffness", f"joint {joint}"), ("process_force", "tool"))
     )
     unit = problem.derivative_alone(spring)[:, 0] * problem.noise
     per = float(np.sqrt(np.mean(unit[unit != 0.0] ** 2)))
-    for share, refused in ((0.95, True), (1.05, False)):
+    for share, refused in ((1.95, True), (2.05, False)):
         theta = np.array([share * FLANK / per])
         [check] = problem.objections([spring], theta, spring)
         assert check.fails == refused
@@ -42,11 +42,11 @@ def test_a_spring_is_named_from_what_the_mill_is_known_to_on(problem: DoorProble
     assert "0.0 um" in check.against
 
 
-def test_a_spring_off_by_a_hundredth_is_no_cause_beside_a_weight_that_nobody_told(tmp_path: Path) -> None:
-    # What a weight of 22 kg bends to second order looks like a spring that is off by 1 %.
+def test_a_spring_off_by_a_tenth_is_no_cause_beside_a_weight_that_nobody_told(tmp_path: Path) -> None:
+    # 22 kg turn the mill by 0.4 mrad. Its lower edge cuts floors 4 um deeper, another amount in every posture: that
+    # looks like a spring, whose effect a weight of another size all but undoes.
     drawn = draw_shift(8020)
     diagnosis = diagnosed(tmp_path / "shift", drawn, 8020)
     found = judged(diagnosis, drawn.hidden)
     assert (found.missed, found.wrong, found.late) == ((), (), ())
-    refused = {cause.key: against for cause, against in diagnosis.examination.refused}
-    assert "the mill is known to 2 um" in refused["joint_stiffness", "joint 2"]
+    assert ("joint_stiffness", "joint 2") in {cause.key for cause, _ in diagnosis.examination.refused}

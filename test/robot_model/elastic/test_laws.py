@@ -10,11 +10,11 @@ from doormill_ros.robot_model.elastic.law.edges import EDGES, ROUGH
 from doormill_ros.robot_model.elastic.law.term import LawTerm
 from doormill_ros.robot_model.elastic.load_case import build_load_case
 from doormill_ros.robot_model.errors import ExtendedModelError
+from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.robot_model.extended_model import (
     ExtendedComplianceModel,
     SizedCause,
     load_compliance_model,
-    model_document,
     unknown_on_path,
 )
 from doormill_ros.robot_model.law.shapes import columns

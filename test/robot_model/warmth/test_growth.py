@@ -8,7 +8,8 @@ from doormill_ros.robot.description import load_robot
 from doormill_ros.robot.kinematics import Kinematics
 from doormill_ros.robot_model.displacement import Displacement
 from doormill_ros.robot_model.errors import ExtendedModelError
-from doormill_ros.robot_model.extended_model import load_model_of, model_document
+from doormill_ros.robot_model.extended_document import model_document
+from doormill_ros.robot_model.extended_model import load_model_of
 from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
 from doormill_ros.robot_model.warmth.growth import GrowthLaw, ThermalGrowth
 from doormill_ros.robot_model.warmth.work_times import WorkTimes

@@ -11,6 +11,7 @@ from support.page_figures import number_of
 from support.pictures.conditions import CONDITIONS
 from support.pictures.corpus import HARD
 from support.pictures.empty_clamps import CLAMPS
+from support.pictures.stale_clamps import SINCE
 
 #: Of the doors in the table of docs/localization.md [m].
 THIN, MIDDLE, THICK = 0.03, 0.05, 0.1
@@ -110,6 +111,11 @@ def conditions() -> float:
 def clamp_kinds() -> float:
     """Kinds of pictures with one of the empty clamp."""
     return float(len(CLAMPS))
+
+
+def happenings() -> float:
+    """Kinds of what may have happened since the picture of the empty clamp."""
+    return float(len(SINCE))
 
 
 def half_a_pixel() -> float:

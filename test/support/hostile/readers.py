@@ -39,7 +39,8 @@ from doormill_ros.recording.replay.run_reader import read_runs
 from doormill_ros.robot import description
 from doormill_ros.robot.description import load_robot
 from doormill_ros.robot_model.elastic.causes.registry import build_cause
-from doormill_ros.robot_model.extended_model import SizedCause, load_compliance_model, model_document
+from doormill_ros.robot_model.extended_document import model_document
+from doormill_ros.robot_model.extended_model import SizedCause, load_compliance_model
 from doormill_ros.simulation.controller.io_configuration import read_io_configuration
 from doormill_ros.simulation.robot_cell import load_effects
 from doormill_ros.toolpath.settings import load_settings

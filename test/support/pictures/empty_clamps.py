@@ -24,7 +24,7 @@ from support.pictures.corpus import workshop_scene
 _NOISE = 77  # beside a picture's own seed, that of the noise in the picture of the empty clamp
 _LIGHT = 0.3  # share by which the light may differ
 _MOVED = 0.2 * MM
-_SCREWED = (4, 24)  # corners of rails, fingers and screw heads in `clutter`; dust has another number
+SCREWED = (4, 24)  #: corners of rails, fingers and screw heads in `clutter`; dust has another number
 
 #: A scene, and what of it is the empty clamp.
 Pair = tuple[PictureScene, PictureScene]
@@ -63,7 +63,7 @@ def render_empty(scene: PictureScene, seed: int) -> np.ndarray:
     )
 
 
-def _without(scene: PictureScene, *kept: Blot) -> PictureScene:
+def emptied(scene: PictureScene, *kept: Blot) -> PictureScene:
     """The clamp without the door, with that of what lies about which belongs to the clamp."""
     return replace(scene, door=False, back_edge=None, blots=kept, light=replace(scene.light, shadows=()))
 
@@ -73,15 +73,15 @@ def _of(name: str) -> Callable[[np.random.Generator, int, int], Pair]:
 
     def pair(rng: np.random.Generator, number: int, seed: int) -> Pair:
         *_, item = pictures(name, number + 1, seed)
-        return item.scene, _without(item.scene, *item.scene.blots)
+        return item.scene, emptied(item.scene, *item.scene.blots)
 
     return pair
 
 
 def _workshop(rng: np.random.Generator, number: int, seed: int) -> Pair:
     scene = workshop_scene(rng, SceneCamera.load(), load_layout())
-    screwed = [blot for blot in scene.blots if len(blot.outline) in _SCREWED]
-    return scene, _without(scene, *screwed)
+    screwed = [blot for blot in scene.blots if len(blot.outline) in SCREWED]
+    return scene, emptied(scene, *screwed)
 
 
 def _plate(texture: float) -> Callable[[np.random.Generator, int, int], Pair]:
@@ -105,12 +105,12 @@ def _square_behind(rng: np.random.Generator, number: int, seed: int) -> Pair:
     grey = item.scene.face.brightness * rng.uniform(0.6, 1.1)
     plate = Blot(corners @ rotation.T - out, float(grey), behind=True)
     scene = replace(item.scene, blots=(plate,))
-    return scene, _without(scene, plate)
+    return scene, emptied(scene, plate)
 
 
 def _dusty(rng: np.random.Generator, number: int, seed: int) -> Pair:
     *_, item = pictures("plain", number + 1, seed)
-    return replace(item.scene, blots=tuple(clutter.dust(rng, 60))), _without(item.scene)
+    return replace(item.scene, blots=tuple(clutter.dust(rng, 60))), emptied(item.scene)
 
 
 def _other_light(rng: np.random.Generator, number: int, seed: int) -> Pair:
@@ -120,7 +120,7 @@ def _other_light(rng: np.random.Generator, number: int, seed: int) -> Pair:
         level=1.0 + rng.uniform(-_LIGHT, _LIGHT),
         gradient=tuple(rng.uniform(-0.25, 0.25, 2)),
     )
-    return item.scene, replace(_without(item.scene), light=light)
+    return item.scene, replace(emptied(item.scene), light=light)
 
 
 def _moved(
@@ -138,7 +138,7 @@ def _moved(
 def _soft(rng: np.random.Generator, number: int, seed: int) -> Pair:
     *_, item = pictures("plain", number + 1, seed)
     sensor = replace(item.scene.sensor, defocus=rng.uniform(1.0, 2.5))
-    return replace(item.scene, sensor=sensor), _without(item.scene)
+    return replace(item.scene, sensor=sensor), emptied(item.scene)
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ CLAMPS: dict[str, _Kind] = {
 
 def _second(number: int, seed: int) -> Pair:
     *_, item = pictures("second door behind", number + 1, seed)
-    return item.scene, _without(item.scene)
+    return item.scene, emptied(item.scene)
 
 
 def clamp_pictures(name: str, count: int, seed: int) -> Iterator[ClampPicture]:

@@ -5,26 +5,34 @@ from __future__ import annotations
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.core.course import SizedEffect
 from doormill_ros.diagnosis.parts.case import CutCase
-from doormill_ros.robot_model.candidate import Candidate
 
 _FAR = 1e6
 
 
-class Effect(Candidate[CutCase]):
+class Effect(SizedEffect[CutCase]):
     """One way in which milled doors can differ from what was assumed, of a size theta that a `SizeCourse` lets change.
 
-    It moves points along their normals in proportion to theta, or it changes the process wrench.
+    It moves points along their normals in proportion to theta, or it changes what the joints carry: the process wrench
+    or the weight.
 
     Attributes:
         of_force: Whether theta is what is added to the factor on the wrench (first) and to its angle [rad] (second).
-        lasting: Whether its size may also change from door to door; else its course is its own.
+        of_weight: Whether it adds torques in proportion to theta, see `torques`.
+        lasting: Whether its size may also change from door to door; else it has one size, or a course of its own.
         wears: Whether it may drift and change at a door, too; for factors on the wrench.
     """
 
     of_force = False
+    of_weight = False
     lasting = True
     wears = False
+
+    @property
+    def of_load(self) -> bool:
+        """Whether it changes what the joints carry."""
+        return self.of_force or self.of_weight
 
     def columns(self, case: CutCase) -> FloatArray:
         """Points along their normals for theta = 1, shape (n, p) [m]."""
@@ -32,6 +40,10 @@ class Effect(Candidate[CutCase]):
 
     def wrench(self, case: CutCase, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Factor on the wrench and its turn about the tool [rad], shape (n,) each, for thetas of shape (n, p)."""
+        raise NotImplementedError
+
+    def torques(self, case: CutCase) -> FloatArray:
+        """What joints carry beside the process for theta = 1, shape (n, 6, p) [N m]."""
         raise NotImplementedError
 
     def limit(self, scale: FloatArray | list[float], lower: float = -_FAR, upper: float = _FAR) -> None:

@@ -11,7 +11,11 @@ from doormill_ros.diagnosis.loading.patterns import unnamed_patterns
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.elastic import ElasticEffect, Gap
 from doormill_ros.diagnosis.parts.effects.force import TOOL, ForceScale, ForceTurn
+from doormill_ros.diagnosis.parts.effects.geometry import LINKS, LinkOffsets
+from doormill_ros.diagnosis.parts.effects.hardening import Hardening
+from doormill_ros.diagnosis.parts.effects.lag import PathLag
 from doormill_ros.diagnosis.parts.effects.shift import Place, Warming, shifts
+from doormill_ros.diagnosis.parts.effects.weight import weights
 from doormill_ros.robot_model.elastic.causes.base_compliance import BaseCompliance
 from doormill_ros.robot_model.elastic.causes.joint_stiffness import JointStiffness
 from doormill_ros.robot_model.elastic.causes.registry import JOINTS
@@ -19,6 +23,8 @@ from doormill_ros.robot_model.elastic.causes.tool_bending import ToolBending
 from doormill_ros.robot_model.elastic.causes.tool_compliance import ToolCompliance
 
 CROSSINGS = (0.0, 5.0, 20.0)  #: torques from which a gap is tried as open [N m]
+#: Places of the cell from which on they tell one link, which has four numbers, from the others, camera and clamp.
+PLACES_OF_LINKS = 8
 #: Time constants of warming that are tried [h]: preferred numbers of series R 10 (ISO 3). One between neighbours leaves
 #: so little that it passes for nothing else.
 REST = (0.25, 0.315, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
@@ -38,27 +44,32 @@ _SHAPES = (
 )
 
 
-def effects(kinds: Sequence[str], q: FloatArray, warming: bool) -> list[Effect]:
+def effects(kinds: Sequence[str], q: FloatArray, warming: bool, places: int) -> list[Effect]:
     """Everything that may be wrong, and the shapes that may not be named.
 
     Args:
         kinds: Of the features that were measured.
         q: Joint angles where the points were cut, shape (n, 6) [rad].
         warming: Whether the doors are from times far enough apart.
+        places: In how many places of the cell features were milled.
     """
-    places = (TOOL, *kinds) if len(kinds) > 1 else (TOOL,)
+    where_cut = (TOOL, *kinds) if len(kinds) > 1 else (TOOL,)
     none = np.zeros(len(q))
     shapes = unnamed_patterns(q, none, np.full(len(q), np.nan), none)
     return [
         *shifts(),
+        *weights(),
         *(Warming(hours) for hours in (REST if warming else ())),
-        *(ForceScale(where) for where in places),
-        *(ForceTurn(where) for where in places),
+        *(ForceScale(where) for where in where_cut),
+        *(ForceTurn(where) for where in where_cut),
         *(ElasticEffect(JointStiffness(where)) for where in JOINTS),
+        *(Hardening(where) for where in JOINTS),
         *(Gap(where, crossing) for where in JOINTS for crossing in CROSSINGS),
         ElasticEffect(ToolBending(TOOL)),
         ElasticEffect(ToolCompliance("flange")),
         ElasticEffect(BaseCompliance("base")),
+        PathLag(),
+        *(LinkOffsets(where) for where in (LINKS if places >= PLACES_OF_LINKS else ())),
         Place(),
         *(ElasticEffect(shape) for shape in shapes if shape.name in _SHAPES),
     ]

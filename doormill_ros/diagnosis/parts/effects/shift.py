@@ -1,4 +1,4 @@
-"""Effects that move points without any load: tool, camera, clamp, heat; and the weight of what nobody balances."""
+"""Effects that move points without any load: tool, camera, clamp, heat."""
 
 from __future__ import annotations
 
@@ -11,14 +11,16 @@ from doormill_ros.diagnosis.parts.case import CutCase
 from doormill_ros.diagnosis.parts.effects.effect import Effect
 from doormill_ros.diagnosis.parts.effects.force import TOOL
 from doormill_ros.robot_model.candidate import CauseParameter
-from doormill_ros.units import GRAVITY, UM
+from doormill_ros.units import UM
 
 _SECONDS_PER_HOUR = 3600.0
 _SLOPE = 1e-4  #: of a shift that changes over the cell, at theta 1
 
 
 class Shift(Effect):
-    """Columns that geometry and load alone decide."""
+    """Columns that geometry alone decides."""
+
+    of_robot = False
 
     def __init__(
         self,
@@ -28,9 +30,7 @@ class Shift(Effect):
         columns: Callable[[CutCase], FloatArray],
         sentence: str,
         scale: list[float],
-        lower: float = -1e6,
         report: Callable[[FloatArray], FloatArray] = np.array,
-        of_robot: bool = False,
     ) -> None:
         """Keep what it does.
 
@@ -41,14 +41,12 @@ class Shift(Effect):
             columns: Along the normals for theta = 1, shape (n, p) [m].
             sentence: What it leaves.
             scale: Typical theta.
-            lower: Least theta.
             report: Parameters of theta.
-            of_robot: Whether the robot is to blame.
         """
         super().__init__(where)
-        self.name, self.parameters, self.of_robot = name, parameters, of_robot
+        self.name, self.parameters = name, parameters
         self._columns, self._sentence, self._report = columns, sentence, report
-        self.limit(scale, lower)
+        self.limit(scale)
 
     def pattern(self) -> str:
         """What it leaves."""
@@ -74,34 +72,6 @@ def _camera(case: CutCase) -> FloatArray:
     arm = case.load.point - case.eye
     turned = -UM * case.along(np.cross(np.eye(3)[0], arm))
     return np.column_stack([_translations(case), turned])
-
-
-def _weight(case: CutCase, centre: FloatArray, first: int) -> FloatArray:
-    """What a kilogram at points of the arm, shape (n, 3) [m], moves the tool by the springs of the joints before."""
-    load = case.load
-    force = np.array([0.0, 0.0, -GRAVITY])
-    moved = np.zeros((len(case), 3))
-    for k in range(first):
-        torque = np.sum(load.axis(k) * np.cross(centre - load.origin[:, k], force), axis=1)
-        moved += (torque / load.joint_stiffness[k])[:, None] * load.joint_twist(k)[:, :3]
-    return case.along(moved)[:, None]
-
-
-def _of_link(case: CutCase, link: int) -> FloatArray:
-    """A kilogram half way between the joints of a link, 1 to 6."""
-    origin = case.load.origin
-    return _weight(case, 0.5 * (origin[:, link - 1] + origin[:, link]), link)
-
-
-def _of_tool(case: CutCase) -> FloatArray:
-    """A kilogram at the flange's origin, and what a kilogram metre along the spindle adds; shape (n, 2)."""
-    flange, axis = case.load.origin[:, 6], case.load.axes[:, 6, :, 2]
-    at_flange = _weight(case, flange, 6)
-    return np.hstack([at_flange, _weight(case, flange + axis, 6) - at_flange])
-
-
-def _mass_and_centre(theta: FloatArray) -> FloatArray:
-    return np.array([theta[0], theta[1] / max(abs(theta[0]), 1e-9)])
 
 
 def _from_base(case: CutCase) -> FloatArray:
@@ -136,6 +106,7 @@ class Warming(Effect):
     name = "thermal_growth"
     of_robot = False
     lasting = False
+    drifts = True
     parameters = (CauseParameter("growth", "m", 0.0, 1e-2), CauseParameter("hours", "1", 0.0, 100.0))
 
     def __init__(self, hours: float) -> None:
@@ -160,13 +131,13 @@ class Warming(Effect):
 
 
 def shifts() -> list[Effect]:
-    """Effects of tool, camera, clamp and weight."""
+    """Effects of tool, camera and clamp."""
     metres, radians = ("m", -0.1, 0.1), ("rad", -0.1, 0.1)
 
     def scaled(theta: FloatArray) -> FloatArray:
         return UM * theta
 
-    found: list[Effect] = [
+    return [
         Shift(
             "camera_shift",
             "camera",
@@ -203,28 +174,4 @@ def shifts() -> list[Effect]:
             [20.0],
             report=scaled,
         ),
-        Shift(
-            "gravity_sag",
-            TOOL,
-            (CauseParameter("mass", "kg", 0.0, 1e3), CauseParameter("centre", "m", -2.0, 2.0)),
-            _of_tool,
-            "the tool hangs lower than sent, most where the arm reaches far, whether it cuts or not",
-            [5.0, 1.0],
-            report=_mass_and_centre,
-            of_robot=True,
-        ),
     ]
-    for link in range(2, 7):
-        found.append(
-            Shift(
-                "gravity_sag",
-                f"link {link}",
-                (CauseParameter("mass", "kg", 0.0, 1e4),),
-                lambda case, link=link: _of_link(case, link),  # type: ignore[misc]
-                "the tool hangs lower than sent, most where the arm reaches far, whether it cuts or not",
-                [20.0],
-                0.0,
-                of_robot=True,
-            )
-        )
-    return found

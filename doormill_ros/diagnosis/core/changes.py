@@ -1,16 +1,16 @@
-"""What began, changed or drifts over the doors of a shift, and since which of them."""
+"""What began, changed or drifts over doors, and since which of them; for problems that have `doors`."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from doormill_ros.diagnosis.core.course import OverTime
+from doormill_ros.diagnosis.core.diagnosis import Diagnosis, diagnose_problem
 from doormill_ros.diagnosis.core.fit import fit
-from doormill_ros.diagnosis.parts.course import InTime
-from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 
 STEP, DRIFT = "step", "drift"
 _SURE = 0.95
@@ -39,7 +39,18 @@ class Change:
     after: Mapping[str, Any]
 
 
-def changes_of(diagnosis: DoorDiagnosis) -> list[Change]:
+def diagnosed_at(
+    problem: Any, steps: tuple[int, ...], progress: Callable[[str], None]
+) -> Diagnosis[Any, Any]:
+    """Diagnose a problem that has `doors`, with those from which on something may have changed."""
+    problem = problem.changed_at(steps)
+    if problem.steps:
+        names = ", ".join(problem.doors[step].name for step in problem.steps)
+        progress(f"something may have changed at {names}")
+    return diagnose_problem(problem, progress)
+
+
+def changes_of(diagnosis: Diagnosis[Any, Any]) -> list[Change]:
     """Every step and drift of a named cause, in the order of the doors."""
     found, times = [], [door.time for door in diagnosis.problem.doors]
     for finding in diagnosis.findings:
@@ -53,14 +64,14 @@ def changes_of(diagnosis: DoorDiagnosis) -> list[Change]:
             found.append(
                 Change(cause.name, cause.where, STEP, door, between, told.get("before", {}), told[""])
             )
-        if course.drifts or not cause.effect.lasting:
+        if course.drifts or cause.effect.drifts:
             found.append(
                 Change(cause.name, cause.where, DRIFT, 0, (0, 0), told.get("at_first", {}), told[""])
             )
     return sorted(found, key=lambda change: change.door)
 
 
-def _told(cause: InTime, diagnosis: DoorDiagnosis, theta: Any) -> dict[str, Any]:
+def _told(cause: OverTime[Any], diagnosis: Diagnosis[Any, Any], theta: Any) -> dict[str, Any]:
     values = cause.effect.values(theta, diagnosis.problem.case)
     told, at = {}, 0
     for parameter in cause.effect.parameters:
@@ -70,7 +81,7 @@ def _told(cause: InTime, diagnosis: DoorDiagnosis, theta: Any) -> dict[str, Any]
     return told
 
 
-def _between(diagnosis: DoorDiagnosis, cause: InTime, door: int) -> tuple[int, int]:
+def _between(diagnosis: Diagnosis[Any, Any], cause: OverTime[Any], door: int) -> tuple[int, int]:
     """First and last door of the smallest range that holds the step with 95 %, all doors alike before the data."""
     problem, extended = diagnosis.problem, diagnosis.extended
     score = {door: extended.score}
@@ -78,7 +89,7 @@ def _between(diagnosis: DoorDiagnosis, cause: InTime, door: int) -> tuple[int, i
         for number in range(door + way, door + way * (_FARTHEST + 1), way):
             if not 0 < number < len(problem.doors):
                 break
-            moved = InTime(cause.effect, replace(cause.course, at=problem.doors[number].time))
+            moved = type(cause)(cause.effect, replace(cause.course, at=problem.doors[number].time))
             members = [moved if member is cause else member for member in extended.members]
             score[number] = fit(problem, members, [extended.theta]).score
             if score[number] > extended.score + _HOPELESS:
@@ -94,7 +105,7 @@ def _between(diagnosis: DoorDiagnosis, cause: InTime, door: int) -> tuple[int, i
     return numbers[low], numbers[high]
 
 
-def changes_document(diagnosis: DoorDiagnosis, changes: Sequence[Change]) -> list[dict[str, Any]]:
+def changes_document(diagnosis: Diagnosis[Any, Any], changes: Sequence[Change]) -> list[dict[str, Any]]:
     """As diagnosis.json has them."""
     doors = diagnosis.problem.doors
     return [
@@ -113,7 +124,7 @@ def changes_document(diagnosis: DoorDiagnosis, changes: Sequence[Change]) -> lis
     ]
 
 
-def change_sentences(diagnosis: DoorDiagnosis, changes: Sequence[Change]) -> list[str]:
+def change_sentences(diagnosis: Diagnosis[Any, Any], changes: Sequence[Change]) -> list[str]:
     """One a change."""
     doors, found = diagnosis.problem.doors, []
     for change in changes:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from doormill_ros.diagnosis.parts.course import (
+from doormill_ros.diagnosis.core.course import (
     ALWAYS,
     BEGINS,
     CHANGES,

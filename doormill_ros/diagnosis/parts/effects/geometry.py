@@ -1,0 +1,48 @@
+"""Links that are not as the table of the robot has them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from doormill_ros.arrays import FloatArray
+from doormill_ros.diagnosis.parts.case import CutCase
+from doormill_ros.diagnosis.parts.effects.effect import Effect
+from doormill_ros.robot_model.candidate import CauseParameter, number
+from doormill_ros.units import UM
+
+#: Of the first link length and angle are a displaced base, of the last one a displaced tool.
+LINKS = tuple(f"link {k}" for k in range(2, 6))
+_ANGLE = 1e-5  #: theta 1 of an angle [rad]
+
+
+class LinkOffsets(Effect):
+    """Theta is what is added to d, a [um], theta and alpha [1e-5 rad] of one link of a Denavit-Hartenberg table."""
+
+    name = "link_geometry"
+    lasting = False  # a link is as it was made
+    parameters = (CauseParameter("offset", "m", -0.1, 0.1, 2), CauseParameter("angle", "rad", -0.1, 0.1, 2))
+
+    def __init__(self, where: str) -> None:
+        """At a link."""
+        super().__init__(where)
+        self.limit([100.0, 100.0, 10.0, 10.0])
+
+    def pattern(self) -> str:
+        """What it leaves."""
+        return "the tool is beside its place whether it cuts or not, by another way in every posture"
+
+    def columns(self, case: CutCase) -> FloatArray:
+        """Along the axis of the link's joint and along its own x axis, and about them."""
+        if self.identity not in case.cache:
+            link, load = number(self.where), case.load
+            along, across = load.axes[:, link - 1, :, 2], load.axes[:, link, :, 0]
+            turned = np.cross(along, load.point - load.origin[:, link - 1])
+            tilted = np.cross(across, load.point - load.origin[:, link])
+            moved = np.stack([UM * along, UM * across, _ANGLE * turned, _ANGLE * tilted], axis=2)
+            case.cache[self.identity] = case.along(moved)
+        return case.cache[self.identity]
+
+    def values(self, theta: FloatArray, case: CutCase) -> FloatArray:
+        """d, a; theta, alpha."""
+        values: FloatArray = theta * np.array([UM, UM, _ANGLE, _ANGLE])
+        return values

@@ -1,0 +1,44 @@
+"""Shifts of which no two doors are alike: what changed is found by doors that nobody milled before."""
+
+import pytest
+
+from doormill_ros.diagnosis.core.verdict import CONSISTENT
+from doormill_ros.diagnosis.parts.kind import Inspections
+from support.random_shift import random_doors, random_shift
+from support.shift_worlds import Hidden, judged
+
+COUNT, STEP = 12, 8
+CHANGES = {
+    "gap": (
+        {"robot": {"gap": [0.0, 1.2e-4, 0.0, 0.0, 0.0, 0.0]}},
+        Hidden("joint_backlash", "joint 2", STEP),
+    ),
+    "force": ({"force": {"factor": 1.3}}, Hidden("process_force", "tool", STEP)),
+    "camera": ({}, Hidden("camera_shift", "camera", STEP)),
+}
+
+
+def diagnosis_of(tmp_path, world, seed=4):
+    doors = random_doors(1, COUNT)
+    assert len({door.recipe.width for door in doors}) == COUNT
+    return Inspections().diagnose(random_shift(tmp_path, world, doors, seed), lambda line: None)
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_change_is_found_though_no_recipe_comes_twice(change, tmp_path):
+    section, hidden = CHANGES[change]
+    world = {"seed": 4}
+    if section:
+        world["change"] = [{"from_door": STEP, **section}]
+    else:
+        world["camera"] = {"moved": [0.0, 2e-4, -1e-4], "from_door": STEP}
+    diagnosis = diagnosis_of(tmp_path, world)
+    found = judged(diagnosis, (hidden,))
+    assert (found.missed, found.wrong, found.late) == ((), (), ())
+    assert [finding.cause.course.steps for finding in diagnosis.findings] == [True]
+
+
+def test_doors_that_are_all_different_are_no_change_by_themselves(tmp_path):
+    diagnosis = diagnosis_of(tmp_path, {"seed": 4})
+    assert diagnosis.verdict == CONSISTENT
+    assert not diagnosis.findings
