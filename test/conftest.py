@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,9 @@ if hasattr(providers, "is_local_module_file"):
 
 #: Domains up to 101 keep DDS below Linux' ephemeral ports.
 FIRST_DOMAIN, DOMAINS = 20, 80
+#: What a phase of a test may take beyond the test's time limit [s].
+PATIENCE = 60.0
+STDERR = pytest.StashKey[int]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -35,6 +39,29 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["ROS_DOMAIN_ID"] = str(FIRST_DOMAIN + number)
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    config.stash[STDERR] = os.dup(
+        2
+    )  # While a test runs, the number stands for a file that is lost with the process.
+
+
+def _end_standing(item: pytest.Item) -> Generator[None, None, None]:
+    """End the process with the stacks of its threads where a phase stands still.
+
+    The time limit of a test is a signal, which reaches nobody within a call of DDS, and tears down but once: what
+    waits for ever after it would hold the whole run.
+    """
+    marker = item.get_closest_marker("timeout")
+    limit = float(marker.args[0] if marker else item.config.getini("timeout"))
+    faulthandler.dump_traceback_later(limit + PATIENCE, exit=True, file=item.config.stash[STDERR])
+    try:
+        return (yield)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
+
+pytest_runtest_setup = pytest.hookimpl(wrapper=True)(_end_standing)
+pytest_runtest_call = pytest.hookimpl(wrapper=True)(_end_standing)
+pytest_runtest_teardown = pytest.hookimpl(wrapper=True)(_end_standing)
 
 
 @pytest.fixture(autouse=True)

@@ -18,7 +18,9 @@ MAKEFILE = """
 lint:
 \t@pwd; ls -A; env | sort; echo "argument $(DISTRO)"
 test:
-\t@echo "3 passed"; test ! -e fail || exit 1; if [ -e slow ]; then echo $$$$ > "$(MARK)"; sleep 600; fi
+\t@echo "3 passed"; test ! -e fail || exit 1
+\t@if [ -e stray ]; then setsid sleep 600 & fi
+\t@if [ -e slow ]; then echo $$$$ > "$(MARK)"; sleep 600; fi
 """
 IDENTITY = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_SYSTEM": os.devnull} | {
     f"GIT_{who}_{what}": f"gate@{who}.example".lower()
@@ -108,6 +110,28 @@ def test_a_gate_that_fails_fails_the_run(project) -> None:
     assert process.returncode == 2
     assert "3 passed" in output
     assert "'make test' failed" in errors
+    assert left_behind(folder) == []
+
+
+def test_a_gate_that_stands_still_is_ended_and_fails_the_run(project, tmp_path: Path) -> None:
+    folder, mark = project("slow"), tmp_path / "mark"
+    process = start(folder, f"MARK={mark}", DOORMILL_CI_LIMIT="10")
+    output, errors = process.communicate(timeout=120)
+    assert process.returncode == 124
+    assert "3 passed" in output
+    assert "'make test' did not end within 10" in errors
+    assert not runs(int(mark.read_text()))
+    assert left_behind(folder) == []
+
+
+def test_what_gates_leave_behind_is_told_and_ended(project) -> None:
+    """It would hold whoever waits for the end of what the run prints."""
+    folder = project("stray")
+    process = start(folder)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 0, errors
+    assert "3 passed" in output
+    assert "doormill: left behind: sleep 600" in errors
     assert left_behind(folder) == []
 
 
