@@ -5,6 +5,7 @@ A model is a frozen dataclass below `values.Section`, its fields annotated with 
 
 from __future__ import annotations
 
+import functools
 import reprlib
 import typing
 from collections.abc import Mapping
@@ -33,8 +34,12 @@ def read_document(path: Path, error: type[DoormillError], advice: str = "correct
     Raises:
         DoormillError: `error`; there is no such file, no text in it or no YAML.
     """
+    return _parsed(_text(path, error, advice), path, error, advice)
+
+
+def _text(path: Path, error: type[DoormillError], advice: str) -> str:
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        return path.read_text(encoding="utf-8-sig")
     except OSError as cause:
         reason = cause.strerror or str(cause)
         raise error(
@@ -44,6 +49,9 @@ def read_document(path: Path, error: type[DoormillError], advice: str = "correct
         raise error(
             f"{path} cannot be read, {cause}; allowed is text in UTF-8, save it so", path=str(path)
         ) from cause
+
+
+def _parsed(text: str, path: Path, error: type[DoormillError], advice: str) -> Any:
     try:
         return parse(text)
     except NotYaml as cause:
@@ -55,7 +63,7 @@ def read_document(path: Path, error: type[DoormillError], advice: str = "correct
 def read(
     path: Path, model: type[Model], error: type[DoormillError], advice: str = "correct the file"
 ) -> Model:
-    """A YAML file as a model.
+    """A YAML file as a model; the same one as long as the text stays, so what was made of it can be kept.
 
     Args:
         path: The file.
@@ -66,7 +74,15 @@ def read(
     Raises:
         DoormillError: `error`; the sentence names the file, the key, what was found and what is allowed.
     """
-    return check(read_document(path, error, advice), model, error, str(path), advice)
+    kept: Model = _kept(_text(path, error, advice), path, model, error, advice)
+    return kept
+
+
+def _model(text: str, path: Path, model: type[Model], error: type[DoormillError], advice: str) -> Model:
+    return check(_parsed(text, path, error, advice), model, error, str(path), advice)
+
+
+_kept: Any = functools.lru_cache(maxsize=64)(_model)
 
 
 def check(
