@@ -16,6 +16,7 @@ from rosbags.typesys.store import Typestore
 
 from doormill_ros.recording.errors import BagError, UnreadableBagError
 from doormill_ros.recording.mcap_chunks import check_chunks
+from doormill_ros.recording.mcap_index import messages_in, topics_in
 from doormill_ros.recording.mcap_scan import ScannedMessage, is_complete, scan
 from doormill_ros.recording.repeats import repeated_in
 
@@ -47,9 +48,9 @@ def typestore_of(definitions: Iterable[tuple[str, str]]) -> Typestore:
     return store
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=256)
 def _known_types(definitions: tuple[tuple[str, str], ...]) -> Typestore:
-    """As `typestore_of`, made once for all bags of one software; nobody adds to it."""
+    """As `typestore_of`, made once for all bags with these; nobody adds to it."""
     return typestore_of(definitions)
 
 
@@ -87,6 +88,8 @@ def topics_of(folder: Path) -> list[str]:
     if is_broken_off(folder):
         return list(dict.fromkeys(item.channel.topic for path in _files(folder) for item in scan(path)))
     try:
+        if files := _files(folder):
+            return list(dict.fromkeys(topic for path in files for topic in topics_in(path)))
         with Reader(folder) as reader:
             return [connection.topic for connection in reader.connections]
     except Exception as error:  # the library raises many kinds for a damaged file
@@ -121,15 +124,28 @@ def read_bag(
 
 
 def _indexed(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessage]:
+    files = _files(folder)
+    if not files:
+        yield from _stored_otherwise(folder, wanted)
+    repeated = sum((repeated_in(path) for path in files[1:]), Counter())
+    for path in files:
+        for item in messages_in(path, wanted):
+            topic, stamp_ns, data = item.channel.topic, item.message.log_time, item.message.data
+            if repeated and _is_repeated(repeated, topic, stamp_ns):
+                continue
+            name = item.schema.name
+            message = _known_types(((name, item.schema.data.decode("utf-8")),)).deserialize_cdr(data, name)
+            yield BagMessage(topic, stamp_ns, message, bytes(data), name)
+
+
+def _stored_otherwise(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessage]:
+    """Messages of a bag whose storage is not MCAP, or whose files are compressed as a whole."""
     with Reader(folder) as reader:
         chosen = [c for c in reader.connections if wanted(c.topic)]
         if not chosen:
             return
         store = _known_types(tuple((c.msgtype, c.msgdef.data) for c in chosen))
-        repeated = sum((repeated_in(path) for path in _files(folder)[1:]), Counter())
         for connection, stamp_ns, data in reader.messages(connections=chosen):
-            if repeated and _is_repeated(repeated, connection.topic, stamp_ns):
-                continue
             message = store.deserialize_cdr(data, connection.msgtype)
             yield BagMessage(connection.topic, stamp_ns, message, bytes(data), connection.msgtype)
 

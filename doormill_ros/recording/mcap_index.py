@@ -1,0 +1,35 @@
+"""Read an MCAP file that was closed by its index: only what is asked for is unpacked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from mcap.reader import SeekingReader
+
+from doormill_ros.recording.mcap_scan import LARGEST_RECORD, ScannedMessage, scan
+
+
+def topics_in(path: Path) -> list[str]:
+    """Full names of the topics of a file, in the order of their channels."""
+    with path.open("rb") as stream:
+        summary = SeekingReader(stream, record_size_limit=LARGEST_RECORD).get_summary()
+    if summary is None:
+        return list(dict.fromkeys(item.channel.topic for item in scan(path)))
+    return list(dict.fromkeys(channel.topic for _, channel in sorted(summary.channels.items())))
+
+
+def messages_in(path: Path, wanted: Callable[[str], object]) -> Iterator[ScannedMessage]:
+    """Messages of topics that are wanted in the order in which they were recorded; without an index as `scan`."""
+    with path.open("rb") as stream:
+        reader = SeekingReader(stream, record_size_limit=LARGEST_RECORD)
+        summary = reader.get_summary()
+        if summary is None:
+            yield from (item for item in scan(path) if wanted(item.channel.topic))
+            return
+        topics = [channel.topic for channel in summary.channels.values() if wanted(channel.topic)]
+        if not topics:
+            return
+        for schema, channel, message in reader.iter_messages(topics=topics):
+            if schema is not None:
+                yield ScannedMessage(schema, channel, message)
