@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import functools
 import re
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
@@ -47,13 +48,25 @@ class OpenedPage:
         return self.page.locator("h2").all_inner_texts()
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Where the report of a shipped bag lies; each is written once."""
+
+    @functools.cache
+    def write(scenario: str) -> Path:
+        path = tmp_path_factory.mktemp("reports") / f"{scenario}.html"
+        write_report(BAGS / scenario, path)
+        return path
+
+    return write
+
+
 @pytest.fixture
-def open_report(browser: Browser, tmp_path: Path) -> Callable[[str], OpenedPage]:
+def open_report(browser: Browser, written: Callable[[str], Path]) -> Iterator[Callable[[str], OpenedPage]]:
     pages = []
 
     def show(scenario: str) -> OpenedPage:
-        path = tmp_path / f"{scenario}.html"
-        write_report(BAGS / scenario, path)
+        path = written(scenario)
         pages.append(browser.new_page(viewport={"width": 1100, "height": 1400}))
         return OpenedPage(pages[-1], path)
 
