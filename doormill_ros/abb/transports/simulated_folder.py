@@ -58,7 +58,7 @@ class SimulatedFolderTransport:
 
     in_doubt_time = 0.0
 
-    def __init__(self, folder: str | Path, timeout: float = 2.0, poll_interval: float = 0.002) -> None:
+    def __init__(self, folder: str | Path, timeout: float = 2.0, poll_interval: float = 0.005) -> None:
         """Take the folder for this process alone and remove what a killed writer left half done.
 
         Args:
