@@ -35,7 +35,7 @@ from doormill_ros.diagnosis.parts.steps import possible_steps
 from doormill_ros.diagnosis.parts.warming import warmed
 from doormill_ros.distributions import chi2_sf
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.measurements.inspection import CAMERA, SCHEMA, Inspection, inspections_in
+from doormill_ros.measurements.inspection import CAMERA, Inspection, inspections_in
 from doormill_ros.pages.page import PageSection
 from doormill_ros.robot.description import load_robot
 from doormill_ros.units import m_to_mm
@@ -76,9 +76,6 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
             nobody asks what it leaves.
     """
 
-    schema = SCHEMA
-    option = "inspections"
-    help = "one or many inspected doors"
     words = Words("simulation", "points", "deviation", "deviation", "features", METHOD)
 
     def __init__(self, in_use: str | None = None) -> None:
