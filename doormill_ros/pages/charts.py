@@ -15,6 +15,7 @@ from typing import NamedTuple, ParamSpec, TypeVar
 import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from doormill_ros.arrays import FloatArray
@@ -203,7 +204,8 @@ def _titled(figure: Figure, title: str) -> str:
 def svg(figure: Figure, words: str = "") -> str:
     """The figure as an <svg> element; `words` say what it shows to those who cannot see it."""
     buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None})
+    # savefig would draw the whole figure once more, for the layout alone.
+    FigureCanvasSVG(figure).print_svg(buffer, metadata={"Date": None})
     element = inline(buffer.getvalue())
     if words:
         element.attrib |= {"role": "img", "aria-label": words}
