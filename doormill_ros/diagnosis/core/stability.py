@@ -158,5 +158,5 @@ def beaten(problem: Problem[C], best: Fit[C], other: Fit[C]) -> bool:
     """
     difference = other.held_out_cost - best.held_out_cost
     sums = np.bincount(np.unique(problem.configuration, return_inverse=True)[1], weights=difference)
-    sums = sums[np.abs(sums) > _SAME].astype(float)
-    return len(sums) > 0 and signed_rank_sf(sums) < BEATEN
+    sums = sums[np.abs(sums) > _SAME]
+    return len(sums) > 0 and signed_rank_sf(np.asarray(sums, dtype=float)) < BEATEN
