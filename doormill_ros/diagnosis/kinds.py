@@ -5,36 +5,77 @@ document and page are those of `core`. To add one: a folder with a problem that 
 `core.problem.Examined`) and a `core.kind.SearchedKind`, and a line here. Where models are fitted and compared in
 another way, the folder says just that: a `core.search.Search`, a `core.examination.Examiner` of what the members of its
 models have to stand, and a `core.judgement.Question`.
+
+What a kind needs is imported when it is made, and not to list it: all together take seconds, and a diagnosis is of one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from doormill_ros.diagnosis.camera.kind import Pictures
-from doormill_ros.diagnosis.core.kind import Kind
-from doormill_ros.diagnosis.loading.kind import LoadingTests
-from doormill_ros.diagnosis.motion.kind import Motions
-from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.diagnosis.pose.kind import Poses
-from doormill_ros.diagnosis.runs.kind import Runs
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.set_document import SetDocument
 
+if TYPE_CHECKING:
+    from doormill_ros.diagnosis.core.kind import Kind
+
+
+@dataclass(frozen=True)
+class ListedKind:
+    """What is known of a kind of data before it is made.
+
+    Attributes:
+        schema: Of set.yaml; `--data` takes folders with it.
+        make: Imports and makes it; what a kind can be told goes in.
+        option: Of the command line, without dashes, where the kind has one of its own; else empty.
+        help: What that option takes.
+    """
+
+    schema: str
+    make: Callable[..., Kind[Any, Any]]
+    option: str = ""
+    help: str = ""
+
+
 #: Every kind; `diagnose` takes its options from them.
-KINDS: tuple[Kind[Any, Any], ...] = (
-    LoadingTests(),
-    Poses(),
-    Motions(),
-    Pictures(),
-    Inspections(),
-    Runs(),
+KINDS = (
+    ListedKind(
+        "doormill/measurement-set/1",
+        lambda *told: import_module("doormill_ros.diagnosis.loading.kind").LoadingTests(*told),
+    ),
+    ListedKind(
+        "doormill/pose-set/1", lambda *told: import_module("doormill_ros.diagnosis.pose.kind").Poses(*told)
+    ),
+    ListedKind(
+        "doormill/motion-set/1",
+        lambda *told: import_module("doormill_ros.diagnosis.motion.kind").Motions(*told),
+    ),
+    ListedKind(
+        "doormill/picture-set/1",
+        lambda *told: import_module("doormill_ros.diagnosis.camera.kind").Pictures(*told),
+        "pictures",
+        "pictures of a moved door",
+    ),
+    ListedKind(
+        "doormill/inspection/1",
+        lambda *told: import_module("doormill_ros.diagnosis.parts.kind").Inspections(*told),
+        "inspections",
+        "one or many inspected doors",
+    ),
+    ListedKind(
+        "doormill/bags",
+        lambda *told: import_module("doormill_ros.diagnosis.runs.kind").Runs(*told),
+        "runs",
+        "bags of a series of runs, without a gauge",
+    ),
 )
 
 
-def kind_of(folders: Sequence[Path]) -> Kind[Any, Any]:
+def kind_of(folders: Sequence[Path]) -> ListedKind:
     """The kind of the schema that the set.yaml of all folders share.
 
     Raises:

@@ -1,6 +1,7 @@
 """Charts as SVG elements for a page, and figures as PNG files; every unit stands in a label.
 
-No state is kept between two charts: settings hold while one is drawn.
+No state is kept between two charts: settings hold while one is drawn. Matplotlib takes half a second to import: here
+and wherever else something is drawn the function that draws imports it, so that nobody waits who only has the words.
 """
 
 from __future__ import annotations
@@ -10,15 +11,16 @@ import io
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, ParamSpec, TypeVar
 
-import matplotlib
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.pages.inline_svg import inline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 RED, BLUE, GREEN, GREY, DARK = "#c2562d", "#1f6f8b", "#3b7d4f", "#8a8f98", "#555555"
 THIRD, HALF, WIDE = 380, 560, 1132  #: widths of charts, three or two in a row and alone, as on the page [px]
@@ -26,6 +28,9 @@ _HEIGHT = 250  # px
 _BAND = "#dfe7ea"
 _PIXELS = 96.0  # an inch
 _DPI = 110.0  # of PNG files
+_RASTER = 100.0  # dpi of clouds that are embedded as pictures
+_PAD = 3.0  # around labels [pt]
+_MEASURED = (0.15, 0.2, 0.8, 0.6)  #: axes while their labels are measured, as shares of the figure
 _LABELS = 0.28  # share of the width that the labels of bars may take
 _LETTER = 6.3  # width of a letter [px], nearly
 _MANY = 1500  # dots from which a cloud is embedded as a picture: smaller, and quicker to show
@@ -54,6 +59,8 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
+        import matplotlib
+
         with matplotlib.rc_context(_STYLE):
             return draw(*args, **kwargs)
 
@@ -109,8 +116,7 @@ def scatter(
         width: Of the drawing [px]; give what the page gives it, or texts are blown up.
         limits: Range of the second axis, or None for that of the data.
     """
-    figure = sheet(_HEIGHT, width)
-    axes = figure.add_subplot()
+    axes = _axes(_HEIGHT, width)
     if band is not None:
         axes.axhspan(-band, band, color=_BAND, linewidth=0.0, zorder=0)
     for curve in dots:
@@ -138,7 +144,7 @@ def scatter(
             known.values(), known.keys(), ncols=len(known), loc="lower right", bbox_to_anchor=(1.0, 1.0),
             borderaxespad=0.1, frameon=False, fontsize=7.5, handlelength=1.0, columnspacing=1.0,
         )  # fmt: skip
-    return _titled(figure, title)
+    return _titled(axes, title)
 
 
 @styled
@@ -155,8 +161,7 @@ def bars(
         width: Of the drawing [px].
     """
     step = 22.0 if max((len(row.values) for row in rows), default=1) == 1 else 26.0
-    figure = sheet(64.0 + step * len(rows), width)
-    axes = figure.add_subplot()
+    axes = _axes(64.0 + step * len(rows), width)
     axes.grid(visible=False)
     top = max([v for row in rows for v in row.values] + [mark[1] if mark else 0.0, 1e-12])
     behind = [" \N{RIGHTWARDS ARROW} ".join(f"{v:.3g}" for v in row.values) + f" {unit}" for row in rows]
@@ -182,28 +187,58 @@ def bars(
     else:
         axes.set_xticks([])
     axes.spines["bottom"].set_visible(False)
-    return _titled(figure, title)
+    return _titled(axes, title)
 
 
 def sheet(height: float, width: float = WIDE) -> Figure:
     """An empty figure for `svg`, height x width [px]; to be made and filled in a function that is `styled`."""
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(width / _PIXELS, height / _PIXELS), layout="constrained")
+
+
+def _axes(height: float, width: float) -> Axes:
+    """The axes of a chart, height x width [px], for `_titled`."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width / _PIXELS, height / _PIXELS)).add_axes(_MEASURED)
 
 
 def _short(label: str, longest: int) -> str:
     return label if len(label) <= longest else label[: longest - 1] + "…"
 
 
-def _titled(figure: Figure, title: str) -> str:
-    figure.suptitle(title, x=0.01, ha="left", fontsize=9.5, fontweight="bold")
+def _titled(axes: Axes, title: str) -> str:
+    """The figure of these axes alone with its title, as an <svg> element.
+
+    The labels are measured once and the axes take the room that is left; constrained layout measures them twice.
+    """
+    from matplotlib.backends.backend_svg import RendererSVG
+
+    figure = axes.figure
+    figure.dpi = 72.0  # what SVG files are drawn with: lengths are in points
+    width, height = figure.bbox.size
+    heading = figure.suptitle(
+        title, x=0.01, y=1.0 - _PAD / height, ha="left", fontsize=9.5, fontweight="bold"
+    )
+    pen = RendererSVG(width, height, io.StringIO())
+    inside, outside = axes.get_window_extent(pen), axes.get_tightbbox(pen, for_layout_only=True)
+    left, bottom = inside.x0 - outside.x0 + _PAD, inside.y0 - outside.y0 + _PAD
+    right = width - (outside.x1 - inside.x1 + _PAD)
+    top = heading.get_window_extent(pen).y0 - _PAD - (outside.y1 - inside.y1 + _PAD)
+    axes.set_position((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
+    figure.dpi = _RASTER
     return svg(figure, title)
 
 
 @styled
 def svg(figure: Figure, words: str = "") -> str:
     """The figure as an <svg> element; `words` say what it shows to those who cannot see it."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
     buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None})
+    # savefig would draw the whole figure once more, for the layout alone.
+    FigureCanvasSVG(figure).print_svg(buffer, metadata={"Date": None})
     element = inline(buffer.getvalue())
     if words:
         element.attrib |= {"role": "img", "aria-label": words}
@@ -212,6 +247,9 @@ def svg(figure: Figure, words: str = "") -> str:
 
 def png_figure(width: float, height: float) -> Figure:
     """An empty figure for `save_png`, width x height [inch]."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)  # contours ask for a renderer while they are drawn
     return figure

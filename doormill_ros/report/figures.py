@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.patches import Ellipse, Rectangle
 
 from doormill_ros.messages.from_message import transform_of
 from doormill_ros.messages.picture import picture_of
@@ -84,6 +83,8 @@ def pose_figure(found: Any, true: Any, limits: Any) -> str:
         true: doormill_interfaces/DoorPlacement of the simulation, or None.
         limits: `PlacementLimits` of the cell.
     """
+    from matplotlib.patches import Ellipse, Rectangle
+
     covariance = np.array(found.pose.covariance, dtype=float).reshape(6, 6)[1:3, 1:3] * 1e12  # um^2
     values, vectors = np.linalg.eigh(covariance)
     angle = rad_to_deg(float(np.arctan2(vectors[1, 1], vectors[0, 1])))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
 
+from doormill_ros.distributions import student_ppf
 from doormill_ros.thesis.loading_tests import ThesisData
 from doormill_ros.thesis.recovery import recover
 
@@ -49,7 +49,7 @@ def read_preload_test(data: ThesisData) -> PreloadReading:
     spread = np.sum((closed - closed.mean()) ** 2) + np.sum((open_ - open_.mean()) ** 2)
     std = float(np.sqrt(spread / freedom * (1.0 / len(closed) + 1.0 / len(open_))))
     gap = float(open_.mean() - closed.mean())
-    half = float(student.ppf(0.975, freedom)) * std
+    half = student_ppf(0.975, freedom) * std
     soft = torque / float(open_.mean())
     return PreloadReading(
         gap=gap,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from matplotlib.collections import LineCollection
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.frames import apply, inverse
@@ -100,6 +99,8 @@ def save_png(
     Raises:
         UnreadableFile: It cannot be written.
     """
+    from matplotlib.collections import LineCollection
+
     features = [f for f in recipe.features if any(m.feature == f.id for m in program.motions)]
     columns = min(3, len(features))
     rows = -(-len(features) // columns)

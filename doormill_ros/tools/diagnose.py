@@ -15,9 +15,6 @@ from pathlib import Path
 from rich.console import Console
 
 from doormill_ros.diagnosis import kinds
-from doormill_ros.diagnosis.core.kind import run
-from doormill_ros.diagnosis.parts.kind import Inspections
-from doormill_ros.diagnosis.runs.kind import Runs
 from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.errors import DoormillError
 
@@ -32,9 +29,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--data", metavar="DIR", type=Path, action="append", default=[], help="set to diagnose"
     )
     source.add_argument("--thesis", action="store_true", help="the loading tests that the thesis prints")
-    own = {kind.option: kind for kind in kinds.KINDS if kind.option}
-    for option, kind in own.items():
-        source.add_argument(f"--{option}", metavar="DIR", type=Path, help=kind.help)
+    own = {listed.option: listed for listed in kinds.KINDS if listed.option}
+    for option, listed in own.items():
+        source.add_argument(f"--{option}", metavar="DIR", type=Path, help=listed.help)
     parser.add_argument(
         "--check", metavar="DIR", type=Path, action="append", default=[], help="set to predict only"
     )
@@ -78,13 +75,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
                 verdict = run_thesis(chosen.out)
             else:
-                named = [kind for option, kind in own.items() if getattr(chosen, option) is not None]
-                kind = named[0] if named else kinds.kind_of([*chosen.data, *chosen.check])
+                from doormill_ros.diagnosis.core.kind import run  # late, as every kind (see `kinds`)
+
+                named = [listed for option, listed in own.items() if getattr(chosen, option) is not None]
+                asked = named[0] if named else kinds.kind_of([*chosen.data, *chosen.check])
                 if chosen.in_use is not None:
-                    kind = Inspections("" if chosen.in_use == SPRINGS else chosen.in_use)
-                if chosen.runs is not None:
-                    kind = Runs(chosen.last, chosen.since or "")
-                data = [getattr(chosen, kind.option)] if named else chosen.data
+                    kind = asked.make("" if chosen.in_use == SPRINGS else chosen.in_use)
+                elif chosen.runs is not None:
+                    kind = asked.make(chosen.last, chosen.since or "")
+                else:
+                    kind = asked.make()
+                data = [getattr(chosen, asked.option)] if named else chosen.data
                 verdict = run(kind, data, chosen.check, chosen.out, progress)
     except DoormillError as error:
         print(" ".join(error.message.split()), file=sys.stderr)

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.pages.charts import png_figure, save_png
@@ -17,6 +15,10 @@ from doormill_ros.workspace.doors import FlangeBox
 from doormill_ros.workspace.maps import Maps
 from doormill_ros.workspace.posture import posture_figures
 from doormill_ros.workspace.region import BoxPlacement, RegionSearch
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _LEVELS = 11
 _NAMES = {
@@ -118,6 +120,8 @@ def _map(
     marks: FloatArray | None,
     logarithmic: bool = False,
 ) -> None:
+    from matplotlib.colors import LogNorm
+
     q2, q3 = rad_to_deg(maps.grid.q2), rad_to_deg(maps.grid.q3)
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     spaced = np.geomspace if logarithmic else np.linspace

@@ -101,7 +101,6 @@ def a_room(hidden, seed=0, size=3.0):
 class Rooms(SearchedKind[Room, Room, Draught]):
     """Rooms by what is hidden in them; told in kelvin, with a model and a page of their own."""
 
-    schema = SCHEMA
     words = Words("thermometer", "readings", "reading", "reading", "rooms", "By opening windows.")
     next_measurement = "open a window"
 
@@ -142,7 +141,7 @@ def diagnose(folder, hidden, *more, check=None):
 
 @pytest.fixture
 def registered(monkeypatch):
-    monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, Rooms()))
+    monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, kinds.ListedKind(SCHEMA, Rooms)))
 
 
 @pytest.mark.parametrize(
@@ -202,10 +201,8 @@ def test_a_kind_of_its_own_goes_through_document_model_and_page(registered, tmp_
 
 
 def test_a_kind_may_have_an_option_of_its_own(monkeypatch, tmp_path, capsys):
-    class Chambers(Rooms):
-        option, help = "chambers", "rooms that are heard about"
-
-    monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, Chambers()))
+    chambers = kinds.ListedKind(SCHEMA, Rooms, "chambers", "rooms that are heard about")
+    monkeypatch.setattr(kinds, "KINDS", (*kinds.KINDS, chambers))
     with pytest.raises(SystemExit):
         main(["--help"])
     options = capsys.readouterr().out

@@ -20,7 +20,7 @@ from doormill_ros.localization.localizer import localize
 from doormill_ros.localization.result import Localization
 from doormill_ros.measurements.errors import SetMixError
 from doormill_ros.measurements.picture_reading import Localisations, localisations_of
-from doormill_ros.measurements.picture_set import SCHEMA, PictureSet, read_picture_set
+from doormill_ros.measurements.picture_set import PictureSet, read_picture_set
 
 FEWEST_PLACES = 4  #: of the door; whole places are left out, predicted and compared
 
@@ -47,9 +47,6 @@ class LocalizedPictures:
 class Pictures(SearchedKind[LocalizedPictures, PictureProblem, CameraCause]):
     """Pictures of one door before one camera."""
 
-    schema = SCHEMA
-    option = "pictures"
-    help = "pictures of a moved door"
     words = Words("camera model", "pictures", unseen="places", method=METHOD)
     next_measurement = (
         "take pictures of the door at more places, over the whole way of the clamp, early and late"

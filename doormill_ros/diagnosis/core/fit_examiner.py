@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Generic
 
 import numpy as np
-from scipy.stats import chi2
 
 from doormill_ros.diagnosis.core.beam import ENTRY, EQUAL, BeamSearch
 from doormill_ros.diagnosis.core.confusable import equals
@@ -16,6 +15,7 @@ from doormill_ros.diagnosis.core.margin import Check, Margin
 from doormill_ros.diagnosis.core.problem import C, Examined
 from doormill_ros.diagnosis.core.robust import gross_errors
 from doormill_ros.diagnosis.core.stability import CLUSTERED, beaten, clustering, instability, unevenness
+from doormill_ros.distributions import chi2_sf
 
 #: Chance of an innocent residual below which structure remains.
 STRUCTURE = 1e-4
@@ -162,4 +162,4 @@ def excess_probability(found: Fit[C], components: int = 3) -> float:
     """Chance that noise alone leaves a residual as large as this."""
     kept = found.weights > 0.0
     freedom = max(components * int(kept.sum()) - int(found.free.sum()), 1)
-    return float(chi2.sf(np.sum(found.prediction.white[kept] ** 2), freedom))
+    return chi2_sf(np.sum(found.prediction.white[kept] ** 2), freedom)

@@ -25,17 +25,7 @@ Progress = Callable[[str], None]
 
 
 class Kind(ABC, Generic[S, D]):
-    """One kind of data.
-
-    Attributes:
-        schema: Of set.yaml; `--data` takes folders with it.
-        option: Of the command line, without dashes, where the kind has one of its own; else empty.
-        help: What that option takes.
-    """
-
-    schema: ClassVar[str]
-    option: ClassVar[str] = ""
-    help: ClassVar[str] = ""
+    """One kind of data; `kinds` lists it by the schema of its sets."""
 
     @abstractmethod
     def read(self, folder: Path, progress: Progress) -> Sequence[S]:

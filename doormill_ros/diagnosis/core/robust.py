@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.distributions import chi2_isf
 from doormill_ros.statistics import CHI_SQUARE_MEDIAN, GROSS_SHARE, huber_weights
 
 GROSS = 30.0  #: squared distance of a trial beyond which it may be a gross error (chance 1e-6)
@@ -35,7 +35,7 @@ def trial_weights(distance: FloatArray, reject: bool, components: int = 3) -> Fl
 def gross_errors(distance: FloatArray, components: int) -> BoolArray:
     """Trials farther off than chance brings one of them, at most one in ten; of squared distances, shape (n,)."""
     count = len(distance)
-    limit = chi2.isf(_ONE / count, components) * _usual(distance, components)
+    limit = chi2_isf(_ONE / count, components) * _usual(distance, components)
     worst = np.argsort(-distance, kind="stable")[: int(GROSS_SHARE * count)]
     gross = np.zeros(count, dtype=bool)
     gross[worst[distance[worst] > limit]] = True

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import binom, chi2, wilcoxon
 
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.problem import C, Examined, Problem
+from doormill_ros.distributions import chi2_sf, signed_rank_sf
 
 #: Chance with which honest gross errors sit together, or turn one joint, as much.
 CLUSTERED = 1e-3
@@ -43,7 +43,7 @@ def instability(problem: Examined[C], found: Fit[C], cause: C) -> tuple[float, s
         gain = left - float(np.sum((target - block @ solution) ** 2))
         after = max(freedom - (rank - found.size), 1.0)
         scale = max((left - gain) / after, 1.0)
-        probability = float(chi2.sf(max(gain, 0.0) / scale, max(rank - found.size, 1)))
+        probability = chi2_sf(max(gain, 0.0) / scale, max(rank - found.size, 1))
         # Two cuts that are each other's complement are equal but for rounding: the first of them stays.
         if probability < worst * (1.0 - _SAME_CHANCE):
             worst, where = probability, name
@@ -87,6 +87,8 @@ def chance_together(groups: IntArray, chosen: BoolArray) -> float:
         groups: Group of every row, shape (n,).
         chosen: Shape (n,).
     """
+    from scipy.stats import binom  # late: it takes a second, and few sets have gross errors
+
     _, number, size = np.unique(groups, return_inverse=True, return_counts=True)
     wanted = int(chosen.sum())
     together = int(np.sum(np.bincount(number, weights=chosen) ** 2))
@@ -145,7 +147,7 @@ def unevenness(problem: Problem[C], found: Fit[C], cause: C, weights: FloatArray
     shares, power = solution[found.size :], np.sum(own**2, axis=0)
     power = power / max(float(power.sum()), 1e-30)
     scatter = float(np.sqrt(power @ (shares - power @ shares) ** 2))
-    return float(chi2.sf(max(gain, 0.0) / scale, more)), scatter
+    return chi2_sf(max(gain, 0.0) / scale, more), scatter
 
 
 def beaten(problem: Problem[C], best: Fit[C], other: Fit[C]) -> bool:
@@ -157,4 +159,4 @@ def beaten(problem: Problem[C], best: Fit[C], other: Fit[C]) -> bool:
     difference = other.held_out_cost - best.held_out_cost
     sums = np.bincount(np.unique(problem.configuration, return_inverse=True)[1], weights=difference)
     sums = sums[np.abs(sums) > _SAME]
-    return len(sums) > 0 and float(wilcoxon(sums, alternative="greater").pvalue) < BEATEN
+    return len(sums) > 0 and signed_rank_sf(np.asarray(sums, dtype=float)) < BEATEN

@@ -16,7 +16,7 @@ from doormill_ros.diagnosis.loading.next_measurement import NextMeasurement, pla
 from doormill_ros.diagnosis.loading.path_shift import doubt, path_shift
 from doormill_ros.diagnosis.loading.problem import LoadingDiagnosis, LoadingProblem
 from doormill_ros.measurements.join_sets import check_same_model, join_sets
-from doormill_ros.measurements.measurement_set import SCHEMA, MeasurementSet, read_measurement_set
+from doormill_ros.measurements.measurement_set import MeasurementSet, read_measurement_set
 from doormill_ros.robot_model.elastic.causes.cause import ElasticCause
 from doormill_ros.robot_model.extended_document import model_document
 from doormill_ros.robot_model.extended_model import SizedCause
@@ -33,7 +33,6 @@ not recorded, whether a gap was open in a trial is read from that trial itself."
 class LoadingTests(SearchedKind[MeasurementSet, LoadingProblem, ElasticCause]):
     """Loading tests of one robot, taken together."""
 
-    schema = SCHEMA
     words = Words("simulation", "trials", method=METHOD)
 
     def read(self, folder: Path, progress: Progress) -> Sequence[MeasurementSet]:

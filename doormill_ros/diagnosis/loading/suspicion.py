@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.distributions import chi2_sf
 from doormill_ros.measurements.trials import Trials
 from doormill_ros.robot_model.elastic.load_case import LoadCase
 
@@ -61,5 +61,5 @@ def turning(case: LoadCase, whiten: FloatArray, residual: FloatArray, gross: Boo
             continue
         cosine = np.abs(np.sum(turn * away, axis=1)[moved]) / size[moved]
         joined = -2.0 * np.sum(np.log(np.maximum(1.0 - cosine, 1e-6)))
-        chances[k] = chi2.sf(joined, 2 * int(moved.sum()))
+        chances[k] = chi2_sf(joined, 2 * int(moved.sum()))
     return f"joint {chances.argmin() + 1}", min(6.0 * float(chances.min()), 1.0)

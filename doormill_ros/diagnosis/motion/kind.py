@@ -21,7 +21,6 @@ from doormill_ros.diagnosis.motion.account import (
 from doormill_ros.diagnosis.motion.diagnosis import MotionDiagnosis, diagnose_motions
 from doormill_ros.diagnosis.motion.laws import model_with_laws, with_laws
 from doormill_ros.measurements.motion_set import (
-    SCHEMA,
     MotionSet,
     check_same_joints,
     check_same_noise,
@@ -48,8 +47,6 @@ class Motions(Kind[MotionSet, MotionDiagnosis]):
     Samples repeat their neighbours and a joint's residual stays far above the encoders' noise: models are compared by
     what chance gives at the frequencies of a cause, not by independent rows.
     """
-
-    schema = SCHEMA
 
     def read(self, folder: Path, progress: Progress) -> Sequence[MotionSet]:
         """The recording in a folder."""

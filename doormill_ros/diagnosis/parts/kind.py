@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
 
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.diagnosis.core.account import Account, account_of
@@ -34,8 +33,9 @@ from doormill_ros.diagnosis.parts.recorded_cut import RecordedCut, recorded_cut
 from doormill_ros.diagnosis.parts.slips import BESIDE, FAR, slips, slips_beside
 from doormill_ros.diagnosis.parts.steps import possible_steps
 from doormill_ros.diagnosis.parts.warming import warmed
+from doormill_ros.distributions import chi2_sf
 from doormill_ros.localization.camera import load_camera
-from doormill_ros.measurements.inspection import CAMERA, SCHEMA, Inspection, inspections_in
+from doormill_ros.measurements.inspection import CAMERA, Inspection, inspections_in
 from doormill_ros.pages.page import PageSection
 from doormill_ros.robot.description import load_robot
 from doormill_ros.units import m_to_mm
@@ -76,9 +76,6 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
             nobody asks what it leaves.
     """
 
-    schema = SCHEMA
-    option = "inspections"
-    help = "one or many inspected doors"
     words = Words("simulation", "points", "deviation", "deviation", "features", METHOD)
 
     def __init__(self, in_use: str | None = None) -> None:
@@ -121,7 +118,7 @@ class Inspections(SearchedKind[InspectedDoor, DoorProblem, InTime]):
         again = problem.placed_by(found.best.members, found.best.theta)
         best = found.best
         white = again.predict(best.members, best.theta).white[best.weights > 0.0]
-        leaves_chance = min(chi2.sf(np.sum(white**2), len(white)), again.chance_of_places) > _CHANCE
+        leaves_chance = min(chi2_sf(np.sum(white**2), len(white)), again.chance_of_places) > _CHANCE
         if leaves_chance and again.place_step == 0:
             return found
         progress("the doors scatter less than it seemed: asking once more")

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.distributions import chi2_sf
 
 #: Chance to see a step where there is none, over all doors at which it could be.
 _CHANCE = 1e-3
@@ -50,4 +50,4 @@ def place_step(places: FloatArray, recipes: Sequence[str]) -> int:
     free = count - len(columns) - 1.5
     statistic = -free * np.sum(np.log(np.maximum(1.0 - taken / before, 1e-12)), axis=1)
     best = int(np.argmax(statistic))
-    return best + 1 if chi2.sf(statistic[best], 3) * (count - 1) < _CHANCE else 0
+    return best + 1 if chi2_sf(statistic[best], 3) * (count - 1) < _CHANCE else 0

@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2
 
 from doormill_ros.arrays import FloatArray, IntArray
+from doormill_ros.distributions import chi2_ppf, chi2_sf
 
 APART = 0.05  #: between places of the cell that count as two, on a joint's way over the door [m]
 _QUARTILE = 0.3186  #: lower quartile of the size of a normal number, in standard deviations
@@ -82,7 +82,7 @@ def _scatter_of_few(pairs: FloatArray, stated: FloatArray) -> FloatArray:
     """
     count = len(pairs) // 2
     apart = (pairs[0 : 2 * count : 2] - pairs[1 : 2 * count : 2]) / np.sqrt(stated)
-    share = np.sum(apart**2) / 4.0 / chi2.ppf(_UNDERSTATED, apart.size)
+    share = np.sum(apart**2) / 4.0 / chi2_ppf(_UNDERSTATED, apart.size)
     return np.asarray(share * stated)
 
 
@@ -94,7 +94,7 @@ def chance_of_places(places: FloatArray, variance: FloatArray) -> float:
         variance: From door to door, shape (3,).
     """
     away = places - places.mean(axis=0)
-    return float(chi2.sf(np.sum(away**2 / variance), max(len(places) - 1, 1) * places.shape[1]))
+    return chi2_sf(np.sum(away**2 / variance), max(len(places) - 1, 1) * places.shape[1])
 
 
 def block_columns(rows: IntArray, blocks: Sequence[FloatArray], n: int) -> FloatArray:

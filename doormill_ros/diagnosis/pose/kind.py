@@ -33,7 +33,7 @@ from doormill_ros.diagnosis.pose.evidence import (
 from doormill_ros.diagnosis.pose.laws import model_with_laws, with_laws
 from doormill_ros.diagnosis.pose.model import Errors, figures
 from doormill_ros.diagnosis.pose.next_poses import listed, plan_next, propose
-from doormill_ros.measurements.pose_set import SCHEMA, PoseSet, placement_owners, read_pose_set
+from doormill_ros.measurements.pose_set import PoseSet, placement_owners, read_pose_set
 from doormill_ros.pages.page import Block, PageSection, Paragraphs
 from doormill_ros.robot_model.pose.model import model_document
 
@@ -55,8 +55,6 @@ class Poses(Kind[PoseSet, PoseDiagnosis]):
     Hundreds of coefficients are fitted at once and their sizes learnt: everything that may act is in from the start,
     and what the core's search leaves is named.
     """
-
-    schema = SCHEMA
 
     def read(self, folder: Path, progress: Progress) -> Sequence[PoseSet]:
         """The series in a folder."""

@@ -57,9 +57,6 @@ class Runs(SearchedKind[RunSeries, RunProblem, RunChange]):
         since: The first run that counts; empty: all do.
     """
 
-    schema = "doormill/bags"
-    option = "runs"
-    help = "bags of a series of runs, without a gauge"
     words = Words("cell as it was at first", "figures", "difference", "difference", "runs", METHOD)
     next_measurement = (
         "gauge a door milled before the change and one after it, and question them with --inspections"

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2, norm
 
 from doormill_ros.arrays import BoolArray, FloatArray
+from doormill_ros.distributions import chi2_ppf, normal_pdf, normal_ppf
 from doormill_ros.statistics import NORMAL_STD
 
 _PAIRS = 4  #: neighbouring runs of one recipe from which on their differences tell the scatter
@@ -45,11 +45,11 @@ def variance_of(differences: FloatArray) -> float:
     if kept < 1:
         return 0.0
     share = (kept + 0.5) / (count + 1.0)
-    end = norm.ppf((1.0 + share) / 2.0)
-    cut = 1.0 - 2.0 * end * norm.pdf(end) / share
+    end = normal_ppf((1.0 + share) / 2.0)
+    cut = 1.0 - 2.0 * end * normal_pdf(end) / share
     smallest = np.sort(differences**2)[:kept]
     freedom = max(_INDEPENDENT * count, 1.0)
-    high = freedom / chi2.ppf(_UNDERSTATED, freedom)
+    high = freedom / chi2_ppf(_UNDERSTATED, freedom)
     return float(smallest.mean() / cut / 2.0 * high)
 
 

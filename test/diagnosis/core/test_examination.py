@@ -223,7 +223,7 @@ def every_subclass(kind):
 
 def test_no_kind_of_data_examines_in_a_way_of_its_own():
     """A kind says what members have to stand; who is asked what in which order, and what is told, is common."""
-    assert kinds.KINDS, "importing them defines their examiners and questions"
+    assert [listed.make() for listed in kinds.KINDS], "importing them defines their examiners and questions"
     own = {one for one in every_subclass(Examiner) if one.__module__.startswith("doormill_ros.")} - {Examiner}
     assert {one.__name__ for one in own} == {"FitExaminer", "JointExaminer", "PoseExaminer"}
     for one in own:

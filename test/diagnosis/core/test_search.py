@@ -150,7 +150,7 @@ def test_the_best_set_is_found_where_worths_add_up(beam):
 
 
 def test_no_kind_of_data_has_a_way_or_a_verdict_of_its_own():
-    assert kinds.KINDS, "importing them defines their searches and answers"
+    assert [listed.make() for listed in kinds.KINDS], "importing them defines their searches and answers"
     searches = {one for one in every_subclass(Search) if one.__module__.startswith("doormill_ros.")} - {
         Search
     }

@@ -1,0 +1,39 @@
+"""What lists the kinds imports none of them, so that asking for one does not wait for all."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from doormill_ros.diagnosis import kinds
+from doormill_ros.diagnosis.core.kind import Kind
+from doormill_ros.measurements import inspection, measurement_set, motion_set, picture_set, pose_set
+
+SLOW = ("scipy", "matplotlib", "pinocchio", "cv2", "rosbags", "shapely", "pydantic")
+
+
+def loaded(code: str) -> set[str]:
+    """Names of the modules that a new interpreter holds after some lines of code."""
+    script = f"import sys\n{code}\nprint(*sys.modules)"
+    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return set(told.stdout.split())
+
+
+def test_the_tool_starts_without_what_only_a_diagnosis_needs() -> None:
+    names = loaded("import doormill_ros.tools.diagnose")
+    assert "doormill_ros.diagnosis.kinds" in names
+    assert {name.partition(".")[0] for name in names} & set(SLOW) == set()
+
+
+@pytest.mark.parametrize("listed", kinds.KINDS, ids=lambda listed: listed.schema)
+def test_a_kind_is_made_from_its_line(listed: kinds.ListedKind) -> None:
+    kind = listed.make()
+    assert isinstance(kind, Kind)
+    assert bool(listed.option) == bool(listed.help)
+
+
+def test_the_lines_name_the_schemas_of_those_who_read_the_sets() -> None:
+    read = {one.SCHEMA for one in (inspection, measurement_set, motion_set, picture_set, pose_set)}
+    assert {listed.schema for listed in kinds.KINDS} == read | {"doormill/bags"}
