@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, norm, t, wilcoxon
+from scipy.stats import chi2, norm, t
 
 from doormill_ros.distributions import (
     chi2_isf,
@@ -12,7 +12,6 @@ from doormill_ros.distributions import (
     chi2_sf,
     normal_pdf,
     normal_ppf,
-    signed_rank_sf,
     student_ppf,
 )
 
@@ -38,15 +37,3 @@ def test_the_normal_distribution_is_that_of_scipy() -> None:
 def test_every_number_exceeds_what_is_below_zero() -> None:
     assert chi2_sf(-1.0, 3) == chi2.sf(-1.0, 3) == 1.0
     assert np.isnan(chi2_sf(np.nan, 3))
-
-
-@pytest.mark.parametrize("digits", [12, 1])
-@pytest.mark.parametrize("count", [1, 2, 3, 7, 13, 14, 40, 50, 51, 200])
-def test_signed_ranks_are_those_of_scipy(count: int, digits: int) -> None:
-    """Counted or by the normal distribution, with values of equal size (one digit) and without."""
-    rng = np.random.default_rng(count)
-    for shift in (-0.5, 0.0, 0.2, 1.0):
-        values = np.round(rng.normal(shift, 1.0, count), digits)
-        values[values == 0.0] = 0.1
-        expected = float(wilcoxon(values, alternative="greater").pvalue)
-        assert signed_rank_sf(values) == pytest.approx(expected, rel=1e-11, abs=1e-15)

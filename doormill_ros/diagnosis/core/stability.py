@@ -7,7 +7,7 @@ import numpy as np
 from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.diagnosis.core.fit import Fit
 from doormill_ros.diagnosis.core.problem import C, Examined, Problem
-from doormill_ros.distributions import chi2_sf, signed_rank_sf
+from doormill_ros.distributions import chi2_sf
 
 #: Chance with which honest gross errors sit together, or turn one joint, as much.
 CLUSTERED = 1e-3
@@ -156,7 +156,9 @@ def beaten(problem: Problem[C], best: Fit[C], other: Fit[C]) -> bool:
     What no cause explains is the same within a posture and differs between them, so postures are
     what counts: Wilcoxon's signed ranks of the differences of their held-out cost.
     """
+    from scipy.stats import wilcoxon  # late, as above
+
     difference = other.held_out_cost - best.held_out_cost
     sums = np.bincount(np.unique(problem.configuration, return_inverse=True)[1], weights=difference)
     sums = sums[np.abs(sums) > _SAME]
-    return len(sums) > 0 and signed_rank_sf(np.asarray(sums, dtype=float)) < BEATEN
+    return len(sums) > 0 and float(wilcoxon(sums, alternative="greater").pvalue) < BEATEN
