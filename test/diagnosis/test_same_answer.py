@@ -131,7 +131,9 @@ def test_the_machines_are_not_the_same(printed, said):
     """An OpenBLAS that chooses its kernel as it is told, or the others would prove nothing."""
     kernels = {name: printed[name]["kernel"] for name in printed}
     assert kernels["first"] == "Haswell"
-    assert kernels["old, rounded"] not in ("", "Haswell"), "by the name of its family, whatever that is called"
+    assert kernels["old, rounded"] not in ("", "Haswell"), (
+        "by the name of its family, whatever that is called"
+    )
     assert len(said["first"]) == len(HIDDEN) + 2
     assert {"poses", "thesis"} < set(said["first"])
 
