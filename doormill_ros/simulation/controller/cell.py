@@ -155,7 +155,8 @@ class SimulatedCell:
         if self._rest_due is not None and now >= self._rest_due:
             self._rest_due = None
             self._tell(SPINDLE_STOPPED, 1.0)
-        if self.rack.next_event is not None:
+        drawbar = self.rack.next_event
+        if drawbar is not None and now >= drawbar:
             turning = bool(self._values.get(self.spindle_drive, 0.0)) or not self._values.get(
                 SPINDLE_STOPPED, 1.0
             )
