@@ -7,7 +7,6 @@ expression says which.
 
 from __future__ import annotations
 
-import math
 import struct
 from dataclasses import dataclass
 from typing import Any
@@ -205,4 +204,4 @@ def format_value(value: Value) -> str:
 
 def is_integer(value: float) -> bool:
     """True for a number without fraction."""
-    return math.isfinite(value) and value == math.floor(value)
+    return float(value).is_integer()
