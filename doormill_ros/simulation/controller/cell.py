@@ -56,6 +56,8 @@ class SimulatedCell:
         #: Signals that only change here, not in the port and not with the robot.
         self.held = frozenset(self.kinds) - _OF_THE_PORT - {GAUGE}
         self.mark = object()
+        #: Mark, drawbar and tool for which its sensors say what they should.
+        self._shown: tuple[object, bool, str] | None = None
         self._port = port
         self._values = {name: signal.default for name, signal in configuration.signals.items()}
         for name in (DOOR_CLAMPED, GUARD_CLOSED):
@@ -165,8 +167,13 @@ class SimulatedCell:
 
     def show_drawbar(self) -> None:
         """Give the drawbar's sensors what the plant says."""
+        mark, opened, carried = self.mark, self.rack.opened, self.rack.carried
+        shown = self._shown
+        if shown is not None and shown[0] is mark and shown[1] == opened and shown[2] == carried:
+            return
         for name, value in self.rack.signals().items():
             self._tell(name, value)
+        self._shown = mark, opened, carried
 
     def _tell(self, name: str, value: float) -> None:
         if self._values.get(name, value) != value:

@@ -115,19 +115,21 @@ class ControllerClock:
         Raises:
             RapidStoppedError: It takes longer than `patience`.
         """
-        end = np.inf if seconds is None else self.now() + seconds
+        engine = self._engine
+        end = np.inf if seconds is None else engine.time + seconds
         waited = 0.0
         while condition is None or not condition():
-            left = end - self.now()
+            left = end - engine.time
             if left <= 0.0:
                 return False
             if condition is None:
-                self.pass_time(min(left, self._engine.until_next() or left))
+                self.pass_time(min(left, engine.until_next() or left))
                 continue
-            before = self.now()
+            before = engine.time
             self._wait_a_little(left)
-            waited += self.now() - before
-            self._lose_patience(waited, "for a signal")
+            waited += engine.time - before
+            if self._pace.patience is not None:
+                self._lose_patience(waited, "for a signal")
         return True
 
     def go_on_until(self, reached: Callable[[], bool]) -> None:
@@ -201,7 +203,17 @@ class ControllerClock:
             self._settle_signals()
             # Signals that others hold may change without a mark, and have to be read each time.
             self._settled = (panel, cell, system) if system.signals <= self._cell.held else None
-        self._look()
+            self._look()
+            return
+        rack, seen = self._cell.rack, self._seen
+        if (
+            seen is None
+            or seen[0] is not panel
+            or seen[1] is not cell
+            or seen[2] != rack.carried
+            or seen[3] != rack.longer
+        ):
+            self._look()
 
     def _settle_signals(self) -> None:
         """Write what follows from the panel, and from other signals."""
@@ -221,15 +233,6 @@ class ControllerClock:
         """Let samples say how spindle, guard and tool are now."""
         rack, panel, cell = self._cell.rack, self._panel.mark, self._cell.mark
         carried, longer = rack.carried, rack.longer
-        seen = self._seen
-        if (
-            seen is not None
-            and seen[0] is panel
-            and seen[1] is cell
-            and seen[2] == carried
-            and seen[3] == longer
-        ):
-            return
         self._seen = panel, cell, carried, longer
         self._engine.surroundings = Surroundings(
             self._level(self._cell.spindle_drive),
