@@ -6,8 +6,6 @@ with the code that made it.
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
@@ -85,32 +83,34 @@ class ControllerArm:
         distance = np.hypot(wrist[:, 0], wrist[:, 1])
         height = wrist[:, 2] - self._shoulder[1]
         heading = np.arctan2(wrist[:, 1], wrist[:, 0])
-        result = np.full((len(wrist), 8, 6), np.nan)
-        for behind_axis, behind_arm in itertools.product((0, 1), (0, 1)):
-            q1 = heading + (np.pi if behind_axis else 0.0)
-            reach = (-distance if behind_axis else distance) - self._shoulder[0]
-            sine = (reach**2 + height**2 - self._upper_arm**2 - self._forearm**2) / (
-                2.0 * self._upper_arm * self._forearm
-            )
-            with np.errstate(invalid="ignore"):
-                angle = np.arcsin(np.where(np.abs(sine) <= 1.0, sine, np.nan))
-            gamma = np.pi - angle if behind_arm else angle
-            along = self._upper_arm + self._forearm * np.sin(gamma)
-            across = self._forearm * np.cos(gamma)
-            q2 = np.arctan2(along * reach - across * height, along * height + across * reach)
-            q3 = self._bend - gamma
-            R_3_6 = _seen_from_third(q1, q2 + q3, rotation)
-            for negative in (0, 1):
-                # R_3_6 = Rz(q4) Ry(-q5) Rz(q6 + pi); the two wrists differ in the sign of axis 5.
-                sign = -1.0 if negative else 1.0
-                sine5 = sign * np.hypot(R_3_6[:, 0, 2], R_3_6[:, 1, 2])
-                q5 = np.arctan2(sine5, R_3_6[:, 2, 2])
-                q4 = np.arctan2(-sign * R_3_6[:, 1, 2], -sign * R_3_6[:, 0, 2])
-                q6 = np.arctan2(-sign * R_3_6[:, 2, 1], sign * R_3_6[:, 2, 0]) - np.pi
-                solution = np.stack([q1, q2, q3, q4, q5, q6], axis=1)
-                solution = np.where(np.isnan(q2)[:, None], np.nan, _wrapped(solution))
-                result[:, 4 * behind_axis + 2 * behind_arm + negative] = solution
-        return result
+        # Axis by axis for all branches at once: rows are in front of and behind axis 1, (2, n).
+        q1 = np.stack([heading, heading + np.pi])
+        reach = np.stack([distance, -distance]) - self._shoulder[0]
+        sine = (reach**2 + height**2 - self._upper_arm**2 - self._forearm**2) / (
+            2.0 * self._upper_arm * self._forearm
+        )
+        with np.errstate(invalid="ignore"):
+            angle = np.arcsin(np.where(np.abs(sine) <= 1.0, sine, np.nan))
+        # Then for either bend of the arm, (2, 2, n) and in one row of four, (4, n).
+        gamma = np.stack([angle, np.pi - angle], axis=1)
+        along, across = self._upper_arm + self._forearm * np.sin(gamma), self._forearm * np.cos(gamma)
+        ahead = reach[:, None]
+        q2 = np.arctan2(along * ahead - across * height, along * height + across * ahead).reshape(4, -1)
+        q3 = (self._bend - gamma).reshape(4, -1)
+        q1 = np.repeat(q1, 2, axis=0)
+        R_3_6 = _seen_from_third(q1.ravel(), (q2 + q3).ravel(), np.tile(rotation, (4, 1, 1)))
+        # R_3_6 = Rz(q4) Ry(-q5) Rz(q6 + pi); the two wrists differ in the sign of axis 5.
+        bent = np.hypot(R_3_6[:, 0, 2], R_3_6[:, 1, 2])
+        result = np.empty((4, 2, len(wrist), 6))
+        for number, sign in enumerate((1.0, -1.0)):
+            q5 = np.arctan2(sign * bent, R_3_6[:, 2, 2])
+            q4 = np.arctan2(-sign * R_3_6[:, 1, 2], -sign * R_3_6[:, 0, 2])
+            q6 = np.arctan2(-sign * R_3_6[:, 2, 1], sign * R_3_6[:, 2, 0]) - np.pi
+            for axis, q in enumerate((q1, q2, q3, q4, q5, q6)):
+                result[:, number, :, axis] = q.reshape(4, -1)
+        result = _wrapped(result)
+        result[np.isnan(q2)[:, None].repeat(2, axis=1)] = np.nan
+        return np.ascontiguousarray(result.reshape(8, len(wrist), 6).swapaxes(0, 1))
 
     def within_limits(self, q: FloatArray) -> BoolArray:
         """Whether joint angles q (n, 6) [rad] are within the limits, shape (n,)."""

@@ -17,7 +17,7 @@ from doormill_ros.simulation.controller.tool_rack import DRAWBAR_OPEN, GAUGE, To
 SPINDLE_STOPPED = "diSpindleStopped"
 SPINDLE_ON, SPINDLE_SPEED, SPINDLE_AT_SPEED = "doSpindleOn", "aoSpindleSpeed", "diSpindleAtSpeed"
 DOOR_CLAMPED, GUARD_CLOSED = "diDoorClamped", "diGuardClosed"
-_OF_THE_PORT = ALL_SIGNALS + GROUP_SIGNALS
+_OF_THE_PORT = frozenset(ALL_SIGNALS + GROUP_SIGNALS)
 #: Output to the spindle's drive, where the cell has one of its own behind a cross connection.
 SPINDLE_RUN = "doSpindleRun"
 _LIMITS = {"AO": "ERR_AO_LIM", "GO": "ERR_GO_LIM", "DO": "ERR_ARGVALERR"}
@@ -31,6 +31,7 @@ class SimulatedCell:
         spindle_drive: Output that makes the spindle turn.
         spindle_works: False for a spindle that never comes to speed.
         rack: Drawbar, tools and gauge.
+        mark: Another object after each change of a signal that the cell itself holds.
     """
 
     def __init__(
@@ -52,6 +53,11 @@ class SimulatedCell:
         self._flange = flange
         self.configuration = configuration
         self.kinds = configuration.kinds
+        #: Signals that only change here, not in the port and not with the robot.
+        self.held = frozenset(self.kinds) - _OF_THE_PORT - {GAUGE}
+        self.mark = object()
+        #: Mark, drawbar and tool for which its sensors say what they should.
+        self._shown: tuple[object, bool, str] | None = None
         self._port = port
         self._values = {name: signal.default for name, signal in configuration.signals.items()}
         for name in (DOOR_CLAMPED, GUARD_CLOSED):
@@ -70,6 +76,8 @@ class SimulatedCell:
 
     def read(self, name: str) -> float:
         """Present value of a configured signal."""
+        if name in self.held:
+            return self._values[name]
         self._check(name)
         if name == GAUGE:
             return self.rack.gauge(self._flange())
@@ -116,52 +124,67 @@ class SimulatedCell:
         changed = self._values[name] != value
         if changed and name == self.spindle_drive and not value:
             self.spindle_turned.append((now, False))
-        self._values[name] = value
+        self._hold(name, value)
         if changed and name == DRAWBAR_OPEN:
             self.rack.order(now)
         if changed and name == self.spindle_drive and SPINDLE_STOPPED in self._values:
-            self._values[SPINDLE_STOPPED] = 0.0
+            self._hold(SPINDLE_STOPPED, 0.0)
             self._rest_due = None if value else now + self.spindle_time
         if changed and name in (self.spindle_drive, SPINDLE_SPEED) and SPINDLE_AT_SPEED in self._values:
-            self._values[SPINDLE_AT_SPEED] = 0.0
+            self._hold(SPINDLE_AT_SPEED, 0.0)
             self._spindle_due = now + self.spindle_time
 
     def set_input(self, name: str, value: float) -> None:
         """Set an input from outside, as the plant does."""
         self._check(name)
-        self._values[name] = value
+        self._hold(name, value)
 
     def next_event(self) -> float | None:
         """Simulated time at which a signal changes by itself [s], None when none will."""
         spindle = self._spindle_due if self.spindle_works else None
-        due = [time for time in (spindle, self._rest_due, self.rack.next_event) if time is not None]
-        return min(due, default=None)
+        rest, drawbar = self._rest_due, self.rack.next_event
+        if spindle is None and rest is None and drawbar is None:
+            return None
+        return min(time for time in (spindle, rest, drawbar) if time is not None)
 
     def advance(self, now: float) -> None:
         """Let what is due happen."""
         self._now = now
         if self._spindle_due is not None and self.spindle_works and now >= self._spindle_due:
-            self._values[SPINDLE_AT_SPEED] = self._values.get(self.spindle_drive, 0.0)
+            self._hold(SPINDLE_AT_SPEED, self._values.get(self.spindle_drive, 0.0))
             self.spindle_turned.append((self._spindle_due, bool(self._values[SPINDLE_AT_SPEED])))
             self._spindle_due = None
         if self._rest_due is not None and now >= self._rest_due:
             self._rest_due = None
             self._tell(SPINDLE_STOPPED, 1.0)
-        turning = bool(self._values.get(self.spindle_drive, 0.0)) or not self._values.get(
-            SPINDLE_STOPPED, 1.0
-        )
-        if self.rack.next_event is not None:
+        drawbar = self.rack.next_event
+        if drawbar is not None and now >= drawbar:
+            turning = bool(self._values.get(self.spindle_drive, 0.0)) or not self._values.get(
+                SPINDLE_STOPPED, 1.0
+            )
             self.rack.advance(now, bool(self._values.get(DRAWBAR_OPEN, 0.0)), self._flange(), turning)
         self.show_drawbar()
 
     def show_drawbar(self) -> None:
         """Give the drawbar's sensors what the plant says."""
+        mark, opened, carried = self.mark, self.rack.opened, self.rack.carried
+        shown = self._shown
+        if shown is not None and shown[0] is mark and shown[1] == opened and shown[2] == carried:
+            return
         for name, value in self.rack.signals().items():
             self._tell(name, value)
+        self._shown = mark, opened, carried
 
     def _tell(self, name: str, value: float) -> None:
-        if name in self._values:
-            self._values[name] = value
+        if self._values.get(name, value) != value:
+            self._hold(name, value)
+
+    def _hold(self, name: str, value: float) -> None:
+        """Keep a value, and say so after it when it is another one than before."""
+        changed = self._values.get(name) != value
+        self._values[name] = value
+        if changed:
+            self.mark = object()
 
     def _check(self, name: str) -> None:
         if name not in self.kinds:

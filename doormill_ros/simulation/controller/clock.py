@@ -61,6 +61,10 @@ class ControllerClock:
         self.attendant: Attendant | None = None
         self.attended = True
         self.system = SystemOutputs({})
+        #: Marks of panel and cell and the system outputs for which nothing is left to be written.
+        self._settled: tuple[object, object, SystemOutputs] | None = None
+        #: Marks of panel and cell, the tool and its length that the surroundings are of.
+        self._seen: tuple[object, object, str, float] | None = None
         self._look()
 
     def now(self) -> float:
@@ -79,28 +83,30 @@ class ControllerClock:
         """
         if self._end.is_set():
             raise RapidStoppedError("the program was stopped from outside")
-        step = max(min(seconds, LONGEST_STEP, self._panel.next_order_time() - self.now()), SHORTEST_STEP)
+        engine = self._engine
+        step = max(min(seconds, LONGEST_STEP, self._panel.next_order_time() - engine.time), SHORTEST_STEP)
         self._sync()
-        self._engine.advance(step)
-        self._cell.advance(self.now())
+        engine.advance(step)
+        self._cell.advance(engine.time)
         if pace and self._pace.time_scale:
             time.sleep(step / self._pace.time_scale)
         if self._pace.on_time is not None:
             self._pace.on_time()
-        self._panel.give_due_orders(self.now())
+        self._panel.give_due_orders(engine.time)
         self._sync()
 
     def pass_time(self, seconds: float) -> None:
         """Let time pass while the program runs."""
-        end = self.now() + seconds
+        engine = self._engine
+        end = engine.time + seconds
         while True:
             armed = self.attended and self.attendant is not None and self.attendant.armed
-            left = end - self.now()
+            left = end - engine.time
             self.step(min(left, INTERRUPT_STEP) if armed else left)
             self.react()
             if armed and self.attendant is not None:
                 self.attendant.attend()
-            if self.now() >= end - 1e-12:
+            if engine.time >= end - 1e-12:
                 return
 
     def wait(self, condition: Callable[[], bool] | None, seconds: float | None) -> bool:
@@ -109,19 +115,21 @@ class ControllerClock:
         Raises:
             RapidStoppedError: It takes longer than `patience`.
         """
-        end = np.inf if seconds is None else self.now() + seconds
+        engine = self._engine
+        end = np.inf if seconds is None else engine.time + seconds
         waited = 0.0
         while condition is None or not condition():
-            left = end - self.now()
+            left = end - engine.time
             if left <= 0.0:
                 return False
             if condition is None:
-                self.pass_time(min(left, self._engine.until_next() or left))
+                self.pass_time(min(left, engine.until_next() or left))
                 continue
-            before = self.now()
+            before = engine.time
             self._wait_a_little(left)
-            waited += self.now() - before
-            self._lose_patience(waited, "for a signal")
+            waited += engine.time - before
+            if self._pace.patience is not None:
+                self._lose_patience(waited, "for a signal")
         return True
 
     def go_on_until(self, reached: Callable[[], bool]) -> None:
@@ -185,7 +193,30 @@ class ControllerClock:
         self.step(min(left, elapsed), pace=False)
 
     def _sync(self) -> None:
-        """Give the motion what panel and cell say."""
+        """Give the motion what panel and cell say; without effect while neither has changed.
+
+        The marks are taken before anything is read: what changes meanwhile is seen the next time.
+        """
+        system, panel, cell = self.system, self._panel.mark, self._cell.mark
+        settled = self._settled
+        if settled is None or settled[0] is not panel or settled[1] is not cell or settled[2] is not system:
+            self._settle_signals()
+            # Signals that others hold may change without a mark, and have to be read each time.
+            self._settled = (panel, cell, system) if system.signals <= self._cell.held else None
+            self._look()
+            return
+        rack, seen = self._cell.rack, self._seen
+        if (
+            seen is None
+            or seen[0] is not panel
+            or seen[1] is not cell
+            or seen[2] != rack.carried
+            or seen[3] != rack.longer
+        ):
+            self._look()
+
+    def _settle_signals(self) -> None:
+        """Write what follows from the panel, and from other signals."""
         state = self._panel.state
         rules = self._engine.rules
         manual = state.mode is OperatingMode.MANUAL_REDUCED
@@ -197,16 +228,18 @@ class ControllerClock:
             self._cell.set_input(GUARD_CLOSED, float(self._panel.guard_closed))
         if state.powered:
             self.system.update(self._panel.system_outputs(), self._cell.read, self._cell.force)
-        self._look()
 
     def _look(self) -> None:
         """Let samples say how spindle, guard and tool are now."""
+        rack, panel, cell = self._cell.rack, self._panel.mark, self._cell.mark
+        carried, longer = rack.carried, rack.longer
+        self._seen = panel, cell, carried, longer
         self._engine.surroundings = Surroundings(
             self._level(self._cell.spindle_drive),
             self._level(SPINDLE_AT_SPEED),
             self._panel.guard_closed,
-            self._cell.rack.carried,
-            self._cell.rack.longer,
+            carried,
+            longer,
         )
 
     def _level(self, name: str) -> bool:

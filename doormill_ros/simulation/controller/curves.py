@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
+from scipy.spatial.transform import Rotation
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.units import deg_to_rad, m_to_mm, rad_to_deg
@@ -66,7 +67,11 @@ class TcpLine:
         """T_base_tool, shape (n, 4, 4), at u (n,)."""
         u = np.asarray(u, dtype=float)
         points = self.start[:3, 3] + u[:, None] * (self.end[:3, 3] - self.start[:3, 3])
-        return _assemble(_rotations(self.start, self.end, u), points)
+        return _assemble(self._turning.at(u).as_matrix(), points)
+
+    @cached_property
+    def _turning(self) -> _Turning:
+        return _Turning(self.start, self.end)
 
 
 class TcpArc:
@@ -111,13 +116,14 @@ class TcpArc:
             raise ValueError(f"the arc is {rad_to_deg(self.angle):.1f} deg long, allowed are 240 deg")
         self.length = self.radius * self.angle
         self.turn = _angle(start, end)
+        self._turning = _Turning(start, end)
 
     def poses(self, u: FloatArray) -> FloatArray:
         """T_base_tool, shape (n, 4, 4), at u (n,)."""
         u = np.asarray(u, dtype=float)
         angle = (u * self.angle)[:, None]
         points = self._centre + self.radius * (np.cos(angle) * self._x + np.sin(angle) * self._y)
-        return _assemble(_rotations(self.start, self.end, u), points)
+        return _assemble(self._turning.at(u).as_matrix(), points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,8 +157,9 @@ class Corner:
         p, q, r = (pose[:3, 3] for pose in (self.before, self.corner, self.after))
         w = u[:, None]
         points = (1.0 - w) ** 2 * p + 2.0 * w * (1.0 - w) * q + w**2 * r
-        first = Rotation.from_matrix(_rotations(self.before, self.corner, u))
-        second = Rotation.from_matrix(_rotations(self.corner, self.after, u))
+        # By way of matrices, which makes the quaternions of unit length again.
+        first = Rotation.from_matrix(_Turning(self.before, self.corner).at(u).as_matrix())
+        second = Rotation.from_matrix(_Turning(self.corner, self.after).at(u).as_matrix())
         step = Rotation.from_rotvec((second * first.inv()).as_rotvec() * w)
         return _assemble((step * first).as_matrix(), points)
 
@@ -177,11 +184,19 @@ def _angle(a: FloatArray, b: FloatArray) -> float:
     return float(np.linalg.norm(Rotation.from_matrix(a[:3, :3].T @ b[:3, :3]).as_rotvec()))
 
 
-def _rotations(start: FloatArray, end: FloatArray, u: FloatArray) -> FloatArray:
-    """Rotations between two poses, shape (n, 3, 3)."""
-    slerp = Slerp([0.0, 1.0], Rotation.from_matrix([start[:3, :3], end[:3, :3]]))
-    rotations: FloatArray = slerp(np.clip(u, 0.0, 1.0)).as_matrix()
-    return rotations
+class _Turning:
+    """Turning evenly about one axis from one pose to another, spherical linear interpolation."""
+
+    def __init__(self, start: FloatArray, end: FloatArray) -> None:
+        """Find the axis between two poses of shape (4, 4)."""
+        both = Rotation.from_matrix([start[:3, :3], end[:3, :3]])
+        self._first = both[:1]
+        self._rotvec = (self._first.inv() * both[1:]).as_rotvec()  # (1, 3) [rad]
+
+    def at(self, u: FloatArray) -> Rotation:
+        """Rotations at u (n,), from 0 to 1."""
+        share = np.clip(u, 0.0, 1.0)[:, None]
+        return self._first * Rotation.from_rotvec(self._rotvec * share)
 
 
 def _assemble(rotations: FloatArray, points: FloatArray) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -39,22 +40,26 @@ class Path:
 
     def until_next(self, rules: SpeedRules, rest: PathNode | None) -> float:
         """Time until the robot is in the next motion, stands, or passes `rest` [s]."""
-        node = self.row[self.head]
-        total = max(node.dwell - self.stood, 0.0) - self.elapsed
-        for here, there in zip(self.row[self.head :], self.row[self.head + 1 :], strict=False):
+        row, here = self.row, self.row[self.head]
+        serial = here.serial
+        total = max(here.dwell - self.stood, 0.0) - self.elapsed
+        for there in islice(row, self.head + 1, None):
             total += rules.time_between(here, there)
-            if there.serial != node.serial or there is rest or there.dwell > 0.0:
-                total += there.dwell if there is self.row[-1] else 0.0
+            if there.serial != serial or there is rest or there.dwell > 0.0:
+                total += there.dwell if there is row[-1] else 0.0
                 break
+            here = there
         return total
 
     def time_to(self, target: PathNode, rules: SpeedRules) -> float:
         """Time until the robot passes a node of the path [s]; negative when it has."""
-        total = max(self.row[self.head].dwell - self.stood, 0.0) - self.elapsed
-        for here, there in zip(self.row[self.head :], self.row[self.head + 1 :], strict=False):
+        here = self.row[self.head]
+        total = max(here.dwell - self.stood, 0.0) - self.elapsed
+        for there in islice(self.row, self.head + 1, None):
             if here is target:
                 return total
             total += rules.time_between(here, there)
+            here = there
         return total if self.row[-1] is target else -1.0
 
     def divide(self, rules: SpeedRules) -> bool:

@@ -105,6 +105,11 @@ class ToolRack:
         self.carried = "" if place is None else tools[place]
         self.standing = ["" if number == place else tool for number, tool in enumerate(tools)]
 
+    @property
+    def opened(self) -> bool:
+        """Whether the drawbar is open."""
+        return self._open
+
     def signals(self) -> Mapping[str, float]:
         """What the drawbar's sensors say."""
         return {RELEASED: float(self._open), CLAMPED: float(not self._open and bool(self.carried))}

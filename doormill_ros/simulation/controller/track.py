@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
@@ -143,20 +144,21 @@ class SpeedRules:
         """
         a = self.acceleration
         allowed = [0.0] * len(row)
+        caps = [self.cap(node) for node in row[:-1]]
         for k in range(len(row) - 2, 0, -1):
             node = row[k]
             if not (node.stop or node.dwell > 0.0):
-                cap = min(self.cap(row[k - 1]), self.cap(node), node.bend)
-                allowed[k] = min(cap, float(np.sqrt(allowed[k + 1] ** 2 + 2.0 * a * node.way)))
+                cap = min(caps[k - 1], caps[k], node.bend)
+                allowed[k] = min(cap, sqrt(allowed[k + 1] ** 2 + 2.0 * a * node.way))
         for k in range(len(row) - 1):
             square = row[k].speed ** 2
             if deceleration is not None:
                 slowest = max(0.0, square - 2.0 * deceleration * row[k].way)
-                row[k + 1].speed = float(np.sqrt(min(slowest, allowed[k + 1] ** 2)))
+                row[k + 1].speed = sqrt(min(slowest, allowed[k + 1] ** 2))
                 continue
             slowest = max(0.0, square - 2.0 * a * self.limits.quick_factor * row[k].way)
             fastest = square + 2.0 * a * row[k].way
-            row[k + 1].speed = float(np.sqrt(min(max(allowed[k + 1] ** 2, slowest), fastest)))
+            row[k + 1].speed = sqrt(min(max(allowed[k + 1] ** 2, slowest), fastest))
 
     def time_between(self, node: PathNode, following: PathNode) -> float:
         """Time from a node to the next one [s], standing at the first one left out."""
@@ -171,7 +173,7 @@ class SpeedRules:
         # From rest to rest: up to the middle and down again, or at the cap in between.
         ramp = cap**2 / self.acceleration
         if node.way <= ramp:
-            return 2.0 * float(np.sqrt(node.way / self.acceleration))
+            return 2.0 * sqrt(node.way / self.acceleration)
         return cap / self.acceleration + node.way / cap
 
 

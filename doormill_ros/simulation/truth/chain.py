@@ -46,16 +46,15 @@ def joint_matrix(row: FloatArray, angle: FloatArray) -> FloatArray:
         Frame k in frame k-1, shape (n, 4, 4).
     """
     theta, d, a, alpha = row
-    c, s = np.cos(angle + theta), np.sin(angle + theta)
+    turned = angle + theta
+    c, s = np.cos(turned), np.sin(turned)
     ca, sa = np.cos(alpha), np.sin(alpha)
-    one, zero = np.ones_like(c), np.zeros_like(c)
-    rows = [
-        [c, -s * ca, s * sa, a * c],
-        [s, c * ca, -c * sa, a * s],
-        [zero, sa * one, ca * one, d * one],
-        [zero, zero, zero, one],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    matrix = np.zeros((len(angle), 4, 4))
+    matrix[:, 0, 0], matrix[:, 0, 1], matrix[:, 0, 2], matrix[:, 0, 3] = c, -s * ca, s * sa, a * c
+    matrix[:, 1, 0], matrix[:, 1, 1], matrix[:, 1, 2], matrix[:, 1, 3] = s, c * ca, -c * sa, a * s
+    matrix[:, 2, 1:] = sa, ca, d
+    matrix[:, 3, 3] = 1.0
+    return matrix
 
 
 def chain(dh: FloatArray, q: FloatArray) -> FloatArray:

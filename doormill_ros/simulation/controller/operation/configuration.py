@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from doormill_ros.simulation.controller.rapid.errors import SignalError
@@ -48,6 +49,12 @@ class SystemOutputs:
 
     status: Mapping[str, str]
     crosses: tuple[Cross, ...] = ()
+
+    @cached_property
+    def signals(self) -> frozenset[str]:
+        """All signals that are read or written here."""
+        crossed = {name for cross in self.crosses for name in (cross.result, *(a for a, _ in cross.actors))}
+        return frozenset(self.status.values()) | crossed
 
     def update(
         self, states: Mapping[str, int], read: Callable[[str], float], write: Callable[[str, float], None]

@@ -17,9 +17,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from math import inf
 from typing import Protocol
 
 from doormill_ros.abb.errors import AbbError
+from doormill_ros.simulation.controller.marked import Marked
 from doormill_ros.simulation.controller.operation.states import (
     ControllerState,
     ExecutionState,
@@ -45,7 +47,7 @@ class Log(Protocol):
         ...
 
 
-class ControlPanel:
+class ControlPanel(Marked):
     """State of the controller and the orders it takes; safe to use from several threads.
 
     An order changes drives and safety chain at once. What it means for program and motion is in `stop_wanted`,
@@ -64,6 +66,7 @@ class ControlPanel:
         self._pointer_lost = False
         self._powered, self._guard_closed, self._button_pressed = True, True, False
         self._later: list[tuple[float, Callable[[], None]]] = []
+        self._next_order = inf
         #: What the running program has not reacted to yet.
         self.stop_wanted: StopCause | None = None
         self.stop_category = 1
@@ -285,19 +288,20 @@ class ControlPanel:
         with self._lock:
             self._later.append((time, order))
             self._later.sort(key=lambda item: item[0])
+            self._next_order = self._later[0][0]
 
     # What the controller itself uses
 
     def next_order_time(self) -> float:
         """When the next order of `at` is due [s], infinite without one."""
-        with self._lock:
-            return self._later[0][0] if self._later else float("inf")
+        return self._next_order
 
     def give_due_orders(self, now: float) -> None:
         """Give the orders of `at` that are due; one that is refused is logged."""
-        while self.next_order_time() <= now + 1e-9:
+        while self._next_order <= now + 1e-9:
             with self._lock:
                 _, order = self._later.pop(0)
+                self._next_order = self._later[0][0] if self._later else inf
             try:
                 order()
             except OrderRefusedError as error:

@@ -73,6 +73,12 @@ class CallCompiler(ExpressionCompiler):
     def _call(self, node: s.Function | s.Call, routine: RoutineInfo) -> Run:
         binders = self._bind(node, routine)
         run = routine.run if routine.predefined else None
+        if run is not None and len(binders) == 1:
+            only = binders[0]
+            return lambda frame: run([only(frame)])
+        if run is not None and len(binders) == 3:
+            first, second, third = binders
+            return lambda frame: run([first(frame), second(frame), third(frame)])
         if run is not None:
             return lambda frame: run([bind(frame) for bind in binders])
         # The routine may be compiled later, so its code is looked up when it is called.

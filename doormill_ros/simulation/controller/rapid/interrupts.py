@@ -135,7 +135,12 @@ class Interrupts:
     @property
     def armed(self) -> bool:
         """Whether an event may occur or a trap is waiting."""
-        return bool(self.queue) or any(i.occurred is not None for i in self._connected.values())
+        if self.queue:
+            return True
+        for interrupt in self._connected.values():  # noqa: SIM110  # asked with every step of time
+            if interrupt.occurred is not None:
+                return True
+        return False
 
     def discard(self) -> None:
         r"""Forget what waits for its trap and what occurs until now, as a program that stands does.

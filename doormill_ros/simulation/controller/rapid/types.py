@@ -7,7 +7,6 @@ expression says which.
 
 from __future__ import annotations
 
-import math
 import struct
 from dataclasses import dataclass
 from typing import Any
@@ -147,14 +146,18 @@ def default(kind: AnyType) -> Value:
 
 
 def _array(element: Type, dimensions: list[int | None]) -> Value:
-    if not dimensions:
-        return default(element)
-    return [_array(element, dimensions[1:]) for _ in range(dimensions[0] or 0)]
+    item = _array(element, dimensions[1:]) if dimensions[1:] else default(element)
+    return [copy(item) for _ in range(dimensions[0] or 0)]
 
 
 def copy(value: Value) -> Value:
     """A copy that shares nothing; RAPID assigns by value."""
-    return [copy(item) for item in value] if isinstance(value, list) else value
+    if not isinstance(value, list):
+        return value
+    # Most lists are the innermost ones, of numbers alone: for those nothing is left to be done.
+    if list in map(type, value):
+        return [copy(item) for item in value]
+    return value.copy()
 
 
 def is_composite(kind: AnyType) -> bool:
@@ -201,4 +204,4 @@ def format_value(value: Value) -> str:
 
 def is_integer(value: float) -> bool:
     """True for a number without fraction."""
-    return math.isfinite(value) and value == math.floor(value)
+    return float(value).is_integer()

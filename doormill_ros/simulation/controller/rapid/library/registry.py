@@ -39,15 +39,21 @@ def install(context: Context, types: Names, routines: Names) -> None:
         signature = _parsed(head)
         kind = resolve_type(types, signature.type_name, "predefined", 0) if signature.type_name else None
         parameters = describe_parameters(signature, types, "predefined")
-        info = RoutineInfo(signature.name, kind, parameters, _adapt(function, context), predefined=True)
-        routines.add(signature.name, info)
+        optional = any(parameter.optional for parameter in parameters)
+        run = _adapt(function, context, optional)
+        routines.add(signature.name, RoutineInfo(signature.name, kind, parameters, run, predefined=True))
 
 
-def _adapt(function: Callable[..., Any], context: Context) -> Callable[[Frame], Value]:
+def _adapt(function: Callable[..., Any], context: Context, optional: bool) -> Callable[[Frame], Value]:
+    """Code that runs a routine on its argument slots; of `optional` parameters some may be absent."""
+
     def run(arguments: Frame) -> Value:
+        return function(context, *arguments)
+
+    def run_with_absent(arguments: Frame) -> Value:
         return function(context, *[None if a is ABSENT else a for a in arguments])
 
-    return run
+    return run_with_absent if optional else run
 
 
 @cache
