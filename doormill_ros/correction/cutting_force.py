@@ -96,12 +96,18 @@ def mean_force(
     Returns:
         Force on the tool in the axes of `feed`, shape (..., 2) [N per m of depth].
     """
-    rim, ahead = rim_directions(), advance(feed)
+    ahead = advance(feed)
     by_edge = np.where(ahead > 0.0, material.specific * chip * ahead + material.edge, 0.0)  # [N/m]
-    motion = np.stack([-rim[:, 1], rim[:, 0]], axis=1)
-    on_tool = -(motion + material.radial * rim)
-    force: FloatArray = flutes * ((engaged * by_edge) @ on_tool) / DIRECTIONS
+    force: FloatArray = flutes * ((engaged * by_edge) @ _on_tool(material.radial)) / DIRECTIONS
     return force
+
+
+@functools.cache
+def _on_tool(radial: float) -> FloatArray:
+    """What an edge at each of `rim_directions` does to the tool for a force of 1 along it, shape (DIRECTIONS, 2)."""
+    rim = rim_directions()
+    motion = np.column_stack([-rim[:, 1], rim[:, 0]])
+    return -(motion + radial * rim)
 
 
 def plunge_force(
