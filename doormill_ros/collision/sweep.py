@@ -134,15 +134,16 @@ def _divided(
         q: Postures, shape (n, 6) [rad].
         off: As `contact_along`'s bulge.
     """
-    turn = np.abs(np.diff(q, axis=0))
+    way_of_part = q[1:] - q[:-1]
+    turn = np.abs(way_of_part)
     count = np.ceil(np.sqrt(world.bend(turn) / BEND)).astype(int).clip(1)
     way = (turn @ world.farthest).cumsum()
     middle = int(way.searchsorted(0.5 * way[-1]))
     count[middle] += count[middle] % 2
     at = int(count[:middle].sum() + count[middle] // 2)
-    part = np.repeat(np.arange(len(turn)), count)
-    share = np.concatenate([np.arange(number) / number for number in count.tolist()])[:, None]
-    places = np.concatenate([q[part] + share * (q[part + 1] - q[part]), q[-1:]])
+    part = np.arange(len(turn)).repeat(count)
+    share = (np.arange(len(part)) - (count.cumsum() - count)[part]) / count[part]
+    places = np.concatenate([q[part] + share[:, None] * way_of_part[part], q[-1:]])
     return places, None if off is None else off[part], at
 
 

@@ -183,12 +183,17 @@ class World:
         reach = self.reach[pairs]
         lowest: FloatArray = distance[:, None] - reach @ (region.turned(here) + region.off).T
         near = np.flatnonzero(lowest.min(axis=1) < enough)
-        if len(near):
+        normal = self._planes(pairs[near]) if len(near) else np.empty((0, 3))
+        for gap_along in (self._bodies.rough_gap, self._bodies.gap):
+            if not len(near):
+                break
             # The library knows a plane less exactly than a distance, which tells on bodies as wide as a floor.
             rows = pairs[near]
-            gap = self._bodies.gap(self._sides[:, rows], self._planes(rows), region)
+            gap = gap_along(self._sides[:, rows], normal, region)
             by_plane = gap[:, region.hulls].min(axis=2) - 0.125 * self._curve[rows] @ region.spread
             lowest[near] = np.maximum(by_plane - reach[near] @ region.off.T, lowest[near])
+            unproven = lowest[near].min(axis=1) < enough
+            near, normal = near[unproven], normal[unproven]
         return lowest
 
     def _planes(self, pairs: IntArray) -> FloatArray:

@@ -22,6 +22,7 @@ Wear is not in the spread.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,10 +63,21 @@ COEFFICIENTS = {
 }
 
 
+@functools.cache
 def rim_directions() -> FloatArray:
-    """Unit vectors round the tool axis at which chips are looked at, shape (DIRECTIONS, 2)."""
+    """Unit vectors round the tool axis at which chips are looked at, shape (DIRECTIONS, 2); locked."""
     angle = 2.0 * np.pi * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
-    return np.column_stack([np.cos(angle), np.sin(angle)])
+    directions = np.column_stack([np.cos(angle), np.sin(angle)])
+    directions.setflags(write=False)
+    return directions
+
+
+def advance(feed: FloatArray) -> FloatArray:
+    """Share of the feed along each of `rim_directions`, shapes (..., 2) -> (..., DIRECTIONS).
+
+    Where it is not above 0 no chip is taken, whether there is wood or not.
+    """
+    return feed @ rim_directions().T
 
 
 def mean_force(
@@ -75,8 +87,8 @@ def mean_force(
 
     Args:
         engaged: Whether there is wood at each of `rim_directions`, shape (..., DIRECTIONS).
-        feed: Unit direction of the feed, shape (..., 2); the first axis turned into the second is the sense in which
-            the spindle turns, clockwise seen from the spindle and so positive about an axis into the wood.
+        feed: Unit direction of the feed, shape (..., 2) that fits; the first axis turned into the second is the sense
+            in which the spindle turns, clockwise seen from the spindle and so positive about an axis into the wood.
         chip: Feed per edge [m].
         flutes: Number of edges.
         material: What is cut.
@@ -84,15 +96,18 @@ def mean_force(
     Returns:
         Force on the tool in the axes of `feed`, shape (..., 2) [N per m of depth].
     """
-    rim = rim_directions()
-    ahead = np.einsum("di,...i->...d", rim, feed)
-    cutting = engaged & (ahead > 0.0)
-    thickness = chip * np.where(cutting, ahead, 0.0)
-    along = np.where(cutting, material.specific * thickness + material.edge, 0.0)  # (..., DIRECTIONS) [N/m]
-    motion = np.column_stack([-rim[:, 1], rim[:, 0]])
-    on_tool = -(motion + material.radial * rim)
-    force: FloatArray = flutes * np.einsum("...d,di->...i", along, on_tool) / DIRECTIONS
+    ahead = advance(feed)
+    by_edge = np.where(ahead > 0.0, material.specific * chip * ahead + material.edge, 0.0)  # [N/m]
+    force: FloatArray = flutes * ((engaged * by_edge) @ _on_tool(material.radial)) / DIRECTIONS
     return force
+
+
+@functools.cache
+def _on_tool(radial: float) -> FloatArray:
+    """What an edge at each of `rim_directions` does to the tool for a force of 1 along it, shape (DIRECTIONS, 2)."""
+    rim = rim_directions()
+    motion = np.column_stack([-rim[:, 1], rim[:, 0]])
+    return -(motion + radial * rim)
 
 
 def plunge_force(

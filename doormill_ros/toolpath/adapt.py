@@ -98,7 +98,7 @@ def straightened(
         if i not in flat or not isinstance(curve, Arc) or curve.height > TALLEST_FLAT_ARC:
             parts.append((i, 0.0, 1.0, step))
             continue
-        via = curve.points([0.5])[0]
+        via = curve.point(0.5)
         for first, last, chord in ((0.0, 0.5, Line(curve.start, via)), (0.5, 1.0, Line(via, curve.end))):
             zone = step.zone if last == 1.0 else "z0"
             line = step.changed(kind=MotionKind.LINEAR, curve=chord, zone=zone)

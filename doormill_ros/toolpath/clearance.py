@@ -76,11 +76,17 @@ def check_air(steps: Sequence[Step], path: JointPath, world: World) -> None:
     Raises:
         AirMoveError: A motion comes too close.
     """
+    free = 0  # motions up to this one are free
     for i in range(1, len(steps)):
-        if not _in_air(steps, i) or between_features(steps, i):
+        if i <= free or not _alone_in_air(steps, i):
             continue
         if steps[i].kind is MotionKind.JOINT:
-            found = contact_along(world, path.stations[[i - 1, i], -1])
+            last = _last_of_swing(steps, i)
+            found = contact_along(world, path.stations[i - 1 : last + 1, -1])
+            if found is None:
+                free = last
+            elif last > i:  # whichever of them it is on
+                found = contact_along(world, path.stations[[i - 1, i], -1])
         else:
             rows = path.step == i
             found = contact_on_line(world, path.q[rows], path.fraction[rows])
@@ -93,6 +99,21 @@ def check_air(steps: Sequence[Step], path: JointPath, world: World) -> None:
                 motion=i + 1,
                 **facts(found, world),
             )
+
+
+def _alone_in_air(steps: Sequence[Step], index: int) -> bool:
+    """True for what `check_air` looks at."""
+    return _in_air(steps, index) and not between_features(steps, index)
+
+
+def _last_of_swing(steps: Sequence[Step], index: int) -> int:
+    """Number of the last MoveJ of those one after the other: all together are looked at in half the time of each."""
+    last = index
+    while (
+        last + 1 < len(steps) and steps[last + 1].kind is MotionKind.JOINT and _alone_in_air(steps, last + 1)
+    ):
+        last += 1
+    return last
 
 
 def _in_air(steps: Sequence[Step], index: int) -> bool:

@@ -54,6 +54,7 @@ class CutWriter:
             spindle_speed=cutting.spindle(self.feature.tool),
         )
         self.inward = operation.T_door_feature[:3, 2]
+        self._loads: dict[str, dict[str, Any]] = {}
         self.result: list[Step] = []
         self.at: FloatArray = operation.T_door_feature[:3, 3]
 
@@ -124,13 +125,15 @@ class CutWriter:
         """What the recipe says of the force on a segment; None for a cut under none."""
         if name is None:
             return {}
-        feature = self.feature
-        return {
-            "wrench_tool": feature.wrench(name),
-            "std_tool": feature.wrench_std(name),
-            "bounded": not feature.force_origin.measured,
-            "kind_of_feature": feature.kind,
-        }
+        if name not in self._loads:
+            feature = self.feature
+            self._loads[name] = {
+                "wrench_tool": feature.wrench(name),
+                "std_tool": feature.wrench_std(name),
+                "bounded": not feature.force_origin.measured,
+                "kind_of_feature": feature.kind,
+            }
+        return self._loads[name]
 
     def _mark_corners(self) -> None:
         """Stop at sharp corners of the wall pass: a fly-by would leave wood in them."""

@@ -118,7 +118,7 @@ def centred(pieces: Pieces, drops: Sequence[float], slope: float, beyond: float)
         return pieces[0][0].start, math.atan(sum(drops) / even)
     drift = (run + beyond + 0.25 * lap) % (0.5 * lap) - 0.25 * lap
     first, _ = next(_stretch(pieces, -0.5 * drift % lap, lap))
-    return first.points([0.0])[0], slope
+    return first.start, slope
 
 
 def straight_descent(
@@ -155,11 +155,10 @@ def head_room(before: FloatArray, ramp: Curve, leg: float, inward: FloatArray) -
 
 def _raised(curve: Curve, begin: float, end: float, inward: FloatArray) -> Curve:
     """The curve with its begin and its end that far above its plane [m]."""
-    first, middle, last = curve.points([0.0, 0.5, 1.0])
-    first, last = first - begin * inward, last - end * inward
+    first, last = curve.start - begin * inward, curve.end - end * inward
     if not curve.is_arc:
         return Line(first, last)
-    return arc_through(first, middle - 0.5 * (begin + end) * inward, last)
+    return arc_through(first, curve.point(0.5) - 0.5 * (begin + end) * inward, last)
 
 
 def _place_of(pieces: Pieces, point: FloatArray) -> float | None:

@@ -108,9 +108,10 @@ def _with_one_tool(
     )
     plan, path = route(recipe, operations, T_base_door, layout, robot, settings)
     plan = replace(plan, steps=tuple(followable(plan.steps, path, robot, settings.checks)))
-    stations, q = stations_of(plan.steps, T_base_door), path.stations
-    if not plan.fixed:
-        plan, stations, q = adapted(plan, q, T_base_door, loaded, settings.correction)
+    if plan.fixed:
+        stations, q = stations_of(plan.steps, T_base_door), path.stations
+    else:
+        plan, stations, q = adapted(plan, path.stations, T_base_door, loaded, settings.correction)
     program = assembled(recipe, plan, stations, q, loaded, robot, settings, layout.home)
     flat = unfollowable(program)
     if flat and not plan.fixed:

@@ -136,7 +136,7 @@ def from_line_near(
         wanted = float((at - curve.start) @ curve.tangent(0.0)) + ahead
         share = min(max(wanted / curve.length, 0.25), 0.75)
         # Where the middle half is left, the tool would have to turn back.
-        missed = abs(wanted - share * curve.length) + math.dist(at, curve.points([share])[0])
+        missed = abs(wanted - share * curve.length) + math.dist(at, curve.point(share))
         if missed < best:
             best, chosen = missed, (i, share)
     return from_longest_line(pieces) if math.isinf(best) else _starting(pieces, *chosen)

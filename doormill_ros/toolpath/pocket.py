@@ -241,7 +241,7 @@ def _followable(curve: Curve, name: str) -> list[tuple[Curve, str]]:
     count = max(1, math.ceil(curve.sweep / LARGEST_ARC - 1e-9))
     cuts = np.linspace(0.0, 1.0, count + 1)
     parts = [curve.part(a, b) for a, b in itertools.pairwise(cuts)]
-    if np.linalg.norm(parts[0].points([0.5])[0] - parts[0].start) > SMALLEST_CHORD:
+    if np.linalg.norm(parts[0].point(0.5) - parts[0].start) > SMALLEST_CHORD:
         return [(part, name) for part in parts]
     # Two chords of so small an arc leave less wood than a hundredth of a millimetre.
     corners = curve.points(np.linspace(0.0, 1.0, 2 * count + 1))

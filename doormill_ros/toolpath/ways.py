@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -97,19 +97,24 @@ class _Ways:
         """Points from a posture in front of a feature to home, both left out; `known` is a free way from near it."""
         if len(known) > 1 and contact_along(self.world, np.array([q, known[1]])) is None:
             return list(known[1:])
-        # What helped at the feature before is tried first.
-        hints = list(self._by_way_home(q))
-        order = sorted(range(len(hints)), key=lambda number: number != self.helped)
-        found = self._way(q, self.rest, [hints[i] for i in order], what, feature)
+        hints: list[list[FloatArray]] = []
+
+        def in_turn() -> Iterator[list[FloatArray]]:
+            # What helped at the feature before is tried first; none is worked out where the straight way is free.
+            hints.extend(self._by_way_home(q))
+            order = sorted(range(len(hints)), key=lambda number: number != self.helped)
+            yield from (hints[number] for number in order)
+
+        found = self._way(q, self.rest, in_turn(), what, feature)
         self.helped = next((i for i, hint in enumerate(hints) if hint is found), self.helped)
         return found
 
     def across(self, q: FloatArray, goal: FloatArray, before: str, after: str) -> list[FloatArray]:
         """Points from in front of one feature to in front of another, both left out."""
-        return self._way(q, goal, list(self._by_way_across(q, goal)), f"from {before} to {after}", after)
+        return self._way(q, goal, self._by_way_across(q, goal), f"from {before} to {after}", after)
 
     def _way(
-        self, q: FloatArray, goal: FloatArray, hints: list[list[FloatArray]], what: str, feature: str
+        self, q: FloatArray, goal: FloatArray, hints: Iterable[list[FloatArray]], what: str, feature: str
     ) -> list[FloatArray]:
         found = joint_way(self.world, q, goal, hints, self.limits)
         if isinstance(found, Contact):

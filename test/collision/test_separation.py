@@ -98,15 +98,21 @@ def test_a_plane_tells_the_gap_that_the_corners_have(world):
         assert pairs.size
         normal = world._planes(pairs)
         region = world.region(there[None], np.zeros((1, 1), dtype=int))
-        gap = world._bodies.gap(world._sides[:, pairs], normal, region)[:, 0]
+        bodies, sides = world._bodies, world._sides[:, pairs]
+        gap = bodies.gap(sides, normal, region)[:, 0]
+        rough = bodies.rough_gap(sides, normal, region)[:, 0]
+        assert np.all(rough <= gap + 1e-9)
+        widest = 2.0 * np.linalg.norm(bodies._own[sides[0], :3], axis=(1, 2))
+        assert np.all(rough >= gap - widest - 1e-9)
         for pair, own, told in zip(pairs, normal, gap, strict=True):
             moving, other = world._sides[:, pair]
-            axis = region.T_base_joint[world._bodies._joint[other], :, :3, 0] @ own
-            places = [
-                region.edges[:, body, 3, 0] + signs @ region.edges[:, body, :3, 0].T
-                for body in world._bodies._number[[moving, other]]
-            ]
-            margins = world._bodies._margin[[moving, other]].sum()
+            axis = region.T_base_joint[bodies._joint[other], :, :3, 0] @ own
+            places = []
+            for body in (moving, other):
+                T_base_joint = region.T_base_joint[bodies._joint[body], :, :, 0]
+                corners = bodies._own[body, 3] + signs @ bodies._own[body, :3]
+                places.append(corners @ T_base_joint[:, :3].T + T_base_joint[:, 3])
+            margins = bodies._margin[[moving, other]].sum()
             expected = (places[0] @ axis).min() - (places[1] @ axis).max() - margins
             assert told == pytest.approx(expected, abs=1e-9)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from doormill_ros.frames import apply, transform
-from doormill_ros.toolpath.curve import Line, arc_about, points_of
+from doormill_ros.toolpath.curve import Line, arc_about, points_of, tangents_of
 
 ANGLES = st.floats(0.05, 6.0)
 SIGNS = st.sampled_from([-1.0, 1.0])
@@ -71,3 +71,25 @@ def test_many_curves_at_once_are_the_same_as_one_by_one():
     for curve, points in zip(curves, together, strict=True):
         assert points == pytest.approx(curve.points(t), abs=1e-15)
     assert np.array_equal(together[0, -1], curves[0].end)
+
+
+@given(ANGLES, st.floats(0.0, 1.0))
+def test_one_point_is_one_of_many(sweep, fraction):
+    arc, _ = some_arc(sweep)
+    for curve in (arc, Line(np.zeros(3), np.array([1.0, 2.0, 3.0]))):
+        assert curve.point(fraction) == pytest.approx(curve.points([fraction])[0], abs=1e-12)
+        assert curve.point(0.0) == pytest.approx(curve.start, abs=0.0)
+        assert curve.point(1.0) == pytest.approx(curve.end, abs=0.0)
+
+
+@given(ANGLES, st.floats(0.1, 0.9))
+def test_tangents_go_the_way_of_the_points(sweep, fraction):
+    curves = [some_arc(sweep)[0], Line(np.zeros(3), np.array([1.0, 2.0, 3.0]))]
+    index, t = np.array([1, 0, 1]), np.array([0.0, fraction, 1.0])
+    found = tangents_of(curves, index, t)
+    alone = [curves[i].tangent(at) for i, at in zip(index, t, strict=True)]
+    assert found == pytest.approx(np.array(alone), abs=1e-12)
+    ways = np.array(
+        [curves[i].point(at + 1e-6) - curves[i].point(at - 1e-6) for i, at in zip(index, t, strict=True)]
+    )
+    assert found == pytest.approx(ways / np.linalg.norm(ways, axis=1)[:, None], abs=1e-6)

@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from doormill_ros.abb.target_file import trailer as target_trailer
+from doormill_ros.collision.sweep import contact_along
 from doormill_ros.collision.world import Mill, PlacedDoor, World
 from doormill_ros.frames import transform
 from doormill_ros.recipes.cutting import Cutting
@@ -22,7 +23,7 @@ from doormill_ros.toolpath.arcs import check_arcs
 from doormill_ros.toolpath.clearance import check_air
 from doormill_ros.toolpath.door_checks import check_door
 from doormill_ros.toolpath.operation import operation
-from doormill_ros.toolpath.program import MillingProgram
+from doormill_ros.toolpath.program import MillingProgram, MotionKind
 from doormill_ros.toolpath.route import route
 from doormill_ros.toolpath.settings import load_settings
 from doormill_ros.toolpath.split import split
@@ -248,6 +249,20 @@ def test_a_way_through_the_wood(cell, recipe):
         check_air(plan.steps, path, world_of(cell, recipe, T, width=0.2))
     assert found.value.data["obstacle"] == "door"
     assert found.value.data["found"] < found.value.data["allowed"] == pytest.approx(0.012)
+
+
+def test_of_a_swing_the_motion_is_named_that_touches_something(cell, recipe):
+    T = cell.T_base_door(recipe)
+    plan, path = routed(cell, recipe, T)
+    swings = [i for i, step in enumerate(plan.steps) if i and step.kind is MotionKind.JOINT]
+    assert swings[1] == swings[0] + 1
+    wider = world_of(cell, recipe, T, width=0.2)
+    touching = [i for i in swings if contact_along(wider, path.stations[[i - 1, i], -1])]
+    only = [step if step.kind is MotionKind.JOINT else step.changed(cutting=True) for step in plan.steps]
+    with pytest.raises(errors.AirMoveError) as found:
+        check_air(only, path, wider)
+    assert found.value.data["motion"] == touching[0] + 1
+    assert touching[0] > swings[0]
 
 
 def test_a_mill_longer_than_the_way_in_front_of_the_face(cell, recipe):
