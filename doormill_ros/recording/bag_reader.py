@@ -16,7 +16,7 @@ from rosbags.typesys.store import Typestore
 
 from doormill_ros.recording.errors import BagError, UnreadableBagError
 from doormill_ros.recording.mcap_chunks import check_chunks
-from doormill_ros.recording.mcap_index import messages_in, topics_in
+from doormill_ros.recording.mcap_index import definitions_in, messages_in, topics_in
 from doormill_ros.recording.mcap_scan import ScannedMessage, is_complete, scan
 from doormill_ros.recording.repeats import repeated_in
 
@@ -48,9 +48,9 @@ def typestore_of(definitions: Iterable[tuple[str, str]]) -> Typestore:
     return store
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=32)
 def _known_types(definitions: tuple[tuple[str, str], ...]) -> Typestore:
-    """As `typestore_of`, made once for all bags with these; nobody adds to it."""
+    """As `typestore_of`, made once for all bags of one software; nobody adds to it."""
     return typestore_of(definitions)
 
 
@@ -127,15 +127,16 @@ def _indexed(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessa
     files = _files(folder)
     if not files:
         yield from _stored_otherwise(folder, wanted)
+    # One store for all of a bag: what two messages hold of the same type has to be of the same class.
+    store = _known_types(tuple(dict.fromkeys(d for path in files for d in definitions_in(path, wanted))))
     repeated = sum((repeated_in(path) for path in files[1:]), Counter())
     for path in files:
         for item in messages_in(path, wanted):
             topic, stamp_ns, data = item.channel.topic, item.message.log_time, item.message.data
             if repeated and _is_repeated(repeated, topic, stamp_ns):
                 continue
-            name = item.schema.name
-            message = _known_types(((name, item.schema.data.decode("utf-8")),)).deserialize_cdr(data, name)
-            yield BagMessage(topic, stamp_ns, message, bytes(data), name)
+            message = store.deserialize_cdr(data, item.schema.name)
+            yield BagMessage(topic, stamp_ns, message, bytes(data), item.schema.name)
 
 
 def _stored_otherwise(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessage]:

@@ -19,6 +19,18 @@ def topics_in(path: Path) -> list[str]:
     return list(dict.fromkeys(channel.topic for _, channel in sorted(summary.channels.items())))
 
 
+def definitions_in(path: Path, wanted: Callable[[str], object]) -> list[tuple[str, str]]:
+    """Name and text of each type of a file's topics that are wanted, in the order of their channels."""
+    with path.open("rb") as stream:
+        summary = SeekingReader(stream, record_size_limit=LARGEST_RECORD).get_summary()
+    if summary is None:
+        schemas = [item.schema for item in scan(path) if wanted(item.channel.topic)]
+    else:
+        channels = [channel for _, channel in sorted(summary.channels.items()) if wanted(channel.topic)]
+        schemas = [summary.schemas[c.schema_id] for c in channels if c.schema_id in summary.schemas]
+    return list(dict.fromkeys((schema.name, schema.data.decode("utf-8")) for schema in schemas))
+
+
 def messages_in(path: Path, wanted: Callable[[str], object]) -> Iterator[ScannedMessage]:
     """Messages of topics that are wanted in the order in which they were recorded; without an index as `scan`."""
     with path.open("rb") as stream:

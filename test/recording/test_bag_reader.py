@@ -1,0 +1,31 @@
+"""Bags as `rosbags` reads them: the same messages in the same order, and one class for one type."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from rosbags.rosbag2 import Reader
+
+from doormill_ros.recording.bag_reader import read_bag, topics_of
+from support.source_tree import ROOT
+
+BAGS = sorted(path.parent for path in (ROOT / "bags").glob("*/metadata.yaml"))
+
+
+@pytest.mark.parametrize("bag", BAGS, ids=lambda bag: bag.name)
+def test_another_reader_finds_the_same(bag: Path) -> None:
+    with Reader(bag) as reader:
+        expected = [(c.topic, stamp, bytes(data), c.msgtype) for c, stamp, data in reader.messages()]
+        assert set(topics_of(bag)) == {connection.topic for connection in reader.connections}
+    assert [(m.topic, m.stamp_ns, m.data, m.type_name) for m in read_bag(bag)] == expected
+    for topic in sorted({topic for topic, *_ in expected})[:3]:
+        found = [(m.topic, m.stamp_ns, m.data, m.type_name) for m in read_bag(bag, [topic])]
+        assert found == [one for one in expected if one[0] == topic]
+
+
+def test_what_messages_of_different_types_hold_can_be_compared() -> None:
+    (bag,) = (bag for bag in BAGS if bag.name == "thesis_190_0deg")
+    stamps = [m.message.header.stamp for m in read_bag(bag) if hasattr(m.message, "header")]
+    assert len(stamps) > 3
+    assert len({type(stamp) for stamp in stamps}) == 1
