@@ -38,10 +38,11 @@ POINTS: dict[str, tuple[Callable[[int, str], bool], bool]] = {
     "numpy is loaded": (mapped("_multiarray_umath"), False),
     "rclpy is loaded": (mapped("_rclpy_pybind11"), False),
     "scipy is loaded": (mapped("_highs"), False),
-    "matplotlib is loaded": (mapped("ft2font"), False),
+    "OpenCV is loaded": (mapped("cv2.abi3"), False),
     "the bag is open": (said("recording into"), True),
     "the bridge is active": (said("[abb_bridge]: active"), True),
     "the door is milled": (said("%] "), True),
+    "the report is drawn": (mapped("ft2font"), True),
 }
 
 
