@@ -47,8 +47,8 @@ from doormill_ros.units import m_to_mm, rad_to_deg
 ROBOT = "irb6600_175_255"
 #: How far an ordered target may be from the door's own: half of the file's last decimal, and float32 [mm or deg].
 CLOSE = 2e-3
-#: So long that a loaded machine decides nothing.
-_LINK = LinkTimeouts(connect=60.0, read=60.0, write=60.0, total=120.0)
+#: So long that a loaded machine decides nothing; a bridge that starts waits as long for what another one sent before.
+_LINK = LinkTimeouts(connect=20.0, read=20.0, write=20.0, total=20.0)
 _WAITS = HandshakeTimeouts(submission=600.0, acknowledge=600.0, link_loss=600.0)
 #: How long the plant waits for anything before the shift has failed [s].
 PATIENCE = 300.0
