@@ -245,6 +245,13 @@ def svg(figure: Figure, words: str = "") -> str:
     return ElementTree.tostring(element, encoding="unicode")
 
 
+def import_matplotlib() -> None:
+    """Import what charts are drawn with now: an interrupt amid an import may be swallowed or become another error."""
+    import matplotlib.backends.backend_agg
+    import matplotlib.backends.backend_svg
+    import matplotlib.figure  # noqa: F401
+
+
 def png_figure(width: float, height: float) -> Figure:
     """An empty figure for `save_png`, width x height [inch]."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg

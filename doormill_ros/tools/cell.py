@@ -138,6 +138,7 @@ def main(arguments: list[str] | None = None) -> int:
     from doormill_ros.cell.summary import RunSummary
     from doormill_ros.nodes.cell import CellOptions, run_once
     from doormill_ros.operator.token import Keys, new_token
+    from doormill_ros.pages.charts import import_matplotlib
     from doormill_ros.recording.errors import BagError
     from doormill_ros.report.run_report import write_report
     from doormill_ros.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
@@ -188,6 +189,7 @@ def main(arguments: list[str] | None = None) -> int:
         robots=options.robots,
     )
     if alone:
+        import_matplotlib()
         interrupt_once(ENDING)
     summary = run_once(options.door[0], folder, cell, progress, milled)
     unreported = ""
@@ -226,6 +228,7 @@ def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, obj
     from doormill_ros.nodes.cell import CellOptions
     from doormill_ros.nodes.monitor_beside import ModelMonitorBeside
     from doormill_ros.nodes.shift import run_shift
+    from doormill_ros.pages.charts import import_matplotlib
     from doormill_ros.report.run_report import write_report
     from doormill_ros.simulation.robot_cell import load_effects
     from doormill_ros.simulation.world.world_file import load_world
@@ -250,6 +253,7 @@ def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, obj
         parameters["controller_simulator"] = {"gauged": True}
     cell = CellOptions(parameters, namespace=options.namespace, sensors=tuple(options.sensor))
     if alone:
+        import_matplotlib()
         interrupt_once(ENDING)
     with ModelMonitorBeside(folder, cell) if options.monitor else nullcontext() as beside:
         shift = run_shift(doors, folder, cell, options.world, effects, milled)

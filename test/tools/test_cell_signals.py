@@ -39,10 +39,10 @@ POINTS: dict[str, tuple[Callable[[int, str], bool], bool]] = {
     "rclpy is loaded": (mapped("_rclpy_pybind11"), False),
     "scipy is loaded": (mapped("_highs"), False),
     "OpenCV is loaded": (mapped("cv2.abi3"), False),
+    "matplotlib is loaded": (mapped("ft2font"), False),
     "the bag is open": (said("recording into"), True),
     "the bridge is active": (said("[abb_bridge]: active"), True),
     "the door is milled": (said("%] "), True),
-    "the report is drawn": (mapped("ft2font"), True),
 }
 
 
