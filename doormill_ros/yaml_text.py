@@ -40,6 +40,11 @@ class DuplicateKey(NotYaml):
 _Dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 
+#: What the library and Python raise for a wrong text; of the latter's errors those that a value behind a tag ends in.
+_WRONG_VALUE = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError)
+_WRONG = (yaml.YAMLError, *_WRONG_VALUE)
+
+
 class _Rules:
     """Refuses a key that is given twice, and leaves times as text."""
 
@@ -49,7 +54,7 @@ class _Rules:
             return super().construct_object(node, deep)  # type: ignore[misc]
         except NotYaml:
             raise
-        except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
+        except _WRONG_VALUE as error:
             raise NotYaml(str(error), node.start_mark) from error
 
 
@@ -104,15 +109,7 @@ def parse(text: str) -> Any:
     """
     if _fast is not None:
         # Whatever is wrong is told below, in the same words on every machine.
-        with contextlib.suppress(
-            yaml.YAMLError,
-            RecursionError,
-            ValueError,
-            ArithmeticError,
-            LookupError,
-            TypeError,
-            AttributeError,
-        ):
+        with contextlib.suppress(RecursionError, *_WRONG):
             return yaml.load(text, Loader=_fast)
     try:
         return yaml.load(text, Loader=_Loader)
@@ -122,7 +119,7 @@ def parse(text: str) -> Any:
         raise NotYaml(str(error.problem), error.problem_mark) from error
     except RecursionError as error:
         raise NotYaml("nested too deeply") from error
-    except (yaml.YAMLError, ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
+    except _WRONG as error:
         raise NotYaml(str(error)) from error
 
 

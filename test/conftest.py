@@ -39,9 +39,8 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["ROS_DOMAIN_ID"] = str(FIRST_DOMAIN + number)
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    config.stash[STDERR] = os.dup(
-        2
-    )  # While a test runs, the number stands for a file that is lost with the process.
+    # While a test runs, the number 2 stands for a file that is lost with the process.
+    config.stash[STDERR] = os.dup(2)
 
 
 def _end_standing(item: pytest.Item) -> Generator[None, None, None]:

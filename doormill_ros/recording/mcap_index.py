@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from mcap.reader import SeekingReader
+from mcap.summary import Summary
 
 from doormill_ros.recording.mcap_scan import LARGEST_RECORD, ScannedMessage, scan
 
 
 def topics_in(path: Path) -> list[str]:
     """Full names of the topics of a file, in the order of their channels."""
-    with path.open("rb") as stream:
-        summary = SeekingReader(stream, record_size_limit=LARGEST_RECORD).get_summary()
+    summary = _summary_of(path)
     if summary is None:
         return list(dict.fromkeys(item.channel.topic for item in scan(path)))
     return list(dict.fromkeys(channel.topic for _, channel in sorted(summary.channels.items())))
@@ -21,8 +21,7 @@ def topics_in(path: Path) -> list[str]:
 
 def definitions_in(path: Path, wanted: Callable[[str], object]) -> list[tuple[str, str]]:
     """Name and text of each type of a file's topics that are wanted, in the order of their channels."""
-    with path.open("rb") as stream:
-        summary = SeekingReader(stream, record_size_limit=LARGEST_RECORD).get_summary()
+    summary = _summary_of(path)
     if summary is None:
         schemas = [item.schema for item in scan(path) if wanted(item.channel.topic)]
     else:
@@ -45,3 +44,8 @@ def messages_in(path: Path, wanted: Callable[[str], object]) -> Iterator[Scanned
         for schema, channel, message in reader.iter_messages(topics=topics):
             if schema is not None:
                 yield ScannedMessage(schema, channel, message)
+
+
+def _summary_of(path: Path) -> Summary | None:
+    with path.open("rb") as stream:
+        return SeekingReader(stream, record_size_limit=LARGEST_RECORD).get_summary()
