@@ -1,7 +1,8 @@
 """Score what bags alone tell of a changed cell: `python bench/runs_score.py --sets 200`.
 
 Series of runs with none, one or two hidden changes are written as bags by a world that shares no code with the
-diagnosis (test/support/run_series) and questioned by `diagnose --runs`; read is only diagnosis.json.
+diagnosis (test/support/run_series), with the load of the spindle, and questioned by `diagnose --runs`; read is only
+diagnosis.json.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ FIRST = 1000
 def one(seed: int) -> RunAnswer:
     """Draw, write and question a series."""
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(None):
-        return drawn_answer(seed, Path(folder))
+        return drawn_answer(seed, Path(folder), spindle=True)
 
 
 def main() -> int:

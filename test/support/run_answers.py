@@ -82,11 +82,11 @@ def answer_of(series: Series, folder: Path, seed: int = 0) -> RunAnswer:
     return RunAnswer(seed, series, document)
 
 
-def drawn_series(seed: int) -> Series:
-    """The series of a seed, of one of a few lengths."""
-    return draw_series(seed, count=COUNTS[seed % len(COUNTS)])
+def drawn_series(seed: int, spindle: bool = False) -> Series:
+    """The series of a seed, of one of a few lengths; `spindle` as for `draw_series`."""
+    return draw_series(seed, count=COUNTS[seed % len(COUNTS)], spindle=spindle)
 
 
-def drawn_answer(seed: int, folder: Path) -> RunAnswer:
+def drawn_answer(seed: int, folder: Path, spindle: bool = False) -> RunAnswer:
     """What is said of that series."""
-    return answer_of(drawn_series(seed), folder, seed)
+    return answer_of(drawn_series(seed, spindle), folder, seed)

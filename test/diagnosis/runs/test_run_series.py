@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from doormill_ros.tools.diagnose import main
-from support.run_answers import COUNTS, RunAnswer, answer_of, drawn_answer, drawn_series
+from support.run_answers import RunAnswer, answer_of, drawn_answer, drawn_series
 from support.run_series import DRAWN as DRAWN_KINDS
-from support.run_series import DRIFTING, PLACES, Series, draw_series
+from support.run_series import DRIFTING, PLACES, draw_series
 from support.run_series_bags import write_series
 
 DRAWN = 24
@@ -102,16 +102,9 @@ def test_one_clear_drift(kind, tmp_path):
     assert "drift" in [entry["kind"] for entry in answer.document["changes"]]
 
 
-def with_spindle(seed: int) -> Series:
-    """A drawn series of which the load of the spindle is recorded."""
-    return draw_series(seed, count=COUNTS[seed % len(COUNTS)], spindle=True)
-
-
 @pytest.fixture(scope="module")
 def with_loads(tmp_path_factory) -> list[RunAnswer]:
-    return [
-        answer_of(with_spindle(seed), tmp_path_factory.mktemp("spindle"), seed) for seed in range(100, 112)
-    ]
+    return [drawn_answer(seed, tmp_path_factory.mktemp("spindle"), spindle=True) for seed in range(100, 112)]
 
 
 class TestSpindle:
