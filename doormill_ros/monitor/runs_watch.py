@@ -78,6 +78,7 @@ class RunsWatch:
         self._finding: RunsFinding | None = None
         self._trouble: DoormillError | None = None
         self._wake = threading.Event()
+        self._no_more, self._nothing_left = threading.Event(), threading.Event()
         self._stopped = False
         self._thread = threading.Thread(target=self._run, name="runs", daemon=True)
 
@@ -119,13 +120,23 @@ class RunsWatch:
         """Go by the settings as they are now."""
         self._wake.set()
 
+    def at_end(self, limit: float) -> RunsState:
+        """What all runs say once no more come, however few came since the last question; or after so long [s]."""
+        self._no_more.set()
+        self._wake.set()
+        self._nothing_left.wait(limit)
+        return self.state()
+
     def _run(self) -> None:
         while not self._stopped:
+            no_more = self._no_more.is_set()
             try:
                 self._look()
             except Exception as error:  # whatever it is, the runs after it are asked
                 self._take_trouble(error)
                 self._changed()
+            if no_more and not self._questioner.asking(RunsQuestion):
+                self._nothing_left.set()
             self._wake.wait(self._period)
             self._wake.clear()
 
@@ -154,7 +165,7 @@ class RunsWatch:
         if self._by != (settings.runs, settings.since):
             return True
         few = self._finding is None or self._finding.questioned < FEWEST
-        waited = time.monotonic() - self._asked_at > LONGEST
+        waited = self._no_more.is_set() or time.monotonic() - self._asked_at > LONGEST
         return max(self._new, len(self._ended_runs)) >= (1 if few or waited else EVERY)
 
     def _note_asked(self, settings: WatchSettings) -> None:

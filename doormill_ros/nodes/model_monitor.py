@@ -130,6 +130,10 @@ class ModelMonitor(ManagedNode):
         """
         return self._watch.state()
 
+    def runs_at_end(self, limit: float) -> RunsState:
+        """What the bags of all runs say once no more come, or after so long [s]; of a configured node."""
+        return self._runs.at_end(limit)
+
     def _settings(self) -> WatchSettings:
         return WatchSettings(
             self.value("doors"),

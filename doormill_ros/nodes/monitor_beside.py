@@ -12,6 +12,7 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 
 from doormill_ros.cell.run_folder import RunFolder
+from doormill_ros.monitor.runs_watch import RunsState
 from doormill_ros.monitor.watch_state import WatchState
 from doormill_ros.nodes.cell import CellOptions
 from doormill_ros.nodes.model_monitor import ModelMonitor
@@ -67,6 +68,10 @@ class ModelMonitorBeside:
             time.sleep(_LOOK)
             state = self._node.state()
         return state
+
+    def runs_verdict(self, limit: float) -> RunsState:
+        """What the bags of all doors say by themselves, or what was known after so long [s]."""
+        return self._node.runs_at_end(limit)
 
     def _spin(self) -> None:
         try:

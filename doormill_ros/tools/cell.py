@@ -257,13 +257,18 @@ def _mill_shift(options: argparse.Namespace, parameters: dict[str, dict[str, obj
         interrupt_once(ENDING)
     with ModelMonitorBeside(folder, cell) if options.monitor else nullcontext() as beside:
         shift = run_shift(doors, folder, cell, options.world, effects, milled)
-        state = None if beside is None else beside.verdict(VERDICT_LIMIT)
+        state, runs = (
+            (None, None)
+            if beside is None
+            else (beside.verdict(VERDICT_LIMIT), beside.runs_verdict(VERDICT_LIMIT))
+        )
     print(shift.table())
-    if state is not None:
+    if state is not None and runs is not None:
         print(
             f"verdict     {state.finding.sentence if state.finding else state.message or 'no door was inspected'}"
         )
         print(f"next        {state.finding.next_measurement if state.finding else 'inspect a door'}")
+        print(f"bags        {runs.finding.sentence if runs.finding else runs.message or 'were not asked'}")
         print(
             f"models      version {state.version} in use, {state.proposed or 'none'} proposed, in {folder / 'models'}"
         )

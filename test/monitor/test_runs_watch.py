@@ -368,6 +368,27 @@ def test_fewer_runs_than_every_third_wait_for_more(
     assert len(cell.asked) == 3
 
 
+def test_no_run_waits_for_more_where_no_more_come(moved: tuple[Series, Path], tmp_path: Path) -> None:
+    doors = sorted(moved[1].iterdir())
+    with Bags(tmp_path) as cell:
+        for door in doors[:FEWEST]:
+            cell.bring(door)
+        assert cell.found().questioned == FEWEST
+        cell.bring(doors[FEWEST])
+        state = cell.watch.at_end(LIMIT)
+        assert state.finding is not None
+        assert (state.finding.questioned, state.asking) == (FEWEST + 1, False)
+        assert len(cell.watch.at_end(LIMIT).finding.runs) == FEWEST + 1
+        assert len(cell.asked) == 2
+
+
+def test_the_end_of_too_few_runs_is_not_waited_for(moved: tuple[Series, Path], tmp_path: Path) -> None:
+    with Bags(tmp_path) as cell:
+        cell.bring(sorted(moved[1].iterdir())[0])
+        state = cell.watch.at_end(LIMIT)
+        assert (state.finding.verdict, cell.asked) == (FEW, [])
+
+
 def test_the_node_loads_no_diagnosis_to_ask_one() -> None:
     """That costs seconds and memory of a cell that starts; the process that is asked loads it."""
     script = (

@@ -9,6 +9,7 @@ import pytest
 
 from doormill_ros.measurements.inspection import inspections_in
 from doormill_ros.models.store import ModelStore
+from doormill_ros.monitor.runs_finding import few_runs
 from doormill_ros.tools.cell import main
 
 WORLD = "schema: doormill/world/1\nseed: 5\nforce: {factor: 1.3}\n"
@@ -23,6 +24,7 @@ def test_a_monitored_shift_ends_with_what_its_doors_say(
     main([*shift, "--monitor", "--out", str(out)])
     said = capsys.readouterr().out
     assert "verdict     1 door, explained by process force at tool" in said
+    assert f"bags        {few_runs(1).sentence}" in said
     assert "version 0 in use, 1 proposed" in said
     record = ModelStore(out / "models").record()
     assert (record.in_use, record.proposed, record.orders) == (0, 1, ())
