@@ -9,7 +9,7 @@ from typing import Any
 from doormill_ros.units import m_to_mm, rad_to_mrad
 
 STEP, DRIFT = "step", "drift"
-_AXES, _UNITS = ("y", "z", "rotation"), ("m", "m", "rad")
+_AXES = ("y", "z", "rotation")
 #: Of one shift, as doors were found and as marks show it; the first that is there is said.
 _SAID = ("offset", "moved", "factor")
 
@@ -113,10 +113,10 @@ def _change(told: Mapping[str, Any], causes: Sequence[Mapping[str, Any]]) -> Cel
 
 
 def _sizes(name: str, value: Any, unit: str) -> list[ChangeSize]:
-    if isinstance(value, list):  # along all axes
+    if isinstance(value, list):  # along all axes, or the first of them
         return [
             ChangeSize(f"{name}_{axis}", float(one), own)
-            for axis, own, one in zip(_AXES, _UNITS, value, strict=True)
+            for axis, own, one in zip(_AXES, unit.split(", "), value, strict=False)
         ]
     return [ChangeSize(name, float(value), unit)]
 

@@ -29,6 +29,7 @@ _SHARE = 0.3  #: size of a logarithm
 _LIKELY = 0.1  #: largest shift [m, rad]
 _LARGEST = 10.0  #: logarithm
 _FAR = 1e3
+TURN = AXES.index("rotation")
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +92,13 @@ class Shifted:
         parameter: What is reported.
         sources: Of the channels; all are moved alike.
         axes: Numbers of the axes that it moves along; none for logarithms.
+        against: Of the channels that it moves as far the other way about `TURN`, if that is among the axes.
     """
 
     parameter: CauseParameter
     sources: Sequence[str]
     axes: Sequence[int] = ()
+    against: Sequence[str] = ()
 
     @property
     def size(self) -> int:
@@ -116,6 +119,8 @@ class Shifted:
                     found[number, 0] = 1.0
                 elif channel.axis in self.axes:
                     found[number, self.axes.index(channel.axis)] = 1.0
+            elif channel.source in self.against and channel.axis == TURN and TURN in self.axes:
+                found[number, self.axes.index(TURN)] = -1.0
         return found
 
 
@@ -126,12 +131,13 @@ def effects_of(channels: Sequence[Channel]) -> list[RunEffect]:
     found: list[RunEffect] = []
     for axes in _AXES:
         variant = "" if len(axes) == len(AXES) else f"along {AXES[axes[0]]}"
-        offset, by_marks = (_parameter(name, axes) for name in ("offset", "moved"))
-        seen = [
-            Shifted(parameter, [name], axes)
-            for name, parameter in ((CAMERA, offset), (MARKS, by_marks))
-            if name in there
-        ]
+        offset = _parameter("offset", axes)
+        # A camera that turned about x turns all doors the other way. Along y and z a turn about the other axes moves
+        # doors too, by how far they are from the camera, so that marks say by themselves how far it moved.
+        free = tuple(axis for axis in axes if CAMERA not in there or axis != TURN)
+        seen = [Shifted(offset, [CAMERA], axes, against=[MARKS])] if CAMERA in there else []
+        if MARKS in there and free:
+            seen.append(Shifted(_parameter("moved", free), [MARKS], free))
         if seen:
             sentence = "the camera finds doors elsewhere, and no other sensor does"
             found.append(RunEffect("camera_shift", "camera", sentence, seen, variant))
@@ -156,8 +162,8 @@ def effects_of(channels: Sequence[Channel]) -> list[RunEffect]:
 
 
 def _parameter(name: str, axes: Sequence[int]) -> CauseParameter:
-    if len(axes) == len(AXES):
-        return CauseParameter(name, "m, m, rad", -_LIKELY, _LIKELY, 3)
+    if len(axes) > 1:
+        return CauseParameter(name, ", ".join(UNITS[axis] for axis in axes), -_LIKELY, _LIKELY, len(axes))
     return CauseParameter(f"{name}_{AXES[axes[0]]}", UNITS[axes[0]], -_LIKELY, _LIKELY)
 
 
