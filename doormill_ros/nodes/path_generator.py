@@ -200,7 +200,7 @@ class PathGenerator(ManagedNode):
         self._work.worked(moment)
         program = planned.program
         answer.accepted = True
-        answer.cycle_time = planned.check.time
+        answer.cycle_time = planned.time
         program_into(answer, program, self._nested)
         answer.duration = time.perf_counter() - begun
         self._targets.publish(answer)
