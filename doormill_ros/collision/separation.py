@@ -76,7 +76,9 @@ class Bodies:
         """The normals in base axes; arguments as of `gap`, shape (3, p, n)."""
         joint = self._joint[pairs[1]]
         across = np.empty((3, len(joint), len(region.q)))
-        for number in sorted(set(joint.tolist())):
+        still = joint == 0
+        across[:, still] = normal[still].T[:, :, None]
+        for number in sorted(set(joint.tolist()) - {0}):
             own = np.flatnonzero(joint == number)
             across[:, own] = normal[own] @ region.T_base_joint[number, :, :3]
         return across

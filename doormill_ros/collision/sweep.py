@@ -22,7 +22,7 @@ RESERVE = 0.002
 HAIR = 1e-5
 #: By as much bodies may be off their chords between the postures that a way is looked at in one go [m].
 BEND = 0.004
-LOOKS = 4  #: at each part of a way before much is spent on it
+LOOKS = 16  #: at each part of a way before much is spent on it
 CONVEX = 5  #: places that are looked at on a straight way of the tool
 MOST = 20_000  #: postures; more than any way within a cell takes
 
@@ -171,8 +171,9 @@ def contact_on_line(world: World, q: FloatArray, fraction: FloatArray) -> Contac
     if (found < world.clearance + RESERVE).any():
         place = int(found.min(axis=1).argmin())
         return _contact(world, tool, found[place], q[rows[place]])
-    rest = np.setdiff1d(np.arange(len(world.names)), tool[proven])
-    return contact_along(world, q, bulge_of(q), pairs=rest)
+    rest = np.ones(len(world.names), dtype=bool)
+    rest[tool[proven]] = False
+    return contact_along(world, q, bulge_of(q), pairs=np.flatnonzero(rest))
 
 
 def _contact_of(world: World, q: FloatArray, pairs: IntArray) -> Contact | None:

@@ -190,7 +190,8 @@ class World:
             # The library knows a plane less exactly than a distance, which tells on bodies as wide as a floor.
             rows = pairs[near]
             gap = gap_along(self._sides[:, rows], normal, region)
-            by_plane = gap[:, region.hulls].min(axis=2) - 0.125 * self._curve[rows] @ region.spread
+            over_hull = np.minimum.reduce([gap[:, corner] for corner in region.hulls.T])
+            by_plane = over_hull - 0.125 * self._curve[rows] @ region.spread
             lowest[near] = np.maximum(by_plane - reach[near] @ region.off.T, lowest[near])
             unproven = lowest[near].min(axis=1) < enough
             near, normal = near[unproven], normal[unproven]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +21,9 @@ def knowing(model: ComplianceModel) -> KnowingModel | None:
     return inner if isinstance(inner, KnowingModel) else None
 
 
-def felt(model: ComplianceModel, loads: Loads, q: FloatArray, axis: FloatArray) -> Loads:
+def felt(
+    model: ComplianceModel, loads: Loads, q: FloatArray, axis_of: Callable[[FloatArray], FloatArray]
+) -> Loads:
     """Loads as they act, with the spread that is left of them.
 
     Where doors measured the force, a share of the wrench and a small turn about the tool take the place of what the
@@ -30,7 +33,7 @@ def felt(model: ComplianceModel, loads: Loads, q: FloatArray, axis: FloatArray) 
         model: How the robot gives way; one that tells nothing of forces changes none.
         loads: n loads, as assumed; the rows 0 and 1 of their spread are the components across the tool.
         q: Joint angles, shape (n, 6) [rad].
-        axis: Of the tool, base axes, shape (n, 3).
+        axis_of: Axis of the tool, base axes, shape (n, 3), at such joint angles; few models ask for it.
     """
     knower = knowing(model)
     if knower is None:
@@ -39,6 +42,7 @@ def felt(model: ComplianceModel, loads: Loads, q: FloatArray, axis: FloatArray) 
     force = knower.knowledge().force
     if force is not None:
         known = ~loads.bounded & np.isin(loads.kind, force.kinds)
+        axis = axis_of(q)
         turn = np.concatenate([cross(axis, wrench[:, :3]), cross(axis, wrench[:, 3:])], axis=1)
         by_doors = np.stack([force.factor_std * loads.wrench, force.angle_std * turn], axis=1)
         spread[:, :2] = np.where(known[:, None, None], by_doors, spread[:, :2])

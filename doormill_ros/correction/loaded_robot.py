@@ -71,8 +71,7 @@ class LoadedRobot:
             loads: n loads.
             standing: Of the unloaded tool; None for the loads by themselves.
         """
-        axis = (self.kinematics.forward(q) @ self.T_flange_tool)[:, :3, 2]
-        acting = felt(self.model, loads, q, axis)
+        acting = felt(self.model, loads, q, self._axis)
         return worth.spread(q, acting.wrench, acting.spread, self.load_point, standing)
 
     def share(self, q: FloatArray, loads: Loads) -> FloatArray:
@@ -167,6 +166,10 @@ class LoadedRobot:
         place = np.searchsorted(targets, owner[acting])
         again = self.corrected_for_all(T_base_tool[targets], q[targets], place, loads.of(acting))
         return found.replaced(targets, again)
+
+    def _axis(self, q: FloatArray) -> FloatArray:
+        """Axis of the tool, base axes, shapes (n, 6) [rad] -> (n, 3)."""
+        return (self.kinematics.forward(q) @ self.T_flange_tool)[:, :3, 2]
 
     def _standing_share(self, q: FloatArray, direction: FloatArray) -> FloatArray:
         """Share of the twists of the unloaded tool that is corrected, shape (n, 1)."""

@@ -78,16 +78,19 @@ def transforms_of(poses: list[Any]) -> FloatArray:
     )
 
 
-def wrench_of(message: Any) -> FloatArray:
-    """Shape (6,), force first [N, N m], from a geometry_msgs/Wrench."""
-    f, t = message.force, message.torque
-    return np.array([f.x, f.y, f.z, t.x, t.y, t.z])
+def wrenches_of(messages: Iterable[Any]) -> FloatArray:
+    """Shape (n, 6), force first [N, N m], from geometry_msgs/Wrenches."""
+    return _pairs((w.force, w.torque) for w in messages)
 
 
-def twist_of(message: Any) -> FloatArray:
-    """Shape (6,), translation first [m, rad], from a geometry_msgs/Twist."""
-    v, w = message.linear, message.angular
-    return np.array([v.x, v.y, v.z, w.x, w.y, w.z])
+def twists_of(messages: Iterable[Any]) -> FloatArray:
+    """Shape (n, 6), translation first [m, rad], from geometry_msgs/Twists."""
+    return _pairs((t.linear, t.angular) for t in messages)
+
+
+def _pairs(vectors: Iterable[tuple[Any, Any]]) -> FloatArray:
+    """Coordinates of pairs of geometry_msgs/Vector3, shape (n, 6); all at once, as in `transforms_of`."""
+    return np.array([(a.x, a.y, a.z, b.x, b.y, b.z) for a, b in vectors], dtype=float).reshape(-1, 6)
 
 
 def recipe_of(message: Any) -> Recipe:
@@ -97,15 +100,6 @@ def recipe_of(message: Any) -> Recipe:
         RecipeError: The document in the message is no JSON or not a valid recipe.
     """
     return Recipe.from_document(parse_json(message.document))
-
-
-def _wrench_end(motion: Any) -> FloatArray | None:
-    """Where it differs from the beginning, shape (6,) [N, N m]; bags of constant wrenches do not have it."""
-    end = getattr(motion, "wrench_end", None)
-    if end is None:
-        return None
-    values = wrench_of(end)
-    return None if np.array_equal(values, wrench_of(motion.wrench)) else values
 
 
 def sensed_door_of(message: Any) -> SensedDoor:
@@ -138,19 +132,26 @@ def program_of(message: Any) -> MillingProgram:
     """The milling program of an accepted doormill_interfaces/TargetArray."""
     nominal = transforms_of([t.nominal for t in message.targets])
     corrected = transforms_of([t.corrected for t in message.targets])
+    q = np.array([t.joint_positions for t in message.targets], dtype=float)
+    loads = wrenches_of(t.wrench for t in message.targets)
+    deflection = twists_of(t.deflection for t in message.targets)
     targets = tuple(
         Target(
             name=t.name,
             T_base_tool_nominal=nominal[i],
             T_base_tool_corrected=corrected[i],
-            q=np.array(t.joint_positions, dtype=float),
+            q=q[i],
             conf=ConfData(int(t.cf1), int(t.cf4), int(t.cf6), int(t.cfx)),
-            wrench=wrench_of(t.wrench),
-            deflection=twist_of(t.deflection),
+            wrench=loads[i],
+            deflection=deflection[i],
             expected_error=float(getattr(t, "expected_error", 0.0)),  # older bags lack it
         )
         for i, t in enumerate(message.targets)
     )
+    begin = wrenches_of(m.wrench for m in message.motions)
+    # Bags of constant wrenches have no end of them.
+    end = wrenches_of(getattr(m, "wrench_end", m.wrench) for m in message.motions)
+    constant = (begin == end).all(axis=1)
     motions = tuple(
         Motion(
             kind=KINDS[m.kind],
@@ -160,11 +161,11 @@ def program_of(message: Any) -> MillingProgram:
             zone=m.zone,
             feature=m.feature,
             cutting=bool(m.cutting),
-            wrench=wrench_of(m.wrench),
+            wrench=begin[i],
             spindle_speed=float(m.spindle_speed),
-            wrench_end=_wrench_end(m),
+            wrench_end=None if constant[i] else end[i],
         )
-        for m in message.motions
+        for i, m in enumerate(message.motions)
     )
     # Bags of programs without ways have none of these fields.
     points = tuple(np.array(p.joint_positions, dtype=float) for p in getattr(message, "points", ()))

@@ -9,6 +9,7 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.serialization import serialize_message
 from std_msgs.msg import Bool, String
 
 from doormill_interfaces.msg import AbbStatus, DoorLocalization, SensorLocalization, TargetArray
@@ -35,6 +36,7 @@ from doormill_ros.nodes.controller_monitor import ControllerMonitor
 from doormill_ros.nodes.convert.program import program_into
 from doormill_ros.nodes.door_inspections import GAUGE_PARAMETER
 from doormill_ros.nodes.expect_door import ExpectDoorServer
+from doormill_ros.nodes.found_topics import type_name
 from doormill_ros.nodes.managed_node import ManagedNode
 from doormill_ros.nodes.mill_door import MillDoorServer
 from doormill_ros.nodes.reporting_node import ERROR, OK, WARN, NodeParameter
@@ -42,6 +44,7 @@ from doormill_ros.nodes.run import run_nodes
 from doormill_ros.nodes.sensors_parameter import SENSORS_PARAMETER
 from doormill_ros.nodes.spindle_watch import SPINDLE_PARAMETER, SpindleWatch
 from doormill_ros.pipeline.course import recipe_nodes, stage_of
+from doormill_ros.recording.typestores import reader_of
 from doormill_ros.units import s_to_ns
 
 
@@ -180,7 +183,8 @@ class AbbBridge(ManagedNode):
 
     def rehearse(self) -> None:
         """Read a program from its message, render its file and check that; with several sensors, let two agree."""
-        rehearse(program_of(program_into(TargetArray(), PROGRAM)))
+        read = reader_of(type_name(TargetArray))
+        rehearse(program_of(read(serialize_message(program_into(TargetArray(), PROGRAM)))))
         if self._several:
             rehearse_agreement()
 

@@ -16,11 +16,10 @@ from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.serialization import deserialize_message
 
 from doormill_ros.catalogue.bag_rows import topic_of
 from doormill_ros.catalogue.filler import RunFiller
-from doormill_ros.catalogue.run_collector import CELL, SOFTWARE
+from doormill_ros.catalogue.run_collector import CELL, SOFTWARE, TOPICS
 from doormill_ros.cell.clock import EvenClock
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name
@@ -32,6 +31,7 @@ from doormill_ros.recording.bag_filler import BagFiller
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.bounded_queue import BoundedQueue, Received
 from doormill_ros.recording.errors import UnknownTypeError
+from doormill_ros.recording.typestores import reader_of
 from doormill_ros.software import software
 
 DISCOVERY_PERIOD = 0.5  # s
@@ -116,12 +116,12 @@ class BagRecorder(ManagedNode):
     def _run_filler(self, bag: Path, recorder: dict[str, str]) -> RunFiller | None:
         if self.value("catalogue") == "none":
             return None
-        types = {topic.name: topic.type for topic in topics.ALL}
+        read = {topic.name: reader_of(type_name(topic.type)) for topic in topics.ALL if topic.name in TOPICS}
         return RunFiller(
             self.value("catalogue"),
             bag,
             recorder,
-            lambda topic, data: deserialize_message(data, types[topic]),
+            lambda topic, data: read[topic](data),
         )
 
     def _discover(self) -> None:

@@ -14,6 +14,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.alive import alive_topic
+from doormill_ros.nodes.nested_messages import reading
 from doormill_ros.nodes.reporting_node import OK, WARN, ReportingNode
 
 RETRY_PERIOD = 2.0  # s
@@ -118,7 +119,7 @@ class ManagedNode(ReportingNode):
 
         A publisher that offers less than the topic asks for is taken as it is, where the topic allows it.
         """
-        guarded = self.guarded(callback)
+        guarded = self.guarded(reading(topic, callback))
         self._carried.add(topic.type)
         created: list[Any] = []
 
@@ -129,6 +130,7 @@ class ManagedNode(ReportingNode):
                 lambda m: guarded(m) if self.active else None,
                 qos,
                 event_callbacks=events,
+                raw=topic.nested,
                 **kwargs,
             )
             created.append(subscription)

@@ -22,7 +22,7 @@ from doormill_ros.models.store import store_folder
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import path_message, pose_message
 from doormill_ros.nodes.convert.markers import body_markers, no_markers, program_markers
-from doormill_ros.nodes.convert.program import program_into
+from doormill_ros.nodes.convert.program import Nested, program_into
 from doormill_ros.nodes.convert.recipe import recipe_message
 from doormill_ros.nodes.frame_publisher import FramePublisher
 from doormill_ros.nodes.managed_node import ManagedNode
@@ -85,6 +85,7 @@ class PathGenerator(ManagedNode):
         self._recipe: DoorRecipe | None = None
         self._door: Recipe | None = None
         self._early: PoseStamped | None = None
+        self._nested = Nested()
         self._targets = self.publisher(topics.PATH_TARGETS)
         self._nominal = self.publisher(topics.PATH_NOMINAL)
         self._corrected = self.publisher(topics.PATH_CORRECTED)
@@ -101,7 +102,7 @@ class PathGenerator(ManagedNode):
         recipe, T_base_door, planned = rehearse(self._setup.setup)
         recipe_of(recipe_message(recipe, "", Header()))
         door_pose_of(pose_message(T_base_door))
-        answer = program_into(TargetArray(), planned.program)
+        answer = program_into(TargetArray(), planned.program, self._nested)
         deserialize_message(serialize_message(answer), TargetArray)
         share = self._setup.setup.shared(recipe, T_base_door)
         program_markers(planned.program, recipe, share.T_base_door, Header())
@@ -199,8 +200,8 @@ class PathGenerator(ManagedNode):
         self._work.worked(moment)
         program = planned.program
         answer.accepted = True
-        answer.cycle_time = planned.check.time
-        program_into(answer, program)
+        answer.cycle_time = planned.time
+        program_into(answer, program, self._nested)
         answer.duration = time.perf_counter() - begun
         self._targets.publish(answer)
         undone = {} if setup.growth is None else {"growth_undone": setup.growth}

@@ -61,13 +61,18 @@ TRANSFORMS = _qos(100)
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic: relative name, message class, quality of service; `fallback` for a lesser offer."""
+    """A topic: relative name, message class, quality of service; `fallback` for a lesser offer.
+
+    Of a `nested` one, whose messages hold others by the thousand, nodes get messages that are no objects of `type` but
+    have its fields.
+    """
 
     name: str
     type: Any
     offered: QoSProfile
     requested: QoSProfile
     fallback: QoSProfile | None = None
+    nested: bool = False
 
     @property
     def kept(self) -> Topic:
@@ -99,7 +104,7 @@ SENSOR_READING = Topic("sensors/reading", SensorReading, KEPT_PICTURE, PICTURE, 
 #: Of each sensor, the camera among them, where the cell has several.
 SENSOR_LOCALIZATION = Topic("sensors/localization", SensorLocalization, KEPT_EVENT, EVENT)
 DOOR_RECIPE = _topic("door/recipe", DoorRecipe, STATE)
-PATH_TARGETS = Topic("path/targets", TargetArray, KEPT_EVENT, EVENT)
+PATH_TARGETS = Topic("path/targets", TargetArray, KEPT_EVENT, EVENT, nested=True)
 PATH_NOMINAL = _topic("path/nominal", Path, STATE)
 PATH_CORRECTED = _topic("path/corrected", Path, STATE)
 PATH_MARKERS = _topic("path/markers", MarkerArray, STATE)

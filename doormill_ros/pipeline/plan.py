@@ -18,13 +18,13 @@ from doormill_ros.robot_model.extended_model import load_model_of
 from doormill_ros.robot_model.warmth.grown_model import grown, growth_in
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.toolpath.beside import place_of
-from doormill_ros.toolpath.door_checks import DoorCheck, check_door
 from doormill_ros.toolpath.door_plan import door_plan, whole_door
 from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings, load_settings
 from doormill_ros.toolpath.split import FIRST, Share, share_of
+from doormill_ros.toolpath.timing import motion_times, program_time
 
 REHEARSED = "standard_door"
 
@@ -75,10 +75,10 @@ class MillingSetup:
 
 @dataclass(frozen=True)
 class PlannedProgram:
-    """A program and its margins and times."""
+    """A program, and how long it takes from home to home with reading it [s]."""
 
     program: MillingProgram
-    check: DoorCheck
+    time: float
 
 
 def load_setup(robot: str = "", model: str = "", share: str = "") -> MillingSetup:
@@ -131,7 +131,7 @@ def plan(
     T_base_door: FloatArray,
     setup: MillingSetup,
 ) -> PlannedProgram:
-    """Generate the program of a door and check it as a whole.
+    """Generate the program of a door.
 
     Args:
         recipe: What to mill.
@@ -152,4 +152,5 @@ def plan(
         operations=share.operations,
         settings=setup.settings,
     )
-    return PlannedProgram(program, check_door(program, recipe, setup.robot, setup.settings))
+    times = motion_times(program, setup.robot, setup.settings.cycle)
+    return PlannedProgram(program, program_time(program, times, setup.settings.cycle))

@@ -8,7 +8,7 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.recipes.recipe import Recipe
-from doormill_ros.toolpath.door_checks import DoorCheck
+from doormill_ros.toolpath.door_checks import DoorCheck, check_door
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.split import FIRST, SECOND
 
@@ -54,6 +54,7 @@ def preview(recipe: Recipe, robots: int = 1, model: str | None = None) -> list[P
     for name, own in setups:
         share = own.shared(recipe, T_base_door)
         if share.operations:
-            planned = plan(recipe, T_base_door, own)
-            previews.append(ProgramPreview(name, share.T_base_door, planned.program, planned.check))
+            program = plan(recipe, T_base_door, own).program
+            check = check_door(program, recipe, own.robot, own.settings)
+            previews.append(ProgramPreview(name, share.T_base_door, program, check))
     return previews

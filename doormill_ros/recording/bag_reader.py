@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from rosbags.rosbag2 import Reader
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from rosbags.typesys.store import Typestore
 
 from doormill_ros.recording.errors import BagError, UnreadableBagError
 from doormill_ros.recording.mcap_chunks import check_chunks
 from doormill_ros.recording.mcap_index import definitions_in, messages_in, topics_in
 from doormill_ros.recording.mcap_scan import ScannedMessage, is_complete, scan
 from doormill_ros.recording.repeats import repeated_in
+from doormill_ros.recording.typestores import known_types, register, typestore_of
 
 
 @dataclass(frozen=True)
@@ -38,25 +36,6 @@ class BagMessage:
     message: Any
     data: bytes
     type_name: str
-
-
-def typestore_of(definitions: Iterable[tuple[str, str]]) -> Typestore:
-    """Types by the definitions that travel in the bag, given as pairs of type name and text."""
-    store = get_typestore(Stores.EMPTY)
-    for name, text in definitions:
-        _register(store, name, text)
-    return store
-
-
-@lru_cache(maxsize=32)
-def _known_types(definitions: tuple[tuple[str, str], ...]) -> Typestore:
-    """As `typestore_of`, made once for all bags of one software; nobody adds to it."""
-    return typestore_of(definitions)
-
-
-def _register(store: Typestore, name: str, text: str) -> None:
-    types = get_types_from_msg(text, name)
-    store.register({name: fields for name, fields in types.items() if name not in store.fielddefs})
 
 
 def bag_files(folder: Path) -> list[Path]:
@@ -128,7 +107,7 @@ def _indexed(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessa
     if not files:
         yield from _stored_otherwise(folder, wanted)
     # One store for all of a bag: what two messages hold of the same type has to be of the same class.
-    store = _known_types(tuple(dict.fromkeys(d for path in files for d in definitions_in(path, wanted))))
+    store = known_types(tuple(dict.fromkeys(d for path in files for d in definitions_in(path, wanted))))
     repeated = sum((repeated_in(path) for path in files[1:]), Counter())
     for path in files:
         for item in messages_in(path, wanted):
@@ -145,7 +124,7 @@ def _stored_otherwise(folder: Path, wanted: Callable[[str], object]) -> Iterator
         chosen = [c for c in reader.connections if wanted(c.topic)]
         if not chosen:
             return
-        store = _known_types(tuple((c.msgtype, c.msgdef.data) for c in chosen))
+        store = known_types(tuple((c.msgtype, c.msgdef.data) for c in chosen))
         for connection, stamp_ns, data in reader.messages(connections=chosen):
             message = store.deserialize_cdr(data, connection.msgtype)
             yield BagMessage(connection.topic, stamp_ns, message, bytes(data), connection.msgtype)
@@ -160,7 +139,7 @@ def _scanned(folder: Path, wanted: Callable[[str], object]) -> Iterator[BagMessa
             name = item.schema.name
             if name not in known:
                 known.add(name)
-                _register(store, name, item.schema.data.decode("utf-8"))
+                register(store, name, item.schema.data.decode("utf-8"))
             message = store.deserialize_cdr(item.message.data, name)
             yield BagMessage(
                 item.channel.topic, item.message.log_time, message, bytes(item.message.data), name

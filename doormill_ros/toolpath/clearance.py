@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,6 +11,7 @@ from doormill_ros.arrays import FloatArray, IntArray
 from doormill_ros.collision.sweep import RESERVE, Contact, contact_along, contact_on_line
 from doormill_ros.collision.world import World
 from doormill_ros.frames import cross
+from doormill_ros.recipes.features.base import Feature
 from doormill_ros.robot.description import Robot
 from doormill_ros.robot.inverse import inverse_near
 from doormill_ros.toolpath.errors import AirMoveError, BodyContactError, HolderError, ReachError
@@ -154,10 +156,9 @@ def check_feature(
         ReachError: A place in the box is out of reach.
     """
     R, p = item.T_door_feature[:3, :3], item.T_door_feature[:3, 3]
-    outline = item.feature.outline(item.feature.tool.radius).points(step=np.inf, chord_error=OUTLINE_ERROR)
-    depth = float((front - p) @ R[:, 2])
-    low = np.array([*outline.min(axis=0) - OUTLINE_ERROR, depth])
-    high = np.array([*outline.max(axis=0) + OUTLINE_ERROR, item.depth])
+    least, most = _extent(item.feature)
+    low = np.array([*least, float((front - p) @ R[:, 2])])
+    high = np.array([*most, item.depth])
     R_base_flange = T_base_door[:3, :3] @ item.R_door_tool @ T_tool_flange[:3, :3]
     arm = T_base_door[:3, :3] @ item.R_door_tool @ T_tool_flange[:3, 3]
 
@@ -205,6 +206,13 @@ def check_feature(
             first, second = high.copy(), low.copy()
             first[axis] = second[axis] = middle
             cells += with_postures(pairs[lowest < enough], (low, first), (second, high))
+
+
+@functools.lru_cache(maxsize=128)  # asked for with every pose of a door
+def _extent(feature: Feature) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest places of the tool's centre in a feature's plane, shape (2,) each [m]."""
+    outline = feature.outline(feature.tool.radius).points(step=np.inf, chord_error=OUTLINE_ERROR)
+    return outline.min(axis=0) - OUTLINE_ERROR, outline.max(axis=0) + OUTLINE_ERROR
 
 
 def meeting(found: Contact, world: World) -> str:

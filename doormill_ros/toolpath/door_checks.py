@@ -16,7 +16,7 @@ from doormill_ros.robot.description import Robot
 from doormill_ros.robot.singularity import clearance
 from doormill_ros.toolpath.program import MillingProgram, MotionKind
 from doormill_ros.toolpath.settings import PathSettings, load_settings
-from doormill_ros.toolpath.timing import feature_times, motion_times, reading_time
+from doormill_ros.toolpath.timing import feature_times, motion_times, program_time
 from doormill_ros.units import m_to_mm, rad_to_deg
 
 
@@ -101,7 +101,7 @@ def check_door(
             places = {motion.target} if motion.via is None else {motion.target, motion.via}
             used.setdefault(motion.feature, set()).update(places)
     rows = [_feature_check(name, sorted(used[name]), by_feature[name], program, robot) for name in used]
-    time = float(times.sum()) + reading_time(program, settings.cycle)
+    time = program_time(program, times, settings.cycle)
     return DoorCheck(tuple(rows), _budgets(by_feature, time, recipe, settings), time)
 
 

@@ -68,6 +68,11 @@ class Step:
             return self.wrench_tool
         return self.wrench_tool + fraction * (self.wrench_end - self.wrench_tool)
 
+    @property
+    def last_wrench(self) -> FloatArray:
+        """Process wrench where the step ends, tool axes, shape (6,) [N, N m]."""
+        return self.wrench_tool if self.wrench_end is None else self.wrench_end
+
     def changed(self, **values: Any) -> Step:
         """As `dataclasses.replace`, which would take a fifth of the time that a whole door does."""
         step = object.__new__(Step)

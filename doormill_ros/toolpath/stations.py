@@ -60,7 +60,7 @@ def stations_of(steps: Sequence[Step], T_base_door: FloatArray) -> Stations:
     poses = stations_along(steps, T_base_door, np.repeat(np.arange(m), k), np.tile(FRACTIONS, m))
     R_base_tool = T_base_door[:3, :3] @ np.array([s.R_door_tool for s in steps])  # (m, 3, 3)
     first = rotate_wrench(R_base_tool, np.array([s.wrench_tool for s in steps]))[:, None]  # (m, 1, 6)
-    last = rotate_wrench(R_base_tool, np.array([s.wrench_at(1.0) for s in steps]))[:, None]
+    last = rotate_wrench(R_base_tool, np.array([s.last_wrench for s in steps]))[:, None]
     wrench = first + FRACTIONS[:, None] * (last - first)
     std = np.array([s.std_tool for s in steps])[:, :, None] * np.eye(6)  # (m, 6, 6)
     spread = rotate_wrench(R_base_tool[:, None], std)

@@ -65,6 +65,11 @@ def reading_time(program: MillingProgram, cycle: Cycle) -> float:
     return cycle.reading * (len(program.targets) + len(program.motions) + len(program.points))
 
 
+def program_time(program: MillingProgram, times: FloatArray, cycle: Cycle) -> float:
+    """The program from home to home, and reading it [s]; arguments as of `feature_times`."""
+    return float(times.sum()) + reading_time(program, cycle)
+
+
 def feature_times(program: MillingProgram, times: FloatArray) -> dict[str, float]:
     """Time of each feature with the way to it from the one before [s], in the order of milling.
 

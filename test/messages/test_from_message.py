@@ -16,8 +16,8 @@ from doormill_ros.messages.from_message import (
     recipe_of,
     seconds_of,
     transform_of,
-    twist_of,
-    wrench_of,
+    twists_of,
+    wrenches_of,
 )
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.errors import RecipeError
@@ -41,8 +41,9 @@ def test_a_pose_is_the_transform_of_its_quaternion() -> None:
 
 def test_wrench_and_twist_keep_their_halves_in_order() -> None:
     first, second = Message(x=1.0, y=2.0, z=3.0), Message(x=4.0, y=5.0, z=6.0)
-    assert wrench_of(Message(force=first, torque=second)).tolist() == [1, 2, 3, 4, 5, 6]
-    assert twist_of(Message(linear=first, angular=second)).tolist() == [1, 2, 3, 4, 5, 6]
+    assert wrenches_of([Message(force=first, torque=second)]).tolist() == [[1, 2, 3, 4, 5, 6]]
+    assert twists_of([Message(linear=first, angular=second)]).tolist() == [[1, 2, 3, 4, 5, 6]]
+    assert wrenches_of([]).shape == (0, 6)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, 0.0])

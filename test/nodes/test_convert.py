@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +20,9 @@ from doormill_ros.messages.from_message import program_of, transform_of
 from doormill_ros.nodes.convert.executed import executed_message, executed_of
 from doormill_ros.nodes.convert.geometry import path_message
 from doormill_ros.nodes.convert.markers import body_markers, program_markers
-from doormill_ros.nodes.convert.program import program_into
+from doormill_ros.nodes.convert.program import Nested, program_into
+from doormill_ros.nodes.nested_messages import reading
+from doormill_ros.nodes.topics import PATH_TARGETS
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.robot.bodies import Body
 from doormill_ros.robot.configuration import ConfData
@@ -69,8 +72,18 @@ def over_the_wire(message: Any) -> Any:
     return deserialize_message(serialize_message(message), type(message))
 
 
-def test_a_program_comes_back_as_it_was(program: MillingProgram) -> None:
-    message = over_the_wire(program_into(TargetArray(), program))
+def as_nodes_hear_it(message: TargetArray) -> Any:
+    heard: list[Any] = []
+    reading(PATH_TARGETS, heard.append)(serialize_message(message))
+    return heard[0]
+
+
+both_ways = pytest.mark.parametrize("carried", [over_the_wire, as_nodes_hear_it])
+
+
+@both_ways
+def test_a_program_comes_back_as_it_was(program: MillingProgram, carried: Callable[[Any], Any]) -> None:
+    message = carried(program_into(TargetArray(), program))
     assert message.largest_correction == program.largest_correction
     back = program_of(message)
     assert (back.door_id, back.recipe_version) == ("door", 3)
@@ -90,7 +103,8 @@ def test_a_program_comes_back_as_it_was(program: MillingProgram) -> None:
         assert np.array_equal(*ends)
 
 
-def test_ways_come_back_over_the_wire() -> None:
+@both_ways
+def test_ways_come_back_over_the_wire(carried: Callable[[Any], Any]) -> None:
     rng = np.random.default_rng(4)
     motions = (
         Motion(MotionKind.ABSOLUTE, 0, None, 0.5, "fine", "", False),
@@ -106,7 +120,7 @@ def test_ways_come_back_over_the_wire() -> None:
         rng.uniform(-3, 3, 6),
         (range(1, 3), range(3, 5)),
     )
-    message = over_the_wire(program_into(TargetArray(), program))
+    message = carried(program_into(TargetArray(), program))
     assert [(e.feature, e.first, e.last) for e in message.escapes] == [("hinge_1", 1, 2), ("hinge_2", 3, 4)]
     back = program_of(message)
     assert back.motions[0].kind is MotionKind.ABSOLUTE
@@ -147,8 +161,21 @@ def test_no_two_targets_share_a_message(program: MillingProgram) -> None:
     assert len({id(v) for v in vectors}) == len(vectors)
 
 
-def test_a_program_without_targets() -> None:
-    back = program_of(over_the_wire(program_into(TargetArray(), MillingProgram("door", 1, (), ()))))
+def test_a_message_tells_nothing_of_the_program_before(program: MillingProgram) -> None:
+    """Its nested messages are those that told of it."""
+    nested = Nested()
+    program_into(TargetArray(), program, nested)
+    shorter = replace(program, targets=program.targets[1:], motions=program.motions[1:])
+    for wanted in (shorter, program):
+        told = program_into(TargetArray(), wanted, nested)
+        assert told == program_into(TargetArray(), wanted)
+    assert told.targets[0] is nested.targets[0]
+    assert told.motions[0] is nested.motions[0]
+
+
+@both_ways
+def test_a_program_without_targets(carried: Callable[[Any], Any]) -> None:
+    back = program_of(carried(program_into(TargetArray(), MillingProgram("door", 1, (), ()))))
     assert (back.targets, back.motions) == ((), ())
 
 

@@ -22,6 +22,7 @@ from doormill_ros.recipes.recipe import ClampPlacement
 from doormill_ros.recording.replay.recorded_run import RecordedRun
 from doormill_ros.recording.replay.run_reader import read_runs
 from doormill_ros.robot_model.errors import ExtendedModelError
+from doormill_ros.toolpath.door_checks import check_door
 from doormill_ros.toolpath.errors import DoorPoseError
 from support.source_tree import PACKAGE, ROOT, SOURCES, imports_of
 
@@ -70,12 +71,13 @@ def test_what_cannot_be_found_is_refused(run: RecordedRun) -> None:
         look(black, None, layout, run.recipe)
 
 
-def test_a_program_is_checked_as_a_whole() -> None:
+def test_a_program_is_made_for_a_door_in_its_clamp_alone() -> None:
     recipe, setup = shipped_recipes()["thesis_190_0deg"], load_setup()
     T_base_door = setup.layout.T_base_door(recipe.width, recipe.thickness)
     planned = plan(recipe, T_base_door, setup)
-    assert sum(feature.targets for feature in planned.check.features) <= len(planned.program.targets)
-    assert planned.check.time > 0.0
+    check = check_door(planned.program, recipe, setup.robot, setup.settings)
+    assert sum(feature.targets for feature in check.features) <= len(planned.program.targets)
+    assert planned.time == check.time > 0.0
     with pytest.raises(DoorPoseError):
         plan(recipe, transform(translation=np.array([0.0, 1.0, 0.0])) @ T_base_door, setup)
 

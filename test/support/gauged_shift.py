@@ -19,7 +19,7 @@ from doormill_ros.cell.layout import load_layout
 from doormill_ros.frames import inverse, rotation_from_vector, transform
 from doormill_ros.localization.camera import load_camera
 from doormill_ros.measurements.inspection_writer import write_inspection
-from doormill_ros.messages.from_message import recipe_of, transform_of, transforms_of, wrench_of
+from doormill_ros.messages.from_message import recipe_of, transform_of, transforms_of, wrenches_of
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
@@ -61,7 +61,7 @@ def commanded(name: str) -> Commanded:
         motion=np.array(executed.motion),
         cutting=np.array(executed.cutting, dtype=bool),
         feature=np.array(executed.feature),
-        wrench=np.array([wrench_of(wrench) for wrench in executed.wrench]),
+        wrench=wrenches_of(executed.wrench),
     )
     return Commanded(
         ROOT / "bags" / name, executed.run_id, recipe_of(recipe), transform_of(located.pose.pose), path

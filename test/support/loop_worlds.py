@@ -78,7 +78,7 @@ def taught(folder: Path, world: dict) -> Loop:
 
 def timed(path: ExecutedPath, planned: PlannedProgram) -> ExecutedPath:
     """A commanded path in the time that its plan takes: the ideal controller numbers its samples."""
-    return replace(path, time=path.time * planned.check.time / path.time[-1])
+    return replace(path, time=path.time * planned.time / path.time[-1])
 
 
 def milled(

@@ -8,7 +8,6 @@ call, which would shift every later target by one. The writer therefore stays on
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from doormill_ros.abb.errors import AbbError, TargetLineError, TargetValueError
-from doormill_ros.arrays import FloatArray
+from doormill_ros.arrays import BoolArray, FloatArray, IntArray
 from doormill_ros.frames import are_transforms, check_transform, from_wxyz, quaternion_wxyz
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.units import m_to_mm, mm_to_m
@@ -37,8 +36,23 @@ NORM_TOLERANCE = 1e-5
 #: Turns of the axes that the robots of this class reach, in quarters.
 CONF_RANGE = {"cf1": (-4, 3), "cf4": (-4, 3), "cf6": (-4, 3), "cfx": (0, 7)}
 
-_DECIMAL = re.compile(r"-?[0-9]{1,4}(\.[0-9]{1,8})?")
-_INTEGER = re.compile(r"-?[0-9]")
+_DECIMAL_TEXT = r"-?[0-9]{1,4}(?:\.[0-9]{1,8})?"
+_DECIMAL, _INTEGER = re.compile(_DECIMAL_TEXT), re.compile(r"-?[0-9]")
+#: The numbers of a line, each with its decimals in front.
+_NUMBERS = f"%.*f{SEPARATOR}" * 7
+
+
+def _texts(low: int, high: int) -> str:
+    """Every text of an integer from low to high."""
+    texts = (f"{sign}{digit}" for sign in ("", "-") for digit in range(10))
+    return "|".join(text for text in texts if low <= int(text) <= high)
+
+
+#: A whole line.
+_LINE = re.compile(
+    f"({_DECIMAL_TEXT}){SEPARATOR}" * 7
+    + "".join(f"({_texts(*limits)}){SEPARATOR}" for limits in CONF_RANGE.values())
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +92,14 @@ def format_lines(
     """
     labels = [f"target {name!r}" if name else "target" for name in names]
     poses = _checked(T_base_tool, labels)
-    quaternions = quaternion_wxyz(poses) if len(poses) else poses
-    millimetres = m_to_mm(poses[:, :3, 3]) if len(poses) else poses
+    if not len(poses):
+        return []
+    numbers = np.hstack([m_to_mm(poses[:, :3, 3]), quaternion_wxyz(poses)])
+    decimals = np.stack([_decimals_of(numbers[:, :3], first) for first, _ in DECIMALS], axis=1)
+    rows = zip(numbers.tolist(), _as_rounded(numbers).tolist(), decimals.tolist(), confs, labels, strict=True)
     return [
-        _format_target(position.tolist(), quaternion.tolist(), _format_conf(conf, label), label)
-        for position, quaternion, conf, label in zip(millimetres, quaternions, confs, labels, strict=True)
+        _format_target(values, plain, choices, _format_conf(conf, label), label)
+        for values, plain, choices, conf, label in rows
     ]
 
 
@@ -114,12 +131,39 @@ def _checked(T_base_tool: Sequence[FloatArray], labels: Sequence[str]) -> FloatA
     return poses
 
 
-def _format_target(position: list[float], quaternion: list[float], conf: list[str], label: str) -> str:
-    """One line, with the first choice of decimals that fits."""
-    for position_decimals, quaternion_decimals in DECIMALS:
-        numbers = [_format_position(value, position_decimals) for value in position]
-        numbers += _format_quaternion(quaternion, quaternion_decimals)
-        line = "".join(text + SEPARATOR for text in numbers + conf)
+def _decimals_of(millimetres: FloatArray, most: int) -> IntArray:
+    """Decimals, so many at most, that float32 can tell apart at a coordinate's size; the shape of the coordinates."""
+    spacing = np.ldexp(1.0, np.frexp(millimetres)[1] - FLOAT32_DIGITS)
+    decimals = np.full(millimetres.shape, most)
+    while (over := (decimals > 0) & (10.0**-decimals < spacing)).any():
+        decimals[over] -= 1
+    return decimals
+
+
+def _as_rounded(numbers: FloatArray) -> BoolArray:
+    """Lines in which no choice of decimals makes a zero of a number below it, nor of q1; shapes (n, 7) -> (n,)."""
+    unit = 10.0 ** -np.array(DECIMALS[-1], dtype=float)[[0, 0, 0, 1, 1, 1, 1]]
+    kept: BoolArray = (~np.signbit(numbers) | (numbers <= -unit)).all(axis=1) & (numbers[:, 3] >= unit[3])
+    return kept
+
+
+def _format_target(numbers: list[float], plain: bool, choices: list[list[int]], conf: str, label: str) -> str:
+    """One line, with the first choice of decimals that fits.
+
+    Args:
+        numbers: x, y, z [mm] and q1..q4.
+        plain: Rounding leaves their signs as they are, see `_as_rounded`.
+        choices: For each of `DECIMALS` those of x, y, z.
+        conf: Texts of cf1, cf4, cf6, cfx.
+        label: What the target is called.
+    """
+    x, y, z, q1, q2, q3, q4 = numbers
+    for (a, b, c), (_, d) in zip(choices, DECIMALS, strict=True):
+        if plain:
+            line = _NUMBERS % (a, x, b, y, c, z, d, q1, d, q2, d, q3, d, q4) + conf
+        else:
+            texts = [_format(x, a), _format(y, b), _format(z, c), *_format_quaternion(numbers[3:], d)]
+            line = "".join(text + SEPARATOR for text in texts) + conf
         if len(line) <= LINE_BUDGET:
             return line
     if len(line) <= RAPID_STRING:
@@ -144,25 +188,31 @@ def parse_lines(lines: Sequence[str], first: int = 1) -> tuple[TargetLine, ...]:
     texts = [_fields(line, number) for number, line in enumerate(lines, start=first)]
     values = np.array([[float(text) for text in row] for row in texts])
     _check_quaternions(values[:, 3:7], lines, first)
-    decimals = np.array([[_decimals(text) for text in row[:7]] for row in texts])
+    decimals = np.array([[len(text.partition(".")[2]) for text in row[:7]] for row in texts])
     position_mm, quaternion = values[:, :3], values[:, 3:7]
     poses = from_wxyz(mm_to_m(position_mm), quaternion)
     half = 0.5 * 10.0 ** -decimals.astype(float)
-    return tuple(
-        TargetLine(
-            T_base_tool=poses[i],
-            conf=ConfData(*values[i, 7:].astype(int).tolist()),
-            position_mm=position_mm[i],
-            quaternion=quaternion[i],
-            position_resolution=mm_to_m(half[i, :3]),
-            quaternion_resolution=float(half[i, 3:].max()),
-        )
-        for i in range(len(lines))
+    position_resolution = mm_to_m(half[:, :3])
+    columns = zip(
+        poses,
+        values[:, 7:].astype(int).tolist(),
+        position_mm,
+        quaternion,
+        position_resolution,
+        half[:, 3:].max(axis=1).tolist(),
+        strict=True,
     )
+    return tuple(TargetLine(pose, ConfData(*conf), *rest) for pose, conf, *rest in columns)
 
 
-def _fields(line: str, number: int) -> list[str]:
+def _fields(line: str, number: int) -> Sequence[str]:
     """The texts of the eleven fields, each of them a number that may stand there."""
+    match = _LINE.fullmatch(line) if len(line) <= RAPID_STRING else None
+    return match.groups() if match else _fields_one_by_one(line, number)
+
+
+def _fields_one_by_one(line: str, number: int) -> Sequence[str]:
+    """The same in ten times the time, which finds out what is wrong."""
     if len(line) > RAPID_STRING:
         raise _error(number, f"has {len(line)} characters", f"at most {RAPID_STRING}, a RAPID string", line)
     parts = line.split(SEPARATOR)
@@ -199,14 +249,6 @@ def _check_quaternions(quaternions: FloatArray, lines: Sequence[str], first: int
         )
 
 
-def _format_position(value: float, decimals: int) -> str:
-    """Millimetres with the decimals that float32 can tell apart at this size."""
-    spacing = 2.0 ** (math.frexp(value)[1] - FLOAT32_DIGITS)
-    while decimals > 0 and 10.0**-decimals < spacing:
-        decimals -= 1
-    return _format(value, decimals)
-
-
 def _format_quaternion(quaternion: list[float], decimals: int) -> list[str]:
     """The rounded quaternion whose first component that is not zero is positive."""
     rounded = [round(value, decimals) for value in quaternion]
@@ -221,9 +263,8 @@ def _format(value: float, decimals: int) -> str:
     return text[1:] if text.startswith("-") and not text.strip("-0.") else text
 
 
-def _format_conf(conf: ConfData, label: str) -> list[str]:
-    """Texts of cf1, cf4, cf6, cfx."""
-    texts = []
+def _format_conf(conf: ConfData, label: str) -> str:
+    """cf1, cf4, cf6, cfx with the separators behind them."""
     for field, (low, high) in CONF_RANGE.items():
         value = getattr(conf, field)
         if not isinstance(value, int | np.integer) or not low <= value <= high:
@@ -233,13 +274,7 @@ def _format_conf(conf: ConfData, label: str) -> list[str]:
                 field=field,
                 value=value,
             )
-        texts.append(str(int(value)))
-    return texts
-
-
-def _decimals(text: str) -> int:
-    """Number of digits after the decimal point."""
-    return len(text.partition(".")[2])
+    return f"{conf.cf1:d};{conf.cf4:d};{conf.cf6:d};{conf.cfx:d};"
 
 
 def _error(number: int, found: str, allowed: str, line: str) -> AbbError:

@@ -258,7 +258,7 @@ def _check_escapes(trailer: Trailer, features: list[str]) -> None:
 
 def _plain(text: str, forbidden: set[str]) -> bool:
     """Printable ASCII without the forbidden characters."""
-    return text.isascii() and text.isprintable() and not forbidden & set(text)
+    return text.isascii() and text.isprintable() and forbidden.isdisjoint(text)
 
 
 def _recipe_version(version: int) -> int:

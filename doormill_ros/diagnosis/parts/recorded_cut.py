@@ -17,7 +17,7 @@ from doormill_ros.messages.from_message import (
     seconds_of,
     transform_of,
     transforms_of,
-    wrench_of,
+    wrenches_of,
 )
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.bag_reader import read_bag, topics_of
@@ -100,7 +100,7 @@ def _path(run: Mapping[str, Any]) -> tuple[CommandedPath, Any]:
     path = CommandedPath(
         tool=transforms_of(told.commanded),
         q=np.array(told.joint_positions, dtype=float).reshape(-1, 6),
-        wrench=np.array([wrench_of(wrench) for wrench in told.wrench]),
+        wrench=wrenches_of(told.wrench),
         time=np.array(told.time, dtype=float),
         cutting=np.array(told.cutting, dtype=bool),
         feature=tuple(told.feature),

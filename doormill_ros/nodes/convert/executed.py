@@ -10,7 +10,7 @@ from doormill_interfaces.msg import DoorPlacement, FeatureDeviation, MilledDoor,
 from doormill_interfaces.msg import ExecutedPath as ExecutedPathMessage
 from doormill_interfaces.msg import Touch as TouchMessage
 from doormill_ros.arrays import FloatArray
-from doormill_ros.messages.from_message import transform_of, transforms_of, wrench_of
+from doormill_ros.messages.from_message import transform_of, transforms_of, wrenches_of
 from doormill_ros.nodes.convert.geometry import pose_messages, wrench_message
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.simulation.controller.executed_path import ExecutedPath
@@ -56,7 +56,7 @@ def executed_of(message: ExecutedPathMessage) -> ExecutedPath:
             motion=np.array(message.motion),
             cutting=np.array(message.cutting),
             feature=np.array(message.feature),
-            wrench=np.array([wrench_of(wrench) for wrench in message.wrench]).reshape(-1, 6),
+            wrench=wrenches_of(message.wrench),
             tool=np.array(message.tool) if message.tool else None,
         )
         for name in ("time", "T_base_tool", "T_base_tool_commanded", "q", "wrench"):

@@ -199,7 +199,7 @@ def _generate(
     except DoormillError as error:
         return refusal(TARGETS, stamp_ns, error.code, error.message), None
     program = planned.program
-    return targets_answer(stamp_ns, program, planned.check.time, model_name), program
+    return targets_answer(stamp_ns, program, planned.time, model_name), program
 
 
 def _target_file(

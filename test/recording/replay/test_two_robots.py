@@ -45,7 +45,7 @@ def told(run: RecordedRun) -> Iterator[Message]:
             run_id=run.run_id,
             accepted=True,
             robot_model=setup.model_name,
-            cycle_time=planned.check.time,
+            cycle_time=planned.time,
             header=localization.header,
         )
         yield f"/{robot}{TARGETS}", program_into(message, planned.program)

@@ -65,7 +65,7 @@ def test_a_door_of_two_tools_is_milled_and_nothing_is_touched(made, started):
     assert robot.cell.rack.harm == []
     assert (robot.cell.rack.carried, robot.program.read("toolPlace")) == ("rack_mill_16", 1.0)
     assert not executed.spindle_on[executed.tool == ""].any()
-    assert executed.time[-1] == pytest.approx(planned.check.time, rel=0.05)
+    assert executed.time[-1] == pytest.approx(planned.time, rel=0.05)
 
 
 def test_the_judge_goes_by_the_tool_that_is_carried(made, started):

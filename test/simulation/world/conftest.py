@@ -7,7 +7,7 @@ import pytest
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
-from doormill_ros.messages.from_message import recipe_of, transform_of, wrench_of
+from doormill_ros.messages.from_message import recipe_of, transform_of, wrenches_of
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.robot.description import load_robot
@@ -56,7 +56,7 @@ def recorded() -> RecordedDoor:
             motion=np.array(executed.motion),
             cutting=np.array(executed.cutting, dtype=bool),
             feature=np.array(executed.feature),
-            wrench=np.array([wrench_of(wrench) for wrench in executed.wrench]),
+            wrench=wrenches_of(executed.wrench),
         ),
         load_robot(layout.robot).dh,
         layout.T_flange_tool,
