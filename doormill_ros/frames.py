@@ -25,6 +25,7 @@ BASE_FRAME = "base_link"
 DOOR_FRAME = "door"
 CAMERA_FRAME = "camera_optical_frame"
 TOOL_FRAME = "tool"
+_EXACT = 1e-12  # by which R R^T of a rotation may be off for rounding alone
 
 
 def rotations() -> Any:
@@ -101,9 +102,36 @@ def apply(T_a_b: FloatArray, p_b: FloatArray) -> FloatArray:
 
 
 def quaternion_xyzw(T_a_b: FloatArray) -> FloatArray:
-    """Unit quaternion (x, y, z, w) of R_a_b with w >= 0; shape (..., 4). ROS order."""
-    quaternion: FloatArray = rotations().from_matrix(np.asarray(T_a_b)[..., :3, :3]).as_quat(canonical=True)
-    return quaternion
+    """Unit quaternion (x, y, z, w) of R_a_b with w >= 0; shape (..., 4). ROS order.
+
+    The longest of the four multiples of it that sums of the matrix give (Markley, Journal of Guidance, Control, and
+    Dynamics 31, 2008, page 440). SciPy does the same; it is asked for matrices that are rotations to a few digits
+    only, of which it takes the nearest one.
+
+    Raises:
+        ValueError: A determinant is not positive.
+    """
+    R_a_b = np.asarray(T_a_b, dtype=float)[..., :3, :3]
+    R = R_a_b.reshape(-1, 3, 3)
+    off = np.abs(R @ R.swapaxes(1, 2) - np.eye(3))
+    if not (np.all(off <= _EXACT) and np.all(np.linalg.det(R) > 0.0)):
+        nearest: FloatArray = rotations().from_matrix(R_a_b).as_quat(canonical=True)
+        return nearest
+    sums = np.empty((len(R), 4))  # of which the largest tells the longest
+    sums[:, :3] = np.diagonal(R, axis1=1, axis2=2)
+    sums[:, 3] = trace = R[:, 0, 0] + R[:, 1, 1] + R[:, 2, 2]
+    multiples = np.empty((len(R), 4, 4))
+    multiples[:, range(4), range(4)] = 1.0 - trace[:, None] + 2.0 * sums
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        multiples[:, i, j] = multiples[:, j, i] = R[:, i, j] + R[:, j, i]
+        multiples[:, k, 3] = multiples[:, 3, k] = R[:, j, i] - R[:, i, j]
+    each = np.arange(len(R))
+    quaternion: FloatArray = multiples[each, sums.argmax(axis=1)]
+    quaternion /= np.sqrt((quaternion**2).sum(axis=1, keepdims=True))
+    # Where w is zero the first of x, y and z that is not is positive.
+    lead = (quaternion[:, [3, 0, 1, 2]] != 0.0).argmax(axis=1) - 1
+    quaternion[quaternion[each, lead] < 0.0] *= -1.0
+    return quaternion.reshape(*R_a_b.shape[:-2], 4)
 
 
 def quaternion_wxyz(T_a_b: FloatArray) -> FloatArray:
@@ -117,10 +145,22 @@ def from_xyzw(position: FloatArray, quaternion: FloatArray) -> FloatArray:
     Args:
         position: p_a_b, shape (..., 3) [m].
         quaternion: (x, y, z, w) of any positive norm, shape (..., 4).
+
+    Raises:
+        ValueError: The quaternion is zero.
     """
-    rotation = rotations().from_quat(quaternion).as_matrix()
-    T_a_b = np.zeros((*rotation.shape[:-2], 4, 4))
-    T_a_b[..., :3, :3] = rotation
+    quaternion = np.asarray(quaternion, dtype=float)
+    norm = np.sqrt((quaternion**2).sum(axis=-1, keepdims=True))
+    if not np.all(norm):
+        raise ValueError("found a quaternion of norm 0, allowed is any other")
+    x, y, z, w = np.moveaxis(quaternion / norm, -1, 0)
+    T_a_b = np.zeros((*quaternion.shape[:-1], 4, 4))
+    T_a_b[..., 0, 0] = x * x - y * y - z * z + w * w
+    T_a_b[..., 1, 1] = -x * x + y * y - z * z + w * w
+    T_a_b[..., 2, 2] = -x * x - y * y + z * z + w * w
+    T_a_b[..., 0, 1], T_a_b[..., 1, 0] = 2 * (x * y - z * w), 2 * (x * y + z * w)
+    T_a_b[..., 0, 2], T_a_b[..., 2, 0] = 2 * (x * z + y * w), 2 * (x * z - y * w)
+    T_a_b[..., 1, 2], T_a_b[..., 2, 1] = 2 * (y * z - x * w), 2 * (y * z + x * w)
     T_a_b[..., :3, 3] = position
     T_a_b[..., 3, 3] = 1.0
     return T_a_b

@@ -35,6 +35,7 @@ class Section:
         cls.__pydantic_config__ = ConfigDict(
             extra=extra,
             arbitrary_types_allowed=True,
+            defer_build=True,
             alias_generator=lambda name: next(key for key, field in keys(cls).items() if field.name == name),
         )
 

@@ -9,6 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from doormill_ros.frames import (
     apply_twist,
+    from_xyzw,
+    quaternion_xyzw,
     rotate_wrench,
     rotation_from_vector,
     rotation_rpy,
@@ -54,6 +56,34 @@ def test_vectors_of_turns_are_those_of_scipy():
     np.testing.assert_allclose(
         vector_from_rotation(turns.as_matrix()), turns.as_rotvec(), rtol=0.0, atol=1e-12
     )
+
+
+HALF_TURNS = np.array([[1, 0, 0], [0, -1, 0], [0, 0, -1], [-1, 1, 0], [0, -1, 1], [-1, 0, -1], [-3, 2, 1]])
+
+
+def test_quaternions_are_those_of_scipy():
+    """Any turns, half turns, none, and matrices that are rotations to seven digits only."""
+    rng = np.random.default_rng(3)
+    axes = HALF_TURNS / np.linalg.norm(HALF_TURNS, axis=1, keepdims=True)
+    turns = [*Rotation.random(400, rng=rng).as_matrix(), *(2 * axes[:, :, None] * axes[:, None] - np.eye(3))]
+    exact = np.array([*turns, np.eye(3)])
+    for R in (exact, exact + rng.normal(scale=1e-8, size=exact.shape)):
+        expected = Rotation.from_matrix(R).as_quat(canonical=True)
+        T = np.zeros((len(R), 4, 4))
+        T[:, :3, :3] = R
+        np.testing.assert_allclose(quaternion_xyzw(T), expected, rtol=0.0, atol=3e-16)
+        np.testing.assert_array_equal(quaternion_xyzw(T[7]), quaternion_xyzw(T)[7])
+        back = from_xyzw(T[:, :3, 3], 3.0 * expected)[:, :3, :3]
+        np.testing.assert_allclose(back, Rotation.from_quat(expected).as_matrix(), rtol=0.0, atol=1e-15)
+    assert quaternion_xyzw(np.empty((0, 4, 4))).shape == (0, 4)
+    assert from_xyzw(np.empty((0, 3)), np.empty((0, 4))).shape == (0, 4, 4)
+
+
+def test_what_is_no_rotation_has_no_quaternion_and_the_other_way_round():
+    with pytest.raises(ValueError, match="determinant"):
+        quaternion_xyzw(np.diag([1.0, 1.0, -1.0, 1.0]))
+    with pytest.raises(ValueError, match="norm 0"):
+        from_xyzw(np.zeros((2, 3)), np.array([[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0]]))
 
 
 def poses(n, seed=1):

@@ -18,9 +18,8 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
 
-from doormill_ros.catalogue.bag_rows import topic_of
 from doormill_ros.catalogue.filler import RunFiller
-from doormill_ros.catalogue.run_collector import CELL, SOFTWARE
+from doormill_ros.catalogue.run_collector import CELL, SOFTWARE, topic_of
 from doormill_ros.cell.clock import EvenClock
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name
