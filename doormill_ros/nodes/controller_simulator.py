@@ -28,7 +28,7 @@ from doormill_ros.nodes.simulated_shift import WORLD_PARAMETERS, SimulatedShift
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
-from doormill_ros.simulation.controller.rws_server.server import VERSIONS, serve
+from doormill_ros.simulation.controller.rws_server.serving import VERSIONS, serve
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.milled_part import inspect
