@@ -35,7 +35,6 @@ class Section:
         cls.__pydantic_config__ = ConfigDict(
             extra=extra,
             arbitrary_types_allowed=True,
-            defer_build=True,
             alias_generator=lambda name: next(key for key, field in keys(cls).items() if field.name == name),
         )
 
