@@ -22,6 +22,15 @@ def site_folder() -> Path:
     return Path(data) / PACKAGE
 
 
+def cache_folder() -> Path:
+    """What this user's processes keep to be quicker and can make again. It need not exist.
+
+    Raises:
+        RuntimeError: The user has no home.
+    """
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / PACKAGE
+
+
 def share_directory() -> Path:
     """The folder that holds config/, rapid/, launch/ and bags/.
 

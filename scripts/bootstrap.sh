@@ -70,7 +70,8 @@ build() { # name, stamp, folders that it is made of
     # What was renamed or removed since must not linger beside the new.
     rm -rf "build/$name" "install/share/$name" "install/lib/$name" install/lib/python3.*/site-packages/"$name"*
     local begun; begun=$(mktemp install/.begun-XXXX)
-    if ! ( . ./activate --build && colcon --log-base log build --merge-install --paths . doormill_interfaces \
+    # A shell that keeps Python from writing byte code, as many containers do, would have each start compile all modules.
+    if ! ( . ./activate --build && env -u PYTHONDONTWRITEBYTECODE colcon --log-base log build --merge-install --paths . doormill_interfaces \
             --packages-select "$name" --event-handlers console_direct- \
             --cmake-args -DBUILD_TESTING=OFF -DPython3_EXECUTABLE="$PWD/.venv/bin/python" --no-warn-unused-cli ) \
             > log/build-"$name".txt 2>&1; then

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from doormill_ros.catalogue.errors import BadRunRecordError
 from doormill_ros.catalogue.run import CataloguedInspection, CataloguedRun
-from doormill_ros.catalogue.run_collector import TOPICS, RunCollector
+from doormill_ros.catalogue.run_collector import RunCollector, topic_of
 from doormill_ros.config import read_document
 from doormill_ros.recording.bag_folders import METADATA, content_of_bag
 from doormill_ros.recording.bag_reader import read_bag
@@ -35,11 +35,6 @@ class BagRows:
     runs: tuple[CataloguedRun, ...]
     inspections: tuple[CataloguedInspection, ...] = ()
     refused: str = ""
-
-
-def topic_of(full_name: str) -> str | None:
-    """The one of `TOPICS` that a full topic name stands for, with or without a namespace."""
-    return next((topic for topic in TOPICS if full_name.endswith(f"/{topic}")), None)
 
 
 def read_rows(folder: Path) -> BagRows:

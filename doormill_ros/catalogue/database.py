@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import sqlalchemy as sa
-from sqlalchemy.dialects import postgresql, sqlite
 
 from doormill_ros.catalogue import schema
 from doormill_ros.catalogue.errors import CatalogueUnreachableError, UnknownRunError
 from doormill_ros.catalogue.run import CataloguedInspection, CataloguedRun, CatalogueRow
 from doormill_ros.recipes.store.engine import default_url
+from doormill_ros.recipes.store.statements import insert_into
 from doormill_ros.recipes.store.transactions import Transactions
 
 ENVIRONMENT, FILE = "DOORMILL_CATALOGUE", "catalogue.sqlite"
@@ -228,8 +228,7 @@ class Catalogue(Transactions):
 
 def _put(connection: sa.Connection, table: sa.Table, values: dict[str, Any]) -> None:
     """Insert a row, or put it in place of the one of its key."""
-    dialect = postgresql if connection.dialect.name == "postgresql" else sqlite
-    insert = dialect.insert(table).values(values)
+    insert = insert_into(connection, table).values(values)
     others = {name: insert.excluded[name] for name in values if not table.c[name].primary_key}
     connection.execute(insert.on_conflict_do_update(index_elements=list(table.primary_key), set_=others))
 

@@ -9,12 +9,13 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from doormill_ros.catalogue.bag_rows import finished
-from doormill_ros.catalogue.database import Catalogue
 from doormill_ros.catalogue.run_collector import RunCollector
 from doormill_ros.errors import DoormillError, unexpected
+
+if TYPE_CHECKING:
+    from doormill_ros.catalogue.database import Catalogue
 
 _LOG = logging.getLogger(__name__)
 
@@ -76,11 +77,17 @@ class RunFiller:
             self._open().store(bag, [replace(run, bag=bag) for run in self._collector.runs()])
 
     def _finish(self) -> None:
+        if not self._collector.runs():
+            return
+        from doormill_ros.catalogue.bag_rows import finished  # late, as below
+
         rows = finished(self._bag, self._collector)
-        if rows.runs:
-            self._open().store(rows.bag, rows.runs, rows.inspections)
+        self._open().store(rows.bag, rows.runs, rows.inspections)
 
     def _open(self) -> Catalogue:
+        # Late: the database's library is half of a recorder's start, and no run has ended before.
+        from doormill_ros.catalogue.database import Catalogue
+
         self._catalogue = self._catalogue or Catalogue(self._url)
         return self._catalogue
 

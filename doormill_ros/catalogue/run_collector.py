@@ -12,8 +12,8 @@ from typing import Any
 from doormill_ros.catalogue.errors import BadRunRecordError
 from doormill_ros.catalogue.run import NO_VERSION, CataloguedRun
 from doormill_ros.errors import one_line
-from doormill_ros.messages.from_message import nanoseconds_of
-from doormill_ros.recipes.stored import STAMP
+from doormill_ros.messages.stamps import nanoseconds_of
+from doormill_ros.recipes.stamp import STAMP
 from doormill_ros.recording.run_topics import LOCALIZATION, RECIPE, RUN_RESULT, TARGETS
 
 TOPICS = (RECIPE, LOCALIZATION, TARGETS, RUN_RESULT)  #: that tell of a run, without the cell's namespace
@@ -21,6 +21,11 @@ SOFTWARE, CELL = "software", "cell"  #: keys of what the recorder says of itself
 LONGEST_NAME = 200  # characters of a run's or a door's name
 _LARGEST = 2**63 - 1  # of a database's whole numbers
 _STAGES = ("picture_to_pose", "pose_to_targets", "targets_to_ready", "request_to_ready")
+
+
+def topic_of(full_name: str) -> str | None:
+    """The one of `TOPICS` that a full topic name stands for, with or without a namespace."""
+    return next((topic for topic in TOPICS if full_name.endswith(f"/{topic}")), None)
 
 
 @dataclass

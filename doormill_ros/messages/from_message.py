@@ -22,22 +22,11 @@ from doormill_ros.robot.chain import JOINTS
 from doormill_ros.robot.configuration import ConfData
 from doormill_ros.toolpath.errors import DoorPoseError
 from doormill_ros.toolpath.program import RACK_KINDS, MillingProgram, Motion, MotionKind, Target
-from doormill_ros.units import ns_to_s
 
 FARTHEST = 100.0  # m that a door may be away
 UNIT = 1e-3  # by which the length of a quaternion may differ from 1
 #: Numbers of doormill_interfaces/Motion.kind.
 KINDS = (MotionKind.JOINT, MotionKind.LINEAR, MotionKind.CIRCULAR, MotionKind.ABSOLUTE, *RACK_KINDS)
-
-
-def nanoseconds_of(stamp: Any) -> int:
-    """Nanoseconds since the epoch of a builtin_interfaces/Time."""
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
-
-
-def seconds_of(stamp: Any) -> float:
-    """Seconds since the epoch of a builtin_interfaces/Time."""
-    return float(stamp.sec + ns_to_s(stamp.nanosec))
 
 
 def transform_of(pose: Any) -> FloatArray:

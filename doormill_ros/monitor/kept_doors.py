@@ -20,7 +20,7 @@ from doormill_ros.errors import DoormillError
 from doormill_ros.files import write_atomically
 from doormill_ros.measurements.inspection import Inspection, read_inspection
 from doormill_ros.measurements.inspection_writer import write_inspection
-from doormill_ros.messages.from_message import seconds_of
+from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.monitor.errors import InspectionMessageError, KeepingError, UnknownRunError
 from doormill_ros.monitor.recorded_runs import RESULT, RecordedRuns
 from doormill_ros.recording.bag_reader import read_bag, topics_of

@@ -17,9 +17,8 @@ from typing import Any
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from doormill_ros.catalogue.bag_rows import topic_of
 from doormill_ros.catalogue.filler import RunFiller
-from doormill_ros.catalogue.run_collector import CELL, SOFTWARE, TOPICS
+from doormill_ros.catalogue.run_collector import CELL, SOFTWARE, TOPICS, topic_of
 from doormill_ros.cell.clock import EvenClock
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.found_topics import is_hidden, matching, message_class, qos_document, type_name

@@ -14,6 +14,7 @@ from doormill_interfaces.msg import DoorPlacement, DoorRecipe, MilledDoor, RunRe
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import load_layout
 from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.cell.two_robots import SECOND
 from doormill_ros.cell.waiting import wait
 from doormill_ros.frames import BASE_FRAME, DOOR_FRAME
 from doormill_ros.measurements.inspection_writer import MeasuredPoints, write_inspection
@@ -27,7 +28,7 @@ from doormill_ros.nodes.simulated_shift import WORLD_PARAMETERS, SimulatedShift
 from doormill_ros.robot.description import load_robot
 from doormill_ros.simulation.controller.arm import ControllerArm
 from doormill_ros.simulation.controller.rws_server.running import served_cabinet
-from doormill_ros.simulation.controller.rws_server.server import VERSIONS, serve
+from doormill_ros.simulation.controller.rws_server.serving import VERSIONS, serve
 from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.judge import judge
 from doormill_ros.simulation.milled_part import inspect
@@ -36,7 +37,6 @@ from doormill_ros.simulation.spindle_load import SpindleWork
 from doormill_ros.simulation.world.cutting_power import CutDoor
 from doormill_ros.simulation.world.door_truth import GAUGE, LOAD
 from doormill_ros.simulation.world.gauge import NOISE, gauge
-from doormill_ros.toolpath.split import SECOND
 
 STOP_LIMIT = 5.0  # s
 #: So long recipe and targets of a milled door may come after it: topics have no common order [s].

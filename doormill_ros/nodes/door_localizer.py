@@ -29,8 +29,8 @@ from doormill_ros.localization.overlay import draw_overlay, draw_refusal
 from doormill_ros.localization.rehearsal import FACE, drawn_door
 from doormill_ros.localization.result import Localization
 from doormill_ros.messages.camera_info import camera_of
-from doormill_ros.messages.from_message import nanoseconds_of, seconds_of
 from doormill_ros.messages.picture import picture_of
+from doormill_ros.messages.stamps import nanoseconds_of, seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import pose_message
 from doormill_ros.nodes.convert.picture import picture_message

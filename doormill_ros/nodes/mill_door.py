@@ -23,7 +23,7 @@ from doormill_ros.cell.readiness import SHARES
 from doormill_ros.cell.run import RunDesk, StageLimits
 from doormill_ros.cell.run_in_hand import RunNote
 from doormill_ros.errors import DoormillError
-from doormill_ros.messages.from_message import seconds_of
+from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.action_server import MillDoorActionServer
 from doormill_ros.nodes.convert.run_end import run_end_into

@@ -17,7 +17,8 @@ from doormill_ros.cell.summary import TOLERANCE
 from doormill_ros.diagnosis.runs.limits import MOST
 from doormill_ros.errors import DoormillError
 from doormill_ros.measurements.inspection import CAMERA
-from doormill_ros.messages.from_message import positions_of, seconds_of
+from doormill_ros.messages.from_message import positions_of
+from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.models.errors import MillingStoppedError
 from doormill_ros.models.store import store_folder
 from doormill_ros.monitor.kept_doors import DoorPoints

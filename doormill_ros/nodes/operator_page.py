@@ -30,8 +30,9 @@ from doormill_interfaces.msg import (
 from doormill_ros.arrays import ByteArray
 from doormill_ros.cell.inspection import MeasuredDoor
 from doormill_ros.localization.errors import BadPicture
-from doormill_ros.messages.from_message import gauged_of, inspection_of, nanoseconds_of, recipe_of, seconds_of
+from doormill_ros.messages.from_message import gauged_of, inspection_of, recipe_of
 from doormill_ros.messages.picture import colours_of, picture_of
+from doormill_ros.messages.stamps import nanoseconds_of, seconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.planned_times import planned_times_of
 from doormill_ros.nodes.convert.runs_verdict import view_of_runs

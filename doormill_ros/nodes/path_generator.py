@@ -17,7 +17,8 @@ from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.clock import FUTURE
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import BASE_FRAME, TOOL_FRAME
-from doormill_ros.messages.from_message import door_pose_of, nanoseconds_of, recipe_of, seconds_of
+from doormill_ros.messages.from_message import door_pose_of, recipe_of
+from doormill_ros.messages.stamps import nanoseconds_of, seconds_of
 from doormill_ros.models.store import store_folder
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.convert.geometry import path_message, pose_message

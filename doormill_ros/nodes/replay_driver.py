@@ -15,7 +15,7 @@ from rclpy.serialization import deserialize_message
 from doormill_interfaces.action import MillDoor
 from doormill_ros.cell.layout import CAMERA
 from doormill_ros.cell.waiting import wait, wait_until
-from doormill_ros.messages.from_message import nanoseconds_of
+from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.goal_client import GoalClient
 from doormill_ros.units import s_to_ns

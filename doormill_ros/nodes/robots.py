@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from doormill_ros.cell.readiness import SHARES
+from doormill_ros.cell.two_robots import FIRST, SECOND
 from doormill_ros.nodes import topics
 from doormill_ros.recording.run_topics import SHARE_OF
-from doormill_ros.toolpath.split import FIRST, SECOND
 
 ROBOTS = (FIRST, SECOND)  #: in the order in which they mill
 SHARE_RESULT = "share/result"

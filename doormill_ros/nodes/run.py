@@ -172,6 +172,9 @@ def _keep_freed_memory() -> None:
 
 
 def _spare_collector() -> None:
-    """Take everything made until now, modules above all, out of the garbage collector's rounds."""
-    gc.collect()
+    """Take everything made until now, modules above all, out of the garbage collector's rounds.
+
+    What the start left behind is young; to look through all that is old, too, takes as long as a message's import.
+    """
+    gc.collect(1)
     gc.freeze()

@@ -11,6 +11,7 @@ from std_msgs.msg import Header
 from doormill_interfaces.msg import DoorPlacement, DoorRecipe, ExecutedPath
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.summary import TOLERANCE
+from doormill_ros.cell.two_robots import FIRST, SECOND
 from doormill_ros.frames import DOOR_FRAME, inverse
 from doormill_ros.messages.from_message import recipe_of
 from doormill_ros.nodes import topics
@@ -23,7 +24,7 @@ from doormill_ros.simulation.judge.bodies import load_cell
 from doormill_ros.simulation.judge.pair import Milled, judge_pair
 from doormill_ros.simulation.milled_part import MilledPart, inspect
 from doormill_ros.toolpath.settings import load_settings
-from doormill_ros.toolpath.split import FIRST, SECOND, split
+from doormill_ros.toolpath.split import split
 
 
 class SharedDoorJudge(ManagedNode):

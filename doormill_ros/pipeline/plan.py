@@ -8,6 +8,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, load_layout
+from doormill_ros.cell.two_robots import FIRST
 from doormill_ros.correction.gravity import with_gravity
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.recipe import Recipe
@@ -23,7 +24,7 @@ from doormill_ros.toolpath.generate import generate_program
 from doormill_ros.toolpath.placement import check_placement
 from doormill_ros.toolpath.program import MillingProgram
 from doormill_ros.toolpath.settings import PathSettings, load_settings
-from doormill_ros.toolpath.split import FIRST, Share, share_of
+from doormill_ros.toolpath.split import Share, share_of
 from doormill_ros.toolpath.timing import motion_times, program_time
 
 REHEARSED = "standard_door"

@@ -17,9 +17,9 @@ import sqlalchemy as sa
 
 from doormill_ros.recipes.errors import DamagedRecord
 from doormill_ros.recipes.recipe import Recipe
+from doormill_ros.recipes.stamp import STAMP
 from doormill_ros.recipes.tabled_tool import TABLE, LookUp, completed
 
-STAMP = ("version", "author", "created")  #: columns of their own, not part of the stored text
 RULE_FILES = (
     "checks.py",
     "cutting.py",

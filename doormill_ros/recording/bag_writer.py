@@ -93,10 +93,11 @@ class BagWriter:
         self.record.topics[name] = TopicRecord(name, schema.name, schema.type_hash, qos_profiles or [])
         self._latched.know(name, qos_profiles or [])
         self._register(self.record.topics[name])
-        self.record.write(self.folder)
+        self._untold = True
 
     def write(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int | None = None) -> None:
         """Append a serialized (CDR) message of a known topic."""
+        self._tell()
         published_ns = publish_time_ns or log_time_ns
         self._append(topic, data, log_time_ns, published_ns)
         self._latched.take(topic, data, published_ns)
@@ -124,6 +125,7 @@ class BagWriter:
 
     def flush(self, force: bool = False) -> None:
         """Hand the open chunk to the operating system, at most every quarter of a second."""
+        self._tell()
         now = time.monotonic()
         if force or now - self._flushed >= FLUSH_PERIOD:
             self._writer.flush()
@@ -184,7 +186,14 @@ class BagWriter:
         self._channels.clear()
         for topic in self.record.topics.values():
             self._register(topic)
-        self.record.write(self.folder)
+        self._untold = True
+        self._tell()
+
+    def _tell(self) -> None:
+        """Write metadata.yaml once for all topics that were made known, before the first message after them."""
+        if self._untold:
+            self.record.write(self.folder)
+            self._untold = False
 
     def _close_file(self) -> None:
         document = text_of(self.record.document())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from doormill_ros.toolpath.split import FIRST, SECOND
+from doormill_ros.cell.two_robots import FIRST, SECOND
 
 RECIPE, PICTURE, CAMERA_INFO = "door/recipe", "camera/image_raw", "camera/camera_info"
 COMPRESSED = f"{PICTURE}/compressed"  #: counts where the picture itself is not in the bag

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from doormill_ros.measurements.inspection import BESIDE_BAG, DESCRIPTION, Inspection, read_inspection
-from doormill_ros.messages.from_message import seconds_of
+from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.errors import EmptyBagError
 

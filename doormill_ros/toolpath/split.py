@@ -10,13 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from doormill_ros.arrays import FloatArray
+from doormill_ros.cell.two_robots import FIRST, SECOND
 from doormill_ros.frames import inverse
 from doormill_ros.recipes.door import Side
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.toolpath.operation import Operation, operation
 from doormill_ros.toolpath.settings import PathSettings
 
-FIRST, SECOND = "first", "second"
 _FACED = (Side.FRONT, Side.HINGE_EDGE)
 
 

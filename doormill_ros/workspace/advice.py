@@ -10,6 +10,7 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CellLayout, DoorOffset
+from doormill_ros.cell.two_robots import FIRST, SECOND
 from doormill_ros.errors import DoormillError
 from doormill_ros.frames import transform
 from doormill_ros.recipes.features.hinge_pocket import HingePocket
@@ -19,7 +20,7 @@ from doormill_ros.toolpath.beside import place_of
 from doormill_ros.toolpath.door_plan import whole_door
 from doormill_ros.toolpath.route import route
 from doormill_ros.toolpath.settings import PathSettings
-from doormill_ros.toolpath.split import FIRST, SECOND, split
+from doormill_ros.toolpath.split import split
 from doormill_ros.toolpath.waiting_tools import beside_rack
 from doormill_ros.units import m_to_mm
 from doormill_ros.workspace.doors import DoorRange

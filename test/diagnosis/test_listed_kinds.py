@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import pytest
 
 from doormill_ros.diagnosis import kinds
 from doormill_ros.diagnosis.core.kind import Kind
 from doormill_ros.measurements import inspection, measurement_set, motion_set, picture_set, pose_set
+from support.loaded_modules import loaded
 
 SLOW = ("scipy", "matplotlib", "pinocchio", "cv2", "rosbags", "shapely", "pydantic")
-
-
-def loaded(code: str) -> set[str]:
-    """Names of the modules that a new interpreter holds after some lines of code."""
-    script = f"import sys\n{code}\nprint(*sys.modules)"
-    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    return set(told.stdout.split())
 
 
 def test_the_tool_starts_without_what_only_a_diagnosis_needs() -> None:

@@ -12,9 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from doormill_ros.messages.from_message import (
     door_pose_of,
-    nanoseconds_of,
     recipe_of,
-    seconds_of,
     transform_of,
     twists_of,
     wrenches_of,
@@ -22,12 +20,6 @@ from doormill_ros.messages.from_message import (
 from doormill_ros.recipes.documents import shipped_recipes
 from doormill_ros.recipes.errors import RecipeError
 from doormill_ros.toolpath.errors import DoorPoseError
-
-
-def test_times_are_exact_to_the_nanosecond() -> None:
-    stamp = Message(sec=1_700_000_000, nanosec=123_456_789)
-    assert nanoseconds_of(stamp) == 1_700_000_000_123_456_789
-    assert seconds_of(stamp) == pytest.approx(1_700_000_000.123456789, abs=1e-6)
 
 
 def test_a_pose_is_the_transform_of_its_quaternion() -> None:

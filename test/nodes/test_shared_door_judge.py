@@ -8,10 +8,10 @@ import pytest
 import rclpy
 from rclpy.serialization import deserialize_message
 
+from doormill_ros.cell.two_robots import FIRST, SECOND
 from doormill_ros.frames import transform
 from doormill_ros.nodes import topics
 from doormill_ros.nodes.shared_door_judge import SharedDoorJudge
-from doormill_ros.toolpath.split import FIRST, SECOND
 
 
 class Told:

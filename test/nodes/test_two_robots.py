@@ -12,7 +12,7 @@ import httpx
 from doormill_ros.abb.target_file.target_file import read_target_file
 from doormill_ros.cell.errors import NodeInactiveError
 from doormill_ros.cell.run_folder import RunFolder
-from doormill_ros.messages.from_message import seconds_of
+from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.nodes.cell import Cell, CellOptions, run_once
 from doormill_ros.recording.bag_reader import read_bag
 from doormill_ros.recording.replay.replay import replay_bag

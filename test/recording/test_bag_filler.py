@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,28 @@ class FullDisk(BagWriter):
     def flush(self, force: bool = False) -> None:
         assert self.queue.put(received(2))
         raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_topics_are_in_the_metadata_before_a_message_of_theirs_is_written(tmp_path: Path) -> None:
+    """Once for all of them, and of one that is found later once more; with no message at all, soon."""
+    writer = BagWriter(tmp_path / "bag")
+    metadata = tmp_path / "bag" / "metadata.yaml"
+    empty = metadata.stat().st_mtime_ns
+    for name in ("run/note", "run/other"):
+        writer.add_topic(name, "std_msgs/msg/String")
+    assert metadata.stat().st_mtime_ns == empty
+    writer.write(TOPIC, MESSAGE, 1)
+    assert "run/note" in metadata.read_text()
+    assert "run/other" in metadata.read_text()
+    queue = BoundedQueue(1 << 20)
+    filler = BagFiller(queue, writer)
+    filler.start()
+    filler.add_topic("run/late", "std_msgs/msg/String", [])
+    end = time.monotonic() + 60.0
+    while "run/late" not in metadata.read_text():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    filler.stop()
 
 
 @pytest.fixture

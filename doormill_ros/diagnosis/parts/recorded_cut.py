@@ -14,11 +14,11 @@ from doormill_ros.measurements.inspection import Inspection
 from doormill_ros.messages.from_message import (
     program_of,
     recipe_of,
-    seconds_of,
     transform_of,
     transforms_of,
     wrenches_of,
 )
+from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.recording.bag_reader import read_bag, topics_of
 from doormill_ros.robot.description import load_robot

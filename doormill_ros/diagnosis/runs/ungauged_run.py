@@ -11,7 +11,8 @@ import numpy as np
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.cell.layout import CAMERA, CellLayout, load_layout
-from doormill_ros.messages.from_message import seconds_of, sensed_door_of
+from doormill_ros.messages.from_message import sensed_door_of
+from doormill_ros.messages.stamps import seconds_of
 from doormill_ros.recording.bag_folders import bags_in
 from doormill_ros.recording.bag_reader import read_bag, topics_of
 from doormill_ros.recording.errors import UnreadableBagError

@@ -15,7 +15,8 @@ from doormill_ros.cell.layout import DoorOffset
 from doormill_ros.frames import quaternion_xyzw
 from doormill_ros.localization.gige.errors import NoPictureInTime
 from doormill_ros.localization.sensors.sensed_door import DEGREES_OF_FREEDOM, SensedDoor
-from doormill_ros.messages.from_message import nanoseconds_of, program_of, sensed_door_of, transform_of
+from doormill_ros.messages.from_message import program_of, sensed_door_of, transform_of
+from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.toolpath.program import MillingProgram, Motion, Target
 
 Value = bool | int | str | float | list[float]

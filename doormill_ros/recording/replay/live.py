@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 from doormill_ros.localization.errors import StalePicture
-from doormill_ros.messages.from_message import nanoseconds_of
+from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recording.replay.answer import (
     SENSED,
     STAGES,

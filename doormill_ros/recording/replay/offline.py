@@ -8,6 +8,7 @@ from typing import Any
 
 from doormill_ros.abb.target_file.target_file import render_target_file
 from doormill_ros.cell.layout import CAMERA, CellLayout, load_layout
+from doormill_ros.cell.two_robots import FIRST
 from doormill_ros.errors import DoormillError
 from doormill_ros.localization.camera import CameraModel, load_camera
 from doormill_ros.localization.errors import LocalizationError, StalePicture
@@ -17,7 +18,8 @@ from doormill_ros.localization.sensors.registry import SENSORS, registered
 from doormill_ros.localization.sensors.sensed_door import SensedDoor
 from doormill_ros.localization.sensors.sensor import DoorSensor
 from doormill_ros.messages.camera_info import camera_of
-from doormill_ros.messages.from_message import nanoseconds_of, recipe_of, transform_of
+from doormill_ros.messages.from_message import recipe_of, transform_of
+from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.pipeline.look import look
 from doormill_ros.pipeline.plan import load_setup, plan
 from doormill_ros.pipeline.sense import sense
@@ -44,7 +46,6 @@ from doormill_ros.recording.replay.answer import (
 from doormill_ros.recording.replay.recorded_run import RecordedRun, RecordedShare
 from doormill_ros.recording.run_topics import SHARE_OF, robot_of
 from doormill_ros.toolpath.program import MillingProgram
-from doormill_ros.toolpath.split import FIRST
 from doormill_ros.units import ns_to_s
 
 LAST_REPLAYED = 399  #: recipe, localization and path; what the controller refuses depends on the controller

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from doormill_ros.cell.layout import CAMERA
-from doormill_ros.messages.from_message import nanoseconds_of
+from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recording.replay.answer import (
     Answer,
     localization_of,

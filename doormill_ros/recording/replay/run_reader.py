@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from doormill_ros.messages.from_message import nanoseconds_of
+from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recording.bag_reader import BagMessage, read_bag
 from doormill_ros.recording.errors import EmptyBagError
 from doormill_ros.recording.replay.recorded_run import RecordedRun

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -27,8 +27,9 @@ from doormill_ros.simulation.controller.operation.outputs import OutputMemory
 from doormill_ros.simulation.controller.operation.panel import ControlPanel
 from doormill_ros.simulation.controller.process import Process, WrenchOf, module_process
 from doormill_ros.simulation.controller.rapid.errors import RapidStoppedError
-from doormill_ros.simulation.controller.rapid.parser import parse_module
+from doormill_ros.simulation.controller.rapid.kept import shipped_modules
 from doormill_ros.simulation.controller.rapid.program import RapidProgram
+from doormill_ros.simulation.controller.rapid.syntax import Module
 from doormill_ros.simulation.controller.recorded_path import build_executed_path
 from doormill_ros.simulation.controller.recording import MotionRecording, Sampling
 from doormill_ros.simulation.controller.task_machine import LogEntry, TaskMachine
@@ -157,7 +158,8 @@ class VirtualController(TaskMachine):
         )
         self._clock.system = read_system_outputs(eio)
         paths = [resource(name) for name in OWN_MODULES] if modules is None else [Path(m) for m in modules]
-        self._modules = [parse_module(_module_text(path), path.name) for path in paths]
+        texts = tuple((path.name, _module_text(path)) for path in paths)
+        self._modules = shipped_modules(texts) if modules is None else _parsed(texts)
         self.program = RapidProgram(self._modules, self)
         shipped = resource(IO_CONFIGURATION).with_name("SYS.cfg")
         if system_parameters is None and modules is None and shipped.is_file():
@@ -262,6 +264,15 @@ class VirtualController(TaskMachine):
     def _time_passed(self) -> None:
         if self._on_time is not None:
             self._on_time(self)
+
+
+def _parsed(texts: Iterable[tuple[str, str]]) -> tuple[Module, ...]:
+    """Modules of somebody's own, by what messages call them and their texts."""
+    from doormill_ros.simulation.controller.rapid.parser import (
+        parse_module,  # late: those that ship are kept parsed
+    )
+
+    return tuple(parse_module(text, file) for file, text in texts)
 
 
 def _module_text(path: Path) -> str:

@@ -8,7 +8,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CameraInfo, Image
 
 from doormill_interfaces.msg import DoorLocalization
-from doormill_ros.messages.from_message import nanoseconds_of
+from doormill_ros.messages.stamps import nanoseconds_of
 from doormill_ros.recording.bag_reader import BagMessage, read_bag
 from doormill_ros.recording.bag_writer import BagWriter
 from doormill_ros.recording.replay.replay import replay_bag

@@ -29,7 +29,8 @@ from doormill_ros.simulation.controller.rws_server.cabinet import (
     SimulatedSignal,
     default_signals,
 )
-from doormill_ros.simulation.controller.rws_server.server import RwsServer, serve
+from doormill_ros.simulation.controller.rws_server.server import RwsServer
+from doormill_ros.simulation.controller.rws_server.serving import serve
 from doormill_ros.simulation.errors import WebServicesError
 
 USER, PASSWORD = "Default User", "robotics"

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
-from doormill_ros.simulation.controller.rapid import syntax as s
 from doormill_ros.simulation.controller.rapid.context import Context
+from doormill_ros.simulation.controller.rapid.kept import shipped_heads
 from doormill_ros.simulation.controller.rapid.library import (
     dialogs,
     files,
@@ -19,7 +18,6 @@ from doormill_ros.simulation.controller.rapid.library import (
     strings,
 )
 from doormill_ros.simulation.controller.rapid.library.predefined import ROUTINES
-from doormill_ros.simulation.controller.rapid.parser import parse_signature
 from doormill_ros.simulation.controller.rapid.scope import (
     ABSENT,
     Frame,
@@ -35,8 +33,8 @@ LIBRARY = (dialogs, files, interrupts, motion, numbers, pendant, signals, string
 
 def install(context: Context, types: Names, routines: Names) -> None:
     """Declare every predefined routine for one program."""
-    for head, function in ROUTINES:
-        signature = _parsed(head)
+    signatures = shipped_heads(tuple(head for head, _ in ROUTINES))
+    for (_, function), signature in zip(ROUTINES, signatures, strict=True):
         kind = resolve_type(types, signature.type_name, "predefined", 0) if signature.type_name else None
         parameters = describe_parameters(signature, types, "predefined")
         optional = any(parameter.optional for parameter in parameters)
@@ -54,8 +52,3 @@ def _adapt(function: Callable[..., Any], context: Context, optional: bool) -> Ca
         return function(context, *[None if a is ABSENT else a for a in arguments])
 
     return run_with_absent if optional else run
-
-
-@cache
-def _parsed(head: str) -> s.Routine:
-    return parse_signature(head)
