@@ -6,7 +6,8 @@ texture is its edge; a rebate's lip, the back of a door or a rail behind it lie 
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, reduce
+from math import sqrt
 
 import numpy as np
 
@@ -46,7 +47,8 @@ def candidates(steps: Steps, reach: float) -> tuple[list[EdgeLine], float]:
     # The contrast of texture goes with the light, so it is learned in relation to the brightness.
     far = steps.brightness[near + WING : steps.brightness.size - WING]
     texture = np.abs(steps.texture) / np.maximum(far, 5.0)
-    share = float(np.sqrt(np.mean(np.minimum(texture, 3 * median(texture)) ** 2)))
+    texture = np.minimum(texture, 3 * median(texture)).ravel()
+    share = sqrt(float(texture @ texture) / texture.size)
     level = np.maximum(share * brightness, _FLOOR)
     best = strength.max(axis=0)
     best[np.abs(across) > reach] = 0.0
@@ -54,7 +56,8 @@ def candidates(steps: Steps, reach: float) -> tuple[list[EdgeLine], float]:
     padded = np.zeros(best.size + 2 * WING, dtype=best.dtype)
     padded[WING:-WING] = best
     shifted = [padded[i : i + best.size] for i in range(2 * WING + 1)]
-    peak = (best > np.max(shifted[:WING], axis=0)) & (best >= np.max(shifted[WING + 1 :], axis=0))
+    peak = best > reduce(np.maximum, shifted[:WING])
+    peak &= best >= reduce(np.maximum, shifted[WING + 1 :])
     peak &= best > np.maximum(_FAINTEST, _SIGNIFICANT * level)
     strongest = best[peak].max(initial=0.0)
     # Outside of the strongest even a faint one may be the edge: that of a strip, or of a face in shadow.
