@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg.lapack import dtrtri
+from scipy.linalg.lapack import dgeqrf, dtrtri
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.blur import Spread, bin_places, profile_covariance
@@ -91,8 +91,8 @@ class Profile:
         rims = blurred_step(place - _TRIED[:, None], blur)
         # The last column of the triangular factor is the profile in the basis of those before it.
         columns = self.whiten @ np.vstack((plain, rims, self.mean)).T
-        triangle = np.asarray(np.linalg.qr(columns, mode="r"))
-        beyond = triangle[len(plain) : -1, -1]
+        triangle, *_ = dgeqrf(columns)
+        beyond = triangle[len(plain) : columns.shape[1] - 1, -1]
         return bool(beyond @ beyond > least)
 
     def find(self, pixel: float) -> Rim | None:

@@ -15,6 +15,7 @@ from doormill_ros.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find_steps, reduced
 from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.errors import NoEdge, WrongEdge
+from doormill_ros.localization.fit import line_products, weighted_line
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.line_ends import check_ends, check_stand_ins
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
@@ -101,13 +102,12 @@ def refine(steps: Steps, line: EdgeLine) -> EdgeLine:
     first, second = _distant_pairs(s.size)
     slope = median((d[second] - d[first]) / (s[second] - s[first]))
     at = median(d - slope * s)
+    products = line_products(s, d)
     for _ in range(3):
         weight = 1.0 / np.maximum(np.abs(d - at - slope * s), 0.3 * where.step) ** 1.5
-        total = weight.sum()
-        mean_s, mean_d = weight @ s / total, weight @ d / total
-        slope = weight @ ((s - mean_s) * (d - mean_d)) / (weight @ (s - mean_s) ** 2)
-        at = mean_d - slope * mean_s
-    return EdgeLine(float(at), float(slope), line.step)
+        middle, place, slope = weighted_line(products, weight)
+        at = place - slope * middle
+    return EdgeLine(at, slope, line.step)
 
 
 def _ends_at_corner(

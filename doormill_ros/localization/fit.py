@@ -67,7 +67,7 @@ class LineFit:
         )
 
 
-def _products(along: FloatArray, across: FloatArray) -> FloatArray:
+def line_products(along: FloatArray, across: FloatArray) -> FloatArray:
     """Of points, what a weighted line takes sums of: 1, along, across and the products with along; shape (5, n)."""
     products = np.empty((5, along.size))
     products[0], products[1], products[2] = 1.0, along, across
@@ -75,8 +75,8 @@ def _products(along: FloatArray, across: FloatArray) -> FloatArray:
     return products
 
 
-def _weighted_line(products: FloatArray, weight: FloatArray) -> tuple[float, float, float]:
-    """Middle along, place and slope of the weighted line through points, by their `_products`."""
+def weighted_line(products: FloatArray, weight: FloatArray) -> tuple[float, float, float]:
+    """Middle along, place and slope of the weighted line through points, by their `line_products`."""
     total, along, across, square, product = (products @ weight).tolist()
     middle, place = along / total, across / total
     return middle, place, (product - middle * across) / (square - middle * along)
@@ -103,7 +103,7 @@ def fit_line(
     thin = max(x.size // 300, 1)  # a part of the points serves to find the line's neighbourhood
     every = (x, y)
     x, y, residual = x[::thin], y[::thin], residual[::thin]
-    products = _products(x, y)
+    products = line_products(x, y)
     for step in range(-2, rounds):
         size = np.abs(residual)
         scale = NORMAL_STD * median(size) + _FINEST
@@ -113,15 +113,15 @@ def fit_line(
             weight = np.square(np.maximum(1.0 - np.square(residual / (_CUT * scale)), 0.0))
             if step == rounds - 1 > 1:
                 weight *= _unchipped(x, residual, weight)
-        middle, place, slope = _weighted_line(products, weight)
+        middle, place, slope = weighted_line(products, weight)
         if step == rounds - 3 and thin > 1:
             x, y = every
-            products = _products(x, y)
+            products = line_products(x, y)
         residual = y - (place - slope * middle) - slope * x
     lever = x - middle
     weighted = weight * lever
     square = np.square(lever)
-    arc_middle, arc_place, arc_slope = _weighted_line(_products(lever, square), weight)
+    arc_middle, arc_place, arc_slope = weighted_line(line_products(lever, square), weight)
     arc = square - (arc_place - arc_slope * arc_middle) - arc_slope * lever
     stiffness = float(weight @ np.square(arc))
     bend = float(weight @ (arc * residual)) / stiffness

@@ -84,7 +84,9 @@ def learn_variograms(strip: Float32Array, lags: int, apart: int, most: float) ->
     count = len(level)
     liveliness = np.einsum("nm,nm->n", level, level)
     keep = max(int(_TRIM * count), 1)
-    calm = liveliness <= np.partition(liveliness, keep - 1)[keep - 1]
+    ordered = liveliness.copy()
+    ordered.partition(keep - 1)
+    calm = liveliness <= ordered[keep - 1]
     level *= calm[:, None]
     rows = _variogram(level.T @ level / keep)
     rows[1:] += _FLOOR
