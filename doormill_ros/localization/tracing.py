@@ -27,7 +27,7 @@ _NARROW_BLUR = 1.5  # px; where another step is near
 # Wide, then sharp focusing ends when the edges move by less than the first two [px]; when they move
 # by more than the third, blur and texture are learned again.
 _CAUGHT, _NEAR, _FAR = 1.5, 0.6, 1.2
-_SAME = 0.1  # px between two places of an edge at which surroundings and rows are the same
+_SAME = 0.05  # px between two places of an edge at which surroundings and rows are the same
 _ASIDE = 0.6  # px between line and edge from which rows are read again beside another step
 
 
