@@ -8,7 +8,10 @@ ends.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
+from scipy.linalg.lapack import dgeqrf, dtrtri
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.blur import Spread, bin_places, profile_covariance
@@ -65,13 +68,11 @@ class Profile:
         """Weigh a profile of `step` grey levels by the textures of face and background."""
         place = bin_places(spread.mean.size)
         covariance = profile_covariance(spread, step, inside, outside, _MODEL)
-        for side in (place < 0, place > 0):
-            slope = np.where(side, place * (_SLOPE / place[-1]), 0.0)
-            covariance += np.outer(slope, slope)
+        covariance += _slopes(place.size)
         self.spread = spread
         self.mean = spread.at_middles()
         covariance += _rounding(self.mean * step, inside, outside) / step**2
-        self.whiten: FloatArray = np.linalg.inv(np.linalg.cholesky(covariance))
+        self.whiten: FloatArray = dtrtri(np.linalg.cholesky(covariance), lower=1)[0]
 
     def squares(self, fit: StepFit) -> float:
         """Sum of the squared deviations that a fit leaves."""
@@ -86,12 +87,12 @@ class Profile:
         place, blur = bin_places(self.mean.size), self.spread.blur
         near = 0.1 * blur
         step, wider = blurred_step(place, blur), blurred_step(place, blur + near)
-        plain = np.stack([np.ones_like(place), step, blurred_step(place - near, blur), wider])
+        plain = np.array((np.ones_like(place), step, blurred_step(place - near, blur), wider))
         rims = blurred_step(place - _TRIED[:, None], blur)
         # The last column of the triangular factor is the profile in the basis of those before it.
-        columns = self.whiten @ np.concatenate([plain, rims, self.mean[None]]).T
-        triangle = np.asarray(np.linalg.qr(columns, mode="r"))
-        beyond = triangle[len(plain) : -1, -1]
+        columns = self.whiten @ np.vstack((plain, rims, self.mean)).T
+        triangle, *_ = dgeqrf(columns)
+        beyond = triangle[len(plain) : columns.shape[1] - 1, -1]
         return bool(beyond @ beyond > least)
 
     def find(self, pixel: float) -> Rim | None:
@@ -205,21 +206,31 @@ class Profile:
         return Rim(shift, fit.deviation * scale, width, -dark, blur, fit.misfit * self.spread.level)
 
 
+@lru_cache(maxsize=16)
+def _slopes(size: int) -> FloatArray:
+    """Covariance (m, m) of what a change of light or texture on either side does to a profile of `size` bins."""
+    place = bin_places(size) * (_SLOPE / bin_places(size)[-1])
+    inside, outside = np.minimum(place, 0.0), np.maximum(place, 0.0)
+    covariance: FloatArray = np.outer(inside, inside) + np.outer(outside, outside)
+    return covariance
+
+
 def _rounding(grey: FloatArray, inside: Variograms, outside: Variograms) -> FloatArray:
     """Covariance (m, m) of what rounding to whole grey levels, once or more often, does to a profile (m,) of them.
 
     It is an error that depends on the grey level and returns after a level or a few. Where rows differ by more, by
     their noise or as the edge is steep, it averages out.
     """
-    share = np.clip((grey - grey.min()) / max(float(np.ptp(grey)), 1.0), 0.0, 1.0)
-    falling = grey[0] > grey[-1]
-    out = 1.0 - share if falling else share
+    low, high = float(grey.min()), float(grey.max())
+    share = (grey - low) / max(high - low, 1.0)
+    out = 1.0 - share if grey[0] > grey[-1] else share
     noise = (1.0 - out) * inside.rows[1] + out * outside.rows[1]
-    apart = noise + (_WITHIN * np.gradient(grey)) ** 2
-    reach = _LEVELS**2 + apart[:, None] + apart
-    covariance: FloatArray = (
-        _ROUNDED**2 * _LEVELS / np.sqrt(reach) * np.exp(-0.5 * (grey[:, None] - grey) ** 2 / reach)
-    )
+    apart = noise + np.square(_WITHIN * np.gradient(grey))
+    reach = (_LEVELS**2 + apart)[:, None] + apart
+    covariance: FloatArray = np.square(grey[:, None] - grey)
+    covariance /= -2.0 * reach
+    np.exp(covariance, out=covariance)
+    covariance *= _ROUNDED**2 * _LEVELS / np.sqrt(reach)
     return covariance
 
 

@@ -15,13 +15,13 @@ import numpy as np
 
 from doormill_ros.arrays import BoolArray, Float32Array, FloatArray
 from doormill_ros.localization.picture_pattern import (
-    DOWN,
     TILE,
     PicturePattern,
     PictureTiles,
     lasting,
     slopes_of,
 )
+from doormill_ros.localization.quartered import DOWN
 
 SURE = 0.25  #: largest standard deviation of a part of the displacement that is told [px]
 _FLOOR = 2.0e-3  # of the pattern, left unexplained in the best tile
@@ -165,16 +165,7 @@ def _choose(structure: FloatArray, free: BoolArray) -> PictureTiles:
 
 def _clean(one: PicturePattern, other: PicturePattern, free: BoolArray) -> BoolArray:
     """Tiles (rows, columns) in and beside which the one picture has nothing large that the other lacks."""
-    rows, columns = free.shape
-    mine, theirs = (
-        cv2.resize(
-            np.square(pattern.relative[: rows * TILE, : columns * TILE]),
-            (columns, rows),
-            interpolation=cv2.INTER_AREA,
-        )
-        for pattern in (one, other)
-    )
-    new = free & (mine - theirs > _NEW**2)
+    new = free & (one.power - other.power > _NEW**2)
     return np.asarray(cv2.dilate(new.astype(np.uint8), np.ones((3, 3), dtype=np.uint8)) == 0)
 
 
@@ -242,15 +233,15 @@ def _step(products: FloatArray, jacobian: FloatArray, clean: FloatArray) -> _Ste
     slopes = 0.5 * (slopes + slopes.swapaxes(1, 2))
     pull = 0.5 * (products[:, 1:3, 0] - products[:, 1:3, 3] + products[:, 4:6, 0] - products[:, 4:6, 3])
     by_slopes = weight[:, None, None] * (slopes @ jacobian)
-    normal = np.einsum("tia,tib->ab", jacobian, by_slopes)
-    gradient = np.einsum("tia,t,ti->a", jacobian, weight, pull)
+    weighted = weight[:, None] * pull
+    along = jacobian.reshape(-1, jacobian.shape[2])
+    normal = along.T @ by_slopes.reshape(along.shape)
+    gradient = along.T @ weighted.ravel()
     information, axes = np.linalg.eigh(0.5 * (normal + normal.T))
     information = np.maximum(information, _FAINTEST)
     step = axes @ ((axes.T @ gradient) / information)
     step *= min(1.0, _STRIDE / max(float(np.abs(step).max()), 1e-12))
-    scores = np.einsum("tia,t,ti->ta", jacobian, weight, pull) - np.einsum(
-        "tia,tib,b->ta", jacobian, by_slopes, step
-    )
+    scores = np.einsum("tia,ti->ta", jacobian, weighted - by_slopes @ step)
     scores = scores @ axes
     covariance = (scores.T @ scores) / np.outer(information, information) + np.diag(_TIED / information)
     return _Step(step, axes, information, covariance)

@@ -14,6 +14,7 @@ import numpy as np
 
 from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization.errors import NoEdge
+from doormill_ros.localization.quartered import quartered
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.statistics import row_medians
 
@@ -88,7 +89,7 @@ def _lagrange(count: int) -> FloatArray:
 
 
 def reduced(picture: ByteArray) -> dict[str, Float32Array]:
-    """The picture averaged down for each edge, by halvings, which the library does fast.
+    """The picture averaged down for each edge.
 
     Args:
         picture: Grey picture, shape (h, w).
@@ -96,9 +97,7 @@ def reduced(picture: ByteArray) -> dict[str, Float32Array]:
     Returns:
         By edge, shape (h / 8, w / 4) for the hinge and (h / 4, w / 8) for the bottom edge.
     """
-    height, width = picture.shape
-    half = cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
-    quarter = cv2.resize(half, (width // 4, height // 4), interpolation=cv2.INTER_AREA)
+    quarter = quartered(picture)
     rows, columns = len(quarter) // 2 * 2, quarter.shape[1] // 2 * 2
     return {
         HINGE: np.add(quarter[0:rows:2], quarter[1:rows:2], dtype=np.float32) * np.float32(0.5),
@@ -161,12 +160,9 @@ def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float,
     """
     values = cv2.remap(small, where.map_u, where.map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     count = len(where.across)
-    sums = np.zeros((len(where.along), count + 1), dtype=np.float32)
-    np.cumsum(values, axis=1, out=sums[:, 1:])
+    wing = sum(values[:, i : count - WING + 1 + i] for i in range(WING)) * np.float32(1.0 / WING)
     rows = np.zeros((len(where.along), count), dtype=np.float32)
-    rows[:, WING : count + 1 - WING] = (
-        sums[:, 2 * WING :] + sums[:, : count + 1 - 2 * WING] - 2 * sums[:, WING : count + 1 - WING]
-    ) / WING
+    np.subtract(wing[:, WING:], wing[:, :-WING], out=rows[:, WING : count + 1 - WING])
     first = int(np.searchsorted(where.along, free))
     per = max(round(_SEGMENT / where.pitch), 1)
     pieces = (len(where.along) - first) // per
@@ -175,7 +171,7 @@ def find_steps(small: Float32Array, where: Band, tilts: FloatArray, free: float,
             "too little of an edge of the door is in the picture; check the slider and the door's size in the recipe"
         )
     used = slice(first, first + pieces * per)
-    segments = rows[used].reshape(pieces, per, count).mean(axis=1)
+    segments = rows[used].reshape(pieces, per, count).sum(axis=1) * np.float32(1.0 / per)
     centres = where.along[used].reshape(pieces, per).mean(axis=1)
     middle = float(centres.mean())
 

@@ -46,18 +46,20 @@ class Spread:
         What the pixels are off is corrected by the one step nearest to the profile.
         """
         middle = bin_places(self.mean.size)
-        some = np.flatnonzero(~np.isnan(self.at))
-        wide = np.sqrt(self.blur**2 + PIXEL_VARIANCE)
+        some = ~np.isnan(self.at)
+        wide = sqrt(self.blur**2 + PIXEL_VARIANCE)
         ends = self.mean.size // 8
-        height = self.mean[-ends:].mean() - self.mean[:ends].mean()
+        height = float(self.mean[-ends:].sum() - self.mean[:ends].sum()) / ends
         rest = self.mean[some] - height * ndtr(self.at[some] / wide)
         profile: FloatArray = np.interp(middle, middle[some], rest) + height * ndtr(middle / wide)
         return profile
 
 
+@lru_cache(maxsize=16)
 def bin_places(size: int) -> FloatArray:
-    """Distances of the bins of a mean profile of `size` bins from the edge, outwards [px], shape (size,)."""
+    """Distances of the bins of a mean profile of `size` bins from the edge, outwards [px], shape (size,), read only."""
     places: FloatArray = (np.arange(size) - (size - 1) / 2) / _FINE
+    places.setflags(write=False)
     return places
 
 
@@ -90,9 +92,9 @@ class _Sums:
 
     def laid_over(self, choice: int, size: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mean, its standard error and mean distance from the edge [px] of chosen rows by bin, each (size,)."""
-        per = np.broadcast_to(
-            self.count[choice], (self.bins.size // self.count.shape[1], self.count.shape[1])
-        )
+        rows = self.count[choice]
+        per = np.empty((self.bins.size // rows.size, rows.size))
+        per[:] = rows
         count, total, square, away = (
             np.bincount(self.bins, weights=of, minlength=size + 1)[:size]
             for of in (per.ravel(), self.total[choice], self.square[choice], self.away[choice])
@@ -100,7 +102,7 @@ class _Sums:
         many = np.maximum(count, 1.0)
         mean, place = total / many, away / many
         if not count.all():
-            filled = np.flatnonzero(count)
+            filled = count.nonzero()[0]
             mean = np.interp(np.arange(size), filled, mean[filled])
             place[count == 0] = np.nan
         return mean, np.sqrt(np.maximum(square / many - mean * mean, 0.0) / many), place
@@ -116,21 +118,23 @@ def _sums(profiles: Profiles, shift: FloatArray, choices: list[BoolArray], size:
     first = np.rint((0.5 * (wide - 2) - shift) * _FINE).astype(np.intp)
     low, high = int(first.min()), int(first.max())
     rows = first == np.arange(low, high + 1)[:, None]
-    chosen = np.concatenate([rows & choice for choice in choices]).astype(float)
     many = len(rows)
+    chosen = np.empty((len(choices) * many, rows.shape[1]))
+    for number, choice in enumerate(choices):
+        np.logical_and(rows, choice, out=chosen[number * many : (number + 1) * many], casting="unsafe")
     count, moved = chosen.sum(axis=1), chosen @ shift
     sums = (both @ chosen.T).reshape(2, wide, len(choices), many)
     pixel = np.arange(wide) - wide // 2
     away = pixel[:, None] * count - moved
     bins = _FINE * pixel[:, None] + np.arange(low, high + 1)
     bins[(bins < 0) | (bins >= size)] = size
-    by_choice = np.moveaxis(sums, 2, 1).reshape(2, len(choices), -1)
+    by_choice = sums.transpose(0, 2, 1, 3).reshape(2, len(choices), -1)
     return _Sums(
         bins.ravel(),
         count.reshape(len(choices), many),
         by_choice[0],
         by_choice[1],
-        np.moveaxis(away.reshape(wide, len(choices), many), 1, 0).reshape(len(choices), -1),
+        away.reshape(wide, len(choices), many).transpose(1, 0, 2).reshape(len(choices), -1),
     )
 
 
@@ -176,19 +180,19 @@ def profile_covariance(
         outside: Texture of what lies behind it.
         model: How far a true point spread is from a modelled one, as a share of the step.
     """
-    out = ndtr(bin_places(spread.mean.size) / np.sqrt(spread.blur**2 + PIXEL_VARIANCE))
+    out = ndtr(bin_places(spread.mean.size) / sqrt(spread.blur**2 + PIXEL_VARIANCE))
     lag = _lags(out.size)
     covariance = np.diag(spread.error**2 + model**2)
     for share, side in ((1.0 - out, inside), (out, outside)):
         if side.lasting.any():
-            covariance += covariance_function(side.lasting, _FINE)[lag] * (np.outer(share, share) / step**2)
+            covariance += covariance_function(side.lasting, _FINE)[lag] * (share[:, None] * (share / step**2))
     return covariance
 
 
 def _lowest(costs: FloatArray) -> float:
     """The blur with the lowest cost, between those tried [px]."""
-    i = min(max(int(np.argmin(costs)), 1), len(_BLURS) - 2)
-    a, b, c = (float(v) for v in costs[i - 1 : i + 2])
+    i = min(max(int(costs.argmin()), 1), len(_BLURS) - 2)
+    a, b, c = costs[i - 1 : i + 2].tolist()
     bend = a - 2 * b + c
     move = min(max(0.5 * (a - c) / bend, -1.0), 1.0) if bend > 0 else 0.0
     return float(_BLURS[i] * (_BLURS[1] / _BLURS[0]) ** move)

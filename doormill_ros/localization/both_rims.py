@@ -17,7 +17,7 @@ from doormill_ros.localization.fit import LineFit
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.neighbourhood import WIDE_HALF, Neighbourhood
 from doormill_ros.localization.processing import check_overshoot
-from doormill_ros.localization.profiles import Profiles, crossing, measure, plain_weights
+from doormill_ros.localization.profiles import Profiles, crossed_at, measure, plain_weights
 from doormill_ros.localization.rim import (
     Rim,
     check_alike,
@@ -94,13 +94,12 @@ class _Seen:
     def _shift(self, profiles: Profiles) -> FloatArray:
         """Where rows (n,) are laid over each other [px]: at their edge points, or waves would make steps of one."""
         read = self.read
-        lines, at = crossing(self.view, profiles.edge, read.pose, 0, -5.0e-3)
         good, run = read.line.inliers, 0 if profiles.edge == HINGE else 1
         rows = read.profiles.lines[good]
-        waves = uniform_filter1d(read.profiles.pixels[good, run] - np.interp(rows, lines, at), _SMOOTH)
-        shift: FloatArray = (
-            np.interp(profiles.lines, lines, at) + np.interp(profiles.lines, rows, waves) - profiles.centre
-        )
+        straight = crossed_at(self.view, profiles.edge, read.pose, rows)
+        waves = uniform_filter1d(read.profiles.pixels[good, run] - straight, _SMOOTH)
+        shift: FloatArray = crossed_at(self.view, profiles.edge, read.pose, profiles.lines)
+        shift += np.interp(profiles.lines, rows, waves) - profiles.centre
         return shift
 
     def _profile(self, spread: Spread) -> Profile:

@@ -218,16 +218,17 @@ def check_clamp(face: FaceInClamp) -> None:
     """
     view, pose = face.view, face.pose
     lines = [edge for edge in EDGES if has_line(face.clamp, face.seen, edge, pose, face.moved)]
-    marks = tuple(
-        (edge, view.pixels(view.line(edge, pose, np.linspace(0.0, view.length(edge), 9))))
-        for edge in lines or EDGES
-    )
+
+    def marks() -> tuple[tuple[str, FloatArray], ...]:
+        places = {edge: np.linspace(0.0, view.length(edge), 9) for edge in lines or EDGES}
+        return tuple((edge, view.pixels(view.line(edge, pose, along))) for edge, along in places.items())
+
     if len(lines) != 1 and face.as_bright() and (lines or face.likeness() > _ALIKE):
         raise NoDoor(
             "no door stands there: the picture is as of the empty clamp, and what looks like the corner of a door is "
             "the clamp's own; put the door in, clear the view of its edges, or take the picture of the empty clamp "
             f"again if that has changed (calibrate empty){face.stale}",
-            marks=marks,
+            marks=marks(),
         )
     if lines:
         raise WrongEdge(
@@ -236,5 +237,5 @@ def check_clamp(face: FaceInClamp) -> None:
             "clear the view of the edge, or take the picture of the empty clamp again if that has changed (calibrate "
             f"empty){face.stale}",
             edge=lines[0],
-            marks=marks,
+            marks=marks(),
         )

@@ -6,7 +6,8 @@ texture is its edge; a rebate's lip, the back of a door or a rail behind it lie 
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, reduce
+from math import sqrt
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from doormill_ros.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from doormill_ros.localization.band import ACROSS, WING, Band, Steps, band, find_steps, reduced
 from doormill_ros.localization.edge_line import EdgeLine, meet
 from doormill_ros.localization.errors import NoEdge, WrongEdge
+from doormill_ros.localization.fit import line_products, weighted_line
 from doormill_ros.localization.layers import choose
 from doormill_ros.localization.line_ends import check_ends, check_stand_ins
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
@@ -46,7 +48,8 @@ def candidates(steps: Steps, reach: float) -> tuple[list[EdgeLine], float]:
     # The contrast of texture goes with the light, so it is learned in relation to the brightness.
     far = steps.brightness[near + WING : steps.brightness.size - WING]
     texture = np.abs(steps.texture) / np.maximum(far, 5.0)
-    share = float(np.sqrt(np.mean(np.minimum(texture, 3 * median(texture)) ** 2)))
+    texture = np.minimum(texture, 3 * median(texture)).ravel()
+    share = sqrt(float(texture @ texture) / texture.size)
     level = np.maximum(share * brightness, _FLOOR)
     best = strength.max(axis=0)
     best[np.abs(across) > reach] = 0.0
@@ -54,7 +57,8 @@ def candidates(steps: Steps, reach: float) -> tuple[list[EdgeLine], float]:
     padded = np.zeros(best.size + 2 * WING, dtype=best.dtype)
     padded[WING:-WING] = best
     shifted = [padded[i : i + best.size] for i in range(2 * WING + 1)]
-    peak = (best > np.max(shifted[:WING], axis=0)) & (best >= np.max(shifted[WING + 1 :], axis=0))
+    peak = best > reduce(np.maximum, shifted[:WING])
+    peak &= best >= reduce(np.maximum, shifted[WING + 1 :])
     peak &= best > np.maximum(_FAINTEST, _SIGNIFICANT * level)
     strongest = best[peak].max(initial=0.0)
     # Outside of the strongest even a faint one may be the edge: that of a strip, or of a face in shadow.
@@ -98,13 +102,12 @@ def refine(steps: Steps, line: EdgeLine) -> EdgeLine:
     first, second = _distant_pairs(s.size)
     slope = median((d[second] - d[first]) / (s[second] - s[first]))
     at = median(d - slope * s)
+    products = line_products(s, d)
     for _ in range(3):
         weight = 1.0 / np.maximum(np.abs(d - at - slope * s), 0.3 * where.step) ** 1.5
-        total = weight.sum()
-        mean_s, mean_d = weight @ s / total, weight @ d / total
-        slope = weight @ ((s - mean_s) * (d - mean_d)) / (weight @ (s - mean_s) ** 2)
-        at = mean_d - slope * mean_s
-    return EdgeLine(float(at), float(slope), line.step)
+        middle, place, slope = weighted_line(products, weight)
+        at = place - slope * middle
+    return EdgeLine(at, slope, line.step)
 
 
 def _ends_at_corner(

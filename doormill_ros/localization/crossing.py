@@ -7,6 +7,8 @@ what the corner of two steps leaves, beside small displacements of the two edges
 
 from __future__ import annotations
 
+from math import sqrt
+
 import cv2
 import numpy as np
 
@@ -18,7 +20,7 @@ from doormill_ros.units import m_to_mm
 
 _PITCH = 0.5  # of what is read about the corner [px]
 _REACH = (-9.0, 5.0)  # from outside of it to inside [px]
-_WIDTHS = (1.2, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)  # of rims that are looked for [px]
+_WIDTHS = np.array([1.2, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])  # of rims that are looked for [px]
 _GREY = 1.5  # standard deviation of a grey level by noise and texture
 _WANDER = 0.15  # and of an edge, which counts by the slope there [px]
 _CLEAR = 4.0  # standard deviations from which a spot is one; of pictures without a rim none had 2.2
@@ -75,19 +77,19 @@ def _darkest(grey: FloatArray, blur: float) -> tuple[float, float, float, float]
     columns = np.stack([face, 1.0 - face, by_hinge, by_bottom], axis=-1) * weight[..., None]
     basis, triangle = np.linalg.qr(columns.reshape(-1, 4))
     seen = (grey * weight).ravel()
-    levels = np.linalg.solve(triangle, basis.T @ seen)
-    rest = seen - basis @ (basis.T @ seen)
-    tries = []
-    for width in _WIDTHS:
-        outside = blurred_step(_ACROSS + width, blur) - step
-        column = (np.outer(outside, outside) * weight).ravel()
-        column -= basis @ (basis.T @ column)
-        square = float(column @ column)
-        spot = float(column @ rest) / square
-        left = float(rest @ rest) - spot**2 * square
-        # Two looks a pixel either way: a quarter of them tell something of their own.
-        noise = max(1.0, left / (grey.size - 4 / _PITCH**2))
-        tries.append((left, width, spot, float(np.sqrt(noise / (square * _PITCH**2)))))
-    _, width, spot, deviation = min(tries)
+    explained = basis.T @ seen
+    levels = np.linalg.solve(triangle, explained)
+    rest = seen - basis @ explained
+    outside = blurred_step(_ACROSS + _WIDTHS[:, None], blur) - step
+    spots = ((outside[:, :, None] * outside[:, None, :]) * weight).reshape(len(_WIDTHS), -1)
+    spots -= (spots @ basis) @ basis.T
+    squares = np.einsum("wn,wn->w", spots, spots)
+    heights = spots @ rest / squares
+    left = float(rest @ rest) - heights**2 * squares
+    best = int(np.argmin(left))
+    # Two looks a pixel either way: a quarter of them tell something of their own.
+    noise = max(1.0, float(left[best]) / (grey.size - 4 / _PITCH**2))
+    deviation = sqrt(noise / (float(squares[best]) * _PITCH**2))
     bright, back = float(levels[0]), float(levels[1])
-    return width, spot, deviation, back * (back / max(bright, 1.0) - 1.0)
+    whole = back * (back / max(bright, 1.0) - 1.0)
+    return float(_WIDTHS[best]), float(heights[best]), deviation, whole

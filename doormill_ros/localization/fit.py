@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import atan, sqrt, tan
 
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, FloatArray
-from doormill_ros.localization.wander import point_variance
+from doormill_ros.localization.wander import EdgePieces
 from doormill_ros.statistics import NORMAL_STD, median
 
 _CUT = 4.7  # Tukey's biweight ends at that many standard deviations
@@ -66,20 +67,19 @@ class LineFit:
         )
 
 
-def _weighted_line(along: FloatArray, across: FloatArray, weight: FloatArray) -> tuple[float, float, float]:
-    total = weight.sum()
-    middle, place = (weight @ along) / total, (weight @ across) / total
-    lever = along - middle
-    pull = weight * lever
-    slope = (pull @ (across - place)) / (pull @ lever)
-    return middle, place, slope
+def line_products(along: FloatArray, across: FloatArray) -> FloatArray:
+    """Of points, what a weighted line takes sums of: 1, along, across and the products with along; shape (5, n)."""
+    products = np.empty((5, along.size))
+    products[0], products[1], products[2] = 1.0, along, across
+    np.multiply(along, products[1:3], out=products[3:])
+    return products
 
 
-def _line_through(along: FloatArray, across: FloatArray, weight: FloatArray) -> FloatArray:
-    """The weighted line through points, at them, shape (n,)."""
-    middle, place, slope = _weighted_line(along, across, weight)
-    line: FloatArray = place + slope * (along - middle)
-    return line
+def weighted_line(products: FloatArray, weight: FloatArray) -> tuple[float, float, float]:
+    """Middle along, place and slope of the weighted line through points, by their `line_products`."""
+    total, along, across, square, product = (products @ weight).tolist()
+    middle, place = along / total, across / total
+    return middle, place, (product - middle * across) / (square - middle * along)
 
 
 def fit_line(
@@ -96,43 +96,58 @@ def fit_line(
     """
     x, y = along[usable], across[usable]
     residual = y - guess[0] - guess[1] * x
-    residual = residual - median(residual)
+    residual -= median(residual)
+    # Sums of products lose fewest digits about the middle of the points.
+    origin = 0.5 * (float(x[0]) + float(x[-1])), float(y[y.size // 2])
+    x, y = x - origin[0], y - origin[1]
     thin = max(x.size // 300, 1)  # a part of the points serves to find the line's neighbourhood
     every = (x, y)
     x, y, residual = x[::thin], y[::thin], residual[::thin]
+    products = line_products(x, y)
     for step in range(-2, rounds):
-        scale = NORMAL_STD * median(np.abs(residual)) + _FINEST
+        size = np.abs(residual)
+        scale = NORMAL_STD * median(size) + _FINEST
         if step < 0:  # the guess may be off by more than the scatter: least absolute distances
-            weight = scale / np.maximum(np.abs(residual), scale)
+            weight = scale / np.maximum(size, scale)
         else:
-            weight = np.maximum(1 - (residual / (_CUT * scale)) ** 2, 0.0) ** 2
+            weight = np.square(np.maximum(1.0 - np.square(residual / (_CUT * scale)), 0.0))
             if step == rounds - 1 > 1:
                 weight *= _unchipped(x, residual, weight)
-        middle, place, slope = _weighted_line(x, y, weight)
-        if step == rounds - 3:
+        middle, place, slope = weighted_line(products, weight)
+        if step == rounds - 3 and thin > 1:
             x, y = every
-        residual = y - place - slope * (x - middle)
-    variance, freedom = point_variance(x, residual, weight) if rounds > 2 else (scale**2, 1.0)
+            products = line_products(x, y)
+        residual = y - (place - slope * middle) - slope * x
     lever = x - middle
-    square = weight**2
-    arc = lever**2 - _line_through(lever, lever**2, weight)
-    stiffness = float(weight @ arc**2)
+    weighted = weight * lever
+    square = np.square(lever)
+    arc_middle, arc_place, arc_slope = weighted_line(line_products(lever, square), weight)
+    arc = square - (arc_place - arc_slope * arc_middle) - arc_slope * lever
+    stiffness = float(weight @ np.square(arc))
     bend = float(weight @ (arc * residual)) / stiffness
-    straightened = point_variance(x, residual - bend * arc, weight)[0] if rounds > 2 else variance
+    if rounds > 2:
+        pieces = EdgePieces(x, weight)
+        variance, freedom = pieces.variance(residual), pieces.freedom
+        straightened = pieces.variance(residual - bend * arc)
+    else:
+        variance = straightened = scale**2
+        freedom = 1.0
+    total, spent = float(weight.sum()), np.square(weight)
+    middle, place = middle + origin[0], place + origin[1]
     residuals = across - place - slope * (along - middle)
     inliers = usable & (np.abs(residuals) < _CUT * scale)
     inliers[usable] &= weight > 0
     return LineFit(
-        float(place),
-        float(slope),
-        float(middle),
-        float(variance * square.sum() / weight.sum() ** 2),
-        float(variance * (square @ lever**2) / (weight @ lever**2) ** 2),
+        place,
+        slope,
+        middle,
+        variance * float(spent.sum()) / total**2,
+        variance * float(weighted @ weighted) / float(weighted @ lever) ** 2,
         residuals,
         inliers,
-        float(np.sqrt((weight @ residual**2) / weight.sum())),
+        sqrt(float(weight @ np.square(residual)) / total),
         bend,
-        float(straightened * (square @ arc**2)) / stiffness**2,
+        straightened * float(spent @ np.square(arc)) / stiffness**2,
         variance,
         freedom,
     )
@@ -226,19 +241,13 @@ def fit_corner(hinge: LineFit, bottom: LineFit, squareness: float, limit: float)
 def _joined(hinge: LineFit, bottom: LineFit, squareness: float) -> tuple[FloatArray, FloatArray]:
     """Pose y, z [m], rotation [rad], shape (3,), and its covariance (3, 3); doors are askew by `squareness` [rad]."""
     # Two readings of the rotation: turn, and turn + skew with skew ~ N(0, squareness^2).
-    turn_h, turn_b = -np.arctan(hinge.slope), np.arctan(bottom.slope)
-    information = np.array(
-        [
-            [1 / hinge.slope_variance + 1 / bottom.slope_variance, 1 / bottom.slope_variance],
-            [1 / bottom.slope_variance, 1 / bottom.slope_variance + 1 / max(squareness, 1e-9) ** 2],
-        ]
-    )
-    angles = np.linalg.inv(information)
-    turn, skew = angles @ [
-        turn_h / hinge.slope_variance + turn_b / bottom.slope_variance,
-        turn_b / bottom.slope_variance,
-    ]
-    p, q = -np.tan(turn), np.tan(turn + skew)
+    turn_h, turn_b = -atan(hinge.slope), atan(bottom.slope)
+    by_hinge, by_bottom = 1 / hinge.slope_variance, 1 / bottom.slope_variance
+    by_door = 1 / max(squareness, 1e-9) ** 2
+    determinant = by_hinge * by_bottom + by_hinge * by_door + by_bottom * by_door
+    angles = np.array([[by_bottom + by_door, -by_bottom], [-by_bottom, by_hinge + by_bottom]]) / determinant
+    turn, skew = (angles @ [turn_h * by_hinge + turn_b * by_bottom, turn_b * by_bottom]).tolist()
+    p, q = -tan(turn), tan(turn + skew)
     a, b = hinge.place - p * hinge.middle, bottom.place - q * bottom.middle
     y = (a + p * b) / (1 - p * q)
     z = b + q * y

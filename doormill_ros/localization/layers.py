@@ -124,10 +124,10 @@ class _Edge:
         self.strips = [_strip(sight, edge, a, b, corner, across_lines) for a, b in pairwise(lines)]
         beside = np.linspace(*BESIDE, 4)
         start, stop = corner + WELL[0], corner + WELL[1]
-        self.face = sight.level(edge, lines[0].across + beside, lines[0].tilt, start, stop)
-        self.back = sight.level(edge, lines[-1].across - beside, lines[-1].tilt, start, stop)
         deep = np.linspace(5.0e-3, 25.0e-3, 6)
-        self.deep = sight.level(edge, lines[0].across + deep, lines[0].tilt, start, stop)
+        across = [lines[0].across + beside, lines[-1].across - beside, lines[0].across + deep]
+        tilts = [lines[0].tilt, lines[-1].tilt, lines[0].tilt]
+        self.face, self.back, self.deep = sight.levels(edge, across, tilts, start, stop)
         self.first = 0  # the innermost line that may be the face's edge
         self.ends: list[bool | None] = []
 

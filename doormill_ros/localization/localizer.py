@@ -71,8 +71,10 @@ def localize(
         clamp_fit = fit_clamp(picture, view.camera, clamp, seen, fit.pose)
         check_clamp(FaceInClamp(picture, view, clamp, seen, fit.pose, clamp_fit))
     checks.check_square(fit, {edge: trace.streaks for edge, trace in traces.items()}, settings)
-    along = np.linspace(0.0, 1.0, 9)
-    drawn = {edge: view.pixels(view.line(edge, fit.pose, view.length(edge) * along)) for edge in traces}
+
+    def drawn(edge: str) -> FloatArray:
+        return view.pixels(view.line(edge, fit.pose, np.linspace(0.0, view.length(edge), 9)))
+
     blurs = {edge: trace.spread.blur for edge, trace in traces.items()}
     check_sharpness(blurs, view, fit, drawn, settings)
     if all(trace.plain for trace in traces.values()):

@@ -9,7 +9,7 @@ import numpy as np
 from doormill_ros.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from doormill_ros.localization.blur import Spread, edge_spread, textured_blur
 from doormill_ros.localization.fit import LineFit
-from doormill_ros.localization.profiles import Profiles, crossing, gather
+from doormill_ros.localization.profiles import Profiles, crossed_at, gather
 from doormill_ros.localization.texture import (
     Variograms,
     learn_variograms,
@@ -75,8 +75,7 @@ def look_around(
         line: The line through their points.
     """
     edge = wide.edge
-    lines, at = crossing(view, edge, pose, 0, -5.0e-3)
-    shift = np.interp(wide.lines, lines, at) - wide.centre
+    shift = crossed_at(view, edge, pose, wide.lines) - wide.centre
     off = np.abs(line.residuals)
     spread = edge_spread(wide, shift, off < _CLEAR * NORMAL_STD * median(off[line.inliers]))
     gap = int(np.ceil(3.0 * spread.blur)) + 2
@@ -87,7 +86,7 @@ def look_around(
     strip = face[-_FACE_STRIP:]
     # Rows in light and in shadow are brought to one level, or their median would step where a shadow ends.
     some = face[:, ::3]
-    level = np.maximum(some.mean(axis=0), 1.0)
+    level = np.maximum(some.sum(axis=0) / np.float32(len(some)), 1.0)
     common = row_medians(some * (level.mean() / level))
     beside = [(distance + gap, step) for distance, step in steps_beside(common, wide.step)]
     outwards = row_medians(beyond[::-1, ::3])

@@ -9,12 +9,13 @@ import cv2
 import numpy as np
 
 from doormill_ros.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
+from doormill_ros.localization.quartered import DOWN, quartered
 
-DOWN = 4  #: px that are averaged along each axis
 TILE = 15  #: side of a tile [averaged px]
 CLEAR = 10  #: between a tile and a door, so that the door's brightness is in no mean [averaged px]
 _COARSE = 17  # averaged px that are "nearby"
 _FINE = 1.0  # averaged px, standard deviation over which noise is averaged
+_GAUSSIAN = cv2.getGaussianKernel(9, _FINE, cv2.CV_32F)
 _STEEPEST = 0.5  # of the pattern: what is far brighter or darker than what is nearby must not decide
 _LAG = 2  # averaged px over which a structure lasts and noise does not
 
@@ -39,23 +40,37 @@ class PicturePattern:
         return self.relative, *self.slopes
 
     @cached_property
+    def power(self) -> Float32Array:
+        """Of all tiles, the mean square, shape (rows, columns)."""
+        rows, columns = (side // TILE for side in self.relative.shape)
+        squares = np.square(self.relative[: rows * TILE, : columns * TILE])
+        return np.asarray(
+            cv2.resize(squares, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.float32
+        )
+
+    @cached_property
     def structure(self) -> FloatArray:
         """Of all tiles, the variance that is none of noise, shape (rows, columns)."""
         rows, columns = (side // TILE for side in self.relative.shape)
         every = PictureTiles(np.argwhere(np.ones((rows, columns), dtype=bool)))
         return lasting(every.of(self.relative)).reshape(rows, columns)
 
+    def worked_out(self) -> PicturePattern:
+        """This pattern, with what is kept of it worked out, so that a picture need not wait for it."""
+        _ = self.power, self.structure
+        return self
+
 
 def pattern_of(picture: ByteArray) -> PicturePattern:
     """The pattern of a grey picture, shape (h, w), uint8."""
-    height, width = (side // DOWN for side in picture.shape)
-    grey = cv2.resize(
-        picture[: height * DOWN, : width * DOWN], (width, height), interpolation=cv2.INTER_AREA
-    ).astype(np.float32)
-    nearby = cv2.max(cv2.blur(grey, (_COARSE, _COARSE)), 1.0)
-    relative = cv2.GaussianBlur(grey, (0, 0), _FINE) / nearby - np.float32(1.0)
+    small = quartered(picture)
+    # Filters of bytes into floats cost half of those of floats.
+    nearby = cv2.max(cv2.boxFilter(small, cv2.CV_32F, (_COARSE, _COARSE)), 1.0)
+    relative: Float32Array = cv2.sepFilter2D(small, cv2.CV_32F, _GAUSSIAN, _GAUSSIAN)
+    relative /= nearby
+    relative -= np.float32(1.0)
     np.clip(relative, -_STEEPEST, _STEEPEST, out=relative)
-    return PicturePattern(grey, relative, slopes_of(relative))
+    return PicturePattern(small.astype(np.float32), relative, slopes_of(relative))
 
 
 def covered(outline: FloatArray, shape: tuple[int, int]) -> BoolArray:
@@ -66,7 +81,7 @@ def covered(outline: FloatArray, shape: tuple[int, int]) -> BoolArray:
     cv2.polylines(mask, corners, isClosed=True, color=1, thickness=2 * CLEAR + 1)
     rows, columns = (side // TILE for side in shape)
     tiles = mask[: rows * TILE, : columns * TILE].reshape(rows, TILE, columns, TILE)
-    return np.asarray(tiles.max(axis=(1, 3)) > 0)
+    return np.asarray(tiles.max(axis=1).max(axis=2) > 0)
 
 
 @dataclass(frozen=True, eq=False)

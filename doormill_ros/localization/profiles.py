@@ -7,7 +7,7 @@ rows, so pixels are taken as they are, without interpolation, and each row is on
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from doormill_ros.statistics import median
 
 WHITE = 253  # grey level from which a pixel counts as clipped
 _ALONG = np.linspace(0.0, 1.0, 32)  # nodes along an edge; between them its picture is straight enough
+_BEFORE = -5.0e-3  # m from the corner, before the first row that is read of an edge
 _WEAKEST = 0.35  # share of the median step below which a row is not taken for edge
 
 
@@ -49,7 +50,7 @@ class Profiles:
     clipped: BoolArray
     edge_like: BoolArray
 
-    @property
+    @cached_property
     def step(self) -> float:
         """Median step inside minus outside [grey levels]; the door lies where u and v are small."""
         return -median(self.contrast[self.edge_like]) if self.edge_like.any() else 0.0
@@ -99,17 +100,27 @@ def crossing(
     Returns:
         Numbers of the rows, shape (n,), and where the edge crosses them [px], shape (n,).
     """
-    along = start + _ALONG * (view.length(edge) + 0.025 - start)
-    pixels = view.pixels(view.line(edge, pose, along))
-    run, cross = (1, 0) if edge == HINGE else (0, 1)
-    nodes_run, nodes_cross = pixels[::-1, run], pixels[::-1, cross]
+    nodes_run, nodes_cross = _nodes(view, edge, pose, start)
     width, height = view.camera.size
     limit_run, limit_cross = (height, width) if edge == HINGE else (width, height)
     first, last = max(int(np.ceil(nodes_run[0])), 0), min(int(nodes_run[-1]), limit_run - 1)
     lines = np.arange(first, last + 1)
     at = np.interp(lines, nodes_run, nodes_cross)
     usable = (at > half + 1) & (at < limit_cross - half - 2)
-    return lines[usable], at[usable]
+    return (lines, at) if usable.all() else (lines[usable], at[usable])
+
+
+def crossed_at(view: FaceView, edge: str, pose: FloatArray, lines: IntArray) -> FloatArray:
+    """Columns (rows for the bottom edge) where rows of these numbers (n,) cross an edge at `pose` (3,) [px], (n,)."""
+    return np.interp(lines, *_nodes(view, edge, pose, _BEFORE))
+
+
+def _nodes(view: FaceView, edge: str, pose: FloatArray, start: float) -> tuple[FloatArray, FloatArray]:
+    """Numbers of rows, ascending, and columns where they cross an edge [px], from `start` [m] on, (32,) each."""
+    along = start + _ALONG * (view.length(edge) + 0.025 - start)
+    pixels = view.pixels(view.line(edge, pose, along))
+    run, cross = (1, 0) if edge == HINGE else (0, 1)
+    return pixels[::-1, run], pixels[::-1, cross]
 
 
 def measure(
@@ -142,7 +153,8 @@ def measure(
     values = raw.astype(np.float32)
     # All phases of all rows in one product cost less than picking each row's weights before it.
     every_phase = weights.reshape(-1, len(values)) @ values
-    level, step, moment = every_phase.reshape(PHASES, 3, -1)[phase, :, np.arange(len(lines))].T
+    by_row = every_phase.reshape(PHASES, 3, -1).swapaxes(0, 1).reshape(3, -1)
+    level, step, moment = by_row.take(phase * len(lines) + np.arange(len(lines)), axis=1)
     typical = median(step) if step.size else 0.0
     edge_like = (step if typical > 0 else -step) > max(_WEAKEST * abs(typical), 1e-3)
     edge_like &= ~clipped

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log
 
 import cv2
 import numpy as np
@@ -28,19 +29,38 @@ class Surfaces:
 
     def along(self, edge: str, across: FloatArray, tilt: float, along: FloatArray) -> FloatArray:
         """Mean grey level (n,) at distances `along` (n,) of an edge, over parallels at `across` (k,)."""
-        first = across[:, None] + tilt * along
-        second = np.broadcast_to(along, first.shape)
-        pair = [first, second] if edge == HINGE else [second, first]
-        at = self.view.pixels(np.stack(pair, axis=-1)).astype(np.float32)
-        grey = cv2.remap(
-            self.picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
-        mean: FloatArray = grey.mean(axis=0, dtype=float)
+        grey = self._rows(edge, across, tilt, along)
+        mean: FloatArray = grey.sum(axis=0, dtype=float) / len(grey)
         return mean
 
     def level(self, edge: str, across: FloatArray, tilt: float, start: float, stop: float) -> float:
         """Median grey level along an edge between two distances [m], over parallels at `across` (k,)."""
-        return median(self.along(edge, across, tilt, np.arange(start, stop, 4 * PITCH)))
+        return self.levels(edge, [across], [tilt], start, stop)[0]
+
+    def levels(
+        self, edge: str, across: list[FloatArray], tilts: list[float], start: float, stop: float
+    ) -> list[float]:
+        """The `level` of several surfaces, each over its parallels at `across` (k,) of its own tilt; read at once."""
+        tilt = np.repeat(tilts, [one.size for one in across])[:, None]
+        grey = self._rows(edge, np.concatenate(across), tilt, np.arange(start, stop, 4 * PITCH))
+        out, first = [], 0
+        for one in across:
+            rows = grey[first : first + one.size]
+            out.append(median(rows.sum(axis=0, dtype=float) / one.size))
+            first += one.size
+        return out
+
+    def _rows(self, edge: str, across: FloatArray, tilt: FloatArray | float, along: FloatArray) -> ByteArray:
+        """Grey levels (k, n) at distances `along` (n,) of an edge, on parallels at `across` (k,)."""
+        places = np.empty((across.size, along.size, 2))
+        run, cross = (1, 0) if edge == HINGE else (0, 1)
+        places[..., run] = along
+        places[..., cross] = across[:, None] + tilt * along
+        at = self.view.pixels(places.reshape(-1, 2)).astype(np.float32).reshape(places.shape)
+        grey = cv2.remap(
+            self.picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        return np.asarray(grey, dtype=np.uint8)
 
 
 def shaded(
@@ -56,10 +76,10 @@ def shaded(
     outer, inner = (line.across + sign * np.linspace(*beside, 4) for sign in (-1.0, 1.0))
     ratios = []
     for start, stop in ((corner + 4.0e-3, corner + WELL[1]), (end - 8.0e-3, end - 1.5e-3)):
-        levels = [sight.level(edge, across, line.tilt, start, stop) for across in (outer, inner)]
+        levels = sight.levels(edge, [outer, inner], [line.tilt, line.tilt], start, stop)
         if min(levels) < 2.0:
             return False
-        ratios.append(float(np.log(levels[0] / levels[1])))
+        ratios.append(log(levels[0] / levels[1]))
     face, background = ratios
     return abs(face) > 0.1 and face * background > 0 and abs(background - face) < shade * abs(face)
 

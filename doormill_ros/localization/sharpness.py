@@ -6,7 +6,7 @@ leave tells, and where they follow one border first and another later, so does t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from doormill_ros.arrays import FloatArray
 from doormill_ros.localization.errors import WrongEdge
@@ -27,7 +27,7 @@ def check_sharpness(
     blurs: Mapping[str, float],
     view: FaceView,
     fit: CornerFit,
-    drawn: Mapping[str, FloatArray],
+    drawn: Callable[[str], FloatArray],
     settings: LocalizerSettings,
 ) -> None:
     """Whether the edges are alike.
@@ -36,7 +36,7 @@ def check_sharpness(
         blurs: Standard deviation of the point spread of each edge [px].
         view: The camera before the face.
         fit: The corner.
-        drawn: Pixels along each edge, shape (n, 2), for the overlay.
+        drawn: Pixels along an edge, shape (n, 2), for the overlay.
         settings: Limits of refusal.
 
     Raises:
@@ -53,7 +53,7 @@ def check_sharpness(
             f"the {softer} edge is {times:.1f} times as soft as the {sharper} edge, allowed are {APART:g}, as one "
             "lens sees both: what was read there is more than one step; clean the edge or change the light",
             edge=softer,
-            marks=((softer, drawn[softer]),),
+            marks=((softer, drawn(softer)),),
         )
     allowed = _SKEW * (settings.squareness + fit.square_deviation)
     if times > _UNLIKE and abs(fit.out_of_square) > allowed:
@@ -63,5 +63,5 @@ def check_sharpness(
             "part of it was read along another step, or the door is not square; clean the edge or change the light",
             edge=softer,
             out_of_square=fit.out_of_square,
-            marks=((softer, drawn[softer]),),
+            marks=((softer, drawn(softer)),),
         )

@@ -12,7 +12,8 @@ from doormill_ros.arrays import BoolArray, ByteArray, FloatArray
 from doormill_ros.localization.background import BackgroundFit, PictureShift, fit_background
 from doormill_ros.localization.camera import CameraModel
 from doormill_ros.localization.empty_clamp import EmptyClamp
-from doormill_ros.localization.picture_pattern import CLEAR, DOWN, TILE, PicturePattern, covered, pattern_of
+from doormill_ros.localization.picture_pattern import CLEAR, TILE, PicturePattern, covered, pattern_of
+from doormill_ros.localization.quartered import DOWN
 from doormill_ros.localization.view import BOTTOM, HINGE, FaceView
 from doormill_ros.units import m_to_mm
 
@@ -87,7 +88,7 @@ class ClampFit:
 @lru_cache(maxsize=4)  # large, and wanted of the width in hand
 def clamp_pattern(clamp: EmptyClamp) -> PicturePattern:
     """The pattern of the picture of an empty clamp."""
-    return pattern_of(clamp.picture)
+    return pattern_of(clamp.picture).worked_out()
 
 
 def fit_clamp(

@@ -106,20 +106,21 @@ def _descend(
     off = state[blur_at] - known if pull else 0.0
     cost = float(left @ left) + pull * off * off
     damping = _DAMPED
-    diagonal = slice(None, None, size + 1)
+    damped = np.empty((size, size))
+    own_damped = damped.reshape(-1)[:: size + 1]
     curvature = np.eye(size)
     for _ in range(rounds):
         jacobian = _weighted(model.slopes(state[1:count].tolist()), weight)
         curvature = jacobian @ jacobian.T
-        curvature.flat[diagonal] += RIDGE
+        own = curvature.reshape(-1)[:: size + 1]
+        own += RIDGE
         downhill = jacobian @ left
         if pull:
-            curvature[blur_at, blur_at] += pull
+            own[blur_at] += pull
             downhill[blur_at] += pull * off
-        own = curvature.diagonal()
         while damping < 1e6:
-            damped = curvature.copy()
-            damped.flat[diagonal] += damping * own
+            damped[:] = curvature
+            own_damped *= 1.0 + damping
             step = _solved(damped, downhill)
             if step is not None:
                 tried = state - step

@@ -8,6 +8,8 @@ second coefficient of a parabola through l / (sqrt(pi) c) independent points.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.special import stdtrit
 
@@ -32,13 +34,13 @@ def unseen_bow(line: LineFit, settings: LocalizerSettings) -> float:
 
 
 def check_straight(
-    lines: dict[str, LineFit], drawn: dict[str, FloatArray], settings: LocalizerSettings
+    lines: dict[str, LineFit], drawn: Callable[[str], FloatArray], settings: LocalizerSettings
 ) -> None:
     """Whether what shows of the edges bends no more than straight ones that were sawn.
 
     Args:
         lines: By edge.
-        drawn: The same in the picture, u, v [px], each shape (n, 2).
+        drawn: Gives an edge in the picture, u, v [px], shape (n, 2).
         settings: Limits of refusal.
 
     Raises:
@@ -56,7 +58,7 @@ def check_straight(
                 f"are {m_to_mm(settings.straightness_limit):.2f} mm; measure the door by another sensor",
                 edge=edge,
                 open=open_by,
-                marks=((edge, drawn[edge]),),
+                marks=((edge, drawn(edge)),),
             )
         if deviation > settings.straightness_limit:
             continue  # too little shows of it for a bow of that size to be told from grain
@@ -72,5 +74,5 @@ def check_straight(
                 edge=edge,
                 rise=rise,
                 deviation=deviation,
-                marks=((edge, drawn[edge]),),
+                marks=((edge, drawn(edge)),),
             )

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import sqrt
+from math import pi, sqrt
 
 import numpy as np
 from scipy.special import ndtr
@@ -33,14 +33,23 @@ _LEAST_NOISE = 1.0e-3  # and its least variance [grey levels^2]
 
 def step_design(place: FloatArray, blur: float) -> FloatArray:
     """Level, step and shift x step at distances `place` (..., w) [px] from the edge; (..., w, 3)."""
-    sigma = np.sqrt(blur**2 + PIXEL_VARIANCE)
-    slope = np.exp(-0.5 * (place / sigma) ** 2) / (np.sqrt(2 * np.pi) * sigma)
-    return np.stack([np.ones_like(place), ndtr(place / sigma), -slope], axis=-1)
+    sigma = sqrt(blur**2 + PIXEL_VARIANCE)
+    scaled = place / sigma
+    design = np.empty((*place.shape, 3))
+    design[..., 0] = 1.0
+    design[..., 1] = ndtr(scaled)
+    design[..., 2] = np.exp(-0.5 * np.square(scaled)) * (-1.0 / (sqrt(2 * pi) * sigma))
+    return design
 
 
+@lru_cache(maxsize=32)
 def phase_places(half: int) -> FloatArray:
-    """Distances of a window's pixels from the edge [px], for each sub-pixel phase, (PHASES, 2 half + 1)."""
-    return np.arange(-half, half + 1)[None] - ((np.arange(PHASES) + 0.5) / PHASES - 0.5)[:, None]
+    """Distances of a window's pixels from the edge [px], for each phase, (PHASES, 2 half + 1), read only."""
+    places: FloatArray = (
+        np.arange(-half, half + 1)[None] - ((np.arange(PHASES) + 0.5) / PHASES - 0.5)[:, None]
+    )
+    places.setflags(write=False)
+    return places
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +80,13 @@ def learn_variograms(strip: Float32Array, lags: int, apart: int, most: float) ->
         most: Largest standard deviation believed to be texture [grey levels].
     """
     level = np.ascontiguousarray(strip.T)
-    level -= level.mean(axis=1, keepdims=True)
+    level -= level.sum(axis=1, keepdims=True) * np.float32(1.0 / level.shape[1])
     count = len(level)
     liveliness = np.einsum("nm,nm->n", level, level)
     keep = max(int(_TRIM * count), 1)
-    calm = liveliness <= np.partition(liveliness, keep - 1)[keep - 1]
+    ordered = liveliness.copy()
+    ordered.partition(keep - 1)
+    calm = liveliness <= ordered[keep - 1]
     level *= calm[:, None]
     rows = _variogram(level.T @ level / keep)
     rows[1:] += _FLOOR
@@ -158,11 +169,12 @@ def step_weights(half: int, blur: float, inside: Variograms, outside: Variograms
         outside: Texture of what lies behind it.
     """
     place = phase_places(half)
-    sigma = np.sqrt(blur**2 + PIXEL_VARIANCE)
-    design = step_design(place, blur)
-    design = np.concatenate([design, (place / sigma)[..., None] * design[..., 2:]], axis=-1)
+    sigma = sqrt(blur**2 + PIXEL_VARIANCE)
+    design = np.empty((*place.shape, 4))
+    design[..., :3] = step_design(place, blur)
+    design[..., 3] = design[..., 2] * place / sigma
     lag = _lags(2 * half + 1)[0].reshape(2 * half + 1, -1)
-    out = ndtr(place / sigma)
+    out = design[..., 1]
     covariance = np.zeros((PHASES, 2 * half + 1, 2 * half + 1))
     noise = 0.0
     for share, side in ((1.0 - out, inside), (out, outside)):
@@ -190,7 +202,8 @@ def steps_beside(common: Float32Array, step: float) -> list[tuple[int, float]]:
         common: Median row of the surface, its end next to the edge, shape (m,).
         step: Step at the edge [grey levels].
     """
-    sums = np.concatenate([[0.0], np.cumsum(common)])
+    sums = np.zeros(common.size + 1)
+    np.cumsum(common, out=sums[1:])
     steps = (sums[2 * _ARM :] + sums[: -2 * _ARM] - 2 * sums[_ARM:-_ARM]) / _ARM
     size = np.abs(steps)
     least = max(_INNER_USUAL * NORMAL_STD * median(size), _INNER_SHARE * abs(step), _INNER_LEAST)
@@ -221,7 +234,7 @@ def push(strip: Float32Array, along: IntArray, weights: Float32Array, blur: floa
     """
     half = weights.shape[2] // 2
     place = phase_places(half)[PHASES // 2]
-    kernel = weights[PHASES // 2, 2] * (1 - ndtr(place / np.sqrt(blur**2 + PIXEL_VARIANCE)))
+    kernel = weights[PHASES // 2, 2] * (1 - ndtr(place / sqrt(blur**2 + PIXEL_VARIANCE)))
     used = kernel[: half + int(np.ceil(2 * blur)) + 2]
     if len(strip) < used.size + 2:
         return Push(0.0, 0.0)

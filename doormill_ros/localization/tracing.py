@@ -27,6 +27,7 @@ _NARROW_BLUR = 1.5  # px; where another step is near
 # Wide, then sharp focusing ends when the edges move by less than the first two [px]; when they move
 # by more than the third, blur and texture are learned again.
 _CAUGHT, _NEAR, _FAR = 1.5, 0.6, 1.2
+_SAME = 0.05  # px between two places of an edge at which surroundings and rows are the same
 _ASIDE = 0.6  # px between line and edge from which rows are read again beside another step
 
 
@@ -199,8 +200,19 @@ def _surroundings(
     settings: LocalizerSettings,
 ) -> tuple[dict[str, FloatArray], dict[str, Neighbourhood]]:
     """Poses to about half a pixel, and what lies beside the edges."""
-    poses, wide, near = _focus(picture, view, poses, room, settings)
-    return poses, {edge: look_around(picture, view, poses[edge], wide[edge], near[edge]) for edge in EDGES}
+    found = _focus(picture, view, poses, room, settings)
+    return found[0], _around(picture, view, *found)
+
+
+def _around(
+    picture: ByteArray,
+    view: FaceView,
+    poses: dict[str, FloatArray],
+    wide: dict[str, Profiles],
+    lines: dict[str, LineFit],
+) -> dict[str, Neighbourhood]:
+    """What lies beside the edges, by what was found in focusing."""
+    return {edge: look_around(picture, view, poses[edge], wide[edge], lines[edge]) for edge in EDGES}
 
 
 def _read(
@@ -223,7 +235,10 @@ def _read(
         if moved < _NEAR:
             break
         if moved > _FAR:
-            poses, around = _surroundings(picture, view, poses, room, settings)
+            found = _focus(picture, view, poses, room, settings)
+            if _moved(view, before, found[0]) < _SAME:
+                break  # wide windows lead back to where these rows were read
+            poses, around = found[0], _around(picture, view, *found)
     poses, lines = _poses(lines), pooled(lines)
     for edge in EDGES:
         checks.check_share(edge, share(lines[edge].inliers), settings)

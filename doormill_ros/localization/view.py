@@ -8,6 +8,7 @@ leaves open. An edge is named "hinge" (door z axis) or "bottom" (door y axis).
 from __future__ import annotations
 
 from functools import lru_cache
+from math import cos, sin
 
 import numpy as np
 
@@ -21,8 +22,8 @@ EDGES = (HINGE, BOTTOM)
 
 def directions(rotation: float) -> tuple[FloatArray, FloatArray]:
     """Door y axis and door z axis in base (y, z), each shape (2,)."""
-    c, s = np.cos(rotation), np.sin(rotation)
-    return np.array([c, s]), np.array([-s, c])
+    c, s = cos(rotation), sin(rotation)
+    return np.array((c, s)), np.array((-s, c))
 
 
 class FaceView:
@@ -79,8 +80,8 @@ class FaceView:
 
     def line(self, edge: str, pose: FloatArray, along: FloatArray) -> FloatArray:
         """Face points (n, 2) on an edge of a door at `pose` (3,), `along` (n,) [m] from its corner."""
-        y_axis, z_axis = directions(pose[2])
-        return pose[:2] + np.asarray(along)[:, None] * (z_axis if edge == HINGE else y_axis)
+        axis = directions(pose[2])[1 if edge == HINGE else 0]
+        return pose[:2] + np.asarray(along)[:, None] * axis
 
 
 @lru_cache(maxsize=32)

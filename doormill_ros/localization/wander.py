@@ -6,6 +6,8 @@ The variance that counts is that of averages over pieces longer than the wander.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from doormill_ros.arrays import FloatArray
@@ -20,23 +22,42 @@ _WAVY = 0.5  # deviations 4 mm apart that go together so much are waves
 _LEAST_WAVES = 8.0e-6  # waves smaller than that are left to the other pieces [m]
 
 
-def point_variance(along: FloatArray, residual: FloatArray, weight: FloatArray) -> tuple[float, float]:
-    """Variance that independent points would need to make a line as uncertain as it is [m^2], and its freedom.
+class EdgePieces:
+    """An edge cut into pieces, as long as wander lasts and longer."""
 
-    Args:
-        along: Place of the points along the edge [m], shape (n,).
-        residual: Their distance from the line [m], shape (n,).
-        weight: Their weight in it, shape (n,).
-    """
-    third = ((along - along.min()) * (3 / _PIECE)).astype(np.intp)
-    sums, squares = (np.bincount(third, weights=of).astype(float) for of in (weight * residual, weight**2))
-    wander, pieces = _wander(sums, squares, 1)
-    white = float((weight**2 @ residual**2) / (weight**2).sum())
-    # Waves longer than a piece of edge leave more in longer pieces, of which there are few: only waves show in
-    # deviations that last over several millimetres.
-    if white > _LEAST_WAVES**2 and _lasting(sums) > _WAVY:
-        wander = max(wander, *(_WAVES * _wander(sums, squares, longer)[0] for longer in _LONGER))
-    return float(max(wander, white)), float(max(1.5 * pieces - 2, 1.0))
+    def __init__(self, along: FloatArray, weight: FloatArray) -> None:
+        """By its points' place along it [m], shape (n,), and their weight in the line, shape (n,)."""
+        self._third = ((along - along.min()) * (3 / _PIECE)).astype(np.intp)
+        self._weight, self._square = weight, np.square(weight)
+        self._total = float(self._square.sum())
+        self._squares = np.bincount(self._third, weights=self._square).astype(float)
+        self._single = _Size(self._squares, 1)
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of `variance`."""
+        # Pieces overlap by two thirds: half as many degrees of freedom more than those side by side have.
+        return max(1.5 * self._single.pieces - 2.0, 1.0)
+
+    @cached_property
+    def _longer(self) -> list[_Size]:
+        return [_Size(self._squares, longer) for longer in _LONGER]
+
+    def variance(self, residual: FloatArray) -> float:
+        """Variance that independent points would need to make a line as uncertain as it is [m^2].
+
+        Args:
+            residual: Distance of the points from the line [m], shape (n,).
+        """
+        weighted = self._weight * residual
+        sums = np.bincount(self._third, weights=weighted).astype(float)
+        white = float(weighted @ weighted) / self._total
+        wander = self._single.variance(sums)
+        # Waves longer than a piece of edge leave more in longer pieces, of which there are few: only waves show in
+        # deviations that last over several millimetres.
+        if white > _LEAST_WAVES**2 and _lasting(sums) > _WAVY:
+            wander = max(wander, *(_WAVES * one.variance(sums) for one in self._longer))
+        return max(wander, white)
 
 
 def _lasting(sums: FloatArray) -> float:
@@ -44,18 +65,24 @@ def _lasting(sums: FloatArray) -> float:
     return float(sums[2:] @ sums[:-2]) / max(float(sums @ sums), 1e-30) if sums.size > 4 else 0.0
 
 
-def _wander(sums: FloatArray, squares: FloatArray, longer: int) -> tuple[float, float]:
-    """Variance (see `_point_variance`) of averages over pieces so many times `_PIECE`, and how many pieces there are.
+class _Size:
+    """Pieces of one length.
 
-    Args:
-        sums: Weighted residuals of thirds of a piece, shape (n,).
-        squares: Squares of their weights, shape (n,).
-        longer: Length of the pieces in `_PIECE`.
+    Attributes:
+        pieces: How many there are side by side.
     """
-    # Pieces overlap by two thirds: half as many degrees of freedom more than those side by side have.
-    size = min(3 * longer, sums.size)
-    sums, squares = np.convolve(sums, np.ones(size), "valid"), np.convolve(squares, np.ones(size), "valid")
-    used = squares > 0.2 * squares.max()
-    pieces = squares.sum() / squares.max() / size
-    fitted = (pieces + 0.5) / max(pieces - 1.5, 1.0)  # the line went along with the pieces
-    return float(_PIECE_BIAS * fitted * (sums[used] @ sums[used]) / squares[used].sum()), float(pieces)
+
+    def __init__(self, squares: FloatArray, longer: int) -> None:
+        """By the sums (n,) of squared weights in thirds of a piece; their length is so many times `_PIECE`."""
+        self._ones = np.ones(min(3 * longer, squares.size))
+        squares = np.convolve(squares, self._ones, "valid")
+        most, total = float(squares.max()), float(squares.sum())
+        self._used = squares > 0.2 * most
+        self.pieces = total / most / self._ones.size
+        fitted = (self.pieces + 0.5) / max(self.pieces - 1.5, 1.0)  # the line went along with the pieces
+        self._scale = _PIECE_BIAS * fitted / float(squares[self._used].sum())
+
+    def variance(self, sums: FloatArray) -> float:
+        """Of averages over the pieces (see `EdgePieces`), by the sums (n,) of weighted residuals in thirds of one."""
+        averaged = np.convolve(sums, self._ones, "valid")[self._used]
+        return self._scale * float(averaged @ averaged)

@@ -17,7 +17,11 @@ from doormill_ros.units import MM
 
 ALONG = np.arange(0.0, 0.13, 1.0e-4)
 SETTINGS = load_settings()
-DRAWN = {"bottom": np.zeros((2, 2))}
+
+
+def drawn(edge):
+    """Where an edge is in the picture."""
+    return np.zeros((2, 2))
 
 
 def sawn(rng, bend=0.0, rough=0.015 * MM):
@@ -40,15 +44,15 @@ def test_a_bend_is_measured():
 
 def test_straight_edges_are_not_called_bowed():
     for seed in range(60):
-        check_straight({"bottom": sawn(np.random.default_rng(100 + seed))}, DRAWN, SETTINGS)
+        check_straight({"bottom": sawn(np.random.default_rng(100 + seed))}, drawn, SETTINGS)
 
 
 def test_a_bowed_edge_is_refused_with_its_size_and_place():
     with pytest.raises(BowedEdge, match=r"bottom edge is bowed: over 400 mm .* by 0\.[67]\d mm") as refused:
-        check_straight({"bottom": sawn(np.random.default_rng(1), bend=0.0165)}, DRAWN, SETTINGS)
+        check_straight({"bottom": sawn(np.random.default_rng(1), bend=0.0165)}, drawn, SETTINGS)
     assert refused.value.data["edge"] == "bottom"
     tolerant = replace(SETTINGS, straightness_limit=1.0 * MM)
-    check_straight({"bottom": sawn(np.random.default_rng(1), bend=0.0165)}, DRAWN, tolerant)
+    check_straight({"bottom": sawn(np.random.default_rng(1), bend=0.0165)}, drawn, tolerant)
 
 
 def test_a_picture_of_a_bowed_door_is_refused(camera, layout):
@@ -64,15 +68,15 @@ def test_a_picture_of_a_bowed_door_is_refused(camera, layout):
 def test_a_cell_of_bowed_doors_mills_only_those_whose_edges_show_that_they_are_straight():
     bowed = replace(SETTINGS, straightness_deviation=0.17 * MM)
     rough, smooth = (sawn(np.random.default_rng(3), rough=rms) for rms in (0.05 * MM, 0.001 * MM))
-    check_straight({"bottom": rough}, DRAWN, SETTINGS)
-    check_straight({"bottom": smooth}, DRAWN, bowed)
+    check_straight({"bottom": rough}, drawn, SETTINGS)
+    check_straight({"bottom": smooth}, drawn, bowed)
     with pytest.raises(
         BowedEdge, match=r"doors of this cell are bowed by 0\.17 mm .* leaves 0\.1\d mm of it open"
     ):
-        check_straight({"bottom": rough}, DRAWN, bowed)
+        check_straight({"bottom": rough}, drawn, bowed)
     bent = sawn(np.random.default_rng(3), bend=0.0075, rough=0.001 * MM)
     with pytest.raises(BowedEdge, match=r"leaves 0\.(29|30) mm of it open"):
-        check_straight({"bottom": bent}, DRAWN, bowed)
+        check_straight({"bottom": bent}, drawn, bowed)
 
 
 def test_a_sawn_edge_leaves_a_bow_open_as_independent_points_would():
