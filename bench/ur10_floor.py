@@ -33,7 +33,7 @@ from doormill_ros.measurements.pose_set import read_pose_set
 from doormill_ros.robot_model.pose.chain import derivatives, joint_turn
 
 #: Poses are the same within this distance of cosines and sines of their angles.
-SAME = 2e-3
+SAME = 3e-4
 #: Rows within which a joint came back, and beyond which neighbours in angle count as apart.
 SOON, APART = 30, 25
 #: Distances of angles [mrad].
