@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from doormill_ros.abb.target_file.line import DECIMALS, _decimals, _format_position
+import numpy as np
+
+from doormill_ros.abb.target_file.line import DECIMALS, _decimals_of
 from doormill_ros.simulation.controller.rapid.handlers import OWN_RAISES
 
 FIRST_RAISE, LAST_RAISE = min(OWN_RAISES), max(OWN_RAISES)
@@ -11,5 +13,5 @@ FIRST_RAISE, LAST_RAISE = min(OWN_RAISES), max(OWN_RAISES)
 def last_with_four_decimals() -> float:
     """Power of two [mm] below which coordinates are written with all their decimals."""
     most = DECIMALS[0][0]
-    limits = (2.0**power for power in range(5, 13))
-    return max(limit for limit in limits if _decimals(_format_position(limit - 0.123, most)) == most)
+    limits = 2.0 ** np.arange(5, 13)
+    return float(limits[_decimals_of(limits - 0.123, most) == most].max())
