@@ -5,6 +5,8 @@ SHELL := bash
 DISTRO ?= kilted
 DOOR ?= standard_door
 ENV = . ./activate &&
+# Tests start some thousand processes; without byte code each of them compiles all that it imports.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help setup run test lint format bench faults stops shift corpus score clean
 
@@ -18,7 +20,7 @@ run: setup        ## run the cell on a demo door (DOOR=id), results under out/la
 	@$(ENV) cell --door $(DOOR)
 
 test: setup       ## all tests
-	@$(ENV) python -m pytest -n 2 --dist loadfile --maxfail 40 test
+	@$(ENV) python -m pytest -n 3 --dist loadfile --maxfail 40 test
 
 lint: setup       ## style, imports, docstrings, formatting, types
 	@$(ENV) ruff check . && ruff format --check . && mypy
