@@ -27,11 +27,11 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 
-import numpy as np
+
+from loop_words import print_loops, print_sum, walls_of
 
 from doormill_ros.pipeline.plan import MillingSetup
-from doormill_ros.units import m_to_um
-from support.shift_loop import LEFT, LoopWorth, loop_worth, untroubled
+from support.shift_loop import LoopWorth, loop_worth, untroubled
 from support.shift_worlds import NEAR, OWED, DrawnShift, Judged, diagnosed, draw_shift, judged, sizes
 
 RIGHT = (
@@ -131,7 +131,7 @@ def main() -> int:
             f"{seed}: {len(drawn.doors)} doors, hidden {', '.join(hidden) or 'nothing'}; "
             f"{found.verdict}: {', '.join(found.named)}; missed {[one.cause for one in found.missed]}, "
             f"wrong {list(found.wrong)}, far off {[one.cause for one in found.late]}; "
-            f"{', in the morning '.join(_walls(loop) for loop in found_loops.values())}; "
+            f"{', in the morning '.join(walls_of(loop) for loop in found_loops.values())}; "
             f"{shift.seconds:.0f} s",
             flush=True,
         )
@@ -151,46 +151,10 @@ def main() -> int:
         )
     )
     for label, some in loops.items():
-        _print_loops(label, some)
+        print_loops(label, some)
     every = [loop for some in loops.values() for loop in some]
-    kept, worse = sum(loop.as_told for loop in every), sum(loop.worse for loop in every)
-    print(
-        f"all loops: {kept} of {len(every)} leave at most {LEFT:g} times what gauge, localization, program and gears "
-        f"leave of a world that is known, {worse} more than before"
-    )
+    kept, worse = print_sum(every)
     return int(wrong + worse > 0 or total["right"] < RIGHT * total["hidden"] or kept < RIGHT * len(every))
-
-
-def _walls(loop: LoopWorth) -> str:
-    before, after, least, told = (
-        m_to_um(value) for value in (loop.before, loop.after, loop.least, loop.told)
-    )
-    remarks = (
-        [f"beyond {LEFT:g}"] * (not loop.kept)
-        + ["of told, too"] * (not loop.as_told)
-        + ["worse"] * loop.worse
-    )
-    return f"walls {before:.0f} to {after:.0f} um, as assumed {least:.0f}, told {told:.0f} {' '.join(remarks)}".rstrip()
-
-
-def _print_loops(label: str, loops: Sequence[LoopWorth]) -> None:
-    milled = [loop for loop in loops if not np.isnan(loop.before + loop.after)]
-    if not milled:
-        print(f"{label}: no doors after the loop")
-        return
-    before, after, least, told = np.array(
-        [[loop.before, loop.after, loop.least, loop.told] for loop in milled]
-    ).T
-    print(
-        f"{label}: walls of the next doors after the loop {m_to_um(np.median(after)):.0f} um in the median, "
-        f"{m_to_um(np.quantile(after, 0.9)):.0f} in 9 of 10, {m_to_um(np.median(before)):.0f} and "
-        f"{m_to_um(np.quantile(before, 0.9)):.0f} before; {np.median(after / least):.2f} and "
-        f"{np.quantile(after / least, 0.9):.2f} times what is left as assumed, "
-        f"{np.nanmedian(after / told):.2f} and {np.nanquantile(after / told, 0.9):.2f} times what the world's own "
-        f"figures leave; {sum(loop.kept for loop in milled)} of "
-        f"{len(milled)} within {LEFT:g} times, {sum(loop.worse for loop in milled)} worse than before, "
-        f"{len(loops) - len(milled)} refused"
-    )
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ from support.source_tree import ROOT
 
 NO_BAG = ROOT / "bags"  #: beside which nobody looks
 LINE_STEP = 5e-4  #: between samples of a straight cut [m]
+FOLLOWING = 1_000_000  #: added to the seed of a shift, gives that of the doors after it
 #: What a localizer states of a pose [m, m, rad].
 PLACING = np.diag([8.5e-5, 5e-5, 8e-5]) ** 2
 
@@ -60,6 +61,11 @@ def random_doors(seed: int, count: int) -> tuple[Commanded, ...]:
         path = timed(commanded(planned.program, setup.robot.dh, tool, LINE_STEP), planned)
         found.append(Commanded(NO_BAG, recipe.door_id, recipe, T_base_door, path))
     return tuple(found)
+
+
+def next_doors(seed: int) -> tuple[tuple[Recipe, np.ndarray], ...]:
+    """Recipes and places, T_base_door of shape (4, 4), of two doors that are in no shift of that seed."""
+    return tuple((door.recipe, door.T_base_door) for door in random_doors(seed + FOLLOWING, 2))
 
 
 def random_shift(folder: Path, world: dict, doors: tuple[Commanded, ...], seed: int) -> list[InspectedDoor]:

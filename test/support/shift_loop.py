@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from doormill_ros.diagnosis.parts.problem import DoorDiagnosis
 from doormill_ros.pipeline.plan import MillingSetup, load_setup, plan
 from doormill_ros.recipes.documents import load_recipe
 from doormill_ros.recipes.program import Program
+from doormill_ros.recipes.recipe import Recipe
 from doormill_ros.robot_model.warmth.work_times import WorkTimes
 from doormill_ros.simulation.world.door_truth import GAUGE, TAKT, DoorTruth
 from doormill_ros.simulation.world.gauge import gauge
@@ -94,12 +96,14 @@ class NextDoors:
         number: Of the first of them in the shift.
         seed: Of where the localizer puts them.
         morning: Whether a night lies before them.
+        doors: Recipe and place, T_base_door of shape (4, 4), of each; none for `NEXT`.
     """
 
     world: ShiftWorld
     number: int
     seed: int
     morning: bool = False
+    doors: Sequence[tuple[Recipe, np.ndarray]] = ()
 
     def truth(self, number: int, setup: MillingSetup) -> DoorTruth:
         """Of one of them."""
@@ -118,9 +122,9 @@ class NextDoors:
         rng, off = np.random.default_rng([self.seed, 17]), []
         dh, tool = setup.robot.dh, setup.layout.T_flange_tool
         work = WorkTimes([] if self.morning else [TAKT * door for door in range(self.number)])
-        for number, (name, offset) in enumerate(NEXT, self.number):
-            recipe = replace(load_recipe(name), program=Program.GENERAL)
-            believed = setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
+        doors = self.doors or [_stands(load_recipe(name), offset, setup) for name, offset in NEXT]
+        for number, (own, believed) in enumerate(doors, self.number):
+            recipe = replace(own, program=Program.GENERAL)
             scatter = rng.normal(0.0, SCATTER)
             truth = self.truth(number, setup)
             moment = TAKT * number + (NIGHT if self.morning else 0.0)
@@ -145,6 +149,7 @@ def loop_worth(
     seed: int,
     knowing: MillingSetup,
     morning: bool = False,
+    doors: Sequence[tuple[Recipe, np.ndarray]] = (),
 ) -> LoopWorth:
     """Mill and gauge the doors that follow a shift.
 
@@ -155,17 +160,22 @@ def loop_worth(
         seed: They were gauged with.
         knowing: See `untroubled`.
         morning: Whether a night lies between.
+        doors: See `NextDoors`.
     """
     aware = setup_with(folder / "model.yaml", diagnosis)
     assumed = folder / "as_assumed.yaml"
     assumed.write_text(yaml.safe_dump({"schema": "doormill/world/1", "seed": seed}), encoding="utf-8")
-    doors = NextDoors(load_world(folder / "world.yaml"), count, seed, morning)
+    following = NextDoors(load_world(folder / "world.yaml"), count, seed, morning, doors)
     return LoopWorth(
-        NextDoors(load_world(assumed), count, seed).walls(knowing),
-        doors.walls(load_setup()),
-        doors.walls(aware),
-        doors.walls(load_setup(), aware=True),
+        NextDoors(load_world(assumed), count, seed, doors=doors).walls(knowing),
+        following.walls(load_setup()),
+        following.walls(aware),
+        following.walls(load_setup(), aware=True),
     )
+
+
+def _stands(recipe: Recipe, offset: DoorOffset, setup: MillingSetup) -> tuple[Recipe, np.ndarray]:
+    return recipe, setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
 
 
 def untroubled(folder: Path) -> MillingSetup:

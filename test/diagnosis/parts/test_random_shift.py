@@ -4,7 +4,9 @@ import pytest
 
 from doormill_ros.diagnosis.core.verdict import CONSISTENT
 from doormill_ros.diagnosis.parts.kind import Inspections
-from support.random_shift import random_doors, random_shift
+from doormill_ros.pipeline.plan import load_setup
+from support.random_shift import next_doors, random_doors, random_shift
+from support.shift_loop import loop_worth
 from support.shift_worlds import Hidden, judged
 
 COUNT, STEP = 12, 8
@@ -42,3 +44,13 @@ def test_doors_that_are_all_different_are_no_change_by_themselves(tmp_path):
     diagnosis = diagnosis_of(tmp_path, {"seed": 4})
     assert diagnosis.verdict == CONSISTENT
     assert not diagnosis.findings
+
+
+def test_two_more_such_doors_come_out_better_with_what_was_learned(tmp_path):
+    world = {"seed": 4, "force": {"factor": 1.3}}
+    following = next_doors(1)
+    seen = {door.recipe.width for door in random_doors(1, COUNT)}
+    assert not seen & {recipe.width for recipe, _ in following}
+    loop = loop_worth(tmp_path, diagnosis_of(tmp_path, world), COUNT, 4, load_setup(), doors=following)
+    assert loop.after < 0.5 * loop.before
+    assert loop.as_told
