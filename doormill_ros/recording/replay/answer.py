@@ -141,21 +141,30 @@ def localization_answer(
         residual: Rms distance of the edge points from their lines [m].
         quality: Distance from the limits of refusal, 0..1.
     """
-    shift = 0 if covariance.shape == (6, 6) else 1
-    shared = {
-        f"pose.covariance[{6 * row + column}]": float(covariance[row - shift, column - shift])
-        for row, column in COVARIANCE
-    }
     content = {
         "pose.pose": _pose(T_base_door),
         "offset_y": offset.y,
         "offset_z": offset.z,
         "offset_rotation": offset.rotation,
-        **shared,
+        **_shared(covariance),
         "residual": float(residual),
         "quality": float(quality),
     }
     return Answer(LOCALIZATION, stamp_ns, _flat(ACCEPTED | content))
+
+
+def _shared(covariance: FloatArray) -> dict[str, float]:
+    """Variances, and correlations: of two that hardly go together the covariance is a rest of rounding."""
+    shift = 0 if covariance.shape == (6, 6) else 1
+    found: dict[str, float] = {}
+    for row, column in COVARIANCE:
+        number, i, j = 6 * row + column, row - shift, column - shift
+        if row == column:
+            found[f"pose.covariance[{number}]"] = float(covariance[i, i])
+        else:
+            size = float(np.sqrt(covariance[i, i] * covariance[j, j]))
+            found[f"pose.correlation[{number}]"] = float(covariance[i, j]) / size if size > 0.0 else 0.0
+    return found
 
 
 def sensed_of(message: Any) -> Answer:

@@ -28,6 +28,7 @@ TOLERANCES: tuple[tuple[str, Tolerance], ...] = (
     (r"^pose\.pose\.position$|^offset_[yz]$", Tolerance(1e-6, "m")),
     (r"^pose\.pose\.orientation$|^offset_rotation$", Tolerance(1e-6, "rad")),
     (r"^pose\.covariance", Tolerance(1e-18, "", relative=1e-3)),
+    (r"^pose\.correlation", Tolerance(1e-3)),
     (r"^residual$", Tolerance(1e-7, "m", relative=1e-3)),
     (r"^quality$", Tolerance(1e-3)),
     (r"\.position$|^largest_correction$|expected_error$", Tolerance(1e-7, "m")),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 import copy
 from dataclasses import dataclass, field
+from inspect import signature
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -91,11 +92,11 @@ def taps_of(node: Any) -> list[Any]:
 
 def feed(tap: Any, message: Any, number: int) -> None:
     """As the executor would."""
-    if tap.raw:
-        info = {"source_timestamp": number, "publication_sequence_number": number}
-        tap.callback(serialize_message(message), info)
+    given = serialize_message(message) if tap.raw else message
+    if len(signature(tap.callback).parameters) > 1:
+        tap.callback(given, {"source_timestamp": number, "publication_sequence_number": number})
     else:
-        tap.callback(message)
+        tap.callback(given)
 
 
 def good_message(tap: Any, recorded: dict[str, bytes], run: int, sensor: str = "") -> Any:
