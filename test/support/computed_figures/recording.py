@@ -11,6 +11,7 @@ from support.source_tree import ROOT
 FIRST_NOT_REPLAYED = LAST_REPLAYED + 1
 POSE, ANGLE = tolerance_of("pose.pose.position"), tolerance_of("pose.pose.orientation")
 COVARIANCE, RESIDUAL = tolerance_of("pose.covariance[0]"), tolerance_of("residual")
+CORRELATION = tolerance_of("pose.correlation[0]")
 TARGET, JOINTS = tolerance_of("targets[0].position"), tolerance_of("targets[0].joint_positions")
 BENT, TURNED = tolerance_of("deflection.linear"), tolerance_of("deflection.angular")
 FORCE, TORQUE = tolerance_of("wrench.force"), tolerance_of("wrench.torque")
