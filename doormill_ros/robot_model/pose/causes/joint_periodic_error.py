@@ -17,8 +17,6 @@ SPARSE = 16
 SOME_ROWS, MANY_ROWS = 300, 2500
 #: Orders up to here make a spectrum where all of them are fitted.
 BROAD = 60
-#: Of these the largest come from an axis beside the middle and from a ring that is oval: they follow no spectrum.
-OVAL = 2
 
 
 def dense_orders(sets: Sequence[SetView]) -> list[tuple[int, ...]]:
@@ -34,11 +32,10 @@ def size_group(where: str, order: int, orders: Sequence[int]) -> str:
     Many rows tell a spectrum. The joints of a robot hold gears of one make, so it is learnt by octaves for all
     joints together, whatever part of a turn each was visited on. That is the spectrum of a smooth random curve:
     away from the visited angles it goes to zero within a wave or so, where the few orders that survive with sizes of
-    their own would swing on. One and two waves a turn have a size each, which reaches beyond the visited angles.
-    Few rows, and the sharp lines beyond the spectrum, tell single orders.
+    their own would swing on. Few rows, and the sharp lines beyond the spectrum, tell single orders.
     """
     if order <= BROAD and set(range(1, BROAD + 1)) <= set(orders):
-        return f"order {order}" if order <= OVAL else f"octave {order.bit_length()}"
+        return f"octave {order.bit_length()}"
     return f"{where} order {order}"
 
 
