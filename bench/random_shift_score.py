@@ -14,7 +14,6 @@ import sys
 import tempfile
 import time
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -23,9 +22,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / "test")]
 from loop_words import print_loops, print_sum, walls_of  # noqa: E402
 
 from doormill_ros.diagnosis.parts.kind import Inspections  # noqa: E402
-from doormill_ros.pipeline.plan import MillingSetup  # noqa: E402
 from support.random_shift import next_doors, random_doors, random_shift  # noqa: E402
-from support.shift_loop import LoopWorth, loop_worth, untroubled  # noqa: E402
+from support.shift_loop import LoopWorth, knowing, loop_worth  # noqa: E402
 from support.shift_worlds import DrawnShift, Judged, draw_shift, judged  # noqa: E402
 
 LONGEST = 40  # doors
@@ -44,23 +42,15 @@ class ScoredShift:
     seconds: float
 
 
-@cache
-def _knowing() -> MillingSetup:
-    """The setup of a shift that nothing troubled, once in each process."""
-    with tempfile.TemporaryDirectory(prefix="shift-") as folder:
-        return untroubled(Path(folder) / "shift")
-
-
 def scored(seed: int) -> ScoredShift:
     """Draw, plan, mill, gauge and question a shift, and mill the doors after it."""
     logging.disable(logging.WARNING)
-    knowing = _knowing()
     drawn, begin = draw_shift(seed, longest=LONGEST), time.monotonic()
     with tempfile.TemporaryDirectory(prefix="shift-") as folder:
         shift, count = Path(folder), len(drawn.doors)
         doors = random_shift(shift, drawn.world, random_doors(seed, count), seed)
         diagnosis = Inspections().diagnose(doors, lambda line: None)
-        loop = loop_worth(shift, diagnosis, count, seed, knowing, doors=next_doors(seed))
+        loop = loop_worth(shift, diagnosis, count, seed, knowing(), doors=next_doors(seed))
     return ScoredShift(seed, drawn, judged(diagnosis, drawn.hidden), loop, time.monotonic() - begin)
 
 

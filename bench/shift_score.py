@@ -21,7 +21,6 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -30,8 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 
 from loop_words import print_loops, print_sum, walls_of
 
-from doormill_ros.pipeline.plan import MillingSetup
-from support.shift_loop import LoopWorth, loop_worth, untroubled
+from support.shift_loop import LoopWorth, knowing, loop_worth
 from support.shift_worlds import NEAR, OWED, DrawnShift, Judged, diagnosed, draw_shift, judged, sizes
 
 RIGHT = (
@@ -55,17 +53,9 @@ class ScoredShift:
     seconds: float
 
 
-@cache
-def _knowing() -> MillingSetup:
-    """The setup of a shift that nothing troubled, once in each process."""
-    logging.disable(logging.WARNING)
-    with tempfile.TemporaryDirectory(prefix="shift-") as folder:
-        return untroubled(Path(folder) / "shift")
-
-
 def scored(seed: int) -> ScoredShift:
     """Draw, mill, gauge and question a shift, and mill the doors after it."""
-    knowing = _knowing()
+    logging.disable(logging.WARNING)  # in each process
     drawn, begin = draw_shift(seed), time.monotonic()
     with tempfile.TemporaryDirectory(prefix="shift-") as folder:
         shift = Path(folder) / "shift"
@@ -74,9 +64,9 @@ def scored(seed: int) -> ScoredShift:
         moved = sizes(shift, drawn, seed)
         causes = {one.cause for one in drawn.hidden}
         label = next((label for label, cause in APART.items() if cause in causes), REST)
-        loops = {label: loop_worth(shift, diagnosis, len(drawn.doors), seed, knowing)}
+        loops = {label: loop_worth(shift, diagnosis, len(drawn.doors), seed, knowing())}
         if APART[WARM] in causes:
-            loops[MORNING] = loop_worth(shift, diagnosis, len(drawn.doors), seed, knowing, morning=True)
+            loops[MORNING] = loop_worth(shift, diagnosis, len(drawn.doors), seed, knowing(), morning=True)
     return ScoredShift(seed, drawn, found, moved, loops, time.monotonic() - begin)
 
 

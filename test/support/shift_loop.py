@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -176,6 +178,13 @@ def loop_worth(
 
 def _stands(recipe: Recipe, offset: DoorOffset, setup: MillingSetup) -> tuple[Recipe, np.ndarray]:
     return recipe, setup.layout.T_base_door(recipe.width, recipe.thickness, offset)
+
+
+@cache
+def knowing() -> MillingSetup:
+    """The setup of a shift that nothing troubled, once in each process."""
+    with tempfile.TemporaryDirectory(prefix="shift-") as folder:
+        return untroubled(Path(folder) / "shift")
 
 
 def untroubled(folder: Path) -> MillingSetup:

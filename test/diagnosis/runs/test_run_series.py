@@ -129,6 +129,15 @@ class TestSpindle:
         assert [answer.seed for answer in quiet if not answer.is_quiet] == []
 
 
+def test_doors_that_turn_while_the_marks_stand_are_no_camera_that_turned(tmp_path):
+    """The marks of this series move by chance, a fiftieth as far as the doors turn."""
+    answer = drawn_answer(5109, tmp_path, spindle=True)
+    assert "clamp_shift" in [change.kind for change in answer.series.changes]
+    assert answer.series.way is not None
+    assert answer.wrong == []
+    assert answer.missed == []
+
+
 @pytest.mark.parametrize("order", ["random", "split"])
 def test_another_recipe_takes_another_work_and_is_no_change(order, tmp_path):
     series = draw_series(2, (), 20, order=order, calm=True, spindle=True)
