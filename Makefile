@@ -20,7 +20,7 @@ run: setup        ## run the cell on a demo door (DOOR=id), results under out/la
 	@$(ENV) cell --door $(DOOR)
 
 test: setup       ## all tests
-	@$(ENV) python -m pytest -n 3 --dist loadfile --maxfail 40 test
+	@$(ENV) python -m pytest -n 2 --dist loadfile --maxfail 40 test
 
 lint: setup       ## style, imports, docstrings, formatting, types
 	@$(ENV) ruff check . && ruff format --check . && mypy

@@ -45,6 +45,7 @@ MEANT = {
         *["place /var/backups/new.tar"] * 2,
         "place /var/lib/doormill",
         *["place /var/lib/doormill/today.tar"] * 3,
+        "place ~/.cache/doormill_ros",
         "place ~/.local/share/doormill_ros",
         "place ~/.ros/log",
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -98,7 +99,7 @@ def test_a_node_is_named_so_long_after_the_strike_that_killed_it() -> None:
 
 
 def test_a_file_that_outlives_its_run_is_seen_when_the_next_result_comes(tmp_path: Path) -> None:
-    leftovers, file = Leftovers(tmp_path), tmp_path / "Hei2.txt"
+    leftovers, file = Leftovers(tmp_path, patience=0.0), tmp_path / "Hei2.txt"
 
     def goal(run: str, stands: bytes | None) -> list[str]:
         leftovers.sent()
@@ -113,6 +114,20 @@ def test_a_file_that_outlives_its_run_is_seen_when_the_next_result_comes(tmp_pat
     assert goal("", FILE.replace(b"r1", b"r3")) == []
     (left,) = goal("r3", FILE)
     assert "run r1" in left
+
+
+def test_a_file_that_goes_while_nothing_else_is_asked_was_cleared_in_time(tmp_path: Path) -> None:
+    """A goal that names a dead node is refused sooner than the folder is cleared."""
+    leftovers, file = Leftovers(tmp_path), tmp_path / "Hei2.txt"
+    file.write_bytes(FILE)
+    leftovers.sent()
+    leftovers.told("r1")
+    leftovers.sent()
+    clearing = threading.Timer(0.2, file.unlink)
+    clearing.start()
+    leftovers.told("")
+    clearing.join()
+    assert leftovers.found == []
 
 
 def _mill(home: Path, oracle: Oracle, asked: float | None) -> None:
